@@ -71,7 +71,7 @@ def store(key: str, arrays: Mapping[str, NDArray[Any]]) -> None:
     content = io.BytesIO()
     np.savez_compressed(content, **arrays)  # type: ignore[arg-type]
     put(home / f"{key}.npz", content.getvalue())
-    _prune(home)
+    prune(home, "*.npz", KEPT)
 
 
 def put(file: Path, content: bytes) -> None:
@@ -86,11 +86,11 @@ def put(file: Path, content: bytes) -> None:
             Path(name).unlink(missing_ok=True)
 
 
-def _prune(home: Path) -> None:
-    """Remove all but the last used files; one that another process removed meanwhile is gone all the same."""
+def prune(home: Path, names: str, most: int) -> None:
+    """Remove all but the last used files of such names; one that another process removed meanwhile is gone all the same."""
     entries = []
-    for file in home.glob("*.npz"):
+    for file in home.glob(names):
         with contextlib.suppress(FileNotFoundError):
             entries.append((file.stat().st_mtime_ns, file))
-    for _, old in sorted(entries, reverse=True)[KEPT:]:
+    for _, old in sorted(entries, reverse=True)[most:]:
         old.unlink(missing_ok=True)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes.errors import MeshError
-from meshes.mesh import RawMesh
+from meshes.mesh import RawMesh, weld
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
@@ -33,6 +33,8 @@ PLINTH: Final = 1.5
 STEPS: Final = 60
 FILLET: Final = 0.95
 """The cut lies where the area of what is above falls by less than a twentieth a step: above the fillet that a scan leaves."""
+ON_CUT: Final = 1e-9
+"""Points this near to a cut, as a share of the height, are on it: rounding, far below what a scan resolves."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,8 @@ def cut_below(mesh: RawMesh, height_m: float) -> RawMesh:
 
     Raises MeshError where nothing would be left.
     """
+    from trimesh.intersections import slice_faces_plane
+
     low, size = float(mesh.vertices[:, 2].min()), float(np.ptp(mesh.vertices[:, 2]))
     if not 0.0 < height_m < size:
         raise MeshError(
@@ -107,28 +111,9 @@ def cut_below(mesh: RawMesh, height_m: float) -> RawMesh:
             place=mesh.source,
         )
     level = low + height_m
-    above = mesh.vertices[:, 2] > level
-    count = above[mesh.faces].sum(axis=1)
-    faces = mesh.faces[count > 0]
-    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    through = above[start] != above[end]
-    # One point for an edge, whichever of its faces asks: the cut stays closed.
-    ends = np.sort(np.column_stack([start, end]), axis=1)
-    edges, number = np.unique(ends[through], axis=0, return_inverse=True)
-    a, b = mesh.vertices[edges[:, 0]], mesh.vertices[edges[:, 1]]
-    points = a + ((level - a[:, 2]) / (b[:, 2] - a[:, 2]))[:, None] * (b - a)
-    points[:, 2] = level
-    middle = np.full(len(start), -1, dtype=np.int64)
-    middle[through] = len(mesh.vertices) + number.ravel()
-    clipped = [_clipped(face, above[face], cut) for face, cut in zip(faces, middle.reshape(-1, 3), strict=True)]
-    remaining = np.array([triangle for triangles in clipped for triangle in triangles], dtype=np.int64)
-    return RawMesh(np.vstack([mesh.vertices, points]), mesh.faces, mesh.source).with_faces(remaining)
-
-
-def _clipped(face: Faces, above: NDArray[np.bool_], cut: Faces) -> list[list[int]]:
-    """The triangles left of one face: its corners above and, between a corner above and one below, the point of the cut."""
-    ring: list[int] = []
-    for k in range(3):
-        ring += [int(face[k])] if above[k] else []
-        ring += [int(cut[k])] if cut[k] >= 0 else []
-    return [[ring[0], ring[k], ring[k + 1]] for k in range(1, len(ring) - 1)]
+    vertices, faces, _ = slice_faces_plane(  # type: ignore[no-untyped-call]
+        mesh.vertices, mesh.faces, plane_normal=[0.0, 0.0, 1.0], plane_origin=[0.0, 0.0, level]
+    )
+    # Each face beside the cut has its own points there; exactly level and welded, the cut stays closed.
+    vertices[np.abs(vertices[:, 2] - level) < ON_CUT * size, 2] = level
+    return weld(RawMesh(vertices, faces, mesh.source))

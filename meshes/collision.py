@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes.errors import MeshError
+from meshes.mesh import manifold
 from meshes.solid import Solid
 
 Array = NDArray[np.float64]
@@ -107,9 +108,9 @@ def outward(points: Array) -> Faces:
 @lru_cache(maxsize=8)
 def hull_excess_rel(solid: Solid, below_m: float) -> float:
     """Volume of the statue's hull below a height over that of the mesh, less one: 0 for a convex statue; exact cuts."""
-    from manifold3d import Manifold, Mesh64
+    from manifold3d import Manifold
 
     down = (0.0, 0.0, -1.0)
     hull_part = Manifold.hull_points(np.array(solid.vertices_m)).trim_by_plane(down, -below_m)
-    body = Manifold(Mesh64(np.array(solid.vertices_m), solid.faces.astype(np.uint64))).trim_by_plane(down, -below_m)
+    body = manifold(solid.vertices_m, solid.faces).trim_by_plane(down, -below_m)
     return float(hull_part.volume() / body.volume() - 1.0)

@@ -113,12 +113,5 @@ def _sound(mesh: RawMesh) -> RawMesh | None:
 
 def _unfolded(faces: Faces) -> Faces:
     """The faces without those that lie on another one with the same three vertices."""
-    while True:
-        order = np.lexsort(np.sort(faces, axis=1).T)
-        same = (np.diff(np.sort(faces, axis=1)[order], axis=0) == 0).all(axis=1)
-        if not same.any():
-            return faces
-        folded = np.zeros(len(faces), dtype=bool)
-        folded[order[:-1][same]] = True
-        folded[order[1:][same]] = True
-        faces = faces[~folded]
+    _, number, count = np.unique(np.sort(faces, axis=1), axis=0, return_inverse=True, return_counts=True)
+    return np.asarray(faces[count[number.ravel()] == 1])

@@ -22,7 +22,7 @@ from meshes import coacd_alone
 from meshes.collision import thinned
 from meshes.decimation import simplified
 from meshes.errors import MeshError
-from meshes.mesh import RawMesh
+from meshes.mesh import RawMesh, manifold
 from meshes.solid import Solid
 
 Array = NDArray[np.float64]
@@ -140,9 +140,9 @@ _FAILED: Final[dict[bytes, str]] = {}
 
 def _misfit(solid: Solid, parts: Sequence[Array]) -> tuple[float, float]:
     """Volume of the parts outside the mesh and of the mesh outside the parts, over the mesh's; exact differences."""
-    from manifold3d import Manifold, Mesh64, OpType
+    from manifold3d import Manifold, OpType
 
-    body = Manifold(Mesh64(np.array(solid.vertices_m), solid.faces.astype(np.uint64)))
+    body = manifold(solid.vertices_m, solid.faces)
     union = Manifold.batch_boolean([Manifold.hull_points(points) for points in parts], OpType.Add)
     both, volume = float((union ^ body).volume()), float(body.volume())
     return (float(union.volume()) - both) / volume, 1.0 - both / volume

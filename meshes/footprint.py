@@ -7,8 +7,6 @@ from x seen from above: the direction towards which the body would topple.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -17,35 +15,22 @@ from meshes.errors import MeshError
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Planar:
-    """What a planar rocking model takes of a body shaken along one azimuth (docs/model.md, section 1)."""
-
-    azimuth_deg: float
-    corner_left_m: float
-    corner_right_m: float
-    centroid_height_m: float
-    inertia_kg_m2: float
-    slenderness_left_rad: float
-    slenderness_right_rad: float
-
-
 def convex_hull(points: Array) -> Array:
     """Corners (k, 2) of the convex hull of points (n, 2), counter-clockwise, from the points themselves; collinear
     ones left out.
 
     Raises MeshError for points on a line.
     """
+    return points[_hull_indices(points)]
+
+
+def _hull_indices(points: Array) -> NDArray[np.intp]:
+    """Indices of the hull's corners, in counter-clockwise order starting at the lowest-leftmost one."""
     from scipy.spatial import ConvexHull, QhullError
 
-    return points[_hull_indices(points, ConvexHull, QhullError)]
-
-
-def _hull_indices(points: Array, hull_of: type, failure: type[Exception]) -> NDArray[np.intp]:
-    """Indices of the hull's corners, in counter-clockwise order starting at the lowest-leftmost one."""
     try:
-        order = np.asarray(hull_of(points).vertices, dtype=np.intp)
-    except failure as error:
+        order = np.asarray(ConvexHull(points).vertices, dtype=np.intp)
+    except QhullError as error:
         raise MeshError(
             "a base or outline with an area",
             f"{len(points)} points on a line or in one place",
@@ -67,8 +52,6 @@ def footprint(vertices_m: Array, tolerance_m: float) -> Array:
 
     Raises MeshError if they do not enclose an area.
     """
-    from scipy.spatial import ConvexHull, QhullError
-
     low = vertices_m[vertices_m[:, 2] <= vertices_m[:, 2].min() + tolerance_m]
     if len(low) < 3:
         raise MeshError(
@@ -76,7 +59,7 @@ def footprint(vertices_m: Array, tolerance_m: float) -> Array:
             f"{len(low)} within {1000.0 * tolerance_m:g} mm of the lowest point",
             "check the up axis and the base plane, or give a larger contact tolerance",
         )
-    return np.array(low[_hull_indices(low[:, :2], ConvexHull, QhullError)])
+    return np.array(low[_hull_indices(low[:, :2])])
 
 
 def lower_chain(points: Array) -> Array:
@@ -167,20 +150,3 @@ def slenderness_rose_rad(polygon_m: Array, centroid_height_m: float, azimuth_deg
 def weakest_azimuth_deg(polygon_m: Array) -> float:
     """Direction across the side of the polygon nearest the centroid's vertical: where the least slenderness lies."""
     return float(sides(polygon_m)[1][int(np.argmin(outward_sides(polygon_m)[1]))])
-
-
-def planar(polygon_m: Array, centroid_height_m: float, inertia_kg_m2: Array, azimuth_deg: float) -> Planar:
-    """The planar parameters b_L, b_R, h, J_G of a body shaken along `azimuth_deg`; `inertia_kg_m2` (3, 3) about the
-    centroid."""
-    right, left = (float(b) for b in corner_m(polygon_m, [azimuth_deg, azimuth_deg + 180.0]))
-    angle = np.deg2rad(azimuth_deg)
-    across = np.array([-np.sin(angle), np.cos(angle), 0.0])
-    return Planar(
-        azimuth_deg=azimuth_deg,
-        corner_left_m=left,
-        corner_right_m=right,
-        centroid_height_m=centroid_height_m,
-        inertia_kg_m2=float(across @ inertia_kg_m2 @ across),
-        slenderness_left_rad=float(np.arctan2(left, centroid_height_m)),
-        slenderness_right_rad=float(np.arctan2(right, centroid_height_m)),
-    )

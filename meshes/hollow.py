@@ -10,7 +10,7 @@ import numpy as np
 
 from meshes.errors import MeshError
 from meshes.intake import must_be_closed, must_be_one, read_mesh, to_metres_z_up
-from meshes.mesh import RawMesh
+from meshes.mesh import RawMesh, manifold
 from meshes.solid import Solid, mass_properties, solid_from_mesh
 from meshes.survey import with_core
 
@@ -80,10 +80,7 @@ def load_hollow(
 
 def _must_be_inside(around: RawMesh, shell: RawMesh, hollow_m3: float) -> None:
     """Refuse a shell of which more than a trace lies outside (exact difference of the two bodies)."""
-    from manifold3d import Manifold, Mesh64
-
-    bodies = [Manifold(Mesh64(np.array(m.vertices), m.faces.astype(np.uint64))) for m in (shell, around)]
-    outside = (bodies[0] - bodies[1]).volume() / hollow_m3
+    outside = (manifold(shell.vertices, shell.faces) - manifold(around.vertices, around.faces)).volume() / hollow_m3
     if outside > OUTSIDE_REL:
         raise MeshError(
             "an inner shell inside the statue",

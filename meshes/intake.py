@@ -157,13 +157,8 @@ def to_metres_z_up(mesh: RawMesh, unit: str | float, up: str) -> RawMesh:
     vertices = unit_length_m(unit) * mesh.vertices @ turn_axis(up).T
     height = float(np.ptp(vertices[:, 2]))
     if not SHORTEST_M <= height <= TALLEST_M:
-        raise MeshError(
-            f"a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high",
-            f"{height:.4g} m with unit {unit!r} and up {up!r}",
-            "check the unit the scan was exported in",
-            place=mesh.source,
-        )
-    return RawMesh(vertices, mesh.faces, mesh.source)
+        raise wrong_size(f"{height:.4g} m with unit {unit!r} and up {up!r}", mesh.source)
+    return mesh.moved(vertices)
 
 
 def load_solid(
@@ -186,7 +181,7 @@ def load_solid(
     state = Path(path).stat()
     mesh = _closed(Path(path), unit, up, (state.st_mtime_ns, state.st_size))
     if azimuth_deg != 0.0:
-        mesh = RawMesh(mesh.vertices @ turn_about_z(azimuth_deg).T, mesh.faces, mesh.source)
+        mesh = mesh.moved(mesh.vertices @ turn_about_z(azimuth_deg).T)
     try:
         return solid_from_mesh(
             mesh.vertices,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +37,13 @@ def drop_unused(vertices: Array, faces: Faces) -> tuple[Array, Faces]:
     used[faces.ravel()] = True
     number = np.cumsum(used) - 1
     return vertices[used], number[faces]
+
+
+def manifold(vertices: Array, faces: Faces) -> Any:
+    """A closed surface as the body of manifold3d, for exact Boolean operations."""
+    from manifold3d import Manifold, Mesh64
+
+    return Manifold(Mesh64(np.array(vertices), np.ascontiguousarray(faces, dtype=np.uint64)))
 
 
 def double_areas(vertices: Array, faces: Faces) -> Array:

@@ -81,29 +81,17 @@ def _noise_at(rim: Array, lag: int) -> float:
 
 
 def _corners(rim: Array, tolerance: float) -> Indices:
-    """Indices of the points between which a closed line stays within `tolerance` of its chords (Douglas and
-    Peucker)."""
+    """Indices of the points between which a closed line stays within `tolerance` of its chords (Douglas and Peucker)."""
+    from shapely import LineString, get_coordinates
+
     start = int(np.argmax(np.linalg.norm(rim - rim.mean(axis=0), axis=1)))
-    opposite = int(np.argmax(np.linalg.norm(rim - rim[start], axis=1)))
-    first, second = sorted((start, opposite))
-    count = len(rim)
-    chosen = {first, second}
-    spans = [(first, second), (second, first + count)]
-    while spans:
-        a, b = spans.pop()
-        if b - a < 2:
-            continue
-        between = np.arange(a + 1, b)
-        points, origin = rim[between % count], rim[a % count]
-        chord = rim[b % count] - origin
-        offset = points - origin
-        away = np.abs(chord[0] * offset[:, 1] - chord[1] * offset[:, 0]) / max(float(np.linalg.norm(chord)), 1e-300)
-        worst = int(np.argmax(away))
-        if away[worst] > tolerance:
-            middle = int(between[worst])
-            chosen.add(middle % count)
-            spans += [(a, middle), (middle, b)]
-    return np.array(sorted(chosen), dtype=np.int64)
+    first, second = sorted((start, int(np.argmax(np.linalg.norm(rim - rim[start], axis=1)))))
+    halves = (np.arange(first, second + 1), np.arange(second, first + len(rim) + 1) % len(rim))
+    # The number of a point stands as its third coordinate, which is passed on.
+    lines = [
+        LineString(np.column_stack([rim[half], half])).simplify(tolerance, preserve_topology=False) for half in halves
+    ]
+    return np.unique(np.concatenate([get_coordinates(line, include_z=True)[:, 2] for line in lines])).astype(np.int64)
 
 
 def _merged(rim: Array, corners: Indices, noise: float) -> Indices:
@@ -111,18 +99,14 @@ def _merged(rim: Array, corners: Indices, noise: float) -> Indices:
 
     A single bump of the noise beyond the tolerance would otherwise break a straight side, and its two ends be fitted to it.
     """
-    corners_left = [int(corner) for corner in corners]
-    while len(corners_left) > 3:
-        misfits = [
-            _misfit(rim, corners_left[k - 1], corners_left[(k + 1) % len(corners_left)])
-            for k in range(len(corners_left))
-        ]
-        rms = np.array([misfit[0] for misfit in misfits])
-        fits = (rms <= FITS * noise) & (np.array([misfit[1] for misfit in misfits]) <= BUMP * noise)
+    left = corners.tolist()
+    while len(left) > 3:
+        misfits = np.array([_misfit(rim, left[k - 1], left[(k + 1) % len(left)]) for k in range(len(left))])
+        fits = (misfits <= [FITS * noise, BUMP * noise]).all(axis=1)
         if not fits.any():
             break
-        del corners_left[int(np.argmin(np.where(fits, rms, np.inf)))]
-    return np.array(corners_left, dtype=np.int64)
+        del left[int(np.argmin(np.where(fits, misfits[:, 0], np.inf)))]
+    return np.array(left, dtype=np.int64)
 
 
 def _misfit(rim: Array, first: int, last: int) -> tuple[float, float]:
@@ -138,22 +122,16 @@ def _on_sides(rim: Array, corners: Indices, reach: float) -> tuple[Array, Array]
     """The rim's points moved onto their fitted sides, corners onto the meeting of two, and the distances moved
     across."""
     count = len(rim)
-    sides, runs = [], []
+    points, sides, residuals = rim.copy(), [], []
     for a, b in zip(corners, np.r_[corners[1:], corners[0] + count], strict=True):
         run = np.arange(a, b + 1) % count
-        inner = run[1:-1] if len(run) > 6 else run
-        middle = rim[inner].mean(axis=0)
-        direction = np.linalg.svd(rim[inner] - middle, full_matrices=False)[2][0]
-        if direction @ (rim[b % count] - rim[a % count]) < 0.0:
-            direction = -direction
-        sides.append((middle, direction))
-        runs.append(run)
-    points, residuals = rim.copy(), []
-    for (middle, direction), run in zip(sides, runs, strict=True):
+        fitted = rim[run[1:-1] if len(run) > 6 else run]
+        middle = fitted.mean(axis=0)
+        direction = np.linalg.svd(fitted - middle, full_matrices=False)[2][0]
         inner = run[1:-1]
-        along = (rim[inner] - middle) @ direction
-        points[inner] = middle + along[:, None] * direction
+        points[inner] = middle + ((rim[inner] - middle) @ direction)[:, None] * direction
         residuals.append(np.linalg.norm(rim[inner] - points[inner], axis=1))
+        sides.append((middle, direction))
     for k, corner in enumerate(corners):
         points[corner] = _meeting(sides[k - 1], sides[k], rim[corner], reach)
     return points, np.concatenate(residuals)

@@ -4,13 +4,12 @@ to do."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshes.errors import MeshError
-from meshes.mesh import RawMesh, double_areas, drop_unused
+from meshes.mesh import RawMesh, double_areas, drop_unused, manifold
 from meshes.processing_log import Change, change, measure
 from meshes.topology import EdgeCount, Edges, parts, wound_alike
 
@@ -102,7 +101,7 @@ def join_bodies(mesh: RawMesh) -> Mended:
     closed = all(EdgeCount.of(faces).closed for _, faces in pieces)
     if closed:
         joined = RawMesh(*union(pieces), mesh.source)
-        if not _apart(joined.faces):
+        if parts(joined.faces).max() == 0:
             what = f"{count} overlapping parts joined into one body"
             return joined, change("bodies", what, count, measure(mesh), measure(joined))
     sizes = ", ".join(" × ".join(f"{value:.3g}" for value in np.ptp(vertices, axis=0)) for vertices, _ in pieces[:4])
@@ -115,17 +114,9 @@ def join_bodies(mesh: RawMesh) -> Mended:
     )
 
 
-def _apart(faces: NDArray[np.int64]) -> bool:
-    """Whether the faces fall into separate parts."""
-    return bool(parts(faces).max() > 0)
-
-
 def union(parts: Sequence[Part]) -> Part:
     """The closed surface around all parts together, by an exact Boolean union."""
-    from manifold3d import Manifold, Mesh64, OpType
+    from manifold3d import Manifold, OpType
 
-    def closed(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Any:
-        return Manifold(Mesh64(np.ascontiguousarray(vertices), np.ascontiguousarray(faces, dtype=np.uint64)))
-
-    mesh = Manifold.batch_boolean([closed(*part) for part in parts], OpType.Add).to_mesh64()
+    mesh = Manifold.batch_boolean([manifold(*part) for part in parts], OpType.Add).to_mesh64()
     return np.asarray(mesh.vert_properties[:, :3], dtype=np.float64), np.asarray(mesh.tri_verts, dtype=np.int64)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,17 +16,6 @@ Faces = NDArray[np.int64]
 
 AGREES_REL = 5e-3
 """A survey's number and the mesh's agree within this relative difference."""
-
-SURVEYED = (
-    "mass_kg",
-    "centroid_height_m",
-    "corner_left_m",
-    "corner_right_m",
-    "depth_m",
-    "height_m",
-    "inertia_planar_kg_m2",
-)
-"""The numbers of a solid that a survey may give."""
 
 
 def with_mass(solid: Solid, mass_kg: float, centroid_m: Array, inertia_kg_m2: Array) -> Solid:
@@ -123,42 +111,7 @@ def adjusted(
     return with_mass(changed, solid.mass_kg, centroid, inertia)
 
 
-@dataclass(frozen=True)
-class Reconciled:
-    """One number of a survey beside the mesh's: what agrees, what does not, which is used."""
-
-    name: str
-    survey: float
-    mesh: float
-    apart_rel: float
-    agrees: bool
-    used: str
-
-    def compared(self, name: str) -> str:
-        """The comparison under a name of the caller's."""
-        return agreement(name, self.survey, self.mesh)
-
-    def __str__(self) -> str:
-        return f"{self.compared(self.name)}; used: {self.used}"
-
-
 def agreement(name: str, survey: float, mesh: float) -> str:
     """A survey's number against the mesh's, in words."""
     word = "agrees with" if abs(survey / mesh - 1.0) <= AGREES_REL else "differs from"
     return f"{name} = {survey:.6g} {word} {mesh:.6g} of the mesh ({100.0 * (survey / mesh - 1.0):+.2f} %)"
-
-
-def reconcile(solid: Solid, survey: Mapping[str, float]) -> tuple[Reconciled, ...]:
-    """A survey's numbers set against the mesh; a weighed mass is used (it sets the density), of all else the mesh.
-
-    Raises MeshError for a name that a solid does not have.
-    """
-    rows = []
-    for name, value in survey.items():
-        if name not in SURVEYED:
-            raise MeshError(f"a number out of {', '.join(SURVEYED)}", f"{name!r}")
-        computed = float(getattr(solid, name))
-        apart = value / computed - 1.0
-        used = "the weighed mass" if name == "mass_kg" else "the mesh"
-        rows.append(Reconciled(name, value, computed, apart, abs(apart) <= AGREES_REL, used))
-    return tuple(rows)

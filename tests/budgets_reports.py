@@ -5,16 +5,13 @@ from __future__ import annotations
 from typing import Final
 
 PAGE_BYTES: Final = 1_200_000
-"""Of the page of a run with a replay: 0.99 MB are measured (docs/bench.md); a fifth more for another mesh."""
+"""Of the page of a run with a replay: 0.97 MB are measured (docs/bench.md); a fifth more for another mesh."""
 
 DRAWN_RAD: Final = 4e-6
 """Curves are stored in steps of 2⁻¹⁸ of their range: half of one is 3.8e-6 where they reach 2 rad."""
 
 POSE_M: Final = 1e-12
 """Poses are rotations of points within 10 m in double precision: some 10 roundings of 1e-16 × 10 m."""
-
-NORMAL: Final = 0.02
-"""Normals are grouped in steps of 1/60 per component, so that a shared normal is at most √3/120 = 0.014 off."""
 
 FRAME_MS: Final = 10.0
 """Script time per frame that leaves six milliseconds of the sixteen at 60 Hz for drawing."""

@@ -105,9 +105,22 @@ class _Tally:
 
     @property
     def half_width(self) -> float:
-        """Half width of the interval, normal approximation."""
+        """Half width at which runs end, of a normal interval: wider than the one told, so what fell so far moves the end less."""
         variance = sum(w**2 * self._spread(h) / max(self.decided[h], 1) for h, w in enumerate(self.weights) if w > 0.0)
         return NormalDist().inv_cdf(0.5 + 0.5 * LEVEL) * math.sqrt(variance)
+
+    def _interval(self) -> tuple[float, float]:
+        """The interval of Σ w p_h from those of each p_h (Jeffreys), their arms added as squares (Zou, Huang and Zhang 2009)."""
+        from scipy.special import betaincinv
+
+        weights, fell, decided = (np.array(each, dtype=float) for each in (self.weights, self.fell, self.decided))
+        tail, missed, runs = 0.5 - 0.5 * LEVEL, decided - fell, np.maximum(decided, 1.0)
+        share = np.where(decided > 0.0, fell / runs, 0.5)
+        low = np.where(fell > 0.0, betaincinv(fell + 0.5, missed + 0.5, tail), 0.0)
+        high = np.where(missed > 0.0, betaincinv(fell + 0.5, missed + 0.5, 1.0 - tail), 1.0)
+        middle = float(weights @ share)
+        below, above = (math.hypot(*(weights * arms)) for arms in (share - low, high - share))
+        return max(middle - below, 0.0), min(middle + above, 1.0)
 
     def estimate(self) -> Estimate:
         """The probability so far."""
@@ -115,5 +128,5 @@ class _Tally:
         if not known:
             return Estimate(math.nan, 0.0, 1.0, LEVEL, self.runs, self.undecided)
         p = sum(w * share for w, share in known) / sum(w for w, _ in known)
-        half = self.half_width
-        return Estimate(p, max(p - half, 0.0), min(p + half, 1.0), LEVEL, self.runs, self.undecided)
+        low, high = self._interval()
+        return Estimate(p, min(low, p), max(high, p), LEVEL, self.runs, self.undecided)

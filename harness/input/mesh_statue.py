@@ -111,7 +111,7 @@ def _hollowed(solid: Solid, inner: InnerTable, weighed_kg: float | None) -> str:
 
 def _reconciled(solid: Solid, table: StatueTable, mesh: MeshTable, notes: list[str]) -> Solid:
     """The survey's numbers set against the mesh, and those named in `use_survey` taken from it."""
-    from meshes.survey import agreement, reconcile, with_mass
+    from meshes.survey import agreement, with_mass
 
     if table.mass_kg is not None and mesh.density_kg_m3 is not None and mesh.inner is None:
         sentence = agreement("density_kg_m3", mesh.density_kg_m3, solid.density_kg_m3)
@@ -121,9 +121,9 @@ def _reconciled(solid: Solid, table: StatueTable, mesh: MeshTable, notes: list[s
     if missing:
         wanted = f"statue.{missing[0]}, which is to be used"
         raise InputError(Mistake("scene", "statue.mesh.use_survey", wanted, "no such number"))
-    rows = reconcile(solid, {SURVEYED[key]: value for key, value in given.items()})
-    for key, row in zip(given, rows, strict=True):
-        notes.append(f"statue.{row.compared(key)}; used: {'the survey' if key in mesh.use_survey else row.used}")
+    for key, value in given.items():
+        used = "the survey" if key in mesh.use_survey else "the weighed mass" if key == "mass_kg" else "the mesh"
+        notes.append(f"statue.{agreement(key, value, float(getattr(solid, SURVEYED[key])))}; used: {used}")
     if not mesh.use_survey:
         return solid
     height = given["centroid_height_m"] if "centroid_height_m" in mesh.use_survey else solid.centroid_height_m

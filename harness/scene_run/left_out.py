@@ -20,6 +20,8 @@ from harness.records.scores import ROBUST, Scores
 
 LEAST: Final = 1e-9
 """Share of the inertia's trace, or of the base's width, below which products or a skewed base are rounding."""
+REMAINDER: Final = 0.1
+"""Share of a difference that may stay without its cause: it grows on from what else is left out, and from the step of one run."""
 
 
 def _without_products(scene: Scene) -> Scene | None:
@@ -57,34 +59,46 @@ TAKEN_AWAY: Final[Mapping[str, Callable[[Scene], Scene | None]]] = {
 """What the plane leaves out, and the scene without it; None where the scene has none of it."""
 
 
-def reasons(scene: Scene, runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> list[str]:
-    """For each 3D engine that differs robustly from the planar model in its rotation: which of `TAKEN_AWAY` is why."""
-    said = []
-    for each in scores.values():
+def with_reasons(scene: Scene, runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, Scores]:
+    """The scores of pairs; of each planar and 3D answer whose rotations differ robustly, told which of `TAKEN_AWAY` is why."""
+    again: dict[str, dict[str, Run]] = {}
+    judged = dict(scores)
+    for pair, each in scores.items():
         sides = {engines.load(name).capabilities.dimensions: name for name in (each.a, each.b)}
-        if each.verdict not in ROBUST or each.evidence.differs_in != "rotation" or set(sides) != {2, 3}:
-            continue
-        if engines.load(sides[2]).capabilities.certifies:
-            said += _reason(scene, runs[sides[2]], runs[sides[3]], each)
-    return said
+        if each.verdict in ROBUST and each.evidence.differs_in == "rotation" and set(sides) == {2, 3}:
+            plane, space = runs[sides[2]], runs[sides[3]]
+            if space.engine not in again:
+                again[space.engine] = _without_each(scene, space)
+            reason = _reason(plane, space, again[space.engine], each.evidence.limit_rad)
+            judged[pair] = replace(each, verdict_sentence=each.verdict_sentence + reason)
+    return judged
 
 
-def _reason(scene: Scene, plane: Run, space: Run, scores: Scores) -> list[str]:
-    until_s = min(plane.bounded_until_s, space.bounded_until_s, plane.end_s, space.end_s)
-    with_all = errors(plane, space, until_s)[0]
+def _without_each(scene: Scene, space: Run) -> dict[str, Run]:
+    """The run of a 3D engine again, without each thing that the scene has of what the plane leaves out."""
     changed = {what: taken for what, take in TAKEN_AWAY.items() if (taken := take(scene)) is not None}
-    again = {what: _again(taken, space, until_s) for what, taken in changed.items()}
-    apart = {what: errors(plane, run, until_s)[0] for what, run in again.items() if run is not None}
+    again = {what: _again(taken, space, _end_s(space)) for what, taken in changed.items()}
+    return {what: run for what, run in again.items() if run is not None}
+
+
+def _end_s(run: Run) -> float:
+    return min(run.bounded_until_s, run.end_s)
+
+
+def _reason(plane: Run, space: Run, again: Mapping[str, Run], limit_rad: float) -> str:
+    until_s = min(_end_s(plane), _end_s(space))
+    with_all = errors(plane, space, until_s)[0]
+    apart = {what: errors(plane, run, until_s)[0] for what, run in again.items()}
     known = {what: value for what, value in apart.items() if math.isfinite(value)}
     if not (math.isfinite(with_all) and known):
-        return []
-    pair = f"{space.engine} and {plane.engine}"
+        return ""
     each = ", ".join(f"{value:.2g} rad without {what}" for what, value in known.items())
     measured = f"up to {until_s:.3g} s they are {with_all:.2g} rad apart, {each}"
     least = min(known, key=lambda what: known[what])
-    if known[least] <= scores.evidence.limit_rad:
-        return [f"{pair} differ because of {least}, which the plane leaves out: {measured}"]
-    return [f"{pair} differ by more than any one thing that the plane leaves out: {measured}"]
+    if known[least] > max(limit_rad, REMAINDER * with_all):
+        return f" They differ by more than any one thing that the plane leaves out: {measured}."
+    mostly = "" if known[least] <= limit_rad else "mostly "
+    return f" They differ {mostly}because of {least}, which the plane leaves out: {measured}."
 
 
 def _again(scene: Scene, run: Run, until_s: float) -> Run | None:

@@ -27,7 +27,7 @@ from harness.records.scores import Scores
 from harness.records.witness import Witness
 from harness.scene_run.confirmation import FINER, doubted
 from harness.scene_run.convention import with_conventions
-from harness.scene_run.left_out import reasons
+from harness.scene_run.left_out import with_reasons
 from harness.statics.plan import Step, plan
 from harness.statics.standstill import standstill
 
@@ -130,10 +130,10 @@ def run_scene(
     if finer:
         runs |= finer
         scores = _scores(scene, runs, horizons, iso)
-    scores = with_conventions(scene, runs, scores)
+    scores = with_reasons(scene, runs, with_conventions(scene, runs, scores))
     witness_answers = _witnessed(scene, runs, options, on_progress) if witness else {}
     assessment = _assessed(scene, on_progress) if assess else {}
-    scene = scene.but(notes=(*scene.notes, *_notes(scene, runs, finer, target), *reasons(scene, runs, scores)))
+    scene = scene.but(notes=(*scene.notes, *_notes(scene, runs, finer, target)))
     return Result(scene, runs, scores, steps, time.perf_counter() - start, horizons, assessment, witness_answers)
 
 

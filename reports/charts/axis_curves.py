@@ -7,10 +7,11 @@ from typing import Final
 
 from harness.records.study import CaseRun
 from reports.charts import Json
+from reports.charts.figure import axis, curve, figure, stroke
 from reports.charts.map_figures import LEAST, map_axes, numeric
-from reports.charts.palette import HAIRLINE, look
+from reports.charts.palette import model_looks
 from reports.text.numbers import heading
-from reports.text.study_rows import FAILED, SYMBOLS, Condition
+from reports.text.study_rows import FAILED, SYMBOLS, Condition, runs_of
 
 MOST_GROUPS: Final = 6
 """More combinations of what else varies are no curves of one axis: the table shows them."""
@@ -41,37 +42,25 @@ def curve_figures(
 
 
 def _curves(models: Sequence[str], members: Sequence[Condition], key: str) -> Json:
-    engines = [model.partition(" (")[0] for model in models]
-    data: list[Json] = []
-    slips = False
-    for number, model in enumerate(models):
-        runs = [
-            (float(item.varied[key]), row.run)
-            for item in sorted(members, key=lambda item: float(item.varied[key]))
-            for row in [item.answers.get(model)]
-            if row is not None and row.run is not None
-        ]
-        style = look(engines[number] if engines.count(engines[number]) == 1 else model, list(models))
-        slips = slips or any(run.peak_slip_m > 0.0 for _, run in runs)
-        shown: Json = {
-            "type": "scatter", "mode": "lines+markers", "name": model, "legendgroup": model,
-            "line": {"color": style.colour, "dash": style.dash, "width": style.width}, "marker": {"color": style.colour},
-        }  # fmt: skip
-        for axis, values in enumerate(_values([run for _, run in runs]), start=1):
-            row_axis = {"yaxis": f"y{axis if axis > 1 else ''}", "showlegend": axis == 1}
-            data.append(shown | row_axis | {"x": [x for x, _ in runs], "y": values})
+    looks, along = model_looks(models), sorted(members, key=lambda item: float(item.varied[key]))
+    answers = {model: runs_of(along, model) for model in models}
+    slips = any(run.peak_slip_m > 0.0 for runs in answers.values() for _, run in runs)
     rows = ROWS if slips else (((0.58, 1.0), ""), ((0.0, 0.46), ROWS[1][1]))
-    data = [trace for trace in data if slips or trace["yaxis"] != "y3"]
-    layout: Json = {
-        "height": 560, "xaxis": {"title": {"text": heading(key)}, "anchor": f"y{len(rows)}", "gridcolor": HAIRLINE},
-        "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
+    data: list[Json] = []
+    for model, runs in answers.items():
+        shown = {"mode": "lines+markers", "name": model, "legendgroup": model, "marker": {"color": looks[model].colour}}
+        x = [float(item.varied[key]) for item, _ in runs]
+        for number, values in enumerate(_values([run for _, run in runs])[: len(rows)], start=1):
+            place = {"yaxis": f"y{number if number > 1 else ''}", "showlegend": number == 1}
+            data.append(curve(x, values, stroke(looks[model]), **shown, **place))
+    layout = {
+        f"yaxis{number if number > 1 else ''}": axis(
+            title, domain=list(domain), automargin=True, type="category" if number == 1 else "linear", rangemode="tozero",
+            nticks=4, exponentformat="none",
+        )
+        for number, (domain, title) in enumerate(rows, start=1)
     }  # fmt: skip
-    for number, (domain, title) in enumerate(rows, start=1):
-        layout[f"yaxis{number if number > 1 else ''}"] = {
-            "domain": list(domain), "title": {"text": title}, "gridcolor": HAIRLINE, "automargin": True,
-            "type": "category" if number == 1 else "linear", "rangemode": "tozero", "nticks": 4, "exponentformat": "none",
-        }  # fmt: skip
-    return {"data": data, "layout": layout}
+    return figure(data, 560, axis(heading(key), anchor=f"y{len(rows)}"), layout.pop("yaxis"), **layout)
 
 
 def _values(runs: Sequence[CaseRun]) -> tuple[list[str], list[float | None], list[float | None]]:

@@ -9,9 +9,10 @@ import numpy as np
 
 from harness.records.study import CaseRun
 from reports.charts import Json
+from reports.charts.figure import figure
 from reports.charts.palette import INK
 from reports.text.numbers import heading, short
-from reports.text.study_rows import Condition
+from reports.text.study_rows import Condition, runs_of
 
 MOST_PLACES: Final = 10_000
 """Larger maps show where the statue falls only: a number for every place would make the page large."""
@@ -54,7 +55,7 @@ def best_designs(models: Sequence[str], conditions: Sequence[Condition], axes: t
         return []
     sentences = []
     for model in models:
-        runs = [(row.run, item) for item in conditions for row in [item.answers.get(model)] if row and row.run]
+        runs = [(run, item) for item, run in runs_of(conditions, model)]
         if not any(run.peak_slip_m > 0.0 for run, _ in runs):
             continue
         good = [(run, item) for run, item in runs if run.outcome == "stands" and not _tips(run)]
@@ -85,14 +86,10 @@ def _value_map(
     rows, columns = ({value: k for k, value in enumerate(side)} for side in (ys, xs))
     values = np.full((len(ys), len(xs)), np.nan)
     tips: list[tuple[float, float]] = []
-    for item in conditions:
-        row = item.answers.get(model)
-        if row is None or row.run is None:
-            continue
-        run = row.run
-        values[rows[item.number(axes[1])], columns[item.number(axes[0])]] = value_of(run)
-        if _tips(run):
-            tips.append((item.number(axes[0]), item.number(axes[1])))
+    for item, run in runs_of(conditions, model):
+        x, y = (item.number(key) for key in axes)
+        values[rows[y], columns[x]] = value_of(run)
+        tips += [(x, y)] if _tips(run) else []
     if not np.nanmax(values, initial=0.0) > 0.0:
         return None
     shown = [[None if np.isnan(value) else float(f"{value:.4g}") for value in line] for line in values]
@@ -105,13 +102,6 @@ def _value_map(
         "type": "scatter", "mode": "markers", "x": [x for x, _ in tips], "y": [y for _, y in tips],
         "marker": {"symbol": "x-thin", "size": 7, "line": {"width": 1.2, "color": INK}}, "hoverinfo": "skip",
     }  # fmt: skip
-    return {
-        "data": [heat, marks],
-        "layout": {
-            "height": 380,
-            "xaxis": {"title": {"text": heading(axes[0])}},
-            "yaxis": {"title": {"text": heading(axes[1])}},
-            "showlegend": False,
-            "margin_top": 12,
-        },
-    }
+    return figure(
+        [heat, marks], 380, *({"title": {"text": heading(key)}} for key in axes), showlegend=False, margin_top=12
+    )

@@ -13,8 +13,9 @@ from harness.records.scene import MotionRecord
 from reports.charts import Json
 from reports.charts.decimate import Array, kept_samples
 from reports.charts.event import run_event_s
+from reports.charts.figure import ABOVE, axis, band, curve, stroke
 from reports.charts.packed import packed_array
-from reports.charts.palette import HAIRLINE, INK, MUTED, faint, look
+from reports.charts.palette import INK, MUTED, look
 from reports.charts.patterns import pattern_strip
 from reports.source import RunSource
 from reports.text.wording import horizon_s, prediction_s
@@ -93,32 +94,18 @@ def _rotation(source: RunSource, name: str, history: History, names: list[str], 
     style = look(name, names)
     t_s, theta = _line(history, history.theta_rad)
     traces: list[Json] = []
-    band = _band(source.runs[name], history)
-    if band is not None:
-        traces.append(
-            {
-                "type": "scatter", "x": band[0], "y": band[1], "yaxis": axis, "fill": "toself", "mode": "lines",
-                "line": {"width": 0}, "fillcolor": faint(style.colour, 0.18), "hoverinfo": "skip", "showlegend": False,
-                "legendgroup": name,
-            }
-        )  # fmt: skip
-    traces.append(
-        {
-            "type": "scatter", "x": t_s, "y": theta, "yaxis": axis, "mode": "lines", "name": name, "legendgroup": name,
-            "line": {"color": style.colour, "dash": style.dash, "width": style.width},
-            "hovertemplate": f"{name} θ %{{y:.5f}} rad<extra></extra>",
-        }
-    )  # fmt: skip
+    around = _band(source.runs[name], history)
+    if around is not None:
+        traces.append(band(*around, style.colour, 0.18, yaxis=axis, legendgroup=name))
+    tip = f"{name} θ %{{y:.5f}} rad<extra></extra>"
+    traces.append(curve(t_s, theta, stroke(style), yaxis=axis, name=name, legendgroup=name, hovertemplate=tip))
     run = source.runs[name]
     if run.outcome.overturned and run.no_return_time_s is not None:
         at = run.no_return_time_s
-        traces.append(
-            {
-                "type": "scatter", "x": [at], "y": [float(np.interp(at, history.t_s, history.theta_rad))], "yaxis": axis,
-                "mode": "markers", "marker": {"symbol": "x", "size": 10, "color": style.colour}, "legendgroup": name,
-                "showlegend": False, "hovertemplate": f"{name} passes its balance point<extra></extra>",
-            }
-        )  # fmt: skip
+        theta_rad = float(np.interp(at, history.t_s, history.theta_rad))
+        mark = {"mode": "markers", "marker": {"symbol": "x", "size": 10, "color": style.colour}, "showlegend": False}
+        tip = f"{name} passes its balance point<extra></extra>"
+        traces.append(curve([at], [theta_rad], {}, yaxis=axis, legendgroup=name, hovertemplate=tip, **mark))
     return traces
 
 
@@ -140,21 +127,19 @@ def _lower(name: str, history: History, values: Array, words: str, names: list[s
     """One model's curve in a row under the rotation."""
     style = look(name, names)
     t_s, drawn = _line(history, values)
-    return {
-        "type": "scatter", "x": t_s, "y": drawn, "yaxis": axis, "mode": "lines", "name": name, "legendgroup": name,
-        "showlegend": False, "line": {"color": style.colour, "dash": style.dash, "width": style.width},
-        "hovertemplate": f"{name} {words}<extra></extra>",
-    }  # fmt: skip
+    return curve(
+        t_s, drawn, stroke(style), yaxis=axis, name=name, legendgroup=name, showlegend=False,
+        hovertemplate=f"{name} {words}<extra></extra>",
+    )  # fmt: skip
 
 
 def _floor(motion: MotionRecord, gravity_m_s2: float, axis: str) -> list[Json]:
     t_s = packed_array(motion.t_s)
     return [
-        {
-            "type": "scatter", "x": t_s, "y": packed_array(np.asarray(accel) / gravity_m_s2),
-            "yaxis": axis, "mode": "lines", "name": f"floor {name}", "legend": "legend3",
-            "line": {"color": AXIS_COLOURS[name], "width": 1.0}, "hovertemplate": f"floor {name} %{{y:.3f}} g<extra></extra>",
-        }
+        curve(
+            t_s, packed_array(np.asarray(accel) / gravity_m_s2), {"color": AXIS_COLOURS[name], "width": 1.0}, yaxis=axis,
+            name=f"floor {name}", legend="legend3", hovertemplate=f"floor {name} %{{y:.3f}} g<extra></extra>",
+        )
         for name, accel in motion.accel_m_s2.items()
     ]  # fmt: skip
 
@@ -190,29 +175,25 @@ def _layout(
         "floor": "floor  [g]",
     }
     layout: Json = {
-        "xaxis": {
-            "title": {"text": "time  [s]"}, "anchor": lowest, "range": views["event_s"],
-            "gridcolor": HAIRLINE, "zeroline": False, "showspikes": True, "spikemode": "across", "spikethickness": 1,
-            "spikecolor": MUTED, "spikedash": "dot", "hoverformat": ".4f", "ticksuffix": "",
-        },
+        "xaxis": axis(
+            "time  [s]", anchor=lowest, range=views["event_s"], zeroline=False, showspikes=True, spikemode="across",
+            spikethickness=1, spikecolor=MUTED, spikedash="dot", hoverformat=".4f", ticksuffix="",
+        ),
         "hovermode": "x unified", "hoversubplots": "axis", "barmode": "overlay", "bargap": 0.1,
-        "legend": {"orientation": "h", "x": 0, "xanchor": "left", "y": 1.0, "yanchor": "bottom"},
+        "legend": ABOVE | {"x": 0, "xanchor": "left"},
         "shapes": _shapes(source, axes["rotation"]), "annotations": _annotations(source, axes["rotation"]),
         "height": 320 + 90 * len(rows) + 22 * len(source.runs),
     }  # fmt: skip
-    for row, axis in axes.items():
-        layout[axis.replace("y", "yaxis")] = {
-            "domain": list(domains[row]), "title": {"text": titles[row]}, "gridcolor": HAIRLINE, "automargin": True,
-            "zerolinecolor": MUTED, "zerolinewidth": 1, "fixedrange": True, "nticks": 7 if row == "rotation" else 4,
-        }  # fmt: skip
+    for row, name in axes.items():
+        layout[name.replace("y", "yaxis")] = axis(
+            titles[row], domain=list(domains[row]), automargin=True, zerolinecolor=MUTED, zerolinewidth=1, fixedrange=True,
+            nticks=7 if row == "rotation" else 4,
+        )  # fmt: skip
     layout["yaxis"]["range"] = views["near"]
     if "strip" in axes:
         layout[axes["strip"].replace("y", "yaxis")] |= {"autorange": "reversed", "showgrid": False, "zeroline": False}
     if "floor" in axes:
-        layout["legend3"] = {
-            "orientation": "h", "x": 1, "xanchor": "right", "y": domains["floor"][1], "yanchor": "bottom",
-            "font": {"size": 11},
-        }  # fmt: skip
+        layout["legend3"] = ABOVE | {"x": 1, "xanchor": "right", "y": domains["floor"][1], "font": {"size": 11}}
     return layout
 
 

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from harness.records.study import CaseRun
 from harness.studies.case_selection import SAME_CELL, Answer, Place, filled
 from reports.charts import Json
-from reports.charts.palette import look
+from reports.charts.figure import curve, figure, stroke
+from reports.charts.palette import model_looks
 from reports.text.numbers import heading
 from reports.text.study_rows import SYMBOLS, Condition, family
 
@@ -90,11 +91,10 @@ def _grid(
     samples: dict[Place, list[CaseRun]] = {}
     agreed: list[Place] = []
     for item in members:
-        row = item.answers.get(model)
         place: Place = (rows[item.number(axes[1])], columns[item.number(axes[0])])
-        if row is not None and row.run is not None:
-            samples.setdefault(place, []).append(row.run)
-        elif row is not None and row.reason == SAME_CELL:
+        if (run := item.run(model)) is not None:
+            samples.setdefault(place, []).append(run)
+        elif model in item.answers and item.answers[model].reason == SAME_CELL:
             agreed.append(place)
     if not samples:
         return None
@@ -125,34 +125,25 @@ def _map(grid: Grid, axes: tuple[str, str], xs: Sequence[float], ys: Sequence[fl
         "colorscale": scale, "showscale": False, "xgap": 0.5, "ygap": 0.5,
         "hovertemplate": f"{heading(axes[0])} %{{x:.4g}}<br>{heading(axes[1])} %{{y:.4g}}<br>%{{text}}<extra></extra>",
     }  # fmt: skip
-    return {"data": [trace], "layout": _layout(axes, xs, ys) | {"showlegend": False, "margin_top": 12}}
+    return figure([trace], 380, _map_axis(axes[0], xs), _map_axis(axes[1], ys), showlegend=False, margin_top=12)
 
 
 def _boundaries(grids: Sequence[Grid], axes: tuple[str, str], xs: Sequence[float], ys: Sequence[float]) -> Json:
     """Lines between the places where the statue overturns and those where it does not, one colour a model."""
     across, along = _edges(xs), _edges(ys)
-    engines = [grid.model.partition(" (")[0] for grid in grids]
-    data = []
-    for number, grid in enumerate(grids):
+    looks, data = model_looks([grid.model for grid in grids]), []
+    for grid in grids:
         points: list[tuple[float | None, float | None]] = []
         for i, j in np.argwhere(np.diff(grid.falls, axis=1)):
             points += [(across[j + 1], along[i]), (across[j + 1], along[i + 1]), (None, None)]
         for i, j in np.argwhere(np.diff(grid.falls, axis=0)):
             points += [(across[j], along[i + 1]), (across[j + 1], along[i + 1]), (None, None)]
-        # One engine may stand for several variants: each takes a look of its own.
-        style = look(engines[number] if engines.count(engines[number]) == 1 else grid.model, [g.model for g in grids])
-        data.append({
-            "type": "scatter", "mode": "lines", "name": grid.model, "x": [x for x, _ in points], "y": [y for _, y in points],
-            "line": {"color": style.colour, "dash": style.dash, "width": style.width + 0.6}, "hoverinfo": "skip",
-        })  # fmt: skip
-    limits = {"xaxis": {"range": _range(across, xs)}, "yaxis": {"range": _range(along, ys)}}
-    layout = _layout(axes, xs, ys)
-    layout |= {name: layout[name] | limits[name] for name in limits}
-    return {"data": data, "layout": layout | {"legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"}}}
-
-
-def _layout(axes: tuple[str, str], xs: Sequence[float], ys: Sequence[float]) -> Json:
-    return {"height": 380, "xaxis": _map_axis(axes[0], xs), "yaxis": _map_axis(axes[1], ys)}
+        line = stroke(looks[grid.model], 0.6)
+        data.append(curve([x for x, _ in points], [y for _, y in points], line, name=grid.model, hoverinfo="skip"))
+    limits = ((axes[0], xs, across), (axes[1], ys, along))
+    return figure(
+        data, 380, *(_map_axis(key, values) | {"range": _range(ends, values)} for key, values, ends in limits)
+    )
 
 
 def _edges(values: Sequence[float]) -> list[float]:

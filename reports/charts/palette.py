@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -64,6 +65,13 @@ def look(name: str, names: list[str] | tuple[str, ...]) -> Look:
         return LOOKS[name]
     others = [item for item in names if item not in LOOKS]
     return SPARE[others.index(name) % len(SPARE)]
+
+
+def model_looks(models: Sequence[str]) -> dict[str, Look]:
+    """The looks of a study's models, `engine (variant)`: an engine's own, a spare one for each where it stands for several."""
+    engines = [model.partition(" (")[0] for model in models]
+    own = [engine if engines.count(engine) == 1 else model for model, engine in zip(models, engines, strict=True)]
+    return {model: look(name, list(models)) for model, name in zip(models, own, strict=True)}
 
 
 def faint(colour: str, opacity: float) -> str:

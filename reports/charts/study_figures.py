@@ -11,13 +11,14 @@ from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.fragility import fit
 from harness.records.study import Panel
 from reports.charts import Json
+from reports.charts.figure import axis, band, curve, figure, intervals, stroke
 from reports.charts.packed import packed_array
-from reports.charts.palette import HAIRLINE, Look, faint, look
+from reports.charts.palette import Look, model_looks
 from reports.charts.static_svg import picture_of
 from reports.drawing.effects_figures import Curve, rose_of
 from reports.drawing.shapes import Picture, titled
 from reports.text.numbers import heading
-from reports.text.study_rows import Condition, family
+from reports.text.study_rows import Condition, family, runs_of
 
 FLOOR_COLOUR: Final = "#0072B2"
 PEDESTAL_COLOUR: Final = "#D55E00"
@@ -121,52 +122,36 @@ def fragility_figure(models: Sequence[str], conditions: Sequence[Condition], key
     Everything else that varies is pooled. None unless some model has at least three levels of ten runs each.
     """
     data: list[Json] = []
-    engines = [model.partition(" (")[0] for model in models]
-    for number, model in enumerate(models):
+    for model, style in model_looks(models).items():
         levels: dict[float, list[bool]] = {}
-        for item in conditions:
-            row = item.answers.get(model)
-            if row is not None and row.run is not None and family(row.run.outcome) != "failed":
-                levels.setdefault(float(item.varied[key]), []).append(family(row.run.outcome) == "overturns")
+        for item, run in runs_of(conditions, model):
+            if family(run.outcome) != "failed":
+                levels.setdefault(float(item.varied[key]), []).append(run.outcome.overturned)
         if sum(len(fell) >= LEAST_RUNS for fell in levels.values()) >= 3:
-            data += _fragility(model, look(engines[number], engines), levels)
-    if not data:
-        return None
-    layout = {
-        "height": 420, "xaxis": {"title": {"text": heading(key)}, "gridcolor": HAIRLINE},
-        "yaxis": {"title": {"text": "share of runs that overturn"}, "range": [-0.03, 1.03], "gridcolor": HAIRLINE},
-        "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
-    }  # fmt: skip
-    return {"data": data, "layout": layout}
+            data += _fragility(model, style, levels)
+    y = axis("share of runs that overturn", range=[-0.03, 1.03])
+    return figure(data, 420, axis(heading(key)), y) if data else None
 
 
 def _fragility(model: str, style: Look, levels: Mapping[float, Sequence[bool]]) -> list[Json]:
     """Points with Wilson's intervals, the fitted curve and its band, of one model."""
     shares = [(x, share) for x, fell in sorted(levels.items()) for share in [wilson(sum(fell), len(fell))] if share]
     intensity = [x for x, fell in levels.items() for _ in fell]
-    curve = fit(intensity, [fell for runs in levels.values() for fell in runs])
+    curve_fit = fit(intensity, [fell for runs in levels.values() for fell in runs])
     xs = np.linspace(min(intensity), max(intensity), 120)
-    low, high = curve.band(xs)
-    points = {
-        "type": "scatter", "mode": "markers", "name": model, "legendgroup": model, "x": [x for x, _ in shares],
-        "y": [share.value for _, share in shares], "marker": {"color": style.colour},
-        "error_y": {
-            "type": "data", "symmetric": False, "array": [share.high - share.value for _, share in shares],
-            "arrayminus": [share.value - share.low for _, share in shares], "thickness": 1,
-        },
-    }  # fmt: skip
-    if curve.median is None:
+    low, high = curve_fit.band(xs)
+    points = curve(
+        [x for x, _ in shares], [share.value for _, share in shares], {}, mode="markers", name=model, legendgroup=model,
+        marker={"color": style.colour}, error_y=intervals([share for _, share in shares], thickness=1),
+    )  # fmt: skip
+    if curve_fit.median is None:
         return [points]
-    plain = {"type": "scatter", "mode": "lines", "legendgroup": model, "showlegend": False, "hoverinfo": "skip"}
-    around = {
-        "x": packed_array(np.concatenate([xs, xs[::-1]])), "y": packed_array(np.concatenate([high, low[::-1]])),
-        "fill": "toself", "fillcolor": faint(style.colour, 0.12), "line": {"width": 0},
-    }  # fmt: skip
-    fitted = {
-        "x": packed_array(xs), "y": packed_array(curve.probability(xs)),
-        "line": {"color": style.colour, "dash": style.dash, "width": style.width},
-    }  # fmt: skip
-    return [plain | around, plain | fitted, points]
+    outline = packed_array(np.concatenate([xs, xs[::-1]])), packed_array(np.concatenate([high, low[::-1]]))
+    fitted = curve(
+        packed_array(xs), packed_array(curve_fit.probability(xs)), stroke(style), legendgroup=model, showlegend=False,
+        hoverinfo="skip",
+    )  # fmt: skip
+    return [band(*outline, style.colour, 0.12, legendgroup=model), fitted, points]
 
 
 def rose_picture(models: Sequence[str], conditions: Sequence[Condition]) -> Picture | None:
@@ -176,20 +161,15 @@ def rose_picture(models: Sequence[str], conditions: Sequence[Condition]) -> Pict
     size = next((key for key in keys if "amplitude" in key or key.endswith("scale")), None)
     if turn is None or size is None:
         return None
-    engines = [model.partition(" (")[0] for model in models]
     drawn: list[Curve] = []
-    for number, model in enumerate(models):
+    for model, style in model_looks(models).items():
         least: dict[float, float | None] = {}
-        for item in conditions:
-            row = item.answers.get(model)
-            if row is None or row.run is None:
-                continue
+        for item, run in runs_of(conditions, model):
             angle, size_of = float(item.varied[turn]), float(item.varied[size])
             known = least.setdefault(angle, None)
-            if family(row.run.outcome) == "overturns":
+            if run.outcome.overturned:
                 least[angle] = size_of if known is None else min(known, size_of)
         if sum(value is not None for value in least.values()) >= LEAST_DIRECTIONS:
-            style = look(engines[number], engines)
             drawn.append(Curve(model, sorted(least.items()), style.colour, style.dash, style.width + 0.4))
     if not drawn:
         return None

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Final
+from collections.abc import Callable, Mapping, Sequence
+from typing import Final, TypeVar
 
 from harness.records.sets import ReliabilityBin
-from harness.records.validation import ValidationRecord
+from harness.records.validation import Curves, ValidationRecord
 from harness.validation.scenes import GRAVITY_M_S2
 from reports.charts import Json
-from reports.charts.palette import HAIRLINE, INK, faint, look
+from reports.charts.figure import axis, band, curve, figure, intervals
+from reports.charts.palette import HAIRLINE, INK, look
 
+T = TypeVar("T")
 BASELINE: Final = "PGV threshold"
 BASELINE_COLOUR: Final = "#8a6d00"
 FELL: Final = "overturned"
@@ -55,104 +57,65 @@ def _accuracy(record: ValidationRecord) -> Json:
     rows = [(name, item.outcomes.accuracy) for name, item in record.models.items()]
     rows = [*rows, (BASELINE, record.baseline.outcomes.accuracy)]
     data = [
-        {
-            "type": "scatter", "mode": "markers", "x": [100 * item.value], "y": [name], "showlegend": False,
-            "marker": {"size": 11, "color": looks.get(name, (BASELINE_COLOUR, ""))[0]},
-            "error_x": {
-                "type": "data", "symmetric": False, "array": [100 * (item.high - item.value)],
-                "arrayminus": [100 * (item.value - item.low)], "thickness": 2,
-            },
-            "hovertemplate": f"{name} %{{x:.0f}} %<extra></extra>",
-        }
+        curve(
+            [100 * item.value], [name], {}, mode="markers", showlegend=False, error_x=intervals([item], 100.0, thickness=2),
+            marker={"size": 11, "color": looks.get(name, (BASELINE_COLOUR, ""))[0]},
+            hovertemplate=f"{name} %{{x:.0f}} %<extra></extra>",
+        )
         for name, item in rows if item is not None
     ]  # fmt: skip
-    layout = {
-        "height": 130 + 44 * len(rows), "xaxis": {"title": {"text": "right  [%]"}, "range": [0, 102], "gridcolor": HAIRLINE},
-        "yaxis": {"autorange": "reversed", "automargin": True}, "margin_top": 14,
-    }  # fmt: skip
-    return {"data": data, "layout": layout}
+    y = {"autorange": "reversed", "automargin": True}
+    return figure(data, 130 + 44 * len(rows), axis("right  [%]", range=[0, 102]), y, margin_top=14)
 
 
 def _plane(record: ValidationRecord) -> Json:
     data: list[Json] = []
     for fell, words, symbol, colour in ((False, "stood", "circle-open", "#0072B2"), (True, "fell", "x", "#D55E00")):
         rows = [row for row in record.rows if row.observed.startswith(FELL) == fell and row.pga_g > 0.0]
-        data.append(
-            {
-                "type": "scatter", "mode": "markers", "name": words, "text": [row.test for row in rows],
-                "x": [row.pgv_m_s / (GRAVITY_M_S2 * row.pga_g) for row in rows], "y": [row.pga_g for row in rows],
-                "marker": {"symbol": symbol, "size": 9, "color": colour},
-                "hovertemplate": "%{text}: %{y:.3f} g<extra></extra>",
-            }
-        )  # fmt: skip
-    curves = [("measured", INK, "solid", record.observed.contour)]
-    curves += [(name, *_styles(record)[name], item.contour) for name, item in record.models.items()]
-    for name, colour, dash, contour in curves:
+        x, y = [row.pgv_m_s / (GRAVITY_M_S2 * row.pga_g) for row in rows], [row.pga_g for row in rows]
+        marks = {
+            "name": words,
+            "marker": {"symbol": symbol, "size": 9, "color": colour},
+            "text": [row.test for row in rows],
+        }
+        data.append(curve(x, y, {}, mode="markers", hovertemplate="%{text}: %{y:.3f} g<extra></extra>", **marks))
+    for name, style, contour in _curves(record, lambda item: item.contour):
         if contour is not None:
-            line = contour.contour_50
-            data.append(
-                {
-                    "type": "scatter", "mode": "lines", "name": f"half fall: {name}", "x": line.ratio_s, "y": line.pga_g,
-                    "line": {"color": colour, "dash": dash, "width": 3 if name == "measured" else 1.6},
-                }
-            )  # fmt: skip
-    layout = {
-        "height": 440, "xaxis": {"title": {"text": "PGV / PGA  [s]"}, "gridcolor": HAIRLINE, "rangemode": "tozero"},
-        "yaxis": {"title": {"text": "PGA  [g]"}, "gridcolor": HAIRLINE, "rangemode": "tozero"},
-        "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
-    }  # fmt: skip
-    return {"data": data, "layout": layout}
+            data.append(curve(contour.contour_50.ratio_s, contour.contour_50.pga_g, style, name=f"half fall: {name}"))
+    return figure(data, 440, *(axis(title, rangemode="tozero") for title in ("PGV / PGA  [s]", "PGA  [g]")))
+
+
+def _curves(record: ValidationRecord, of: Callable[[Curves], T]) -> list[tuple[str, Json, T]]:
+    """What was measured and each model by name: how its line is drawn, and its curve."""
+    styles = {"measured": {"color": INK, "dash": "solid", "width": 3}}
+    styles |= {name: {"color": colour, "dash": dash, "width": 1.6} for name, (colour, dash) in _styles(record).items()}
+    return [(name, styles[name], of(item)) for name, item in {"measured": record.observed, **record.models}.items()]
 
 
 def _fragility(record: ValidationRecord) -> Json:
-    curves = [("measured", INK, "solid", record.observed.fragility_pgv)]
-    curves += [(name, *_styles(record)[name], item.fragility_pgv) for name, item in record.models.items()]
     data: list[Json] = []
-    for name, colour, dash, curve in curves:
-        if curve is None or curve.median is None:
+    for name, style, fitted in _curves(record, lambda item: item.fragility_pgv):
+        if fitted is None or fitted.median is None:
             continue
-        x = curve.intensity
+        x = fitted.intensity
         if name == "measured":
-            data.append(
-                {
-                    "type": "scatter", "x": [*x, *reversed(x)], "y": [*curve.high, *reversed(curve.low)],
-                    "fill": "toself", "fillcolor": faint(colour, 0.1), "line": {"width": 0}, "hoverinfo": "skip",
-                    "showlegend": False,
-                }
-            )  # fmt: skip
-        style = {"color": colour, "dash": dash, "width": 3 if name == "measured" else 1.6}
-        data.append({"type": "scatter", "mode": "lines", "name": name, "x": x, "y": curve.probability, "line": style})
-    layout = {
-        "height": 400, "xaxis": {"title": {"text": "PGV  [m/s]"}, "type": "log", "gridcolor": HAIRLINE},
-        "yaxis": {"title": {"text": "probability of overturning"}, "range": [-0.02, 1.02], "gridcolor": HAIRLINE},
-        "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
-    }  # fmt: skip
-    return {"data": data, "layout": layout}
+            data.append(band([*x, *reversed(x)], [*fitted.high, *reversed(fitted.low)], INK, 0.1))
+        data.append(curve(x, fitted.probability, style, name=name))
+    return figure(data, 400, axis("PGV  [m/s]", type="log"), axis("probability of overturning", range=[-0.02, 1.02]))
 
 
 def reliability_diagram(curves: Sequence[tuple[str, str, str, Sequence[ReliabilityBin]]]) -> Json:
     """Of each name, colour, dash and bins: the share that fell over its bin's mean probability; true ones lie on the diagonal."""
-    data: list[Json] = [
-        {
-            "type": "scatter", "mode": "lines+markers", "name": name, "x": [item.mean for item in bins],
-            "y": [item.fell.value for item in bins], "line": {"color": colour, "dash": dash},
-            "text": [f"{item.cases} tests" for item in bins],
-            "error_y": {
-                "type": "data", "symmetric": False, "array": [item.fell.high - item.fell.value for item in bins],
-                "arrayminus": [item.fell.value - item.fell.low for item in bins],
-            },
-            "hovertemplate": f"{name}, %{{text}}: said %{{x:.2f}}, fell %{{y:.2f}}<extra></extra>",
-        }
+    data = [
+        curve(
+            [item.mean for item in bins], [item.fell.value for item in bins], {"color": colour, "dash": dash}, name=name,
+            mode="lines+markers", text=[f"{item.cases} tests" for item in bins],
+            error_y=intervals([item.fell for item in bins]),
+            hovertemplate=f"{name}, %{{text}}: said %{{x:.2f}}, fell %{{y:.2f}}<extra></extra>",
+        )
         for name, colour, dash, bins in curves if bins
     ]  # fmt: skip
     if data:
-        line = {"color": HAIRLINE, "width": 2}
-        data.insert(
-            0, {"type": "scatter", "mode": "lines", "x": [0, 1], "y": [0, 1], "line": line, "showlegend": False}
-        )
-    layout = {
-        "height": 420, "xaxis": {"title": {"text": "probability of overturning"}, "range": [-0.02, 1.02], "gridcolor": HAIRLINE},
-        "yaxis": {"title": {"text": "share that overturned"}, "range": [-0.02, 1.02], "gridcolor": HAIRLINE},
-        "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
-    }  # fmt: skip
-    return {"data": data, "layout": layout}
+        data.insert(0, curve([0, 1], [0, 1], {"color": HAIRLINE, "width": 2}, showlegend=False))
+    titles = "probability of overturning", "share that overturned"
+    return figure(data, 420, *(axis(title, range=[-0.02, 1.02]) for title in titles))

@@ -16,28 +16,29 @@ Faces = NDArray[np.int64]
 
 MOST_FACES: Final = 8_000
 """More faces than this do not show on a page: shaded smoothly, each is some six pixels wide; they would make it large."""
-CREASE_COS: Final = float(np.cos(np.radians(38.0)))
-"""Faces that meet at a sharper angle are drawn with an edge between them, as at a plinth."""
-BUSY_VERTEX: Final = 256
+CREASE_RAD: Final = float(np.radians(38.0))
+"""Faces that meet at a sharper angle, and hang together nowhere else, are drawn with an edge between them, as at a plinth."""
 
 
 @dataclass(frozen=True, eq=False)
 class DisplayMesh:
-    """Vertices (n, 3) in the statue frame, unit normals (n, 3), faces (m, 3); `source_faces` is the count before decimation."""
+    """Vertices (n, 3) in the statue frame, faces (m, 3); `source_faces` is the count before decimation."""
 
     vertices_m: Array
-    normals: Array
     faces: Faces
     source_faces: int
 
 
 def display_mesh(path: Path | None, shape: Section, depth_m: float, most_faces: int = MOST_FACES) -> DisplayMesh:
     """The mesh of a result folder, or the block that stands for a statue given by numbers."""
-    vertices, faces = _prism(shape.outline_m, depth_m) if path is None else read_mesh(path)
+    if path is None:
+        vertices, faces = _prism(shape.outline_m, depth_m)
+        return DisplayMesh(vertices, faces, len(faces))
+    vertices, faces = read_mesh(path)
     count = len(faces)
     if count > most_faces:
         vertices, faces = decimated(vertices, faces, most_faces)
-    return _creased(vertices, faces, count)
+    return DisplayMesh(*_creased(vertices, faces), count)
 
 
 def read_mesh(path: Path) -> tuple[Array, Faces]:
@@ -71,37 +72,10 @@ def _prism(outline_m: Array, depth_m: float) -> tuple[Array, Faces]:
     return np.vstack(rings), np.array(front + back + sides, dtype=np.int64)
 
 
-def _creased(vertices: Array, faces: Faces, source_faces: int) -> DisplayMesh:
-    """Split vertices along creases, so that smooth stays smooth and sharp stays sharp."""
-    corners = vertices[faces]
-    weighted = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    size = np.linalg.norm(weighted, axis=1, keepdims=True)
-    flat = weighted / np.where(size > 0.0, size, 1.0)
-    of_corner = np.repeat(np.arange(len(faces)), 3)
-    normals = weighted[of_corner].copy()
-    first, second = _corner_pairs(faces.ravel())
-    smooth = np.einsum("ij,ij->i", flat[of_corner[first]], flat[of_corner[second]]) > CREASE_COS
-    np.add.at(normals, first[smooth], weighted[of_corner[second[smooth]]])
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    normals /= np.where(length > 0.0, length, 1.0)
-    keys = np.column_stack([faces.ravel(), np.round(normals * 60.0).astype(np.int64)])
-    _, unique_at, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    return DisplayMesh(vertices[faces.ravel()[unique_at]], normals[unique_at], inverse.reshape(-1, 3), source_faces)
+def _creased(vertices: Array, faces: Faces) -> tuple[Array, Faces]:
+    """The surface with its vertices split along creases: what shares a vertex is shaded as one."""
+    import trimesh
 
-
-def _corner_pairs(vertex_of_corner: NDArray[np.int64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """All ordered pairs of different face corners that share a vertex (none at vertices of very many faces)."""
-    order = np.argsort(vertex_of_corner, kind="stable")
-    starts = np.flatnonzero(np.diff(vertex_of_corner[order], prepend=-1))
-    counts = np.diff(np.append(starts, len(order)))
-    first, second = [], []
-    for count in np.unique(counts):
-        if count < 2 or count > BUSY_VERTEX:
-            continue
-        block = order[starts[counts == count][:, None] + np.arange(count)]
-        for shift in range(1, count):
-            first.append(block.ravel())
-            second.append(np.roll(block, shift, axis=1).ravel())
-    if not first:
-        return np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp)
-    return np.concatenate(first), np.concatenate(second)
+    mesh: Any = trimesh.Trimesh(vertices, faces, process=False)
+    smooth = trimesh.graph.smooth_shade(mesh, angle=CREASE_RAD, facet_minarea=None)
+    return np.asarray(smooth.vertices, dtype=np.float64), np.asarray(smooth.faces, dtype=np.int64)

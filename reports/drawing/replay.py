@@ -25,8 +25,6 @@ FRAME_S: Final = 0.005
 MOST_FRAMES: Final = 20_000
 MESH_LEVELS: Final = 2**13
 """Steps over each extent of the mesh: a quarter of a millimetre in 2 m, a fifth of a pixel."""
-NORMAL_STEPS: Final = 40
-"""Steps of a unit normal's parts: shading that is right to a degree."""
 POSE_COLUMNS: Final = (*SOLID_COLUMNS, "statue_slip_m", "pedestal_tilt_rad", "pedestal_yaw_rad", "pedestal_y_m")
 """Further columns of a history that move the statue or the pedestal in the replay, where an engine records them."""
 
@@ -52,7 +50,6 @@ def replay_payload(source: RunSource) -> str:
         "wall": source.scene.wall,
         "mesh": {
             "positions": [packed_array(column, MESH_LEVELS) for column in mesh.vertices_m.T],
-            "normals": [packed_array(column) for column in np.round(NORMAL_STEPS * mesh.normals.T).astype(np.int64)],
             "index": [packed_array(column) for column in mesh.faces.T],
             "faces": len(mesh.faces),
             "source_faces": mesh.source_faces,

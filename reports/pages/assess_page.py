@@ -13,25 +13,22 @@ from harness.assess.words import CLEAR, advice, reserve, room
 from harness.model.assumed import assumption
 from harness.model.scene import Uncertain
 from harness.records.assess import (
-    Assessment,
     AssessRecord,
     ClearanceByModel,
     ClearanceRecord,
     FragilityRecord,
     Index,
-    NotAssessed,
-    OptionAnswer,
-    OptionsRecord,
     ProbabilityDifference,
     percent,
     planar_alone,
 )
-from reports.charts.palette import HAIRLINE, INK, MUTED, faint
+from reports.charts import Json
+from reports.charts.figure import axis, band, curve, figure
+from reports.charts.palette import INK, MUTED
 from reports.drawing.conservator_pictures import plan_svg
 from reports.drawing.floor_plan import probable_plan
 from reports.text.chance import tone_of_answers
 from reports.text.language import ENGLISH
-from reports.text.numbers import digits
 from reports.text.wording import Verdict
 
 MATTERS: Final = 0.05
@@ -44,16 +41,12 @@ def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
     """Everything that the assess template shows."""
     return {
         "verdict": assess_verdict(record),
-        "rows": [(name, _cells(item)) for name, item in record.assessment.items()],
-        "inputs": [(item.key, _input(item, record.assumed)) for item in record.uncertainty],
-        "indices": [(key, _index(item)) for key, item in (record.indices or {}).items()],
+        "inputs": [(item, _said(item, record.assumed)) for item in record.uncertainty],
         "totals": any(item.total is not None for item in (record.indices or {}).values()),
         "least_draws": LEAST_DRAWS,
         "chart": None if record.fragility is None else _chart(record.fragility),
-        "chart_draws": None if record.fragility is None else record.fragility.draws,
-        "chart_model": None if record.fragility is None else record.fragility.model,
         "advice": [] if record.options is None else advice(record.options),
-        "options": None if record.options is None else _options(record.options),
+        "planar": record.options is not None and record.options.model == MODEL,
         "room": None if record.clearance is None else room(record.clearance),
         "plan": _plan(record),
         "clearance": [] if record.clearance is None else _clearance(record.clearance),
@@ -82,24 +75,6 @@ def assess_verdict(record: AssessRecord) -> Verdict:
     return Verdict(f"The statue {answers[first].sentence}", tone_of_answers(answers), points)
 
 
-def _cells(item: Assessment | NotAssessed | None) -> list[str]:
-    if not isinstance(item, Assessment):
-        return ["not here", "" if item is None else item.message, "", ""]
-    interval = f"{percent(item.low)} to {percent(item.high)} % (level {percent(item.level)} %)"
-    return [
-        f"{percent(item.probability_overturned)} %",
-        interval,
-        f"{item.engine_runs}",
-        f"{percent(item.undecided)} %",
-    ]
-
-
-def _index(item: Index) -> list[str]:
-    """What goes when the input is known, what stays when all others are, and the half width of both."""
-    total = "not computed" if item.total is None else f"{item.total:.2f}"
-    return [f"{item.first:.2f}", total, f"± {item.half_width:.2f}"]
-
-
 def _difference(name: str, item: ProbabilityDifference) -> str:
     low, high = 100.0 * item.low, 100.0 * item.high
     told = (
@@ -110,57 +85,12 @@ def _difference(name: str, item: ProbabilityDifference) -> str:
     return f"No difference is shown between the model and {name}: {told}."
 
 
-def _input(item: Uncertain, assumed: bool) -> list[str]:
-    return [digits(item.value), item.kind, _width(item), _said(item, assumed)]
-
-
 def _said(item: Uncertain, assumed: bool) -> str:
     """Where a width comes from: the scene's own, or what is assumed of such a key, with its source."""
     given = assumption(item.key)
     if given is None or (given.kind, given.width) != (item.kind, item.width):
         return "the scene's own"
     return given.source if assumed else f"as assumed: {given.source}"
-
-
-def _width(item: Uncertain) -> str:
-    words = {"lognormal": "coefficient of variation", "normal": "standard deviation", "uniform": "half width"}
-    linked = "" if item.correlated_with is None else f", correlated by {item.rho:g} with {item.correlated_with}"
-    return f"{words[item.kind]} {digits(item.width)}{linked}"
-
-
-def _options(record: OptionsRecord) -> dict[str, object]:
-    """The table of options, what each of them is, and why others are not there."""
-    return {
-        "rows": [(item.name, _option(item)) for item in record.options],
-        "words": [(item.name, _source(item)) for item in record.options if item.what],
-        "left_out": record.left_out,
-        "draws": record.draws,
-        "model": record.model,
-        "planar": record.model == MODEL,
-        "fewer": sorted({item.draws for item in record.options} - {record.draws}),
-        "level": percent(record.difference_level),
-    }
-
-
-def _option(item: OptionAnswer) -> list[str]:
-    """Cells that do not break: a telephone scrolls a table sideways sooner than it reads a number on two lines."""
-    falls, interval = f"{percent(item.probability_overturned)} %", f"{percent(item.low)} to {percent(item.high)} %"
-    falls += f" (no end: {percent(item.undecided)} %)" if item.undecided else ""
-    shown, points = "", ""
-    if item.difference is not None:
-        low, value, high = (
-            100.0 * bound for bound in (item.difference.low, item.difference.value, item.difference.high)
-        )
-        shown = "helps" if item.helps else "harms" if item.harms else "not shown"
-        points = f"{value:+.1f} ({low:+.1f} to {high:+.1f})"
-    slips = [_slip(slip, item.slip_high_m) for slip in (item.slip_median_m, item.slip_high_m)]
-    return [cell.replace(" ", "\u00a0") for cell in (falls, shown, interval, points, *slips)]
-
-
-def _slip(slip_m: float | None, most_m: float | None) -> str:
-    if slip_m is None:
-        return "not followed"
-    return f"{slip_m:.3f} m" if most_m else "none"
 
 
 def _plan(record: AssessRecord) -> Markup | None:
@@ -191,52 +121,17 @@ def _towards(angle_deg: float) -> str:
     return f"{angle_deg:g}°" + (f", {side}" if side else "")
 
 
-def _source(item: OptionAnswer) -> str:
-    return f"{item.what}. Source: {item.source}" if item.source else item.what
-
-
-def _chart(fragility: FragilityRecord) -> dict[str, object]:
-    band = {
-        "type": "scatter",
-        "x": [*fragility.factor, *reversed(fragility.factor)],
-        "y": [*fragility.high, *reversed(fragility.low)],
-        "fill": "toself",
-        "fillcolor": faint(INK, 0.1),
-        "line": {"width": 0},
-        "hoverinfo": "skip",
-        "showlegend": False,
-    }
+def _chart(fragility: FragilityRecord) -> Json:
+    factors, line = fragility.factor, {"color": INK, "width": 2}
+    tip = "× %{x:.2f}: %{y:.0%}<extra></extra>"
+    mean = curve(factors, fragility.probability_overturned, line, mode="lines+markers", name=fragility.model)
+    today = {"color": MUTED, "width": 1, "dash": "4px,3px"}
     data = [
-        *([band] if fragility.low else []),
-        {
-            "type": "scatter",
-            "mode": "lines+markers",
-            "x": fragility.factor,
-            "y": fragility.probability_overturned,
-            "line": {"color": INK, "width": 2},
-            "name": fragility.model,
-            "showlegend": False,
-            "hovertemplate": "× %{x:.2f}: %{y:.0%}<extra></extra>",
-        },
-        {
-            "type": "scatter",
-            "mode": "lines",
-            "x": [1.0, 1.0],
-            "y": [0.0, 1.0],
-            "line": {"color": MUTED, "width": 1, "dash": "4px,3px"},
-            "name": "today's shaking",
-            "hoverinfo": "skip",
-        },
+        mean | {"showlegend": False, "hovertemplate": tip},
+        curve([1.0, 1.0], [0.0, 1.0], today, name="today's shaking", hoverinfo="skip"),
     ]
-    layout = {
-        "height": 380,
-        "xaxis": {
-            "title": {"text": "factor on the shaking, all axes"},
-            "type": "log",
-            "gridcolor": HAIRLINE,
-            "tickvals": TICKS,
-        },
-        "yaxis": {"title": {"text": "probability of overturning"}, "range": [-0.02, 1.02], "gridcolor": HAIRLINE},
-        "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
-    }
-    return {"data": data, "layout": layout}
+    if fragility.low:
+        around = [*factors, *reversed(factors)], [*fragility.high, *reversed(fragility.low)]
+        data.insert(0, band(*around, INK, 0.1))
+    x = axis("factor on the shaking, all axes", type="log", tickvals=TICKS)
+    return figure(data, 380, x, axis("probability of overturning", range=[-0.02, 1.02]))

@@ -17,8 +17,10 @@ from markupsafe import Markup
 
 from harness.model.run import to_plain
 from harness.model.terminal import printable_lines
+from harness.records.assess import percent
 from reports.charts.static_svg import still
 from reports.pages.made_once import folder, made_once
+from reports.text.numbers import angle, digits, given, heading, label, length, plain, short, unit
 
 TEMPLATES: Final = Path(__file__).resolve().parents[1] / "templates"
 CHART_KINDS: Final = frozenset({"scatter", "bar", "heatmap"})
@@ -118,7 +120,11 @@ def environment() -> Environment:
         lstrip_blocks=True,
         finalize=_shown,
     )
+    # What a table's cell is written with stands in its template: numbers as people read them.
+    templates.filters |= {each.__name__: each for each in (angle, digits, given, heading, label, plain, short, unit)}
     templates.filters |= {
+        "metres": length,
+        "percent": percent,
         "script_json": json_for_script,
         "packed_chart": packed_chart,
         "packed_json": packed_json,

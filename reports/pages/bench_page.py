@@ -4,27 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.records.bench import BenchRecord, PrecisionRow
 from reports.charts import Json
-from reports.charts.palette import HAIRLINE, INK, MUTED, look
+from reports.charts.figure import BELOW, LOG, axis, curve, figure, stroke
+from reports.charts.palette import INK, MUTED, look
 from reports.pages.bench_scaling import scaling_figure
-from reports.pages.bench_tables import tables
 from reports.text.numbers import digits, unit
 from reports.text.wording import Verdict
 
 SYMBOLS: Final = {"ladder": "circle", "accuracy": "star", "default": "square-open", "peer": "diamond-open"}
-HEADS: Final = (
-    "engine",
-    "setting",
-    "step [s]",
-    "error [rad]",
-    "time [s]",
-    "steps",
-    "times real time",
-    "stated ± [rad]",
-)
 WORDS: Final = {
     "ladder": "",
     "accuracy": "to the target",
@@ -41,9 +31,10 @@ def context(_folder: Path, record: BenchRecord) -> dict[str, object]:
         "verdict": bench_verdict(record),
         "charts": charts,
         "scaling": scaling_figure(record.scaling) if record.scaling else None,
-        "extra": tables(record),
-        "heads": HEADS,
-        "tables": [(scene, [_cells(row, rows) for row in rows if row.scene == scene]) for scene in scenes],
+        "scaling_rows": record.scaling,
+        "scenes": scenes,
+        "on_front": on_front,
+        "baselines": [name.removesuffix("_ratio") for name in record.overhead if name.endswith("_ratio")],
     }
 
 
@@ -100,43 +91,25 @@ def precision_figure(scene: str, rows: Sequence[PrecisionRow], target_rad: float
             if not mine:
                 continue
             marker = {"color": style.colour, "symbol": symbol, "size": [15 if row.chosen else 8 for row in mine]}
-            line = {"color": style.colour, "dash": style.dash, "width": 1.6}
             data.append(
-                {
-                    "type": "scatter", "mode": "lines+markers" if group == "ladder" else "markers", "marker": marker,
-                    "line": line, "x": [row.cpu_s for row in mine], "y": [row.error_rad for row in mine],
-                    "name": f"{engine} {WORDS[group]}".strip(), "text": [row.label for row in mine],
-                    "hovertemplate": f"{engine}, %{{text}}: %{{y:.2e}} rad in %{{x:.3g}} s<extra></extra>",
-                }
+                curve(
+                    [row.cpu_s for row in mine], [row.error_rad for row in mine], stroke(style) | {"width": 1.6},
+                    mode="lines+markers" if group == "ladder" else "markers", marker=marker,
+                    name=f"{engine} {WORDS[group]}".strip(), text=[row.label for row in mine],
+                    hovertemplate=f"{engine}, %{{text}}: %{{y:.2e}} rad in %{{x:.3g}} s<extra></extra>",
+                )
             )  # fmt: skip
     front = sorted((row for row in here if row.dt_s and on_front(row, here)), key=_error)
-    data.append(
-        {
-            "type": "scatter", "mode": "lines", "name": "best contact engine", "x": [row.cpu_s for row in front],
-            "y": [row.error_rad for row in front], "line": {"color": MUTED, "width": 6, "shape": "hv"}, "opacity": 0.25,
-            "hoverinfo": "skip",
-        }
-    )  # fmt: skip
+    best = {"name": "best contact engine", "opacity": 0.25, "hoverinfo": "skip"}
+    line = {"color": MUTED, "width": 6, "shape": "hv"}
+    data.append(curve([row.cpu_s for row in front], [row.error_rad for row in front], line, **best))
     shape = {
         "type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": target_rad, "y1": target_rad,
         "line": {"color": INK, "dash": "dash", "width": 1},
     }  # fmt: skip
-    axis = {"type": "log", "gridcolor": HAIRLINE, "exponentformat": "power", "dtick": 1}
-    layout = {
-        "height": 600, "margin_bottom": 250, "xaxis": {**axis, "title": {"text": "time to compute  [s]"}}, "shapes": [shape],
-        "yaxis": {**axis, "dtick": 2, "title": {"text": "error  [rad]"}}, "margin_top": 20,
-        "legend": {"orientation": "h", "y": -0.28, "yanchor": "top"},
-    }  # fmt: skip
-    return {"data": data, "layout": layout}
+    x, y = axis("time to compute  [s]", dtick=1, **LOG), axis("error  [rad]", dtick=2, **LOG)
+    return figure(data, 600, x, y, margin_bottom=250, margin_top=20, shapes=[shape], legend=BELOW | {"y": -0.28})
 
 
 def _error(row: PrecisionRow) -> float:
     return row.error_rad or 0.0
-
-
-def _cells(row: PrecisionRow, rows: Sequence[PrecisionRow]) -> dict[str, Any]:
-    error = row.failed if row.failed is not None else digits(row.error_rad, 2)
-    steps = "–" if row.steps is None else row.steps
-    cells = [row.engine, row.label, digits(row.dt_s), error, digits(row.cpu_s), steps]
-    cells += [digits(row.real_time_factor, 2), digits(row.stated_rad, 2)]
-    return {"cells": cells, "front": on_front(row, rows), "chosen": row.chosen, "failed": row.failed is not None}

@@ -7,7 +7,8 @@ from typing import Final
 
 from harness.records.bench import ScalingRow
 from reports.charts import Json
-from reports.charts.palette import HAIRLINE, MUTED, look
+from reports.charts.figure import BELOW, LOG, axis, curve, figure, stroke
+from reports.charts.palette import MUTED, look
 from reports.text.numbers import heading
 
 SYMBOLS: Final = {"duration_s": "circle", "mesh_vertices": "square", "runs": "diamond", "workers": "triangle-up"}
@@ -22,29 +23,21 @@ def scaling_figure(items: Sequence[ScalingRow]) -> Json:
     for engine, quantity in dict.fromkeys((item.engine, item.quantity) for item in items):
         mine = sorted((i for i in items if (i.engine, i.quantity) == (engine, quantity)), key=lambda i: i.value)
         style, words = look(engine, engines), heading(quantity)
-        for measure, (axis, _, _) in PANELS.items():
+        for measure, (place, _, _) in PANELS.items():
             data.append(
-                {
-                    "type": "scatter", "mode": "lines+markers", "name": f"{engine}, {words}",
-                    "legendgroup": f"{engine} {quantity}", "showlegend": measure == "wall_s", "xaxis": "x", "yaxis": axis,
-                    "x": [item.value / mine[0].value for item in mine], "y": [getattr(item, measure) for item in mine],
-                    "line": {"color": style.colour, "dash": style.dash, "width": 1.6},
-                    "marker": {"color": style.colour, "symbol": SYMBOLS[quantity], "size": 9},
-                    "text": [f"{item.value:g}" for item in mine],
-                    "hovertemplate": f"{engine}, {words} %{{text}}: %{{y:.3g}}<extra></extra>",
-                }
+                curve(
+                    [item.value / mine[0].value for item in mine], [getattr(item, measure) for item in mine],
+                    stroke(style) | {"width": 1.6}, mode="lines+markers", name=f"{engine}, {words}",
+                    legendgroup=f"{engine} {quantity}", showlegend=measure == "wall_s", xaxis="x", yaxis=place,
+                    marker={"color": style.colour, "symbol": SYMBOLS[quantity], "size": 9},
+                    text=[f"{item.value:g}" for item in mine],
+                    hovertemplate=f"{engine}, {words} %{{text}}: %{{y:.3g}}<extra></extra>",
+                )
             )  # fmt: skip
-    log = {"type": "log", "gridcolor": HAIRLINE, "exponentformat": "power", "dtick": 1}
-    layout: Json = {
-        "height": 720, "margin_bottom": 210, "margin_top": 20,
-        "xaxis": {**log, "anchor": "y2", "title": {"text": "size, as a multiple of the smallest"}},
-        "legend": {"orientation": "h", "y": -0.14, "yanchor": "top"},
-    }  # fmt: skip
-    for axis, domain, title in PANELS.values():
-        layout[f"yaxis{axis[1:]}"] = {**log, "domain": domain, "anchor": "x", "title": {"text": title}}
+    time, memory = (axis(title, dtick=1, domain=domain, anchor="x", **LOG) for _, domain, title in PANELS.values())
     # Memory spans less than a decade: 20, 50, 100 are wanted as well.
-    layout["yaxis2"]["dtick"] = "D2"
-    return {"data": data, "layout": layout}
+    below = {"yaxis2": memory | {"dtick": "D2"}, "margin_bottom": 210, "margin_top": 20, "legend": BELOW | {"y": -0.14}}
+    return figure(data, 720, axis("size, as a multiple of the smallest", dtick=1, anchor="y2", **LOG), time, **below)
 
 
 def _proportional(items: Sequence[ScalingRow]) -> Json:
@@ -54,7 +47,6 @@ def _proportional(items: Sequence[ScalingRow]) -> Json:
         by_line.setdefault((item.engine, item.quantity), []).append(item.value)
     most = max(max(values) / min(values) for values in by_line.values())
     least = min(item.wall_s for item in items)
-    return {
-        "type": "scatter", "mode": "lines", "name": "in proportion", "x": [1.0, most], "y": [least, least * most],
-        "xaxis": "x", "yaxis": "y", "line": {"color": MUTED, "width": 6}, "opacity": 0.25, "hoverinfo": "skip",
-    }  # fmt: skip
+    line = {"color": MUTED, "width": 6}
+    rest = {"name": "in proportion", "xaxis": "x", "yaxis": "y", "opacity": 0.25, "hoverinfo": "skip"}
+    return curve([1.0, most], [least, least * most], line, **rest)

@@ -17,8 +17,9 @@ from harness.records.compare import FILES, CompareRecord
 from harness.records.result_folder import as_written, owned
 from reports.charts.decimate import kept_samples
 from reports.charts.event import MOVED_SHARE, event_s
+from reports.charts.figure import axis, curve, figure, stroke
 from reports.charts.packed import packed_array
-from reports.charts.palette import HAIRLINE, MUTED, look
+from reports.charts.palette import MUTED, look
 from reports.text.glossary import score_rows, verdict_words
 from reports.text.wording import Verdict
 
@@ -62,23 +63,19 @@ def compare_figure(names: tuple[str, str], a: History, b: History) -> dict[str, 
             _curve(name, history.t_s, 1e3 * history.slip_m, "y3", names) | {"showlegend": False}
             for name, history in zip(names, (a, b), strict=True)
         ]
-    layout: dict[str, object] = {
-        "xaxis": {"title": {"text": "time  [s]"}, "anchor": "y3" if slips else "y2", "gridcolor": HAIRLINE, "zeroline": False,
-            "range": list(event_s((a, b), MOVED_SHARE * float(np.abs(b.theta_rad).max(initial=0.0)), float(both.t_s[-1])))},
-        "hovermode": "x unified", "height": 620, "legend": {"orientation": "h", "x": 0, "y": 1.0, "yanchor": "bottom"},
-    }  # fmt: skip
-    for number, (domain, title) in enumerate(ROWS[: 3 if slips else 2], start=1):
-        layout[f"yaxis{number if number > 1 else ''}"] = {
-            "domain": list(domain), "title": {"text": title}, "gridcolor": HAIRLINE, "zerolinecolor": MUTED, "automargin": True,
-            "fixedrange": True,
-        }  # fmt: skip
-    return {"data": data, "layout": layout}
+    level = MOVED_SHARE * float(np.abs(b.theta_rad).max(initial=0.0))
+    shown = list(event_s((a, b), level, float(both.t_s[-1])))
+    layout = {
+        f"yaxis{number if number > 1 else ''}": axis(
+            title, domain=list(domain), zerolinecolor=MUTED, automargin=True, fixedrange=True
+        )
+        for number, (domain, title) in enumerate(ROWS[: 3 if slips else 2], start=1)
+    }
+    x = axis("time  [s]", anchor="y3" if slips else "y2", zeroline=False, range=shown)
+    return figure(data, 620, x, layout.pop("yaxis"), hovermode="x unified", **layout)
 
 
-def _curve(name: str, t_s: Array, values: Array, axis: str, names: tuple[str, ...]) -> dict[str, Any]:
+def _curve(name: str, t_s: Array, values: Array, axis_name: str, names: tuple[str, ...]) -> dict[str, Any]:
     shown, style = kept_samples(values), look(name, names)
-    return {
-        "type": "scatter", "mode": "lines", "name": name, "yaxis": axis, "legendgroup": name,
-        "x": packed_array(t_s[shown]), "y": packed_array(values[shown]),
-        "line": {"color": style.colour, "dash": style.dash, "width": style.width},
-    }  # fmt: skip
+    place = {"name": name, "yaxis": axis_name, "legendgroup": name}
+    return curve(packed_array(t_s[shown]), packed_array(values[shown]), stroke(style), **place)

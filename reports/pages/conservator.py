@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.history import Outcome
-from harness.records.assess import MOSTLY, percent
+from harness.records.assess import MOSTLY, Assessment, percent
 from harness.records.run import EngineRunRecord, RunRecord
 from reports.drawing.conservator_pictures import plan_svg, reach_svg
 from reports.drawing.floor_plan import floor_plan
@@ -25,6 +25,8 @@ from reports.text.wording import AT_REST_RAD, horizon_s, motion_given, predictio
 
 VISIBLE_M: Final = 1e-4
 """Less than a tenth of a millimetre is no movement to the eye."""
+NEXT_TO_NONE: Final = 0.01
+"""Shares whose intervals stay within this of none, or of all, are told as fewer than 1, or more than 99, of 100."""
 
 
 def context(folder: Path, record: RunRecord, say: Language = ENGLISH) -> dict[str, object]:
@@ -58,19 +60,28 @@ def _answer(source: RunSource, nominal: str, colour: str, say: Language) -> tupl
     given = say("chance.given", what=nominal[0].lower() + nominal[1:])
     if item.undecided >= 1.0:
         return say("chance.open"), tone, [given]
-    share, low, high, left = (
-        percent(value).replace(".", say("decimal"))
-        for value in (item.probability_overturned, item.low, item.high, item.undecided)
-    )
-    open_ = [say("chance.undecided", share=left)] if item.undecided else []
-    plane = [say("chance.plane")] if item.plane_only else []
+    open_ = [say("chance.undecided", share=_share(item.undecided, say))] if item.undecided else []
+    known = any(not each.plane_only for each in source.record.assessment.values())
+    plane = [say("chance.plane"), *([] if known else [say("chance.plane_open")])] if item.plane_only else []
+    points = [say("chance.cases"), *open_, *([" ".join(plane)] if plane else []), given]
     if item.undecided > MOSTLY:
-        return (
-            say("chance.open"),
-            tone,
-            [say("chance.mostly_open", share=share), say("chance.cases"), *open_, *plane, given],
-        )
-    return say("chance.falls", share=share, low=low, high=high), tone, [say("chance.cases"), *open_, *plane, given]
+        share = _share(item.probability_overturned, say)
+        return say("chance.open"), tone, [say("chance.mostly_open", share=share), *points]
+    return _falls(item, say), tone, points
+
+
+def _falls(item: Assessment, say: Language) -> str:
+    """How probable a fall is; next to none and next to all have no digits."""
+    if item.most < NEXT_TO_NONE:
+        return say("chance.rarely")
+    if item.low > 1.0 - NEXT_TO_NONE:
+        return say("chance.mostly")
+    share, low, high = (_share(value, say) for value in (item.probability_overturned, item.low, item.high))
+    return say("chance.falls", share=share, low=low, high=high)
+
+
+def _share(value: float, say: Language) -> str:
+    return percent(value).replace(".", say("decimal"))
 
 
 def _nominal(source: RunSource, answered: Mapping[str, EngineRunRecord], say: Language) -> tuple[str, str]:

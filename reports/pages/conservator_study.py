@@ -20,7 +20,7 @@ from reports.text.giving_way import compass, scan_turn_deg, study_support, suppo
 from reports.text.language import ENGLISH, Language
 from reports.text.numbers import heading
 from reports.text.pedestal_effect import pedestal_effect
-from reports.text.study_rows import Condition, agreement, conditions, family
+from reports.text.study_rows import Condition, agreement, conditions, family, runs_of
 
 WIDTH: Final = 480
 """Width of the charts among the page's pictures."""
@@ -49,7 +49,7 @@ def context(folder: Path, record: StudyRecord | EffectsRecord, say: Language = E
 def of_study(record: StudyRecord, say: Language = ENGLISH) -> dict[str, object]:
     """Headline, points and pictures of a study."""
     models, cases = conditions(record.rows)
-    ends = {model: _ends(cases, model) for model in models}
+    ends = {model: [run.outcome for _, run in runs_of(cases, model)] for model in models}
     ends = {model: outcomes for model, outcomes in ends.items() if outcomes}
     said = [*_asked(record, models, say), *_by_variant(ends, say), *_bore(cases, say), *_agree(models, cases, say)]
     said.append(say("chance.unknown"))
@@ -59,12 +59,6 @@ def of_study(record: StudyRecord, say: Language = ENGLISH) -> dict[str, object]:
         "points": said,
         "pictures": _pictures(record, models, cases, say),
     }
-
-
-def _ends(cases: Sequence[Condition], model: str) -> list[Outcome]:
-    """The outcomes of one model, condition after condition that it answered."""
-    rows = [item.answers.get(model) for item in cases]
-    return [Outcome(row.run.outcome) for row in rows if row is not None and row.run is not None]
 
 
 def _headline(ends: Mapping[str, Sequence[Outcome]], say: Language) -> str:

@@ -10,11 +10,10 @@ from typing import Final
 
 import numpy as np
 
-from harness.records.effects3d import BASELINE, SOLID, Band, EffectsRecord
-from reports.charts.palette import look
+from harness.records.effects3d import BASELINE, SOLID, EffectsRecord
 from reports.drawing.effects_figures import changes, curves, directions, rose
 from reports.drawing.scene_picture import scene_svg
-from reports.pages.run_page import replay_values
+from reports.pages.run_page import chip, replay_values
 from reports.source import run_source
 from reports.text.numbers import digits, listed, unit
 from reports.text.wording import Verdict
@@ -46,22 +45,21 @@ def context(folder: Path, record: EffectsRecord) -> dict[str, object]:
     replay = replay_values(source) if source is not None and source.histories else None
     return {
         "verdict": effects_verdict(record),
-        "chips": [
-            {"name": name, "colour": look(name, engines).colour, "sentence": "", "labels": (), "failed": False}
-            for name in engines
-        ],
+        "chips": [chip(name, engines) for name in engines],
         "picture": scene_svg(record.scene),
         "directions": source and directions(record, source),
         "scene_title": record.scene.title,
         "rose": rose(record).svg(ROSE_WORDS),
         "keys": [{"name": item.name, "colour": item.colour} for item in curves(record)],
         "engines": engines,
-        "direction_rows": direction_rows(record, engines),
+        "peaks": {name: {row.azimuth_deg: row.peak_g for row in record.amplitudes(name, BASELINE)} for name in engines},
+        "band_at": {row.azimuth_deg: row for row in record.bands},
+        "falls": falls(record),
         "changes": changes(record).svg(CHANGES_WORDS, style="min-width: 700px"),
         "effect_engines": list(dict.fromkeys(item.engine for item in record.effects)),
-        "effect_rows": effect_rows(record),
-        "left_out": [(name, why) for name, why in record.left_out.items()],
-        "departure_rows": departure_rows(record),
+        "groups": GROUPS,
+        "change": _change,
+        "solid": _solid_engine(record),
         "share": f"{100.0 * record.study.share:g}",
         "replay": replay,
         "replay_words": replay_words(record),
@@ -221,61 +219,10 @@ def _leaving(record: EffectsRecord, engine: str) -> list[str]:
     ]
 
 
-def direction_rows(record: EffectsRecord, engines: Sequence[str]) -> list[tuple[str, list[str]]]:
-    """The table by direction: where it lifts, every model's amplitude, the planar model at the sides, and how it falls."""
-    by = {name: _peaks(record, name) for name in engines}
-    solid = _solid_engine(record)
-    falls = {row.azimuth_deg: row.outcome.removeprefix("overturned_") for row in record.amplitudes(solid, BASELINE)}
-    bands = {row.azimuth_deg: row for row in record.bands}
-    rows = []
-    for item in record.static:
-        azimuth = item.azimuth_deg
-        values = [digits(item.lifts_g), "–" if item.projected_g is None else digits(item.projected_g)]
-        values += [_peak(by[name].get(azimuth)) for name in engines]
-        rows.append((f"{azimuth:g}°", [*values, _band(bands.get(azimuth)), falls.get(azimuth) or "–"]))
-    return rows
-
-
-def _peak(peak_g: float | None) -> str:
-    if peak_g is None:
-        return "not asked"
-    return "stands" if math.isinf(peak_g) else digits(peak_g)
-
-
-def _band(row: Band | None) -> str:
-    if row is None or row.low_g is None:
-        return "–" if row is None else "stands"
-    return f"{digits(row.low_g)}–{'stands' if row.high_g is None else digits(row.high_g)}"
-
-
-def effect_rows(record: EffectsRecord) -> list[tuple[str, str, list[str]]]:
-    """The table of conditions: group, name, each engine's median with its range and the directions that no longer overturn."""
-    engines = list(dict.fromkeys(item.engine for item in record.effects))
-    by_condition: dict[str, tuple[str, dict[str, str]]] = {}
-    for item in record.effects:
-        text = "no direction overturns"
-        if item.median is not None:
-            text = f"{_change(item.median)} ({_change(item.least)} to {_change(item.largest)})"
-            text += f"; {item.flips} stand" if item.flips else ""
-        by_condition.setdefault(item.condition, (GROUPS[item.group], {}))[1][item.engine] = text
-    return [
-        (group, name, [texts.get(engine, "not seen by it") for engine in engines])
-        for name, (group, texts) in by_condition.items()
-    ]
-
-
-def departure_rows(record: EffectsRecord) -> list[tuple[str, list[str]]]:
-    """How far each direction's motion leaves the plane, in the first 3D engine."""
-    engine = _solid_engine(record)
-    rows = []
-    for row in record.departures:
-        if row.engine == engine:
-            ended = {True: "overturns", False: "stands", None: "undecided"}[row.outcome.fell]
-            values = [digits(row.peak_g), digits(row.peak_theta_rad, 2), digits(row.out_of_plane_rad, 2)]
-            values += [digits(row.yaw_rad, 2), digits(row.yaw_left_rad, 2), digits(1000.0 * row.walked_m, 2)]
-            values += [f"{100.0 * row.corner_share:.0f} %", ended]
-            rows.append((f"{row.azimuth_deg:g}°", values))
-    return rows
+def falls(record: EffectsRecord) -> dict[float, str]:
+    """To which side it falls in three dimensions, by direction."""
+    rows = record.amplitudes(_solid_engine(record), BASELINE)
+    return {row.azimuth_deg: row.outcome.removeprefix("overturned_") for row in rows}
 
 
 def replay_words(record: EffectsRecord) -> str:

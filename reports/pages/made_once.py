@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
@@ -36,18 +35,9 @@ def made_once(name: str, state: bytes, make: Callable[[], str]) -> str:
             return text
     text = make()
     array_cache.put(file, f"{_digest(text)}\n{text}".encode())
-    older = sorted(home.glob(f"{name}-*.txt"), key=_age_ns, reverse=True)[KEPT:]
-    for old in older:
-        old.unlink(missing_ok=True)
+    array_cache.prune(home, f"{name}-*.txt", KEPT)
     return text
 
 
 def _digest(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
-
-
-def _age_ns(file: Path) -> int:
-    try:
-        return os.stat(file).st_mtime_ns
-    except FileNotFoundError:  # removed by another process just now
-        return 0

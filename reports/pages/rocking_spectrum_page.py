@@ -9,6 +9,7 @@ from typing import Final
 from harness.assess.stratified import LEVEL
 from harness.comparison.statistics.distributions import wilson
 from harness.records.rocking_spectrum import RockingSpectrumRecord
+from reports.charts.figure import figure
 from reports.text.chance import SAFE, SAFE_HIGH
 from reports.text.numbers import count_word, digits, percent, unit
 from reports.text.wording import Verdict
@@ -20,24 +21,10 @@ Map = Sequence[Sequence[float | None]]
 
 def context(_folder: Path, record: RockingSpectrumRecord) -> dict[str, object]:
     """Everything that the template shows."""
-    strengths = f"{record.draws} of each motion, uncertain by {percent(record.strength_cov)}"
-    sizes, shapes = len(record.size_m), len(record.slenderness)
-    law = "of the momentum balance" if record.restitution == "momentum" else digits(float(record.restitution))
     return {
         "verdict": verdict(record),
         "falls": _map(record, record.probability_overturned, "P", 1.0),
         "peaks": _map(record, record.peak_median, "peak/α", 1.0),
-        "settings": [
-            ("strengths", strengths if record.draws > 1 else "as given"),
-            ("restitution", law),
-            ("blocks", f"{sizes} sizes, {shapes} slendernesses; {record.cases} cases of each"),
-            ("still leaning at the end", percent(record.undecided)),
-        ],
-        "motions": [
-            (item.name, [unit(item.pga_g, "g"), unit(item.pgv_m_s, "m/s"), unit(item.duration_s, "s")])
-            for item in record.motions
-        ],
-        "summary": str(record.summary),
     }
 
 
@@ -76,11 +63,8 @@ def _map(record: RockingSpectrumRecord, values: Map, name: str, most: float) -> 
         "reversescale": True, "colorbar": {"title": {"text": name}, "thickness": 12},
         "hovertemplate": f"h/b %{{x:.3g}}<br>R %{{y:.3g}} m<br>{name} %{{z:.3g}}<extra></extra>",
     }  # fmt: skip
-    layout = {
-        "height": 420, "xaxis": {"title": {"text": "slenderness h/b"}}, "yaxis": {"title": {"text": "size R  [m]"}},
-        "showlegend": False, "margin_top": 12,
-    }  # fmt: skip
-    return {"data": [trace], "layout": layout}
+    titles = "slenderness h/b", "size R  [m]"
+    return figure([trace], 420, *({"title": {"text": title}} for title in titles), showlegend=False, margin_top=12)
 
 
 def _picked(count: int) -> list[int]:

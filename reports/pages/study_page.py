@@ -36,6 +36,7 @@ from reports.text.study_rows import (
     cell,
     conditions,
     family,
+    runs_of,
     varying_keys,
 )
 from reports.text.weights import weighed
@@ -127,8 +128,7 @@ def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Co
     if record.headline:
         return Verdict(_claims_headline(record.headline), "differ", [*_claim_points(record), *points])
     if not pairs:
-        answers = [item.answers.get(model) for model in models for item in cases]
-        ends = [family(row.run.outcome) for row in answers if row is not None and row.run is not None]
+        ends = [family(run.outcome) for model in models for _, run in runs_of(cases, model)]
         return Verdict(_falls(models, cases), tone_of_study(ends), points)
     headline = f"The models give the same outcome in {same} of {total} comparisons ({_percent(same, total)})"
     return Verdict(headline, "differ", points)
@@ -151,9 +151,8 @@ def _falls(models: Sequence[str], cases: Sequence[Condition]) -> str:
     """In how many conditions each model lets the statue overturn."""
     parts = []
     for model in models:
-        rows = [row for item in cases if (row := item.answers.get(model)) is not None]
-        ends = [family(row.run.outcome) for row in rows if row.run is not None]
-        parts.append(f"in {ends.count('overturns')} of {len(ends)} conditions by {model}")
+        ends = [run.outcome.overturned for _, run in runs_of(cases, model)]
+        parts.append(f"in {sum(ends)} of {len(ends)} conditions by {model}")
     return f"The statue overturns {listed(parts)}" if parts else "No model was asked"
 
 

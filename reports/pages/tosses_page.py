@@ -7,7 +7,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from harness.records.tosses import PoseErrors, Quartiles, TossesRecord, TossModel, TossRow
+from harness.records.tosses import PoseErrors, Quartiles, TossesRecord, TossModel
+from reports.charts.figure import curve
 from reports.charts.palette import look
 from reports.text.numbers import digits, short, unit
 from reports.text.wording import Verdict
@@ -35,7 +36,8 @@ def context(folder: Path, record: TossesRecord) -> dict[str, object]:
             ("rotation", "Rotation error over time (median; quartiles thin)", chart(models, "rotation")),
             ("place", "Place error over time (median; quartiles thin)", chart(models, "place")),
         ],
-        "rows": toss_rows(models),
+        "rows": {name: {row.toss: row for row in item.rows} for name, item in models.items()},
+        "tosses": dict.fromkeys(row.toss for item in models.values() for row in item.rows),
         "command": command(record),
     }
 
@@ -102,35 +104,13 @@ def chart(models: Mapping[str, TossModel], kind: str) -> dict[str, Any]:
         colour = look(model, list(models)).colour
         for part in QUARTILES:
             line = {"color": colour, "width": 2 if part == "median" else 0.7}
-            values = [vars(of(row))[part] for row in item.over_time]
-            times = [row.t_s for row in item.over_time]
-            traces.append(
-                {
-                    "type": "scatter",
-                    "x": times,
-                    "y": values,
-                    "mode": "lines",
-                    "name": model,
-                    "line": line,
-                    "showlegend": part == "median",
-                }
-            )
+            values, times = [vars(of(row))[part] for row in item.over_time], [row.t_s for row in item.over_time]
+            traces.append(curve(times, values, line, name=model, showlegend=part == "median"))
     layout = {
         "xaxis": {"title": {"text": "time [s]"}},
         "yaxis": {"title": {"text": f"error [{name}]"}, "rangemode": "tozero"},
     }
     return {"data": traces, "layout": layout}
-
-
-def toss_rows(models: Mapping[str, TossModel]) -> list[tuple[str, list[str]]]:
-    """Each scored toss: its rotation error at the end, and its place error, by each model."""
-    by_model = {name: {row.toss: row for row in item.rows} for name, item in models.items()}
-    names = dict.fromkeys(toss for rows in by_model.values() for toss in rows)
-    return [(toss, [_toss_cell(rows.get(toss)) for rows in by_model.values()]) for toss in names]
-
-
-def _toss_cell(row: TossRow | None) -> str:
-    return "–" if row is None else f"{unit(row.end_rotation_rad, 'rad')}, {unit(row.end_place_m, 'm')}"
 
 
 def command(record: TossesRecord) -> str:

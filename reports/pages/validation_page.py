@@ -9,10 +9,10 @@ from typing import Final
 
 from harness.records.scores import Interval, Scores
 from harness.records.scores import Verdict as Verdicts
-from harness.records.validation import BaselineRecord, Fitted, ModelRecord, PairScores, TestRow, ValidationRecord
+from harness.records.validation import BaselineRecord, Fitted, PairScores, ValidationRecord
 from harness.validation.words import SWAPPED, share
-from reports.charts.validation_figures import BASELINE, FELL, charts
-from reports.text.numbers import count_word, digits, listed, plain, short, unit
+from reports.charts.validation_figures import BASELINE, charts
+from reports.text.numbers import count_word, digits, listed, short, unit
 from reports.text.study_rows import FAILED, SYMBOLS
 from reports.text.wording import Verdict
 
@@ -37,12 +37,11 @@ def context(_folder: Path, record: ValidationRecord) -> dict[str, object]:
         "unstated": sorted({name for pair in record.pairs for name in pair.unstated}),
         "charts": charts(record),
         "fitted": {name: _fitted(item.fitted) for name, item in models.items()},
-        "models": list(models),
-        "rows": [_row(row, list(models)) for row in record.rows],
+        "symbols": SYMBOLS,
+        "failed": FAILED,
         "histories": [
             (name, item.test, _history(item.scores)) for name, scores in models.items() for item in scores.histories
         ],
-        "settings": [(name, _settings(item)) for name, item in models.items()],
         "command": command(record),
     }
 
@@ -159,10 +158,6 @@ def _fitted(fitted: Fitted) -> str:
     return f"{', '.join(parts)}; {fitted.runs} runs"
 
 
-def _settings(item: ModelRecord) -> str:
-    return f"step {unit(item.dt_s, 's')}" if item.dt_s is not None else f"accuracy {plain(item.accuracy_rad)} rad"
-
-
 def command(record: ValidationRecord) -> str:
     """The command that repeats the validation, with every option that is not at its default."""
     parts = [f"rockcheck validate {shlex.quote(record.experiments)}", *(f"-e {name}" for name in record.models)]
@@ -182,19 +177,3 @@ def _history(scores: Scores | None) -> str:
     if scores.combined is not None:
         parts.append(f"magnitude error {digits(scores.magnitude)}, phase error {digits(scores.phase)}")
     return f"{', '.join(parts)}. {scores.verdict_sentence}"
-
-
-def _row(row: TestRow, models: Sequence[str]) -> dict[str, object]:
-    fell = row.observed.startswith(FELL)
-    cells = []
-    for name in models:
-        sign, words = SYMBOLS.get(row.predicted[name], FAILED)
-        chance = row.probability[name]
-        cells.append(
-            {
-                "sign": sign,
-                "words": words if chance is None else f"{words}; overturns in {100 * chance:.0f} % of the runs",
-                "right": row.predicted[name].startswith(FELL) == fell,
-            }
-        )
-    return {**vars(row), "cells": cells, "seen": SYMBOLS.get(row.observed, ("✕", "overturned"))}

@@ -60,10 +60,11 @@ rockcheck.whenReady.push(async () => {
   }
 
   /* one figure per model: a group at its pivot, the mesh behind it */
-  const geometry = new THREE.BufferGeometry();
+  let geometry = new THREE.BufferGeometry();
   geometry.setAttribute("position", new THREE.BufferAttribute(rockcheck.interleaved(data.mesh.positions, Float32Array), 3));
-  geometry.setAttribute("normal", new THREE.BufferAttribute(rockcheck.interleaved(data.mesh.normals, Float32Array), 3));
   geometry.setIndex(new THREE.BufferAttribute(rockcheck.interleaved(data.mesh.index, Uint32Array), 1));
+  if (!data.mesh.own) geometry = geometry.toNonIndexed(); /* a block has flat sides */
+  geometry.computeVertexNormals();
   geometry.computeBoundingSphere();
   const figures = new Map();
   for (const model of data.models) {

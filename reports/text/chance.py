@@ -37,8 +37,8 @@ def tone_of_probability(item: Assessment) -> Tone:
 
 
 def worst(answers: Mapping[str, Assessment]) -> Assessment:
-    """The answer in which a fall is the most probable."""
-    return max(answers.values(), key=lambda each: each.most)
+    """The answer in which a fall is the most probable; of equal ones one that knows all of the shaking."""
+    return max(answers.values(), key=lambda each: (each.most, not each.plane_only))
 
 
 def tone_of_answers(answers: Mapping[str, Assessment]) -> Tone:

@@ -11,11 +11,12 @@ import numpy as np
 from harness.model.history import Outcome
 from harness.records.study import StudyRecord
 from reports.charts import Json
-from reports.charts.palette import HAIRLINE, MUTED
+from reports.charts.figure import axis, curve, figure
+from reports.charts.palette import MUTED
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
 from reports.drawing.kinematics import section
 from reports.text.numbers import heading
-from reports.text.study_rows import Condition, family
+from reports.text.study_rows import Condition, runs_of
 
 WALL_COLOUR: Final = "#8c1d2f"
 
@@ -63,16 +64,13 @@ def pedestal_effect(record: StudyRecord, models: Sequence[str], cases: Sequence[
         return PedestalEffect(model, _saved(cases, model), [])
     fell: dict[tuple[float, str], list[bool]] = {}
     reach: dict[tuple[float, str], float] = {}
-    for item in cases:
-        row = item.answers.get(model)
-        if row is None or row.run is None:
-            continue
+    for item, run in runs_of(cases, model):
         setting = "on the floor" if item.varied["pedestal"] == "none" else "on the pedestal"
         place = (float(item.varied[pace]), setting)
-        fell.setdefault(place, []).append(family(row.run.outcome) == "overturns")
-        if row.run.outcome == Outcome.STANDS:
-            theta = float(row.run.peak_theta_rad) * np.array([-1.0, 1.0])
-            moved = float(np.abs(shape.top_displacement_m(theta, np.zeros(2))).max()) + float(row.run.peak_slip_m)
+        fell.setdefault(place, []).append(run.outcome.overturned)
+        if run.outcome is Outcome.STANDS:
+            theta = run.peak_theta_rad * np.array([-1.0, 1.0])
+            moved = float(np.abs(shape.top_displacement_m(theta, np.zeros(2))).max()) + run.peak_slip_m
             reach[place] = max(reach.get(place, 0.0), moved)
     charts = [
         ("saved", f"Share of conditions in which it overturns ({model})", _by_setting(fell, heading(pace))),
@@ -88,12 +86,9 @@ def pedestal_effect(record: StudyRecord, models: Sequence[str], cases: Sequence[
 def _saved(cases: Sequence[Condition], model: str) -> Saved:
     """How often the pedestal prevents, and how often it causes, an overturning under the same condition."""
     pairs: dict[tuple[Any, ...], dict[bool, bool]] = {}
-    for item in cases:
-        row = item.answers.get(model)
-        if row is not None and row.run is not None:
-            rest = tuple(value for key, value in item.varied.items() if key != "pedestal")
-            fell = family(row.run.outcome) == "overturns"
-            pairs.setdefault(rest, {})[item.varied["pedestal"] == "none"] = fell
+    for item, run in runs_of(cases, model):
+        rest = tuple(value for key, value in item.varied.items() if key != "pedestal")
+        pairs.setdefault(rest, {})[item.varied["pedestal"] == "none"] = run.outcome.overturned
     both = [pair for pair in pairs.values() if len(pair) == 2]
     prevented, caused = sum(p[True] and not p[False] for p in both), sum(p[False] and not p[True] for p in both)
     bare = sum(p[True] for p in both)
@@ -112,47 +107,22 @@ def _by_setting(fell: Mapping[tuple[float, str], Sequence[bool]], title: str) ->
                 "textposition": "outside", "cliponaxis": False, "marker": {"color": colour},
             }
         )  # fmt: skip
-    layout = {
-        "height": 360, "barmode": "group", "xaxis": {"title": {"text": title}, "type": "category"},
-        "yaxis": {"title": {"text": "overturns  [%]"}, "range": [0, 112], "gridcolor": HAIRLINE},
-        "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
-    }  # fmt: skip
-    return {"data": data, "layout": layout}
+    x, y = {"title": {"text": title}, "type": "category"}, axis("overturns  [%]", range=[0, 112])
+    return figure(data, 360, x, y, barmode="group")
 
 
 def _reach_by_setting(reach: Mapping[tuple[float, str], float], title: str, record: StudyRecord) -> Json:
-    data = [
-        {
-            "type": "scatter", "mode": "lines+markers", "name": setting, "line": {"color": colour},
-            "x": [place[0] for place in sorted(reach) if place[1] == setting],
-            "y": [reach[place] for place in sorted(reach) if place[1] == setting],
-        }
-        for setting, colour in (("on the floor", FLOOR_COLOUR), ("on the pedestal", PEDESTAL_COLOUR))
-    ]  # fmt: skip
-    layout: Json = {
-        "height": 360, "xaxis": {"title": {"text": title}, "gridcolor": HAIRLINE},
-        "yaxis": {"title": {"text": "top moves by  [m]"}, "rangemode": "tozero", "gridcolor": HAIRLINE},
-        "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
-    }  # fmt: skip
-    wall = record.scene.wall
+    data = []
+    for setting, colour in (("on the floor", FLOOR_COLOUR), ("on the pedestal", PEDESTAL_COLOUR)):
+        places = [place for place in sorted(reach) if place[1] == setting]
+        x, y = [place[0] for place in places], [reach[place] for place in places]
+        data.append(curve(x, y, {"color": colour}, name=setting, mode="lines+markers"))
+    wall, lines = record.scene.wall, {}
     if wall is not None:
-        at = wall.distance_m
-        layout |= {"shapes": [_level("y", at, WALL_COLOUR)], "annotations": [_note("y", at, "wall")]}
-    return {"data": data, "layout": layout}
-
-
-def _level(axis: str, value: float, colour: str) -> Json:
-    other = "y" if axis == "x" else "x"
-    place = {f"{axis}0": value, f"{axis}1": value, f"{other}0": 0, f"{other}1": 1, f"{other}ref": "paper"}
-    return {"type": "line", **place, "line": {"color": colour, "width": 1.5, "dash": "dash"}}
-
-
-def _note(axis: str, value: float, text: str) -> Json:
-    place = (
-        {"x": value, "yref": "paper", "y": 1.0, "yanchor": "bottom"}
-        if axis == "x"
-        else {"xref": "paper", "x": 1, "y": value}
-    )
-    return {**place, "text": text, "showarrow": False, "font": {"size": 11, "color": MUTED}} | (
-        {} if axis == "x" else {"xanchor": "right", "yanchor": "bottom"}
-    )
+        at = {"xref": "paper", "x0": 0, "x1": 1, "y0": wall.distance_m, "y1": wall.distance_m}
+        note = {"xref": "paper", "x": 1, "y": wall.distance_m, "xanchor": "right", "yanchor": "bottom", "text": "wall"}
+        lines = {
+            "shapes": [{"type": "line", **at, "line": {"color": WALL_COLOUR, "width": 1.5, "dash": "dash"}}],
+            "annotations": [{**note, "showarrow": False, "font": {"size": 11, "color": MUTED}}],
+        }
+    return figure(data, 360, axis(title), axis("top moves by  [m]", rangemode="tozero"), **lines)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from harness.model.history import Outcome
-from harness.records.study import StudyRow, Value
+from harness.records.study import CaseRun, StudyRow, Value
 
 SYMBOLS: Final = {
     "stands": ("●", "stands"),
@@ -44,6 +44,11 @@ class Condition:
     varied: Mapping[str, Value]
     answers: Mapping[str, StudyRow] = field(default_factory=dict)
 
+    def run(self, model: str) -> CaseRun | None:
+        """A model's run; None where it was not sent."""
+        row = self.answers.get(model)
+        return None if row is None else row.run
+
     def number(self, key: str) -> float:
         """The value of a key that varies among numbers. Raises `TypeError` for a text."""
         value = self.varied[key]
@@ -64,6 +69,11 @@ def conditions(rows: Sequence[StudyRow]) -> tuple[list[str], list[Condition]]:
     return sorted(models, key=lambda model: _order(model, variants)), [
         Condition(varied, answers) for varied, answers in by_keys.values()
     ]
+
+
+def runs_of(cases: Sequence[Condition], model: str) -> list[tuple[Condition, CaseRun]]:
+    """The conditions that a model answered, each with its run."""
+    return [(item, run) for item in cases if (run := item.run(model)) is not None]
 
 
 def _order(model: str, variants: Sequence[str]) -> tuple[int, int, str]:
@@ -114,10 +124,7 @@ def agreement(models: Sequence[str], cases: Sequence[Condition]) -> list[tuple[s
             if first.partition(" (")[2] != second.partition(" (")[2]:
                 continue
             both = [
-                (Outcome(a.run.outcome), Outcome(b.run.outcome))
-                for item in cases
-                for a, b in [(item.answers.get(first), item.answers.get(second))]
-                if a is not None and b is not None and a.run is not None and b.run is not None
+                (run.outcome, b.outcome) for item, run in runs_of(cases, first) if (b := item.run(second)) is not None
             ]
             if both:
                 pairs.append((first, second, sum(a.same_as(b) for a, b in both), len(both)))

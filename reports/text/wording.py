@@ -45,10 +45,9 @@ def run_verdict(source: RunSource) -> Verdict:
         return nominal if known else replace(nominal, tone="failed" if over else "differ")
     item = worst(answers)
     given = f"As given, once: {nominal.headline[0].lower()}{nominal.headline[1:]}."
-    several = len(answers) > 1
-    each = [
-        f"{name}: {other.sentence + '; ' if several else ''}{other.draws} draws." for name, other in answers.items()
-    ]
+    each = [f"By {name} it {other.sentence}, from {other.draws} draws." for name, other in answers.items()]
+    if len(answers) == 1:
+        each = [f"The probability is that of {name}, from {item.draws} draws." for name in answers]
     beyond = planar_alone(answers, source.scene.file)
     points = [*each, *beyond, given, *nominal.points]
     return Verdict(f"The statue {item.sentence}", worse_tone(answers, nominal.tone), points)
@@ -205,11 +204,12 @@ def _slip(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> list[st
 
 
 def _scores(record: RunRecord) -> list[str]:
+    """What the scores say, differences that no numerical error explains first."""
     return [
         scores.verdict_sentence
         if pair.partition("_vs_")[0] in scores.verdict_sentence
         else f"{pair.replace('_vs_', ' against ')}: {scores.verdict_sentence}"
-        for pair, scores in record.scores.items()
+        for pair, scores in sorted(record.scores.items(), key=lambda item: item[1].verdict not in ROBUST)
     ]
 
 

@@ -41,13 +41,14 @@ def test_corner_distance_of_a_rectangle_at_any_azimuth(block: Solid) -> None:
 @pytest.mark.parametrize("azimuth", [0.0, 37.0, 90.0, 200.0])
 def test_planar_parameters_are_those_of_the_turned_solid(statue: Solid, azimuth: float) -> None:
     """Toppling towards azimuth a is toppling to the right once the statue is turned by -a."""
-    solid = statue
-    found = base.planar(solid.footprint_m, solid.centroid_height_m, solid.inertia_kg_m2, azimuth)
-    turned = solid.rotated(-azimuth)
-    assert found.corner_right_m == pytest.approx(turned.corner_right_m, rel=1e3 * ROUND_OFF_REL)
-    assert found.corner_left_m == pytest.approx(turned.corner_left_m, rel=1e3 * ROUND_OFF_REL)
-    assert found.inertia_kg_m2 == pytest.approx(turned.inertia_planar_kg_m2, rel=1e3 * ROUND_OFF_REL)
-    assert found.slenderness_right_rad == pytest.approx(np.arctan(found.corner_right_m / 0.774))
+    right, left = base.corner_m(statue.footprint_m, [azimuth, azimuth + 180.0])
+    turned = statue.rotated(-azimuth)
+    across = [-np.sin(np.deg2rad(azimuth)), np.cos(np.deg2rad(azimuth)), 0.0]
+    assert turned.corner_right_m == pytest.approx(right, rel=1e3 * ROUND_OFF_REL)
+    assert turned.corner_left_m == pytest.approx(left, rel=1e3 * ROUND_OFF_REL)
+    assert turned.inertia_planar_kg_m2 == pytest.approx(across @ statue.inertia_kg_m2 @ across, rel=1e3 * ROUND_OFF_REL)
+    slender = base.slenderness_rose_rad(statue.footprint_m, statue.centroid_height_m, azimuth)
+    assert slender == pytest.approx(np.arctan(right / 0.774))
 
 
 def test_weakest_direction_is_the_least_of_the_rose(statue: Solid) -> None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from meshes import MeshError, Solid, solid_from_mesh
-from meshes.survey import adjusted, reconcile, with_core, with_mass
-from tests.budgets_meshes import ROUND_OFF_REL, SURVEY_ASKED_REL
+from meshes.survey import adjusted, agreement, with_core, with_mass
+from tests.budgets_meshes import ROUND_OFF_REL
 from tests.meshes.shapes import box
 
 
@@ -54,15 +54,9 @@ def test_a_core_outside_and_an_impossible_tensor_are_refused(block: Solid) -> No
 
 
 def test_a_survey_is_set_against_the_mesh(statue: Solid) -> None:
-    survey = {"mass_kg": 707.0, "centroid_height_m": 0.774, "corner_left_m": 0.3585, "depth_m": 0.72 * 1.02}
-    rows = {row.name: row for row in reconcile(statue, survey)}
-    assert rows["mass_kg"].agrees
-    assert rows["mass_kg"].used == "the weighed mass"
-    assert not rows["depth_m"].agrees
-    assert "differs from" in str(rows["depth_m"])
-    assert abs(rows["depth_m"].apart_rel - 0.02) < SURVEY_ASKED_REL
-    with pytest.raises(MeshError, match="colour"):
-        reconcile(statue, {"colour": 1.0})
+    assert "agrees with" in agreement("mass_kg", 707.0, statue.mass_kg)
+    assert agreement("depth_m", 0.72 * 1.02, statue.depth_m).endswith("(+2.00 %)")
+    assert "differs from" in agreement("depth_m", 0.72 * 1.02, statue.depth_m)
 
 
 def test_adjusted_changes_what_is_asked_and_keeps_the_mass(statue: Solid) -> None:

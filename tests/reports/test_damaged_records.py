@@ -100,6 +100,6 @@ def test_a_pages_own_fault_is_no_damage(tmp_path: Path, whole: Path, monkeypatch
 
     folder = tmp_path / "out"
     shutil.copytree(whole, folder)
-    monkeypatch.setattr(run_page, "scene_rows", broken)
+    monkeypatch.setattr(run_page, "chip", broken)
     with pytest.raises(KeyError, match="a fault of the page"):
         write_report(folder)

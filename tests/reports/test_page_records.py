@@ -19,7 +19,6 @@ from reports.charts.study_figures import rose_picture
 from reports.drawing.shapes import Disc
 from reports.pages.bench_page import bench_verdict, on_front, precision_figure
 from reports.pages.bench_scaling import scaling_figure
-from reports.pages.bench_tables import tables as bench_tables
 from reports.pages.page import write_report
 from reports.pages.stress_page import notes, stress_verdict
 from reports.pages.study_page import context as study_context
@@ -204,24 +203,28 @@ def test_settings_of_one_engine_look_different() -> None:
     assert coarse[1] != fine[1]
 
 
-def test_a_bench_shows_what_skips_gain_and_what_the_target_takes(tmp_path: Path) -> None:
-    invented_records.write_bench(tmp_path)
-    found = bench_tables(invented_records.bench())
-    assert [row[0] for row in found["skips"][0][2]] == [
-        "all together, analytic",
-        "quiet end, pymunk",
-        "quiet start, pymunk",
+def table_rows(page: str, caption: str) -> list[list[str]]:
+    """The cells of a page's table, row by row."""
+    body = page.partition(f"<caption>{caption}</caption>")[2].partition("</table>")[0].partition("<tbody>")[2]
+    return [
+        [unescape(cell) for cell in re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row)] for row in body.split("</tr>")[:-1]
     ]
-    texts = [row[1][-1] for row in found["skips"][0][2]]
-    assert texts == ["the same", "stands, without overturned_left, 1·10⁻⁷ rad apart", "no record here"]
-    assert found["choice"][0][2][0][1][:4] == ["3\u00a0of\u00a03", "0.30", "1.2", "0.25"]
-    assert found["choice"][0][2][1][1][2:] == ["–", "–", "–", "–", "–"]
-    assert found["choice"][1][2][0][1] == ["15\u00a0of\u00a015", "0.50", "2.0", "0.25", "2.6", "5.5", "seed 7"]
-    assert found["choice"][2][2][1][1] == ["14 of 15", "7"]
-    assert found["others"] == [], "what is not measured has no empty table"
-    page = write_report(tmp_path).read_text(encoding="utf-8")
+
+
+def test_a_bench_shows_what_skips_gain_and_what_the_target_takes(tmp_path: Path) -> None:
+    page = shown(invented_records.write_bench(tmp_path))
+    skips = table_rows(page, "Skips: each alone, and all together")
+    assert [row[0] for row in skips] == ["all together, analytic", "quiet end, pymunk", "quiet start, pymunk"]
+    texts = ["the same", "stands, without overturned_left, 1·10⁻⁷ rad apart", "no record here"]
+    assert [row[-1] for row in skips] == texts
+    choice = table_rows(page, "What 0.001 rad takes, its own checks included")
+    assert choice[0][1:5] == ["3\u00a0of\u00a03", "0.30", "1.2", "0.25"]
+    assert choice[1][3:] == ["–", "–", "–", "–", "–"]
+    (seeded,) = table_rows(page, "The same on the seeded scenes that meet it to the end")
+    assert seeded[1:] == ["15\u00a0of\u00a015", "0.50", "2.0", "0.25", "2.6", "5.5", "seed 7"]
+    assert table_rows(page, "How often the error lies within what the engine states")[1][1:] == ["14 of 15", "7"]
     assert "What is left out" in page
-    assert "Beside other solvers" not in page
+    assert "Beside other solvers" not in page, "what is not measured has no empty table"
 
 
 def test_a_stress_run_of_one_part_does_not_say_that_hard_scenes_come_out() -> None:
@@ -257,7 +260,7 @@ def test_a_run_that_is_compared_with_itself_stands_in_no_plot_and_on_no_front() 
     assert "itself" not in {text for line in drawn for text in line.get("text", ())}
 
 
-def test_scaling_is_one_plot_of_time_and_memory_with_a_table() -> None:
+def test_scaling_is_one_plot_of_time_and_memory_with_a_table(tmp_path: Path) -> None:
     points = [
         ScalingRow(engine, quantity, value, 1e-3 * value, 50.0 + value)
         for engine, quantity in (("pymunk", "duration_s"), ("pymunk", "workers"), ("analytic", "runs"))
@@ -269,8 +272,9 @@ def test_scaling_is_one_plot_of_time_and_memory_with_a_table() -> None:
     assert all(line["x"] == [1.0, 4.0] for line in lines)
     assert [line["y"] for line in lines[:2]] == [[2e-3, 8e-3], [52.0, 58.0]]
     assert {figure["layout"][axis]["type"] for axis in ("xaxis", "yaxis", "yaxis2")} == {"log"}
-    ((_, _, rows),) = bench_tables(replace(invented_records.bench(), scaling=points))["scaling"]
-    assert rows[0] == ("pymunk, duration [s]", ["2", "0.0020", "52.0"])
+    write_json(tmp_path / "result.json", as_file(replace(invented_records.bench(), scaling=points)))
+    rows = table_rows(shown(tmp_path), "How time and memory grow")
+    assert rows[0] == ["pymunk, duration [s]", "2", "0.0020", "52.0"]
 
 
 def test_every_explanation_of_a_map_stands_below_it_once() -> None:

@@ -15,11 +15,12 @@ from meshes import footprint
 def test_turned_towards_an_azimuth_shows_its_corners(scene: Scene, azimuth: float) -> None:
     statue = scene.statue
     assert statue.solid is not None
-    expected = footprint.planar(statue.solid.footprint_m, statue.centroid_height_m, statue.solid.inertia_kg_m2, azimuth)
+    right, left = footprint.corner_m(statue.solid.footprint_m, [azimuth, azimuth + 180.0])
+    across = [-np.sin(np.deg2rad(azimuth)), np.cos(np.deg2rad(azimuth)), 0.0]
     found = turned(scene, azimuth).statue
-    assert found.corner_right_m == pytest.approx(expected.corner_right_m, rel=1e-9)
-    assert found.corner_left_m == pytest.approx(expected.corner_left_m, rel=1e-9)
-    assert found.inertia_kg_m2 == pytest.approx(expected.inertia_kg_m2, rel=1e-9)
+    assert found.corner_right_m == pytest.approx(right, rel=1e-9)
+    assert found.corner_left_m == pytest.approx(left, rel=1e-9)
+    assert found.inertia_kg_m2 == pytest.approx(across @ statue.solid.inertia_kg_m2 @ across, rel=1e-9)
 
 
 def test_every_condition_changes_one_thing(scene: Scene) -> None:

@@ -1,4 +1,4 @@
-"""Why a body in space leaves the planar model: said with the numbers of each thing taken away."""
+"Why a body in space leaves the planar model: said with the numbers of each thing taken away."
 
 from __future__ import annotations
 
@@ -9,24 +9,47 @@ import numpy as np
 import pytest
 
 from harness.input.scene_file import load_scene
-from harness.scene_run.left_out import TAKEN_AWAY
+from harness.records.scores import Verdict
+from harness.scene_run import left_out
+from harness.scene_run.left_out import TAKEN_AWAY, with_reasons
 from harness.scene_run.scene_run import run_scene
+from tests.doubles import raised, rest, run_of
+from tests.reports.invented_run import invented_scores
 
 pytest.importorskip("pybullet")
 
 
 def test_the_shipped_pedestal_scene_differs_by_its_products_of_inertia(root: Path) -> None:
     scene = load_scene(root / "scenes" / "paestum_pedestal.toml").but(duration_s=2.0)
-    result = run_scene(scene, ("analytic", "pybullet"), accuracy_rad=1e-4)
-    said = [note for note in result.scene.notes if "differ because of" in note]
-    assert len(said) == 1
-    assert "because of the products of inertia, which the plane leaves out" in said[0]
+    pair = "analytic_vs_pybullet"
+    cause = "They differ because of the products of inertia, which the plane leaves out"
+    assert cause in run_scene(scene, ("analytic", "pybullet"), accuracy_rad=1e-4).scores[pair].verdict_sentence
     diagonal = np.diag(np.diag(scene.statue.inertia_tensor_kg_m2))
     without = scene.but(statue=replace(scene.statue, inertia_tensor_kg_m2=diagonal))
-    again = run_scene(without, ("analytic", "pybullet"), accuracy_rad=1e-4)
-    assert not [note for note in again.scene.notes if "differ because of" in note]
+    again = run_scene(without, ("analytic", "pybullet"), accuracy_rad=1e-4).scores[pair]
+    assert "because of" not in again.verdict_sentence
 
 
 def test_what_a_scene_has_none_of_is_not_taken_away(root: Path) -> None:
     block = load_scene(root / "scenes" / "paestum_block.toml")
     assert [what for what, take in TAKEN_AWAY.items() if take(block) is not None] == []
+
+
+@pytest.mark.parametrize(
+    ("left_rad", "words"),
+    [(0.0004, "because of"), (0.001, "mostly because of"), (0.01, "by more than any one thing")],
+)
+def test_a_cause_is_named_by_what_stays_without_it(
+    left_rad: float, words: str, root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    "0.02 rad apart, 0.0005 rad are their joint error; without the products of inertia so much is left."
+    scene = load_scene(root / "scenes" / "paestum_pedestal.toml")
+    plane = run_of(rest(1.0), "pymunk")
+    space = run_of(raised(rest(1.0), 0.02), "pybullet")
+    monkeypatch.setattr(left_out, "_again", lambda *given: run_of(raised(rest(1.0), left_rad), "pybullet"))
+    scores = invented_scores("pymunk", "pybullet", "They part.")
+    evidence = replace(scores.evidence, limit_rad=5e-4, differs_in="rotation")
+    scores = replace(scores, verdict=Verdict.MODEL, evidence=evidence)
+    told = with_reasons(scene, {"pymunk": plane, "pybullet": space}, {"pair": scores})["pair"].verdict_sentence
+    assert told.startswith(f"They part. They differ {words}")
+    assert f"0.02 rad apart, {left_rad:.2g} rad without the products of inertia" in told

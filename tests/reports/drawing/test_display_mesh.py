@@ -10,7 +10,6 @@ import trimesh
 
 from reports.drawing.display_mesh import display_mesh
 from reports.drawing.kinematics import Section
-from tests.budgets_reports import NORMAL
 
 BLOCK = Section(np.array([[-0.3, 0.0], [0.1, 0.0], [0.1, 1.4], [-0.3, 1.4]]), 0.3, 0.1)
 
@@ -21,8 +20,12 @@ def test_a_block_has_its_size_and_flat_sides() -> None:
     solid.merge_vertices(merge_norm=True)
     assert solid.is_watertight
     assert solid.volume == pytest.approx(0.4 * 1.4 * 0.7)
-    assert np.allclose(np.abs(mesh.normals).max(axis=1), 1.0, atol=NORMAL)
-    assert len(mesh.vertices_m) == 24
+    assert len(mesh.faces) == 12
+
+
+def test_what_meets_at_a_sharp_angle_shares_no_vertex(tmp_path: Path) -> None:
+    trimesh.creation.box((0.4, 0.7, 1.4)).export(tmp_path / "block.glb")
+    assert len(display_mesh(tmp_path / "block.glb", BLOCK, 0.7).vertices_m) == 24
 
 
 def test_a_sphere_is_smooth(tmp_path: Path) -> None:
@@ -30,7 +33,6 @@ def test_a_sphere_is_smooth(tmp_path: Path) -> None:
     ball.export(tmp_path / "ball.glb")
     mesh = display_mesh(tmp_path / "ball.glb", BLOCK, 0.7)
     assert len(mesh.vertices_m) == len(ball.vertices)
-    assert np.allclose(mesh.normals, mesh.vertices_m / 0.5, atol=NORMAL)
 
 
 def test_more_faces_than_show_are_decimated_and_keep_the_shape(tmp_path: Path) -> None:
@@ -41,9 +43,8 @@ def test_more_faces_than_show_are_decimated_and_keep_the_shape(tmp_path: Path) -
     assert np.linalg.norm(mesh.vertices_m, axis=1) == pytest.approx(0.5, rel=0.02)
 
 
-def test_a_vertex_of_very_many_faces_costs_no_square() -> None:
+def test_a_round_block_has_a_face_for_each_side() -> None:
     rim = np.linspace(0.0, 2.0 * np.pi, 3000, endpoint=False)
     outline = np.column_stack([0.3 * np.cos(rim), 0.7 + 0.7 * np.sin(rim)])
     mesh = display_mesh(None, Section(outline, 0.3, 0.3), 0.5)
     assert len(mesh.faces) == 2 * 2998 + 6000
-    assert np.linalg.norm(mesh.normals, axis=1) == pytest.approx(1.0, abs=NORMAL)

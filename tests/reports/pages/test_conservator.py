@@ -275,6 +275,31 @@ def test_the_few_draws_that_ended_are_no_headline(tmp_path: Path) -> None:
     assert not re.search("analytic|pymunk|pybullet|rockcheck", spoken(page)), "an engineer's command"
 
 
+def test_next_to_none_and_next_to_all_have_no_digits(tmp_path: Path) -> None:
+    source = run_source(write_invented(tmp_path))
+    for p, low, high, undecided, said in (
+        (0.0, 0.0, 0.00027, 0.0, "falls in fewer than 1 of 100 possible cases"),
+        (0.0, 0.0, 0.00027, 0.02, "falls in 0 of 100 possible cases (0 to 0.027)"),
+        (0.9983, 0.9975, 0.9989, 0.0, "falls in more than 99 of 100 possible cases"),
+        (0.4, 0.39, 0.41, 0.0, "falls in 40 of 100 possible cases (39 to 41)"),
+    ):
+        answers = {"analytic": Assessment(p, low, high, 0.9, 10_000, 10_000, undecided)}
+        assert of_run(replace(source, record=replace(source.record, assessment=answers)))["headline"].endswith(said)
+
+
+def test_shaking_that_the_plane_leaves_out_is_told_only_of_a_number_without_it(tmp_path: Path) -> None:
+    source = run_source(write_invented(tmp_path))
+    plane, space = (Assessment(0.0, 0.0, 0.01, 0.9, 10_000, 10_000, plane_only=only) for only in (True, False))
+    missing, how = "from the statue's other side is not in this number", "how to compute it"
+    for answers, said in (
+        ({"analytic": plane}, (True, True)),
+        ({"analytic": plane, "spatial": space}, (False, False)),
+        ({"analytic": replace(plane, high=0.02), "spatial": space}, (True, False)),
+    ):
+        text = spoken(of_run(replace(source, record=replace(source.record, assessment=answers))))
+        assert (missing in text, how in text) == said
+
+
 def test_where_it_stands_in_no_model_no_room_is_drawn(tmp_path: Path) -> None:
     source = run_source(write_invented(tmp_path))
     assert set(floor_plan(source, list(source.histories)).room_m) >= {"left", "right"}
