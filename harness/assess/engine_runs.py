@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from harness import engines
+from harness.accuracy.refinement import first_level
 from harness.assess.inputs import Array, row
 from harness.assess.plan import reach_m
 from harness.assess.variation import varied
@@ -85,8 +86,7 @@ def overturns(drawn: DrawnRun) -> Answer:
     """What a worker does: whether the statue overturns in its scene, at the coarsest step that is expected to do."""
     begin = time.perf_counter()
     engine = engines.load(drawn.engine)
-    levels = engine.refinement_levels(drawn.scene)
-    settings = next((item for item in levels if item.expected_error_rad <= ENGINE_ERROR_RAD), levels[-1])
+    settings, _ = first_level(engine.refinement_levels(drawn.scene), ENGINE_ERROR_RAD, 1.0)
     fell, reached, failed = None, None, False
     try:
         run = engine.simulate(drawn.scene, settings, RunOptions())
