@@ -22,7 +22,7 @@ from harness.assess.inputs import Array, uncertain_inputs
 from harness.assess.model_draws import ModelDraws, draws_of, model_draws, sweepable
 from harness.assess.options import Option, options_of
 from harness.assess.plan import rest_outline_m
-from harness.assess.sensitivity import FRAGILITY_DRAWS, first_indices, fragility, indices
+from harness.assess.sensitivity import FRAGILITY_DRAWS, fragility, indices, indices_of_draws
 from harness.assess.space_studies import compare_in_space, fragility_in_space
 from harness.assess.stratified import Estimate, estimate
 from harness.campaign.campaign import Campaign
@@ -118,7 +118,7 @@ def assess(
     fell = others.in_space if SPACE in answers and shaken_across(scene) else None
     record = _by_model(record, scene, values, seed, more_options, on_progress, in_space=fell is not None)
     if record.indices is None:
-        record = replace(record, indices=first_indices(inputs, values, model.overturned if fell is None else fell))
+        record = replace(record, indices=indices_of_draws(inputs, values, model.overturned if fell is None else fell))
     return Assessed(record, values, model, others.fell)
 
 

@@ -11,12 +11,11 @@ from harness.model.history import History
 from harness.records.run import EngineRunRecord
 from harness.records.scene import MotionRecord
 from reports.charts import Json
-from reports.charts.decimate import Array, kept_samples
 from reports.charts.event import run_event_s
 from reports.charts.figure import ABOVE, axis, band, curve, stroke
-from reports.charts.packed import packed_array
 from reports.charts.palette import INK, MUTED, look
 from reports.charts.patterns import pattern_strip
+from reports.charts.samples import Array, kept_samples, packed_array
 from reports.source import RunSource
 from reports.text.wording import horizon_s, prediction_s
 

@@ -11,9 +11,8 @@ import numpy as np
 from markupsafe import Markup
 
 from reports.charts import Json
-from reports.charts.decimate import thinned_px
-from reports.charts.packed import numbers
 from reports.charts.palette import HAIRLINE, INK, MUTED, solid
+from reports.charts.samples import numbers, thinned_px
 from reports.charts.static_svg_axes import MARGIN, Array, Axis, axes
 from reports.charts.static_svg_heatmap import heatmap
 from reports.drawing.shapes import LETTER, Disc, Path, Picture, Shape, Text, area, box, line

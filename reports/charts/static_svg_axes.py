@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.charts import Json
-from reports.charts.packed import numbers
+from reports.charts.samples import numbers
 from reports.drawing.shapes import LETTER
 from reports.text.numbers import short
 

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from reports.charts import Json
-from reports.charts.packed import numbers
+from reports.charts.samples import numbers
 from reports.charts.static_svg_axes import Array, Axis
 from reports.drawing.shapes import Shape, Text, box
 from reports.text.numbers import short

@@ -12,8 +12,8 @@ from harness.comparison.statistics.fragility import fit
 from harness.records.study import Panel
 from reports.charts import Json
 from reports.charts.figure import axis, band, curve, figure, intervals, stroke
-from reports.charts.packed import packed_array
 from reports.charts.palette import Look, model_looks
+from reports.charts.samples import packed_array
 from reports.charts.static_svg import picture_of
 from reports.drawing.effects_figures import Curve, rose_of
 from reports.drawing.shapes import Picture, titled

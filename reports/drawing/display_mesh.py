@@ -1,14 +1,16 @@
-"""The statue's own mesh made ready for the screen: decimated where needed, edges kept sharp."""
+"""The statue's own mesh made ready for the screen: decimated where needed, edges kept sharp; its true outline as seen along y."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.records.scene import SceneRecord
 from reports.drawing.kinematics import Section
 
 Array = NDArray[np.float64]
@@ -18,6 +20,9 @@ MOST_FACES: Final = 8_000
 """More faces than this do not show on a page: shaded smoothly, each is some six pixels wide; they would make it large."""
 CREASE_RAD: Final = float(np.radians(38.0))
 """Faces that meet at a sharper angle, and hang together nowhere else, are drawn with an edge between them, as at a plinth."""
+
+SMOOTHED: Final = 1.0 / 800.0
+"""Bends of the outline smaller than this share of the height are left out: less than a pixel in every picture."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,3 +84,24 @@ def _creased(vertices: Array, faces: Faces) -> tuple[Array, Faces]:
     mesh: Any = trimesh.Trimesh(vertices, faces, process=False)
     smooth = trimesh.graph.smooth_shade(mesh, angle=CREASE_RAD, facet_minarea=None)
     return np.asarray(smooth.vertices, dtype=np.float64), np.asarray(smooth.faces, dtype=np.int64)
+
+
+def silhouette_m(scene: SceneRecord, mesh: Path | None) -> Array:
+    """The outline (k, 2) in (x, z), statue frame: the mesh's shadow along y, or the section of a statue without one."""
+    if mesh is None:
+        return np.asarray(scene.statue.section_m, dtype=np.float64)
+    return _shadow(mesh, mesh.stat().st_mtime_ns)
+
+
+@lru_cache(maxsize=4)
+def _shadow(mesh: Path, _changed_ns: int) -> Array:
+    import shapely
+
+    vertices, faces = read_mesh(mesh)
+    corners = vertices[faces][:, :, [0, 2]]
+    edges = corners[:, 1:] - corners[:, :1]
+    towards = edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0] > 0.0
+    shadow: Any = shapely.union_all(shapely.polygons(corners[towards]))
+    whole = max(shapely.get_parts(shadow), key=lambda part: float(part.area))
+    outline = shapely.Polygon(whole.exterior).simplify(SMOOTHED * float(np.ptp(vertices[:, 2]))).exterior
+    return np.asarray(outline.coords, dtype=np.float64)[:-1]

@@ -12,7 +12,7 @@ from harness.model.history import History
 from harness.model.in_space import SOLID_COLUMNS
 from harness.records.assess import ClearanceRecord
 from meshes.footprint import convex_hull, lower_chain
-from reports.charts.decimate import kept_samples
+from reports.charts.samples import kept_samples
 from reports.drawing.display_mesh import read_mesh
 from reports.drawing.kinematics import Array, posed_in_space_m, section
 from reports.source import RunSource

@@ -11,8 +11,8 @@ from harness.model.history import History
 from harness.model.in_space import SOLID_COLUMNS
 from harness.records.scene import MotionRecord
 from reports.charts.event import run_event_s
-from reports.charts.packed import packed_array
 from reports.charts.palette import look
+from reports.charts.samples import packed_array
 from reports.drawing.display_mesh import display_mesh
 from reports.drawing.kinematics import section
 from reports.pages.assets import packed_json

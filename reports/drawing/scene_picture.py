@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -12,10 +11,10 @@ from jinja2 import Template
 from markupsafe import Markup
 
 from harness.records.scene import SceneRecord, WallRecord
+from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.kinematics import section
-from reports.drawing.silhouette import silhouette_m
 from reports.pages.assets import environment
-from reports.text.numbers import given, length, unit
+from reports.text.numbers import given, length
 
 WIDTH: Final = 460.0
 HEIGHT: Final = 440.0
@@ -54,33 +53,10 @@ def scene_svg(scene: SceneRecord, axes: Collection[str] = (), mesh: Path | None 
     def z(value: float) -> float:
         return round(HEIGHT - MARGIN["bottom"] - scale * value, 2)
 
-    statue = scene.statue
-    h, b_l, b_r = statue.centroid_height_m, shape.corner_left_m, shape.corner_right_m
     drawn = template.render(
-        width=WIDTH,
-        height=HEIGHT,
-        x=x,
-        z=z,
-        path=_path(outline, x, z, lift),
-        lift=lift,
-        top=top,
-        h=h,
-        b_l=b_l,
-        b_r=b_r,
-        left=left,
-        right=right,
-        pedestal=pedestal,
-        box=boxes,
-        wall=wall,
-        wall_x=wall_x,
-        length=length,
-        alpha_left=unit(math.atan(b_l / h), "rad"),
-        alpha_right=unit(math.atan(b_r / h), "rad"),
-        mass=given(statue.mass_kg, "kg"),
-        shaking="x" in axes,
-        vertical="z" in axes,
-        description=describe(scene),
-    )
+        width=WIDTH, height=HEIGHT, x=x, z=z, path=_path(outline, x, z, lift), lift=lift, top=top, left=left, right=right,
+        statue=scene.statue, pedestal=pedestal, box=boxes, wall=wall, wall_x=wall_x, axes=axes, description=describe(scene),
+    )  # fmt: skip
     return Markup(drawn)
 
 

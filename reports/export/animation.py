@@ -20,11 +20,10 @@ from reports.charts.histories import histories_figure
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
 from reports.charts.static_svg import picture
 from reports.charts.static_svg_axes import Axis, axes
-from reports.drawing.display_mesh import display_mesh
+from reports.drawing.display_mesh import display_mesh, silhouette_m
 from reports.drawing.kinematics import Section, posed_in_space_m, section
 from reports.drawing.replay import default_model
 from reports.drawing.shapes import Path, Shape, Text, area, box, line, moved
-from reports.drawing.silhouette import silhouette_m
 from reports.source import RunSource, run_source
 
 if TYPE_CHECKING:

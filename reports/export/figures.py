@@ -1,4 +1,4 @@
-"""Figures for papers: the charts of a record's page at print sizes, one command (`python -m reports.export.figures DIR`)."""
+"""Figures for papers: the charts of a record's page at print sizes, `rockcheck figures DIR`."""
 
 from __future__ import annotations
 
@@ -114,23 +114,3 @@ def histories_picture(source: RunSource, width_px: float) -> Picture:
 def as_wide(drawn: Picture, width_px: float) -> Picture:
     """A picture of a size of its own as wide on paper as others: its letters stay as high as theirs."""
     return replace(drawn, type_px=drawn.type_px * drawn.width / width_px)
-
-
-def main() -> None:
-    """`python -m reports.export.figures DIR [column|page]`: write all figures of a folder and name them."""
-    import sys
-
-    from harness.command import guarded
-
-    def run() -> int:
-        if len(sys.argv) not in (2, 3):
-            raise InputError(Mistake("command", "", "DIR [column|page]", " ".join(sys.argv[1:]) or "nothing"))
-        for path in write_figures(Path(sys.argv[1]), width=sys.argv[2] if len(sys.argv) == 3 else "page"):
-            print(path)
-        return 0
-
-    sys.exit(guarded(run))
-
-
-if __name__ == "__main__":
-    main()

@@ -12,8 +12,8 @@ from harness.input.motions.measures import arias_share
 from harness.input.motions.series import displacement_m, velocity_m_s
 from harness.model.terminal import printable
 from reports.charts import Json
-from reports.charts.decimate import kept_samples
 from reports.charts.palette import MUTED
+from reports.charts.samples import kept_samples
 from reports.charts.static_svg import picture
 from reports.drawing.shapes import Picture, Shape, Text, moved
 

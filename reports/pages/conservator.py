@@ -13,9 +13,9 @@ from harness.model.history import Outcome
 from harness.records.assess import MOSTLY, Assessment, percent
 from harness.records.run import EngineRunRecord, RunRecord
 from reports.drawing.conservator_pictures import plan_svg, reach_svg
+from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import floor_plan
 from reports.drawing.kinematics import Array, section
-from reports.drawing.silhouette import silhouette_m
 from reports.pages.conservator_parts import Picture, end_words, order_picture, page, push_picture
 from reports.source import RunSource, source_of
 from reports.text.chance import worse_tone, worst

@@ -15,7 +15,8 @@ from reports.drawing.effects_figures import changes, curves, directions, rose
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.run_page import chip, replay_values
 from reports.source import run_source
-from reports.text.numbers import digits, listed, unit
+from reports.text.language import ENGLISH
+from reports.text.numbers import digits, unit
 from reports.text.wording import Verdict
 
 NEAR: Final = 0.05
@@ -164,7 +165,7 @@ def _solid_pair(record: EffectsRecord) -> list[str]:
             )
     doubts = [row for row in record.amplitudes(first, BASELINE) if row.doubt]
     if doubts:
-        each = listed(f"{row.azimuth_deg:g}° ({row.doubt})" for row in doubts)
+        each = ENGLISH.listed(f"{row.azimuth_deg:g}° ({row.doubt})" for row in doubts)
         said.append(f"The answer of {first} is in doubt at {each}.")
     return said
 
@@ -175,7 +176,7 @@ def _least(solid: Peaks, planar: Peaks) -> list[str]:
         if peaks and math.isfinite(min(peaks.values())):
             azimuth = min(peaks, key=lambda a: peaks[a])
             said.append(f"{unit(peaks[azimuth], 'g')} at {azimuth:g}° in {name}")
-    return [f"The least peak that overturns, over all directions: {listed(said)}."] if said else []
+    return [f"The least peak that overturns, over all directions: {ENGLISH.listed(said)}."] if said else []
 
 
 def _effect_points(record: EffectsRecord, engine: str) -> list[str]:
@@ -191,7 +192,7 @@ def _effect_points(record: EffectsRecord, engine: str) -> list[str]:
         )
     shown = [item for item in mine if item.group != "uncertainty"]
     if shown:
-        each = listed(f"{item.condition} {_change(item.median)}" for item in shown)
+        each = ENGLISH.listed(f"{item.condition} {_change(item.median)}" for item in shown)
         said.append(f"Beside it, in the median of the directions: {each}.")
     return said
 
@@ -230,7 +231,7 @@ def replay_words(record: EffectsRecord) -> str:
     chosen = record.replay
     if not chosen:
         return ""
-    each = listed(f"{outcome.sentence} ({name})" for name, outcome in chosen.outcomes.items())
+    each = ENGLISH.listed(f"{outcome.sentence} ({name})" for name, outcome in chosen.outcomes.items())
     return (
         f"Shaken towards {chosen.azimuth_deg:g}° with {unit(chosen.peak_g, 'g')}, where the motion turns most about the"
         f" vertical: {each}. The statue is turned so that the floor shakes along x."

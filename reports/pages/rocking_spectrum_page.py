@@ -11,7 +11,8 @@ from harness.comparison.statistics.distributions import wilson
 from harness.records.rocking_spectrum import RockingSpectrumRecord
 from reports.charts.figure import figure
 from reports.text.chance import SAFE, SAFE_HIGH
-from reports.text.numbers import count_word, digits, percent, unit
+from reports.text.language import ENGLISH
+from reports.text.numbers import digits, percent, unit
 from reports.text.wording import Verdict
 
 MOST_CELLS: Final = 80
@@ -32,7 +33,7 @@ def verdict(record: RockingSpectrumRecord) -> Verdict:
     """Which share of the blocks falls in half of the cases, and from which size on none of a slenderness does."""
     cells = [p for line in record.probability_overturned for p in line]
     half = sum(p >= 0.5 for p in cells) / len(cells)
-    cases = "the motion" if record.cases == 1 else f"at least half of {count_word(record.cases)} cases"
+    cases = "the motion" if record.cases == 1 else f"at least half of {ENGLISH.count(record.cases)} cases"
     headline = f"{percent(half)} of these blocks fall in {cases}"
     points = []
     for k in (0, len(record.slenderness) // 2, len(record.slenderness) - 1):

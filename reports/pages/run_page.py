@@ -17,9 +17,8 @@ from reports.drawing.scene_picture import scene_svg
 from reports.pages.assets import source_text, three_js
 from reports.source import RunSource, source_of
 from reports.text.glossary import score_rows
-from reports.text.limits import fall_sentence, limit_rows, plan_rows, skipped_rows
+from reports.text.limits import fall_sentence, limit_rows, plan_rows, skipped_rows, weighed
 from reports.text.numbers import short, unit
-from reports.text.weights import weighed
 from reports.text.wording import run_verdict
 
 

@@ -25,7 +25,9 @@ from reports.charts.study_figures import (
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.assets import source_text
 from reports.text.chance import tone_of_study
-from reports.text.numbers import heading, label, listed, plain, short, unit
+from reports.text.language import ENGLISH
+from reports.text.limits import weighed
+from reports.text.numbers import heading, label, plain, short, unit
 from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import (
     FAILED,
@@ -39,7 +41,6 @@ from reports.text.study_rows import (
     runs_of,
     varying_keys,
 )
-from reports.text.weights import weighed
 from reports.text.wording import Verdict
 
 MOST_MATRIX_ROWS: Final = 300
@@ -142,7 +143,7 @@ def left_domain(rows: Sequence[StudyRow]) -> list[str]:
         causes = Counter(run.validity.get("left_domain_by") or "" for run in runs)
         del causes[""]
         if causes:
-            each = listed(f"{cause}: {count}" for cause, count in causes.most_common())
+            each = ENGLISH.listed(f"{cause}: {count}" for cause, count in causes.most_common())
             sentences.append(f"{model} left its domain in {causes.total()} of {len(runs)} runs ({each}).")
     return sentences
 
@@ -153,7 +154,7 @@ def _falls(models: Sequence[str], cases: Sequence[Condition]) -> str:
     for model in models:
         ends = [run.outcome.overturned for _, run in runs_of(cases, model)]
         parts.append(f"in {sum(ends)} of {len(ends)} conditions by {model}")
-    return f"The statue overturns {listed(parts)}" if parts else "No model was asked"
+    return f"The statue overturns {ENGLISH.listed(parts)}" if parts else "No model was asked"
 
 
 def _percent(part: int, whole: int) -> str:
@@ -171,7 +172,7 @@ def _claims_headline(headline: Mapping[str, str]) -> str:
         "the models differ": "judged differently by the models",
         "not tested": "not tested",
     }
-    parts = [f"{listed(names)} {words[verdict]}" for verdict, names in groups.items()]
+    parts = [f"{ENGLISH.listed(names)} {words[verdict]}" for verdict, names in groups.items()]
     return f"The paper's claims: {'; '.join(parts)}"
 
 

@@ -12,7 +12,8 @@ from harness.records.scores import Verdict as Verdicts
 from harness.records.validation import BaselineRecord, Fitted, PairScores, ValidationRecord
 from harness.validation.words import SWAPPED, share
 from reports.charts.validation_figures import BASELINE, charts
-from reports.text.numbers import count_word, digits, listed, short, unit
+from reports.text.language import ENGLISH
+from reports.text.numbers import digits, short, unit
 from reports.text.study_rows import FAILED, SYMBOLS
 from reports.text.wording import Verdict
 
@@ -55,7 +56,7 @@ def validation_verdict(record: ValidationRecord) -> Verdict:
     best = _best(known)
     points = [f"{name}: {share(item)} of the tests that it decides." for name, item in known.items()]
     if record.unexplained:
-        points.append(f"{listed(list(record.unexplained))}: {SWAPPED}.")
+        points.append(f"{ENGLISH.listed(list(record.unexplained))}: {SWAPPED}.")
     for name, item in record.models.items():
         outcomes = item.outcomes
         if item.by_probability is not None and item.by_probability.accuracy is not None:
@@ -72,12 +73,14 @@ def validation_verdict(record: ValidationRecord) -> Verdict:
     better = [name for name, item in known.items() if item.low > bare.value]
     worse = [name for name, item in known.items() if item.high < bare.value]
     if better:
-        who = "every model" if len(better) == len(known) else f"of {count_word(len(known))} models {listed(better)}"
+        who = (
+            "every model"
+            if len(better) == len(known)
+            else f"of {ENGLISH.count(len(known))} models {ENGLISH.listed(better)}"
+        )
         words = f"{who} {'beats' if len(better) in (1, len(known)) else 'beat'} a bare threshold on PGV beyond chance"
     elif worse:
-        words = (
-            f"no model beats a bare threshold on PGV, and {listed(worse)} {'is' if len(worse) == 1 else 'are'} worse"
-        )
+        words = f"no model beats a bare threshold on PGV, and {ENGLISH.listed(worse)} {'is' if len(worse) == 1 else 'are'} worse"
     else:
         words = "with these tests no model can be told from a bare threshold on PGV"
     return Verdict(f"{best}; {words}, right in {share(bare)}", "agree" if better else "differ", points)
@@ -99,7 +102,7 @@ def _best(known: Mapping[str, Interval]) -> str:
         return f"{best[0]} is right in {share(known[best[0]])} of the tests that it decides"
     if len(best) == 1:
         return f"{best[0]} is right most often, in {share(known[best[0]])} of the tests that it decides"
-    every = "All models are" if len(best) == len(known) else f"{listed(best)} are"
+    every = "All models are" if len(best) == len(known) else f"{ENGLISH.listed(best)} are"
     return f"{every} right equally often, in {100 * most:.0f} % of the tests that they decide"
 
 

@@ -1,7 +1,8 @@
-"""The limits that runs met and what was left out of them, in words: what a fall itself adds is told apart."""
+"""Limits that runs met, what was left out of them, in words: what a fall itself adds is told apart; notes by their weight."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
@@ -14,7 +15,8 @@ from harness.records.run import EngineRunRecord
 from harness.statics.plan import Step
 from reports.source import RunSource
 from reports.text.glossary import REASON_WORDS, SKIP_WORDS, validity_rows
-from reports.text.numbers import digits, listed, short
+from reports.text.language import ENGLISH
+from reports.text.numbers import digits, short
 
 FOLLOWED: Final[Mapping[str, str]] = {
     "yaw_rad": "yaw_rad",
@@ -23,6 +25,19 @@ FOLLOWED: Final[Mapping[str, str]] = {
     "statue_slip_m": "statue_slip_m",
 }
 """Limits that a history follows, with its column: there the part before the outcome was decided can be told."""
+
+CHANGES: Final = "It changes the answer"
+KNOWN: Final = "It should be known"
+RECORD: Final = "For the record"
+_DECIDING: Final = re.compile(
+    r"not to be trusted|is not bounded|outside the model's domain|across the rocking plane is left out|nearly tangent"
+    r"|several states of motion were possible|yet the statue left its plane|changes with the integrator|nothing moves|drifts"
+)
+"""Sentences of a model that left its domain, whose numbers are not exact, or that was asked for something that cannot happen."""
+_SETTLED: Final = re.compile(
+    r"agrees with|(?:is|are) not used|vanishing size were ended|before its difference from another|faces looked at pass through"
+)
+"""Sentences of what was looked at and found in order, or is without effect."""
 
 
 def limit_rows(source: RunSource) -> dict[str, Sequence[tuple[str, str]]]:
@@ -42,7 +57,9 @@ def interventions_row(written: Mapping[str, Intervention], validity: Table) -> l
     if not written:
         return []
     every = written.values()
-    kinds = listed(f"{kind.replace('_', ' ')} {item.count or item.steps_again}" for kind, item in written.items())
+    kinds = ENGLISH.listed(
+        f"{kind.replace('_', ' ')} {item.count or item.steps_again}" for kind, item in written.items()
+    )
     lost = validity.get("lost_in_impacts_j")
     beside = f", where impacts lost {digits(lost, 2)} J" if isinstance(lost, float) else ""
     sentence = (
@@ -76,7 +93,7 @@ def fall_sentence(source: RunSource) -> str:
     falls = {name: run.no_return_time_s for name, run in source.runs.items() if run.no_return_time_s is not None}
     if not falls:
         return ""
-    times = listed(f"{short(time_s, 3)} s ({name})" for name, time_s in falls.items())
+    times = ENGLISH.listed(f"{short(time_s, 3)} s ({name})" for name, time_s in falls.items())
     return (
         f"The outcome is decided once the statue passes its balance point for good, at {times}. The runs go on until the body "
         "lies, or falls past its support's edge: forces, energy gained, turn, slip, flight and penetration may be those of that "
@@ -93,7 +110,7 @@ def plan_rows(plan: Iterable[Step]) -> list[tuple[bool, str, str, str]]:
         reason = REASON_WORDS.get(step.reason, step.reason)
         together.setdefault((step.applies, words, reason), []).append(step.engine)
     return [
-        (applies, words, "" if "*" in engines else listed(engines), reason)
+        (applies, words, "" if "*" in engines else ENGLISH.listed(engines), reason)
         for (applies, words, reason), engines in together.items()
     ]
 
@@ -106,3 +123,11 @@ def skipped_rows(runs: Mapping[str, EngineRunRecord]) -> list[tuple[str, str]]:
             skip, colon, rest = text.partition(": ")
             rows.append((name, f"{SKIP_WORDS[skip]}: {rest}" if colon and skip in SKIP_WORDS else text))
     return rows
+
+
+def weighed(texts: Iterable[str]) -> Mapping[str, list[str]]:
+    """The sentences under each weight, in their order; what is known by neither pattern should be known."""
+    lists: dict[str, list[str]] = {CHANGES: [], KNOWN: [], RECORD: []}
+    for text in dict.fromkeys(texts):
+        lists[CHANGES if _DECIDING.search(text) else RECORD if _SETTLED.search(text) else KNOWN].append(text)
+    return lists

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from harness.model.terminal import printable
-
-WORDS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
 
 
 def digits(value: float | None, count: int = 3) -> str:
@@ -63,20 +61,9 @@ def angle(value_rad: float) -> str:
     return f"{unit(value_rad, 'rad')} ({digits(math.degrees(value_rad), 2)}°)"
 
 
-def count_word(count: int) -> str:
-    """Small counts as words."""
-    return WORDS[count] if count < len(WORDS) else str(count)
-
-
 def percent(share: float, count: int = 2) -> str:
     """A push as a share of the statue's weight."""
     return f"{short(100.0 * share, count)} %"
-
-
-def listed(items: Iterable[str]) -> str:
-    """`a`, `a and b`, `a, b and c`."""
-    names = list(items)
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def spread(values: Sequence[float], name: str, count: int = 3) -> str:

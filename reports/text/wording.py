@@ -10,13 +10,14 @@ from typing import Final
 import numpy as np
 
 from harness.model.history import Outcome
-from harness.records.assess import planar_alone
+from harness.records.assess import draws_of, planar_alone
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scores import ROBUST
 from reports.drawing.kinematics import section
 from reports.source import RunSource
 from reports.text.chance import tone_of_outcomes, worse_tone, worst
-from reports.text.numbers import angle, count_word, length, listed, spread, unit
+from reports.text.language import ENGLISH
+from reports.text.numbers import angle, length, spread, unit
 from reports.text.study_rows import family
 
 SIDES = {1: "right", -1: "left"}
@@ -45,9 +46,10 @@ def run_verdict(source: RunSource) -> Verdict:
         return nominal if known else replace(nominal, tone="failed" if over else "differ")
     item = worst(answers)
     given = f"As given, once: {nominal.headline[0].lower()}{nominal.headline[1:]}."
-    each = [f"By {name} it {other.sentence}, from {other.draws} draws." for name, other in answers.items()]
+    draws = draws_of(answers)
+    each = [f"By {name} it {other.sentence}, from {draws[name]}." for name, other in answers.items()]
     if len(answers) == 1:
-        each = [f"The probability is that of {name}, from {item.draws} draws." for name in answers]
+        each = [f"The probability is that of {name}, from {draws[name]}." for name in answers]
     beyond = planar_alone(answers, source.scene.file)
     points = [*each, *beyond, given, *nominal.points]
     return Verdict(f"The statue {item.sentence}", worse_tone(answers, nominal.tone), points)
@@ -108,7 +110,7 @@ def _headline(groups: Mapping[str, list[str]], count: int, asked: int) -> str:
 
 def _those(count: int, asked: int) -> str:
     """The models that answered, which need not be all that were asked."""
-    models = "Both models" if count == 2 else f"All {count_word(count)} models"
+    models = "Both models" if count == 2 else f"All {ENGLISH.count(count)} models"
     return models if count == asked else f"{models} that answered"
 
 
@@ -118,7 +120,7 @@ def motion_given(answered: Mapping[str, EngineRunRecord]) -> list[str]:
     every = {axis for given in axes.values() for axis in given}
     lacking = {name: sorted(every - set(given)) for name, given in axes.items() if every - set(given)}
     return [
-        f"Not all models got the same motion: {listed(names)} without that along {along}."
+        f"Not all models got the same motion: {ENGLISH.listed(names)} without that along {along}."
         for along in sorted({" and ".join(left) for left in lacking.values()})
         for names in [[name for name, left in lacking.items() if " and ".join(left) == along]]
     ]
@@ -128,7 +130,7 @@ def _outcome_times(answered: Mapping[str, EngineRunRecord]) -> list[str]:
     times = {name: run.no_return_time_s for name, run in answered.items() if run.no_return_time_s is not None}
     if not times:
         return []
-    each = listed(f"{unit(value, 's')} ({name})" for name, value in times.items())
+    each = ENGLISH.listed(f"{unit(value, 's')} ({name})" for name, value in times.items())
     return [f"The statue passes its balance point for the last time at {each}."]
 
 
@@ -144,11 +146,11 @@ def _lean(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> list[st
     if not causes:
         if not standing:
             return []
-        where = "The" if len(standing) == len(answered) else f"In {listed(standing)} the"
+        where = "The" if len(standing) == len(answered) else f"In {ENGLISH.listed(standing)} the"
         return [f"{where} statue does not rock."]
     sides = {side for _, side, _ in causes}
     if len(sides) > 1:
-        each = listed(f"{angle(peak)} to the {SIDES[side]} ({name})" for peak, side, name in causes)
+        each = ENGLISH.listed(f"{angle(peak)} to the {SIDES[side]} ({name})" for peak, side, name in causes)
         return [f"Largest lean: {each}."]
     side = sides.pop()
     balance = source.scene.statue.slenderness_rad(side)
@@ -178,7 +180,7 @@ def _reach(source: RunSource) -> list[str]:
         touching = [name for name, run in source.runs.items() if run.outcome == Outcome.TOUCHES_WALL]
         where = f"the wall on the {wall.side}, {length(wall.distance_m)} from the base"
         if touching:
-            sentences.append(f"The statue touches {where}, in {listed(touching)}.")
+            sentences.append(f"The statue touches {where}, in {ENGLISH.listed(touching)}.")
         elif source.histories:
             side = 1 if wall.side == "right" else -1
             left = min(
@@ -217,12 +219,12 @@ def _trust(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> list[s
     known = {name: run for name, run in answered.items() if run.numerical_uncertainty_rad is not None}
     if not known:
         return []
-    each = listed(f"±{unit(run.numerical_uncertainty_rad, 'rad', 2)} ({name})" for name, run in known.items())
+    each = ENGLISH.listed(f"±{unit(run.numerical_uncertainty_rad, 'rad', 2)} ({name})" for name, run in known.items())
     sentences = [f"Numerical error of the rotations: {each}."]
     duration_s = source.scene.duration_s
     until, predictable_s = horizon_s(source), prediction_s(source)
     if until is not None and until < duration_s:
-        names = listed(name for name, run in known.items() if run.reliable_until_s == until)
+        names = ENGLISH.listed(name for name, run in known.items() if run.reliable_until_s == until)
         sentences.append(
             f"After {unit(until, 's')} the histories are not to be compared instant by instant: from there the numerical error "
             f"of {names} is not bounded."

@@ -17,8 +17,7 @@ from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import ValidationRecord
 from reports.charts.study_figures import rose_picture
 from reports.drawing.shapes import Disc
-from reports.pages.bench_page import bench_verdict, on_front, precision_figure
-from reports.pages.bench_scaling import scaling_figure
+from reports.pages.bench_page import bench_verdict, on_front, precision_figure, scaling_figure
 from reports.pages.page import write_report
 from reports.pages.stress_page import notes, stress_verdict
 from reports.pages.study_page import context as study_context

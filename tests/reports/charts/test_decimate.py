@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reports.charts.decimate import kept_samples
 from reports.charts.patterns import drawn_stretches
+from reports.charts.samples import kept_samples
 
 
 @settings(max_examples=60, deadline=None)

@@ -7,7 +7,7 @@ import json
 import pytest
 
 from reports.charts.library import chart_library, reduced, whole_library
-from reports.charts.packed import packed_array
+from reports.charts.samples import packed_array
 from reports.pages.assets import CHART_KINDS, pack_text, packed_chart
 from tests.budgets_reports import LIBRARY_SHARE
 from tests.reports.unpacking import unpacked

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from reports.charts.histories import histories_figure
-from reports.charts.packed import packed_array
+from reports.charts.samples import packed_array
 from reports.charts.static_svg import picture, still
 from reports.charts.static_svg_axes import axes, nice_ticks
 from reports.drawing.shapes import Path as Line

@@ -14,9 +14,9 @@ import pytest
 from harness.records.assess import Assessment
 from harness.records.kinds import read_result
 from harness.records.run import RunRecord
+from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import floor_plan
 from reports.drawing.kinematics import section
-from reports.drawing.silhouette import silhouette_m
 from reports.pages import conservator_study
 from reports.pages.conservator import context, of_run
 from reports.pages.page import write_report

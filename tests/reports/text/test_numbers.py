@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from reports.pages.run_page import toml_text
-from reports.text.numbers import digits, heading, label, length, listed, plain, spread
+from reports.text.language import ENGLISH
+from reports.text.numbers import digits, heading, label, length, plain, spread
 
 
 @pytest.mark.parametrize(
@@ -38,8 +39,8 @@ def test_lengths(value_m: float, text: str) -> None:
 
 
 def test_lists_and_ranges() -> None:
-    assert listed(["a"]) == "a"
-    assert listed(["a", "b", "c"]) == "a, b and c"
+    assert ENGLISH.listed(["a"]) == "a"
+    assert ENGLISH.listed(["a", "b", "c"]) == "a, b and c"
     assert spread([0.2131, 0.2132], "rad") == "0.213\u00a0rad"
     assert spread([0.213, 0.178], "rad") == "0.178 to 0.213\u00a0rad"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from reports.text.weights import CHANGES, KNOWN, RECORD, weighed
+from reports.text.limits import CHANGES, KNOWN, RECORD, weighed
 
 
 def test_notes_have_three_weights() -> None:
