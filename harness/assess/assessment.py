@@ -18,8 +18,8 @@ from harness.assess.clearance import of_engine, of_model
 from harness.assess.compared import OPTION_DRAWS, compare
 from harness.assess.engine_runs import EngineRuns
 from harness.assess.in_space import SPACE, assess_in_space, clearance_in_space, shaken_across
-from harness.assess.inputs import Array, draw, uncertain_inputs
-from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, model_draws, sweepable
+from harness.assess.inputs import Array, uncertain_inputs
+from harness.assess.model_draws import ModelDraws, draws_of, model_draws, sweepable
 from harness.assess.options import Option, options_of
 from harness.assess.plan import rest_outline_m
 from harness.assess.sensitivity import FRAGILITY_DRAWS, fragility, indices, indices_of_draws
@@ -87,11 +87,7 @@ def assess(
     names = tuple(dict.fromkeys(names or engines.DEFAULT_ENGINES))
     inputs = _inputs(scene)
     on_progress(f"{MODEL}: {draws} draws")
-    values = draw(inputs, draws, seed)
-    fast = sweepable(scene, values)
-    if not fast:
-        draws = min(draws, SLOW_DRAWS)
-        values = draw(inputs, draws, seed)
+    values = draws_of(scene, inputs, draws, seed)
     model = model_draws(scene, values)
     own = probability_of(model, plane_only=shaken_across(scene))
     with _campaign(store, pool) as (storage, campaign, workers):

@@ -12,7 +12,7 @@ from harness.records.run import EngineRunRecord
 from harness.records.scene import MotionRecord
 from reports.charts import Json
 from reports.charts.event import run_event_s
-from reports.charts.figure import ABOVE, axis, band, curve, stroke
+from reports.charts.figure import ABOVE, axis, band, curve, level, note, stroke
 from reports.charts.palette import INK, MUTED, look
 from reports.charts.patterns import pattern_strip
 from reports.charts.samples import Array, kept_samples, packed_array
@@ -180,7 +180,7 @@ def _layout(
         ),
         "hovermode": "x unified", "hoversubplots": "axis", "barmode": "overlay", "bargap": 0.1,
         "legend": ABOVE | {"x": 0, "xanchor": "left"},
-        "shapes": _shapes(source, axes["rotation"]), "annotations": _annotations(source, axes["rotation"]),
+        **_marks(source, axes["rotation"]),
         "height": 320 + 90 * len(rows) + 22 * len(source.runs),
     }  # fmt: skip
     for row, name in axes.items():
@@ -196,58 +196,26 @@ def _layout(
     return layout
 
 
-def _shapes(source: RunSource, axis: str) -> list[Json]:
+def _marks(source: RunSource, axis_name: str) -> Json:
+    """The balance points, the end of bounded errors and the horizon of prediction: lines, a grey area, and their words."""
     statue, end = source.scene.statue, source.scene.duration_s
-    levels = [statue.slenderness_right_rad, -statue.slenderness_left_rad]
-    shapes: list[Json] = [
-        {
-            "type": "line", "xref": "paper", "x0": 0, "x1": 1, "yref": axis, "y0": level, "y1": level, "layer": "below",
-            "line": {"color": MUTED, "width": 1, "dash": "dash"},
-        }
-        for level in levels
-    ]  # fmt: skip
-    until = horizon_s(source)
+    sides = ((statue.slenderness_right_rad, "right", "bottom"), (-statue.slenderness_left_rad, "left", "top"))
+    dashed, under = {"color": MUTED, "width": 1, "dash": "dash"}, {"layer": "below"}
+    shapes = [level(at, dashed, yref=axis_name, **under) for at, _, _ in sides]
+    notes = [
+        note(1, at, f"balances on the {side} edge", xref="paper", xanchor="right", yref=axis_name, yanchor=anchor)
+        for at, side, anchor in sides
+    ]
+    place = {"xref": "x", "xanchor": "left", "yref": f"{axis_name} domain"}
+    until, horizon = horizon_s(source), prediction_s(source)
     if until is not None and until < end:
+        grey = {"fillcolor": "#7a8696", "opacity": 0.11, "line": {"width": 0}}
         shapes.append(
-            {
-                "type": "rect", "xref": "x", "x0": until, "x1": end, "yref": "paper", "y0": 0, "y1": 1, "layer": "below",
-                "fillcolor": "#7a8696", "opacity": 0.11, "line": {"width": 0},
-            }
-        )  # fmt: skip
-    horizon = prediction_s(source)
-    if horizon is not None and horizon < end:
-        shapes.append(
-            {
-                "type": "line", "xref": "x", "x0": horizon, "x1": horizon, "yref": f"{axis} domain", "y0": 0, "y1": 1,
-                "layer": "below", "line": {"color": MUTED, "width": 1, "dash": "dot"},
-            }
-        )  # fmt: skip
-    return shapes
-
-
-def _annotations(source: RunSource, axis: str) -> list[Json]:
-    statue, end = source.scene.statue, source.scene.duration_s
-    small = {"size": 11, "color": MUTED}
-    texts: list[Json] = [
-        {
-            "xref": "paper", "x": 1, "xanchor": "right", "yref": axis, "y": level, "yanchor": anchor, "showarrow": False,
-            "text": f"balances on the {side} edge", "font": small,
-        }
-        for level, side, anchor in (
-            (statue.slenderness_right_rad, "right", "bottom"),
-            (-statue.slenderness_left_rad, "left", "top"),
+            {"type": "rect", "xref": "x", "x0": until, "x1": end, "yref": "paper", "y0": 0, "y1": 1, **grey, **under}
         )
-    ]  # fmt: skip
-    marks = (
-        (horizon_s(source), "bottom", "error bounded until"),
-        (prediction_s(source), "top", "horizon of prediction"),
-    )
-    for at, anchor, words in marks:
-        if at is not None and at < end:
-            texts.append(
-                {
-                    "xref": "x", "x": at, "xanchor": "left", "yref": f"{axis} domain", "y": 0, "yanchor": anchor,
-                    "showarrow": False, "text": f" {words} {at:.3g} s", "font": small,
-                }
-            )  # fmt: skip
-    return texts
+        notes.append(note(until, 0, f" error bounded until {until:.3g} s", yanchor="bottom", **place))
+    if horizon is not None and horizon < end:
+        at = {"xref": "x", "x0": horizon, "x1": horizon, "yref": f"{axis_name} domain", "y0": 0, "y1": 1}
+        shapes.append({"type": "line", **at, "line": dashed | {"dash": "dot"}, **under})
+        notes.append(note(horizon, 0, f" horizon of prediction {horizon:.3g} s", yanchor="top", **place))
+    return {"shapes": shapes, "annotations": notes}
