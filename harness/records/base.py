@@ -66,8 +66,8 @@ class RunCounts:
     computed: int
 
 
-def same_fields(kind: type, source: object) -> dict[str, Any]:
-    """What a record takes as it stands from an object with fields of the same names."""
+def same_fields(kind: type, source: object) -> Any:
+    """The arguments that a record takes as they stand from an object with fields of the same names."""
     return {each.name: getattr(source, each.name) for each in fields(kind) if hasattr(source, each.name)}
 
 
