@@ -85,6 +85,8 @@ def assess(
     by the planar model).
     """
     names = tuple(dict.fromkeys(names or engines.DEFAULT_ENGINES))
+    for name in names:
+        engines.load(name)
     inputs = _inputs(scene)
     on_progress(f"{MODEL}: {draws} draws")
     values = draws_of(scene, inputs, draws, seed)
@@ -150,8 +152,13 @@ def _others(
             continue
         answer, runs = asked(name)
         plane_only = across and engine.capabilities.dimensions < SPACE_DIMENSIONS
+        others.fell[name] = runs.fell
+        if answer.undecided == answer.runs:
+            message = f"none of its {answer.runs} runs came to an end (rockcheck run -e {name} says why)"
+            others.answers[name] = NotAssessed(message)
+            continue
         others.answers[name] = _of_engine(answer, draws, plane_only=plane_only)
-        others.room[name], others.fell[name] = of_engine(model, runs), runs.fell
+        others.room[name] = of_engine(model, runs)
     if across and SPACE not in names:
         on_progress(f"{SPACE}: draws, then clearance")
     if SPACE not in names and (space := assess_in_space(scene, values, SPACE_STEPS)) is not None:
