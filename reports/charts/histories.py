@@ -13,11 +13,10 @@ from harness.model.run import PATTERN_NAMES
 from harness.records.run import EngineRunRecord
 from harness.records.scene import MotionRecord, SceneRecord
 from reports.charts import Json
-from reports.charts.event import run_event_s
 from reports.charts.figure import ABOVE, axis, band, curve, level, note, stroke
 from reports.charts.palette import INK, MUTED, PATTERN_LOOKS, look
 from reports.charts.samples import Array, kept_samples, packed_array
-from reports.source import RunSource
+from reports.source import RunSource, run_event_s
 from reports.text.wording import horizon_s, prediction_s
 
 BAND_SAMPLES: Final = 3000
