@@ -53,7 +53,7 @@ class Scanned:
             return
         if path.suffix.lower() == ".toml":
             raise InputError(Mistake("--motion", "", "a scan beside it: a scene has its own [motion]", str(path)))
-        from harness.input.motions.layout import Layout
+        from harness.input.motions.recordfile import Layout
         from harness.mesh_cli import new
 
         folder.parent.mkdir(parents=True, exist_ok=True)
@@ -88,7 +88,10 @@ def run(
         scene = load_scene(scene_file, asked.overrides or ())
         own = [*PAGES, RECORD, DRAWS_NAME, CLEARANCE_NAME, SCENE_NAME, MESH_NAME, LOG_NAME]
         check_inputs(folder, own, [path, *read_files(scene.given, scene.source)])
-        _check(folder, options, no_options, resume)
+        if no_options and options is not None:
+            raise InputError(Mistake("--options", "", "either your own options or --no-options", "both"))
+        if resume:
+            check_begun(folder, "an assessment")
         own_options = () if options is None else read_options(options, scene)
         pool = LocalPool(jobs) if dask is None else DaskPool(dask)
         with (
@@ -119,37 +122,24 @@ def run(
         return write_whole(folder, assessed.record, write)
 
 
-def _check(folder: Path, options: Path | None, no_options: bool, resume: bool) -> None:
-    if no_options and options is not None:
-        raise InputError(Mistake("--options", "", "either your own options or --no-options", "both"))
-    if resume:
-        check_begun(folder, "an assessment")
-
-
 def _write_draws(assessed: Assessed, path: Path) -> None:
     """A row for each draw: its values by key, the model's answers, and each engine's (empty where it did not run, or failed)."""
-    model, engines = assessed.model, list(assessed.fell)
-    answers = ("decided", "overturned", "peak_theta_over_alpha", "peak_slip_m")
+    model = assessed.model
+    columns = {
+        "draw": range(model.overturned.size),
+        **{name: column.tolist() for name, column in assessed.values.items()},
+        f"{MODEL}_decided": model.decided.astype(int).tolist(),
+        f"{MODEL}_overturned": model.overturned.astype(int).tolist(),
+        f"{MODEL}_peak_theta_over_alpha": model.peak_share.tolist(),
+        f"{MODEL}_peak_slip_m": model.peak_slip_m.tolist(),
+    }
+    for name, answers in assessed.fell.items():
+        fell = (answers.get(k) for k in columns["draw"])
+        columns[f"{name}_overturned"] = ["" if item is None else int(item) for item in fell]
     with path.open("w", newline="", encoding="utf-8") as stream:
         rows = comma_separated.writer(stream)
-        rows.writerow(
-            [
-                "draw",
-                *assessed.values,
-                *(f"{MODEL}_{name}" for name in answers),
-                *(f"{name}_overturned" for name in engines),
-            ]
-        )
-        for k in range(model.overturned.size):
-            own = (
-                int(model.decided[k]),
-                int(model.overturned[k]),
-                float(model.peak_share[k]),
-                float(model.peak_slip_m[k]),
-            )
-            fell = (assessed.fell[name].get(k) for name in engines)
-            values = (float(column[k]) for column in assessed.values.values())
-            rows.writerow([k, *values, *own, *("" if item is None else int(item) for item in fell)])
+        rows.writerow(columns)
+        rows.writerows(zip(*columns.values(), strict=True))
 
 
 def _write_clearance(record: AssessRecord, path: Path) -> None:

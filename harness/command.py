@@ -179,7 +179,7 @@ class Surroundings:
 
 @dataclass(frozen=True)
 class TextLayout:
-    """How the numbers of a record stand in a text that no reader knows (`harness.input.motions.layout.Layout`)."""
+    """How the numbers of a record stand in a text that no reader knows (`harness.input.motions.recordfile.Layout`)."""
 
     dt_s: Annotated[
         float | None, typer.Option("--dt", metavar="S", help="Of a text no reader knows: the step between samples.")

@@ -4,6 +4,7 @@ elsewhere."""
 from __future__ import annotations
 
 import os
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,7 @@ from harness.model.errors import InputError, Mistake
 from harness.records.result_folder import check_listed, listing, writing
 
 if TYPE_CHECKING:
-    from harness.input.motions.layout import Layout
+    from harness.input.motions.recordfile import Layout
     from meshes.inspection import Inspection
 
 MARBLE_KG_M3 = 2700.0
@@ -60,7 +61,8 @@ def prepare(file: Path, out: Path, known: Known) -> tuple[Inspection, Path]:
     out.parent.mkdir(parents=True, exist_ok=True)
     with writing(out) as fresh:
         inspection.prepared.write(fresh)
-    record.write_json(log, _plain(inspection, known) | {"files": listing([out], pages=False)})
+    said = {"known": asdict(known), "files": listing([out], pages=False)}
+    record.write_json(log, {**inspection.as_dict(), **said})
     return inspection, log
 
 
@@ -134,10 +136,3 @@ def _check_out(out: Path, log: Path, file: Path) -> None:
     if out.resolve() == file.resolve():
         raise InputError(Mistake("--out", "", "another file than the scan itself", str(out)))
     check_listed(out, log)
-
-
-def _plain(inspection: Inspection, known: Known) -> dict[str, object]:
-    """The processing log as it is written, with what the user said."""
-    from dataclasses import asdict
-
-    return {**inspection.as_dict(), "known": asdict(known)}

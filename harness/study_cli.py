@@ -12,12 +12,14 @@ from contextlib import ExitStack, closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from harness import effects3d
 from harness.campaign.column_store import COLUMNS_NAME, ColumnStore
 from harness.campaign.dask_pool import DaskPool
 from harness.campaign.progress import progress
 from harness.campaign.runner import LIMIT_S, LocalPool, Pool
 from harness.campaign.store import STORE_NAME, Store, check_begun
+from harness.effects3d.study import KIND as EFFECTS
+from harness.effects3d.study import run_effects
+from harness.input.tables import kind_of
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.records.base import as_file
@@ -57,13 +59,14 @@ def run(
     `beside` are tasks to run with it; `witness` holds a tenth of its scenes against engines as they come. Raises `InputError`
     for a wrong study, a store that cannot be used, or `resume` where there is nothing to go on with.
     """
+    kind = kind_of(path)
     with ExitStack() as stack:
-        if rocking_spectrum.asked(path):
+        if kind == rocking_spectrum.KIND:
             _check_spectrum(export, resume, dask)
             on_progress = stack.enter_context(progress(path.stem, quiet))
             spectrum = rocking_spectrum.run_spectrum(path, folder, jobs, on_progress)
             return spectrum, spectrum.summary
-        if effects3d.asked(path):
+        if kind == EFFECTS:
             if export is not None:
                 got = "one of the third dimension: see its result.json"
                 raise InputError(Mistake("--export", "", "a study of cases", got))
@@ -77,7 +80,7 @@ def run(
         stack.enter_context(ending_cleanly())
         if study is None:
             on_progress = stack.enter_context(progress(path.stem, quiet))
-            effects = effects3d.run_effects(path, folder, pool, on_progress, resume=resume)
+            effects = run_effects(path, folder, pool, on_progress, resume=resume)
             return effects, effects.summary
         return _run(study, path, folder, pool, export, large, quiet, beside, witness)
 
@@ -159,17 +162,16 @@ def unbegun(folder: Path) -> Iterator[None]:
     try:
         yield
     except InputError:
-        if fresh and store.is_file() and _is_empty(store):
+        if not fresh or not store.is_file():
+            raise
+        with closing(sqlite3.connect(store)) as db:
+            empty = db.execute("SELECT 1 FROM result LIMIT 1").fetchone() is None
+        if empty:
             for path in (store, *folder.glob(f"{STORE_NAME}-*")):
                 path.unlink()
             for path in made:
                 path.rmdir()
         raise
-
-
-def _is_empty(path: Path) -> bool:
-    with closing(sqlite3.connect(path)) as store:
-        return store.execute("SELECT 1 FROM result LIMIT 1").fetchone() is None
 
 
 def _check(folder: Path, resume: bool, export: Path | None) -> None:

@@ -94,6 +94,10 @@ class Prepared:
             contact_tolerance_m=contact_tolerance_m,
         )
 
+    def after(self, mesh: RawMesh, made: Change | None) -> Prepared:
+        """The state after one step, with its change in the log where it made one."""
+        return Prepared(mesh, self.log if made is None else self.log.and_changed(made))
+
     def write(self, path: str | Path) -> None:
         """Write the mesh in metres, z up, in the format of the path's suffix."""
         import trimesh
@@ -119,8 +123,7 @@ def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     state = _true_height(_closed(state, wanted), wanted)
     state = _checked(state, wanted)
     fewer, made, why = decimate(state.mesh, wanted.max_faces, CONTACT_TOLERANCE_M, wanted.bounds)
-    if made is not None:
-        state = Prepared(fewer, state.log.and_changed(made))
+    state = state.after(fewer, made)
     if why:
         state = Prepared(state.mesh, state.log.and_found(why))
     wrong = not_one_body(state.mesh.vertices, state.mesh.faces)
@@ -140,9 +143,7 @@ def _mended(state: Prepared, wanted: Wanted) -> Prepared:
         repair.turn_outward,
         repair.join_bodies,
     ):
-        mesh, made = step(state.mesh)
-        if made is not None:
-            state = Prepared(mesh, state.log.and_changed(made))
+        state = state.after(*step(state.mesh))
     return state
 
 
@@ -214,18 +215,16 @@ def _cut(state: Prepared, wanted: Wanted) -> Prepared:
 
 
 def _without(state: Prepared, mesh: RawMesh, what: str) -> Prepared:
-    log = state.log.and_changed(change("cut", f"{what} cut off, as asked", 1, measure(state.mesh), measure(mesh)))
-    mesh, made = repair.drop_debris(mesh, Limits.debris_area)
-    return Prepared(mesh, log if made is None else log.and_changed(made))
+    made = change("cut", f"{what} cut off, as asked", 1, measure(state.mesh), measure(mesh))
+    return state.after(mesh, made).after(*repair.drop_debris(mesh, Limits.debris_area))
 
 
 def _closed(state: Prepared, wanted: Wanted) -> Prepared:
     """The open base closed by a plane, then every other hole over its rim."""
-    mesh, log, limits = state.mesh, state.log, wanted.limits
+    mesh, limits = state.mesh, wanted.limits
     height = float(np.ptp(mesh.vertices[:, 2]))
     rim = base_rim(mesh)
     if rim is not None:
-        before = measure(mesh)
         closed = close_base(mesh, rim)
         if closed.ragged_m > limits.ragged_share * height:
             raise MeshError(
@@ -240,14 +239,12 @@ def _closed(state: Prepared, wanted: Wanted) -> Prepared:
             f" noise {1e3 * closed.noise_m:.2f} mm, outline fitted by at most {1e3 * closed.fitted_m:.1f} mm,"
             f" {closed.lifted} vertices lifted to the plane by at most {1e3 * closed.lifted_m:.1f} mm"
         )
-        log = log.and_changed(change("base", what, closed.rim, before, measure(closed.mesh)))
-        mesh = closed.mesh
-    before = measure(mesh)
-    holes = close_holes(mesh, limits.hole_share * height)
-    if holes.holes:
-        what = f"{holes.holes} holes closed over their own rims, the widest {1e3 * holes.widest_m:.1f} mm"
-        log = log.and_changed(change("holes", what, holes.holes, before, measure(holes.mesh)))
-    return Prepared(holes.mesh, log)
+        state = state.after(closed.mesh, change("base", what, closed.rim, measure(mesh), measure(closed.mesh)))
+    holes = close_holes(state.mesh, limits.hole_share * height)
+    if not holes.holes:
+        return state
+    what = f"{holes.holes} holes closed over their own rims, the widest {1e3 * holes.widest_m:.1f} mm"
+    return state.after(holes.mesh, change("holes", what, holes.holes, measure(state.mesh), measure(holes.mesh)))
 
 
 def _true_height(state: Prepared, wanted: Wanted) -> Prepared:
@@ -258,8 +255,7 @@ def _true_height(state: Prepared, wanted: Wanted) -> Prepared:
     if abs(factor - 1.0) < 1e-9:
         return state
     what = f"corrected by {100 * (factor - 1):+.3f} % so that the height over the base plane is {wanted.height_m:g} m"
-    mesh = state.mesh.moved(factor * state.mesh.vertices)
-    return Prepared(mesh, state.log.and_changed(Change("scale", what, 1)))
+    return state.after(state.mesh.moved(factor * state.mesh.vertices), Change("scale", what, 1))
 
 
 def _checked(state: Prepared, wanted: Wanted) -> Prepared:

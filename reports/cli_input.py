@@ -13,7 +13,7 @@ from reports.cli_result import OUT
 
 if TYPE_CHECKING:
     from harness.input.motions.inspect import Inspection
-    from harness.input.motions.layout import Layout
+    from harness.input.motions.recordfile import Layout
 
 Scan = Annotated[Path, typer.Argument(metavar="SCAN", help="A scan: PLY, OBJ, STL, GLB or glTF.", show_default=False)]
 
@@ -104,7 +104,7 @@ def new(
     ] = None,
 ) -> None:
     """Write a first, commented scene from a scan and a record; it runs as it is."""
-    from harness.input.motions.layout import Layout
+    from harness.input.motions.recordfile import Layout
     from harness.mesh_cli import new as write_scene
 
     written = write_scene(scan, motion_file, out or Path(f"{scan.stem}.toml"), known, around, Layout(**vars(text)))
@@ -130,7 +130,7 @@ def motion_inspect(
     out: Annotated[Path | None, typer.Option("--out", help="Folder of picture and record. Default: out/NAME.")] = None,
 ) -> None:
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
-    from harness.input.motions.layout import Layout
+    from harness.input.motions.recordfile import Layout
     from harness.model.run import write_json
     from harness.records.base import plain
     from harness.records.inspection import InspectionRecord

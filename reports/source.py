@@ -1,11 +1,14 @@
-"""A result folder as the pages read it: the record, its histories and its mesh; nothing is computed anew."""
+"""A result folder as the pages read it: record, histories, mesh, and when anything moves; nothing is computed anew."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Final
+
+import numpy as np
 
 from harness.input.history_file import read_history
 from harness.model.errors import InputError, Mistake
@@ -15,6 +18,14 @@ from harness.records.kinds import read_result
 from harness.records.result_folder import RECORD, as_written, owned
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scene import SceneRecord
+
+MOVED_SHARE: Final = 0.01
+"""A rotation of this share of the balance point's shows on a page."""
+MOVED_M: Final = 1e-4
+"""A slip that shows on a page."""
+BESIDE: Final = 0.05
+LEAST_BESIDE_S: Final = 0.25
+"""Room before and after an event: a share of its length, and at least the time in which an eye finds its place."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,3 +77,29 @@ def source_of(folder: Path, record: RunRecord) -> RunSource:
         raise InputError([Mistake(str(path), "", wanted, "another content", REWRITE) for path in changed])
     histories = {name: read_history(path) for name, path in paths.items() if path.is_file()}
     return RunSource(folder, record, histories, mesh if mesh.is_file() else None)
+
+
+def event_s(histories: Iterable[History], level_rad: float, end_s: float) -> tuple[float, float]:
+    """From shortly before anything moves to shortly after it has come to its last place: what a chart opens on, s.
+
+    A rotation of `level_rad` counts as moving, a slip of `MOVED_M`; the whole of a run in which nothing moves.
+    """
+    starts, ends = [], []
+    for history in histories:
+        for values, least in ((history.theta_rad, level_rad), (history.slip_m, MOVED_M)):
+            gone, left = (np.flatnonzero(np.abs(values - values[k]) > least) for k in (0, -1))
+            if len(gone):
+                starts.append(float(history.t_s[gone[0]]))
+                ends.append(float(history.t_s[left[-1]]))
+    if not starts:
+        return 0.0, end_s
+    begin, end = min(starts), max(ends)
+    margin = max(BESIDE * (end - begin), LEAST_BESIDE_S)
+    return max(0.0, begin - margin), min(end_s, end + margin)
+
+
+def run_event_s(source: RunSource) -> tuple[float, float]:
+    """The event of a run."""
+    statue = source.scene.statue
+    level_rad = MOVED_SHARE * min(statue.slenderness_left_rad, statue.slenderness_right_rad)
+    return event_s(source.histories.values(), level_rad, source.scene.duration_s)

@@ -18,8 +18,8 @@ from harness.assess.clearance import of_engine, of_model
 from harness.assess.compared import OPTION_DRAWS, compare
 from harness.assess.engine_runs import EngineRuns
 from harness.assess.in_space import SPACE, assess_in_space, clearance_in_space, shaken_across
-from harness.assess.inputs import Array, draw, uncertain_inputs
-from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, model_draws, sweepable
+from harness.assess.inputs import Array, uncertain_inputs
+from harness.assess.model_draws import ModelDraws, draws_of, model_draws, sweepable
 from harness.assess.options import Option, options_of
 from harness.assess.plan import rest_outline_m
 from harness.assess.sensitivity import FRAGILITY_DRAWS, fragility, indices, indices_of_draws
@@ -85,13 +85,11 @@ def assess(
     by the planar model).
     """
     names = tuple(dict.fromkeys(names or engines.DEFAULT_ENGINES))
+    for name in names:
+        engines.load(name)
     inputs = _inputs(scene)
     on_progress(f"{MODEL}: {draws} draws")
-    values = draw(inputs, draws, seed)
-    fast = sweepable(scene, values)
-    if not fast:
-        draws = min(draws, SLOW_DRAWS)
-        values = draw(inputs, draws, seed)
+    values = draws_of(scene, inputs, draws, seed)
     model = model_draws(scene, values)
     own = probability_of(model, plane_only=shaken_across(scene))
     with _campaign(store, pool) as (storage, campaign, workers):
@@ -154,8 +152,13 @@ def _others(
             continue
         answer, runs = asked(name)
         plane_only = across and engine.capabilities.dimensions < SPACE_DIMENSIONS
+        others.fell[name] = runs.fell
+        if answer.undecided == answer.runs:
+            message = f"none of its {answer.runs} runs came to an end (rockcheck run -e {name} says why)"
+            others.answers[name] = NotAssessed(message)
+            continue
         others.answers[name] = _of_engine(answer, draws, plane_only=plane_only)
-        others.room[name], others.fell[name] = of_engine(model, runs), runs.fell
+        others.room[name] = of_engine(model, runs)
     if across and SPACE not in names:
         on_progress(f"{SPACE}: draws, then clearance")
     if SPACE not in names and (space := assess_in_space(scene, values, SPACE_STEPS)) is not None:

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.model.scene import Array, Pedestal, Scene, Statue
+from harness.model.history import Array
+from harness.model.scene import Pedestal, Scene, Statue
 
 
 def as_one(statue: Statue, pedestal: Pedestal) -> Statue:

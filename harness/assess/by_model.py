@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from harness.assess.in_space import SPACE, assess_in_space, shaken_across
-from harness.assess.inputs import draw, uncertain_inputs
-from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, model_draws, sweepable
-from harness.assess.stratified import LEVEL
-from harness.comparison.statistics.distributions import wilson
+from harness.assess.in_space import SPACE, assess_in_space, assessment, shaken_across
+from harness.assess.inputs import uncertain_inputs
+from harness.assess.model_draws import ModelDraws, draws_of, model_draws
 from harness.model.scene import Scene
 from harness.records.assess import Assessment
 
@@ -25,9 +23,7 @@ def assess_models(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> dict[s
     inputs = uncertain_inputs(scene)
     if not inputs or scene.initial.pose is not None:
         return {}
-    values = draw(inputs, draws, seed)
-    if not sweepable(scene, values):
-        values = draw(inputs, min(draws, SLOW_DRAWS), seed)
+    values = draws_of(scene, inputs, draws, seed)
     own = probability_of(model_draws(scene, values), plane_only=shaken_across(scene))
     in_space = assess_in_space(scene, values)
     answers = {MODEL: own, SPACE: None if in_space is None else in_space.answer}
@@ -37,9 +33,6 @@ def assess_models(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> dict[s
 def probability_of(model: ModelDraws, *, plane_only: bool = False) -> Assessment | None:
     """The share of the model's draws that overturn, with its interval; None without draws."""
     size = model.overturned.size
-    share = wilson(int(model.overturned.sum()), size, LEVEL)
-    if share is None:
-        return None
-    return Assessment(
-        share.value, share.low, share.high, LEVEL, size, size, 1.0 - float(model.decided.mean()), plane_only
+    return (
+        assessment(int(model.overturned.sum()), size, 1.0 - float(model.decided.mean()), plane_only) if size else None
     )

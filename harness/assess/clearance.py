@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.assess.inputs import Array, row
 from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, sweepable
-from harness.assess.plan import PARTS, directions_deg, reach_m
+from harness.assess.plan import AROUND_DEG, PARTS, PLANAR_DEG, reach_m
 from harness.assess.stratified import strata_of
 from harness.assess.variation import varied
 from harness.engines import analytic as twoblock
@@ -70,6 +70,5 @@ def clearance(reached: Sequence[Array], weights: Array, draws: int, undecided: i
     at = [np.argmax(below >= share - 1e-12, axis=0)[None] for share in shares]
     tables = [np.take_along_axis(sorted_m, index, axis=0)[0] for index in at]
     columns = {f"{part}_m": [table[k].tolist() for table in tables] for k, part in enumerate(PARTS)}
-    return ClearanceByModel(
-        draws, count, directions_deg(3 if every.shape[2] > 2 else 2), shares, **columns, undecided=undecided
-    )
+    known_deg = AROUND_DEG if every.shape[2] > len(PLANAR_DEG) else PLANAR_DEG
+    return ClearanceByModel(draws, count, known_deg, shares, **columns, undecided=undecided)

@@ -13,7 +13,7 @@ import numpy as np
 from harness.assess.bodies import sliding
 from harness.assess.in_space import shaken_across
 from harness.assess.inputs import LEAST_SHARE, Array, draw, row, uncertain_inputs
-from harness.assess.model_draws import SLOW_DRAWS, Flags, ModelDraws, joined, model_draws, repeated, sweepable
+from harness.assess.model_draws import SLOW_DRAWS, Flags, ModelDraws, draws_of, joined, model_draws, repeated, sweepable
 from harness.assess.options import AS_IT_IS, Option
 from harness.assess.stratified import LEVEL
 from harness.assess.variation import KINETIC, STATIC, varied
@@ -44,9 +44,7 @@ def compare(
     on_progress: Callable[[str], None] = lambda text: None,
 ) -> OptionsRecord:
     """Every option's probability of a fall and its slip, and its difference to the scene as it is, draw by draw."""
-    values = draw(inputs, draws, seed)
-    if not sweepable(scene, values):
-        values = draw(inputs, min(draws, SLOW_DRAWS), seed)
+    values = draws_of(scene, inputs, draws, seed)
     own = model_draws(scene, values)
     answers = [_answer(None, own, None)]
     others: dict[str, ModelDraws | None] = {}
@@ -77,7 +75,9 @@ def _at_once(
     """All draws of an option as draws of its own scene; None where drawing and changing do not commute."""
     other = option.change(scene)
     if option.user:
-        return _first_of(other, common(inputs, values, uncertain_inputs(other), seed))
+        drawn = common(inputs, values, uncertain_inputs(other), seed)
+        first = None if sweepable(other, drawn) else SLOW_DRAWS
+        return model_draws(other, {key: column[:first] for key, column in drawn.items()})
     same_bodies = other.statue is scene.statue and other.pedestal in (scene.pedestal, None)
     if sweepable(scene, values) and (same_bodies or all(key.startswith(ALIKE) for key in values)):
         swept = common(inputs, values, _moved(inputs, other), seed)
@@ -96,12 +96,6 @@ def _one_by_one(scene: Scene, options: Sequence[Option], values: Mapping[str, Ar
     return {name: joined(several) for name, several in parts.items()}
 
 
-def _first_of(other: Scene, values: Mapping[str, Array]) -> ModelDraws:
-    if sweepable(other, values):
-        return model_draws(other, values)
-    return model_draws(other, {key: column[:SLOW_DRAWS] for key, column in values.items()})
-
-
 def _slipping(other: Scene, values: Mapping[str, Array], scene: Scene, size: int, slides: bool) -> ModelDraws:
     """The draws of a body: of one that may slide, those whose friction is below the least slenderness slide and stand.
 
@@ -114,9 +108,7 @@ def _slipping(other: Scene, values: Mapping[str, Array], scene: Scene, size: int
     static = np.broadcast_to(values.get("contact.floor", scene.contact.floor_static), size)
     least = math.tan(min(other.statue.slenderness_rad(side) for side in (1, -1)))
     path, slips = repeated(model_draws(sliding(other), values), size), static < least
-    return ModelDraws(
-        *(np.where(slips, getattr(path, name), getattr(rocking, name)) for name in ModelDraws.__dataclass_fields__)
-    )
+    return ModelDraws(*(np.where(slips, slid, rocked) for slid, rocked in zip(path, rocking, strict=True)))
 
 
 def _moved(inputs: Sequence[Uncertain], other: Scene) -> list[Uncertain]:

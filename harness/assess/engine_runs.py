@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from harness import engines
+from harness.accuracy.refinement import first_level
 from harness.assess.inputs import Array, row
 from harness.assess.plan import reach_m
 from harness.assess.variation import varied
@@ -61,8 +62,7 @@ class EngineRuns:
         self._campaign.run(tasks.values(), len(tasks))
         for number, task in tasks.items():
             # A worker that died leaves nothing: the run counts as failed, and is tried anew when the assessment is.
-            row_of_store = self._store.get(task.key)
-            record = {"overturned": None} if row_of_store is None else row_of_store.record
+            record = self._store.get(task.key) or {"overturned": None}
             overturned = record["overturned"]
             self.fell[number] = None if overturned is None else bool(overturned)
             if overturned is False:
@@ -86,8 +86,7 @@ def overturns(drawn: DrawnRun) -> Answer:
     """What a worker does: whether the statue overturns in its scene, at the coarsest step that is expected to do."""
     begin = time.perf_counter()
     engine = engines.load(drawn.engine)
-    levels = engine.refinement_levels(drawn.scene)
-    settings = next((item for item in levels if item.expected_error_rad <= ENGINE_ERROR_RAD), levels[-1])
+    settings, _ = first_level(engine.refinement_levels(drawn.scene), ENGINE_ERROR_RAD, 1.0)
     fell, reached, failed = None, None, False
     try:
         run = engine.simulate(drawn.scene, settings, RunOptions())

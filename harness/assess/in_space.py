@@ -59,11 +59,17 @@ def assess_in_space(scene: Scene, values: Mapping[str, Array], most_steps: int =
     of the shaking, or the exact body does not know all of the scene (a pedestal, a wall, a prescribed impact, a moving table).
     """
     ends = ends_in_space(scene, values, most_steps) if shaken_across(scene) else None
-    share = None if ends is None else wilson(int((ends == "overturned").sum()), ends.size, LEVEL)
-    if ends is None or share is None:
+    if ends is None:
         return None
-    undecided = without_end(ends) / ends.size
-    return SpaceDraws(Assessment(share.value, share.low, share.high, LEVEL, ends.size, ends.size, undecided), ends)
+    return SpaceDraws(assessment(int((ends == "overturned").sum()), ends.size, without_end(ends) / ends.size), ends)
+
+
+def assessment(fell: int, draws: int, undecided: float, plane_only: bool = False) -> Assessment:
+    """The probability of overturning where so many of a model's draws fell, with Wilson's interval."""
+    share = wilson(fell, draws, LEVEL)
+    if share is None:
+        raise ValueError("a probability without draws")
+    return Assessment(share.value, share.low, share.high, LEVEL, draws, draws, undecided, plane_only)
 
 
 def without_end(ends: Ends) -> int:
@@ -71,12 +77,8 @@ def without_end(ends: Ends) -> int:
     return int(((ends != "overturned") & (ends != "stands")).sum())
 
 
-def _as_it_is(scene: Scene) -> Scene:
-    return scene
-
-
 def ends_in_space(
-    scene: Scene, values: Mapping[str, Array], most_steps: int, change: Callable[[Scene], Scene] = _as_it_is
+    scene: Scene, values: Mapping[str, Array], most_steps: int, change: Callable[[Scene], Scene] = lambda scene: scene
 ) -> Ends | None:
     """How the exact body ends in as many of the draws (n,) as the steps allow, each drawn and then changed; None for a scene that
     it does not know.

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, ZeroExcitation
-from harness.assess.inputs import row
+from harness.assess.inputs import draw, row
 from harness.assess.variation import KINETIC, STATIC, file_scale, varied
 from harness.engines import analytic as twoblock
-from harness.model.scene import Scene
+from harness.model.scene import Scene, Uncertain
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -40,8 +39,7 @@ SLOW_DRAWS: Final = 300
 """Most draws where a key needs the scene to be read again for each: some milliseconds instead of a tenth of one."""
 
 
-@dataclass(frozen=True, eq=False)
-class ModelDraws:
+class ModelDraws(NamedTuple):
     """What the model says of each draw, shape (n,): whether it decides, whether the statue overturns, peak |θ| over α, peak slip.
 
     A draw that is not decided (still beyond α at the end, or outside the model's domain) did not overturn in the time computed.
@@ -63,6 +61,12 @@ def sweepable(scene: Scene, keys: Iterable[str]) -> bool:
     return all(_sweep_of(scene, key, np.ones(1)) is not None for key in keys)
 
 
+def draws_of(scene: Scene, inputs: Sequence[Uncertain], count: int, seed: int) -> dict[str, Array]:
+    """Draws (count,) of a scene's inputs, fewer where each is a scene read again."""
+    values = draw(inputs, count, seed)
+    return values if sweepable(scene, values) else draw(inputs, min(count, SLOW_DRAWS), seed)
+
+
 def model_draws(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
     """Run the model on every draw: in one compiled sweep, or scene by scene where a key needs the scene read again."""
     if not draws or sweepable(scene, draws):
@@ -73,8 +77,7 @@ def model_draws(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
 
 def joined(parts: Sequence[ModelDraws]) -> ModelDraws:
     """Draws one after another."""
-    names = ModelDraws.__dataclass_fields__
-    return ModelDraws(*(np.concatenate([getattr(item, name) for item in parts]) for name in names))
+    return ModelDraws(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
@@ -111,7 +114,7 @@ def repeated(draws: ModelDraws, size: int) -> ModelDraws:
     """One answer for all draws where nothing that is drawn touches it."""
     if draws.overturned.size == size:
         return draws
-    return ModelDraws(*(np.repeat(getattr(draws, name), size) for name in ModelDraws.__dataclass_fields__))
+    return ModelDraws._make(column.repeat(size) for column in draws)
 
 
 def _sweep_of(scene: Scene, key: str, values: Array) -> dict[str, Array] | None:

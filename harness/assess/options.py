@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Final
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field
 
 from harness.assess.bodies import as_one, turned_block, widened
-from harness.assess.materials import PAIRS, Pair
 from harness.assess.variation import reread
-from harness.input.tables import read, toml_table
+from harness.input.mistakes import Table
+from harness.input.tables import read_model
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
 
@@ -72,7 +72,7 @@ def _of_pedestal(scene: Scene) -> list[Option]:
         f"a pedestal {WIDER:g} times as wide, of the same stone",
     )
     return [
-        Option(FLOOR, "the statue stands on the floor, without a pedestal", _on_floor),
+        Option(FLOOR, "the statue stands on the floor, without a pedestal", lambda given: given.but(pedestal=None)),
         *(_with_friction(pair, own) for pair in pairs),
         Option("pedestal heavier", heavier, lambda given: _pedestal(given, mass=HEAVIER)),
         Option("pedestal wider", wider, lambda given: _pedestal(given, mass=WIDER, width=WIDER)),
@@ -91,10 +91,6 @@ def _with_friction(pair: Pair, own: float) -> Option:
         return scene.but(contact=contact)
 
     return Option(name, what, change, pair.source)
-
-
-def _on_floor(scene: Scene) -> Scene:
-    return scene.but(pedestal=None)
 
 
 def _pedestal(scene: Scene, mass: float, width: float = 1.0) -> Scene:
@@ -136,29 +132,22 @@ def _turned(scene: Scene) -> Scene:
     return scene.but(statue=statue, pedestal=pedestal)
 
 
-class _OptionTable(BaseModel):
+class _OptionTable(Table):
     """`[[option]]`: a name, and keys of the scene with their values there."""
 
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
     name: Annotated[str, Field(min_length=1, max_length=80)]
     set: Annotated[dict[str, Any], Field(min_length=1)]
 
 
-class _OptionsFile(BaseModel):
+class _OptionsFile(Table):
     """A file of the user's own options."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
     option: Annotated[list[_OptionTable], Field(min_length=1, max_length=50)]
 
 
 def read_options(path: Path, scene: Scene) -> list[Option]:
     """The user's own options for a scene read from a file. Raises `InputError` with every mistake, also those of their scenes."""
-    try:
-        tables = _OptionsFile.model_validate(toml_table(read(path), str(path))).option
-    except ValidationError as error:
-        wanted = '[[option]] with name = "..." and set = {"contact.floor_static" = 0.3}'
-        mistakes = [Mistake(str(path), ".".join(map(str, item["loc"])), wanted, item["msg"]) for item in error.errors()]
-        raise InputError(mistakes) from error
+    tables = read_model(_OptionsFile, path).option
     names = [AS_IT_IS, *(item.name for item in options_of(scene)[0]), *(table.name for table in tables)]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise InputError(Mistake(str(path), "option.name", "a name that no other option has", repr(twice)))
@@ -169,3 +158,47 @@ def _users(name: str, values: Mapping[str, object], path: Path, scene: Scene) ->
     other = reread(scene, values, f"{path}: option {name!r}")
     sets: Sequence[str] = [f"{key} = {value}" for key, value in values.items()]
     return Option(name, ", ".join(sets), lambda _: other, path.name, user=True)
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two materials: the static and kinetic coefficients used, the published range, and who published it."""
+
+    name: str
+    static: float
+    kinetic: float
+    published: str
+    source: str
+
+
+PAIRS: Final = (
+    Pair(
+        "PTFE on steel",
+        0.04,
+        0.04,
+        "0.04 on steel, 0.04 to 0.20 on itself; changes with pressure and speed",
+        "Engineering ToolBox, Friction and friction coefficients",
+    ),
+    Pair(
+        "smooth stone on stone",
+        0.40,
+        0.30,
+        "0.40 static and 0.30 kinetic, assumed there for a statue's pedestal",
+        "Monaco et al., Procedia Structural Integrity 29 (2020) 134-141",
+    ),
+    Pair(
+        "rough granite or limestone, dry",
+        0.75,
+        0.75,
+        "0.67 to 0.84, one value for both; wet it is much less",
+        "Statics of drystone walls, stonewalls.ch",
+    ),
+    Pair(
+        "rubber on dry concrete",
+        1.0,
+        0.8,
+        "static 1.0, kinetic 0.60 to 0.85; wet 0.30 and 0.25",
+        "Serway and Beichner, Physics for Scientists and Engineers, 5th ed., Table 5.2; ranges: hypertextbook.com/facts/2006",
+    ),
+)
+"""A pair's coefficients differ from one surface to the next by a third and more: measure before building."""

@@ -22,11 +22,6 @@ LOOKS: Final = 4000
 """Most samples of a history that are looked at: 0.01 s apart in one of 40 s, where a swing of 3 Hz loses 0.4 % of its peak."""
 
 
-def directions_deg(dimensions: int) -> tuple[float, ...]:
-    """The directions of which a model of so many dimensions knows."""
-    return AROUND_DEG if dimensions == 3 else PLANAR_DEG
-
-
 def reach_m(scene: Scene, theta_rad: Array, slip_m: Array, extra: Mapping[str, Array]) -> Array:
     """How far (parts, directions) outline, top and pedestal go beyond where they are at rest, m, over a history of shape (n,).
 

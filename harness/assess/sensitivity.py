@@ -103,13 +103,13 @@ def indices(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> dict[str, I
     The first is the share of the variance that goes when this input is known; the total the share that stays when all others are.
     """
     a, b = draw(inputs, INDEX_DRAWS, seed), draw(inputs, INDEX_DRAWS, seed + OTHER_SEED)
-    fell_a, fell_b = _fell(scene, a), _fell(scene, b)
+    fell_a, fell_b = (model_draws(scene, draws).overturned for draws in (a, b))
     variance = float(np.var(np.concatenate([fell_a, fell_b])))
     if variance == 0.0:
         return {}
     result = {}
     for group in groups(inputs):
-        fell = _fell(scene, {**a, **{key: b[key] for key in group}})
+        fell = model_draws(scene, {**a, **{key: b[key] for key in group}}).overturned
         unlike = [float(np.mean(other != fell)) for other in (fell_b, fell_a)]
         half_width = max(NORMAL_90 * math.sqrt(share * (1.0 - share) / fell.size) for share in unlike) / (
             2.0 * variance
@@ -150,7 +150,3 @@ def _nearest(columns: Sequence[Array]) -> NDArray[np.int64]:
 
     ranks = np.column_stack([np.argsort(np.argsort(column)) for column in columns]).astype(np.float64)
     return np.asarray(KDTree(ranks).query(ranks, k=[2])[1])[:, 0]
-
-
-def _fell(scene: Scene, draws: Mapping[str, Array]) -> Flags:
-    return model_draws(scene, draws).overturned

@@ -90,6 +90,8 @@ def reread(scene: Scene, values: Mapping[str, object], place: str) -> Scene:
     """
     from pydantic import ValidationError
 
+    from harness.input.mistakes import mistakes_of
+    from harness.input.overrides import put
     from harness.input.scene_file import resolve
     from harness.input.tables import SceneFile
 
@@ -100,19 +102,10 @@ def reread(scene: Scene, values: Mapping[str, object], place: str) -> Scene:
         f"{key} = {value:.6g}" if isinstance(value, float) else f"{key} = {value}" for key, value in values.items()
     )
     for key, value in values.items():
-        table: Any = content
-        *path, last = key.split(".")
-        for part in path:
-            table = table.setdefault(part, {})
-            if not isinstance(table, dict):
-                raise InputError(Mistake(place, key, f"a key inside a table, but {part} is a value", values_text))
-        if value == "none":
-            table.pop(last, None)
-        else:
-            table[last] = value
+        put(content, place, key, value)
     try:
-        model = SceneFile.model_validate(content)
-    except ValidationError as error:
-        reasons = "; ".join(f"{'.'.join(map(str, item['loc']))}: {item['msg']}" for item in error.errors())
+        return resolve(SceneFile.model_validate(content), scene.source or Path("scene.toml"), content)
+    except (ValidationError, InputError) as error:
+        mistakes = error.mistakes if isinstance(error, InputError) else mistakes_of(error, SceneFile, place)
+        reasons = "; ".join(str(replace(item, where=item.key, key="")) for item in mistakes)
         raise InputError(Mistake(place, ", ".join(values), "values that make a scene", values_text, reasons)) from error
-    return resolve(model, scene.source or Path("scene.toml"), content)

@@ -134,7 +134,7 @@ def _recommended(record: OptionsRecord, helping: list[OptionAnswer]) -> str:
     words = f"What would help most: {best.name}. The statue then falls in {percent(best.probability_overturned)} %, "
     words += f"as it is in {percent(record.as_it_is.probability_overturned)} %"
     if best.slip_high_m:
-        words += f"; it slides by up to {best.slip_high_m:.2g} m in 95 of 100"
+        words += f"; the pedestal slides by up to {best.slip_high_m:.2g} m in 95 of 100"
     if equal:
         words += f". As good, as far as can be told: {_listed([item.name for item in equal])}"
     return words + "."

@@ -6,7 +6,16 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Final
 
-from harness.bench import coverage, other_integrators, precision, scaling, sentences, skip_savings, skips
+from harness.bench import (
+    coverage,
+    other_integrators,
+    precision,
+    scaling,
+    sentences,
+    skip_savings,
+    skips,
+    source_tree,
+)
 from harness.bench.standard_scenes import standard_set
 from harness.campaign import parts
 from harness.campaign.parts import Measured, Measurement, Part, Row
@@ -38,12 +47,12 @@ def assembled(listed: Sequence[Part], measured: Mapping[str, Measured], command:
     """The record from the rows of all parts; what is not measured yet is left empty and said."""
     rows = {part.name: measured[part.name].in_order(part) for part in listed}
     absent = {row["scene"]: row["absent"] for row in rows["precision"] if "absent" in row}
-    from_source = {
-        "engine defaults": precision.missing(),
-        "coverage": coverage.missing(),
-        "others": other_integrators.missing(),
+    measured_by = {
+        "engine defaults": precision.DEFAULTS,
+        "coverage": coverage.MEASURED,
+        "others": other_integrators.MEASURED,
     }
-    absent |= {name: why for name, why in from_source.items() if why is not None}
+    absent |= {name: why for name, module in measured_by.items() if (why := source_tree.missing(module)) is not None}
     order = [item.name for item in standard_set()]
     timed = [PrecisionRow(**row) for row in rows["precision"] if "absent" not in row]
     timed.sort(key=lambda row: order.index(row.scene))

@@ -31,14 +31,9 @@ def read(row: Row) -> Coverage:
     return Coverage(**{**row, "stated": stated, "levels": tuple(Level(**level) for level in row["levels"])})
 
 
-def missing() -> str | None:
-    """Why nothing of this can be measured here, or None."""
-    return source_tree.missing(MEASURED)
-
-
 def tasks(quick: bool) -> list[str]:
     """The work in pieces that can be computed apart, the longest first; nothing without the source tree."""
-    if missing():
+    if source_tree.missing(MEASURED):
         return []
     last = FIRST_SEED + (QUICK_SCENES if quick else SCENES)
     return [

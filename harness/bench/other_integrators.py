@@ -5,7 +5,6 @@ Measured by the source tree (`tests/measures/other_integrators.py`); its rows ar
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -26,21 +25,14 @@ TASKS: Final = {"others": ("solvers", "startup", "overhead"), "speeds": ("throug
 MEASURED: Final = "tests.measures.other_integrators"
 
 
-def missing() -> str | None:
-    """Why nothing of this can be measured here, or None."""
-    return source_tree.missing(MEASURED)
-
-
 def tasks(part: str) -> list[str]:
     """What a part measures here; nothing without the source tree."""
-    return [] if missing() else [*TASKS[part]]
+    return [] if source_tree.missing(MEASURED) else [*TASKS[part]]
 
 
 def compute(quick: bool, task: str) -> list[Row]:
     """Rows of the solvers, runs per second of ensembles, cost of a start, or cost over a baseline loop."""
-    done = source_tree.ask(MEASURED, task, *(["--quick"] if quick else []))
-    done.check_returncode()
-    return [json.loads(line) for line in done.stdout.splitlines()]
+    return source_tree.rows(MEASURED, task, *(["--quick"] if quick else []))
 
 
 @dataclass(frozen=True)

@@ -3,14 +3,10 @@ takes."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from typing import Any, Final
-
-import numpy as np
-from numpy.typing import NDArray
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
@@ -25,8 +21,6 @@ from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.bench import LEVEL, TARGET, PrecisionRow
-
-Array = NDArray[np.float64]
 
 TARGET_RAD: Final = 1e-3
 DEFAULTS: Final = "tests.measures.engine_defaults"
@@ -61,16 +55,9 @@ def of(quick: bool, name: str) -> list[Row]:
         return [{"scene": name, "absent": str(error)}]
     names = list(engines.REGISTRY)
     rows = [asdict(row) for row in rows_of(item, scene, names, quick=quick)]
-    if item.reference == "analytic" and not missing():
-        done = source_tree.ask(DEFAULTS, name)
-        done.check_returncode()
-        rows += [json.loads(line) for line in done.stdout.splitlines()]
+    if item.reference == "analytic" and not source_tree.missing(DEFAULTS):
+        rows += source_tree.rows(DEFAULTS, name)
     return sorted(rows, key=lambda row: names.index(row["engine"]))
-
-
-def missing() -> str | None:
-    """Why engines cannot be run on other settings than this project's here, or None."""
-    return source_tree.missing(DEFAULTS)
 
 
 def died(name: str) -> list[Row]:
@@ -103,13 +90,14 @@ def _levels(base: PrecisionRow, scene: Scene, engine: Engine, exact: Run | None,
     good = [(settings, run, once) for settings, run, once in tried if isinstance(run, Run)]
     judge = exact or (good[-1][1] if good else None)
     refines = judge is not None and not engine.capabilities.certifies and not engine.name.endswith(PLAIN)
-    asked, once = timed(partial(_asked, engine, scene)) if refines else (None, NOTHING)
+    refine = partial(run_to_accuracy, engine, scene, TARGET_RAD, RunOptions())
+    asked, once = timed(partial(_answered, refine)) if refines else (None, NOTHING)
     works: list[Callable[[], object]] = [
         partial(engine.simulate, scene, settings, RunOptions()) for settings, _, _ in good
     ]
     before = [item[2] for item in good]
     if isinstance(asked, Run):
-        works.append(partial(run_to_accuracy, engine, scene, TARGET_RAD, RunOptions()))
+        works.append(refine)
         before.append(once)
     spent = iter(costs(works, REPEATS, BUDGET_S, before))
     for settings, run, _ in tried:
@@ -132,24 +120,18 @@ def _tried(engine: Engine, scene: Scene, quick: bool) -> list[tuple[Settings, Ru
         if tried and isinstance(tried[-1][1], Run) and tried[-1][2].cpu_s > LONG_S:
             left_out = f"not run: the level before it took {LONG_S:g} s of processor time or more"
             return [*tried, *((finer, left_out, NOTHING) for finer in levels[len(tried) :])]
-        tried.append((settings, *timed(partial(_run, engine, scene, settings))))
+        run = partial(engine.simulate, scene, settings, RunOptions())
+        tried.append((settings, *timed(partial(_answered, run))))
     return tried
 
 
-def _run(engine: Engine, scene: Scene, settings: Settings) -> Run | str:
+def _answered(work: Callable[[], Run]) -> Run | str:
+    """What a run gives, or why it gives nothing."""
     try:
-        run = engine.simulate(scene, settings, RunOptions())
+        run = work()
     except EngineFailure as failure:
         return str(failure)
     return (run.message or run.outcome.sentence) if run.outcome.failed or run.history is None else run
-
-
-def _asked(engine: Engine, scene: Scene) -> Run | str:
-    """What the target accuracy gives, or why it gives nothing."""
-    try:
-        return run_to_accuracy(engine, scene, TARGET_RAD, RunOptions())
-    except EngineFailure as failure:
-        return str(failure)
 
 
 def _chosen(row: PrecisionRow, run: Run | str, judge: Run, spent: Cost | None) -> PrecisionRow:

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Final
 
 from harness import engines
-from harness.accuracy.refinement import run_to_accuracy
+from harness.accuracy.refinement import first_level, run_to_accuracy
 from harness.bench.standard_scenes import COLUMN, PAESTUM, record, scene_of
 from harness.bench.timing import cost
 from harness.campaign.parts import Row
@@ -155,8 +155,7 @@ def decides_nothing(engine: Engine, scene: Scene, run: Run) -> bool:
 
 def level(engine: Engine, scene: Scene, expected_rad: float = ENGINE_ACCURACY_RAD) -> Settings:
     """The coarsest settings of which such an error is expected; without it what an outcome needs."""
-    refinement_levels = engine.refinement_levels(scene)
-    return next((item for item in refinement_levels if item.expected_error_rad <= expected_rad), refinement_levels[-1])
+    return first_level(engine.refinement_levels(scene), expected_rad, 1.0)[0]
 
 
 def simulate(engine: Engine, scene: Scene, options: RunOptions, expected_rad: float = ENGINE_ACCURACY_RAD) -> Run:

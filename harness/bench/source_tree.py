@@ -5,10 +5,13 @@ Where the source tree is not here, the record says so.
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
 from typing import Final
+
+from harness.campaign.parts import Row
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 
@@ -23,3 +26,10 @@ def ask(module: str, *words: str) -> subprocess.CompletedProcess[str]:
     """Run a module with these arguments to its end, whatever it ends with."""
     command = [sys.executable, "-m", module, *words]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+
+
+def rows(module: str, *words: str) -> list[Row]:
+    """What a module prints with these arguments, a row in each line. Raises `CalledProcessError` where it fails."""
+    done = ask(module, *words)
+    done.check_returncode()
+    return [json.loads(line) for line in done.stdout.splitlines()]

@@ -1,6 +1,6 @@
 """The cache key: the hash of a scene's physics, as far as an engine looks at it.
 
-It is made of names that stand here and of exact numbers, so that renaming a class or a field in the code leaves it as it is.
+It is made of names and of exact numbers; a class or a field that is renamed in the code keeps its name here.
 """
 
 from __future__ import annotations
@@ -21,40 +21,22 @@ from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal
 
 NOT_PHYSICS: Final[Mapping[type, str]] = {Scene: "title source given notes uncertainty", Statue: "solid"}
 """Fields of which a run does not depend; of a mesh its own digest is part of the key where an engine uses it."""
-KEYED: Final[Mapping[type, tuple[str, str]]] = {
-    Scene: (
-        "scene",
-        "duration_s gravity_m_s2 form statue pedestal contact base_excitation=motion wall initial table output_dt_s",
-    ),
-    Form: ("model", "friction_normal pedestal_at_impact"),
-    Statue: (
-        "statue",
-        "mass_kg centroid_height_m corner_left_m corner_right_m inertia_kg_m2 height_m depth_m section_m footprint_m "
-        "inertia_tensor_kg_m2",
-    ),
-    Pedestal: ("pedestal", "mass_kg width_m depth_m height_m offset_m"),
-    Contact: ("contact", "floor_static floor_kinetic statue restitution"),
-    Wall: ("wall", "side distance_m"),
-    Initial: ("initial", "theta_rad theta_rate_rad_s pose"),
-    Pose: ("pose", "position_m quaternion_wxyz velocity_m_s angular_velocity_rad_s"),
-    BaseExcitation: ("motion", "x y z"),
-    ZeroExcitation: ("rest", ""),
-    Harmonic: ("harmonic", "amplitude_m_s2 frequency_hz phase_rad ramp_s"),
-    Pulse: ("pulse", "shape amplitude_m_s2 duration_s start_s"),
-    SampledAcceleration: ("record", "t_s samples_m_s2=accel_m_s2"),
+KEYED: Final[Mapping[type, str]] = {
+    Scene: "scene", Form: "model", Statue: "statue", Pedestal: "pedestal", Contact: "contact", Wall: "wall",
+    Initial: "initial", Pose: "pose", BaseExcitation: "motion", ZeroExcitation: "rest", Harmonic: "harmonic",
+    Pulse: "pulse", SampledAcceleration: "record",
+}  # fmt: skip
+"""Name in the key of each class."""
+RENAMED: Final = {"base_excitation": "motion", "samples_m_s2": "accel_m_s2"}
+"""Name in the key of each field that is called otherwise today; every other has its own, in the order of its class."""
+_MEMBERS: Final = {
+    kind: [
+        (item.name, RENAMED.get(item.name, item.name))
+        for item in fields(kind)
+        if item.name not in NOT_PHYSICS.get(kind, "").split() and not item.name.startswith("_")
+    ]
+    for kind in KEYED
 }
-"""Name in the key of each class and its fields, which is the field's own but where it was renamed: `field=name`."""
-
-
-def _named(kind: type, tag: str, text: str) -> tuple[str, list[tuple[str, str]]]:
-    """The name of a class in the key, and of its fields; one that is not in the table yet counts by its own name."""
-    members = [(item.partition("=")[0], item.partition("=")[2] or item) for item in text.split()]
-    said = {attribute for attribute, _ in members}.union(NOT_PHYSICS.get(kind, "").split())
-    rest = [item.name for item in fields(kind) if item.name not in said and not item.name.startswith("_")]
-    return tag, [*members, *((name, name) for name in rest)]
-
-
-_NAMED: Final = {kind: _named(kind, *names) for kind, names in KEYED.items()}
 
 
 def scene_key(scene: Scene, capabilities: Capabilities) -> str:
@@ -131,9 +113,8 @@ def _parts(name: str, value: Any) -> Iterator[bytes]:
 
 
 def _members(name: str, value: Any) -> Iterator[bytes]:
-    tag, members = _NAMED[type(value)]
-    yield f"{name}:{tag}{{".encode()
-    for attribute, key in members:
+    yield f"{name}:{KEYED[type(value)]}{{".encode()
+    for attribute, key in _MEMBERS[type(value)]:
         # What is not given has no part in the key: a new thing that may be given changes no key of scenes without it.
         if (member := getattr(value, attribute)) is not None:
             yield from _parts(key, member)

@@ -1,17 +1,18 @@
-"""Many tasks: what the store holds is not computed again, and each result is kept as soon as it is there."""
+"""Many tasks: what the store holds is not computed again, each is kept as soon as it is there, and where the seconds go."""
 
 from __future__ import annotations
 
+import statistics
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import groupby
+from dataclasses import dataclass, fields
+from itertools import groupby, islice
 from typing import Any, Protocol
 
 from harness.campaign.runner import Crash, Pool
 from harness.campaign.serialization import Packed, packed
 from harness.campaign.task import Answer, Task
-from harness.campaign.usage import Usage
+from harness.records.study import UsageRecord
 
 OnProgress = Callable[[int, int], None]
 """Hears how many tasks are done, and how many there are to do."""
@@ -59,14 +60,8 @@ def batches(tasks: Iterable[Task], sizes: Mapping[str, int], otherwise: int = 1)
     """Tasks in the order given, neighbours of one group in what a worker takes at a time (`otherwise`: not in `sizes`)."""
     for group, members in groupby(tasks, key=lambda task: task.group):
         size = sizes.get(group, otherwise)
-        batch: list[Task] = []
-        for task in members:
-            batch.append(task)
-            if len(batch) == size:
-                yield tuple(batch)
-                batch = []
-        if batch:
-            yield tuple(batch)
+        while batch := tuple(islice(members, size)):
+            yield batch
 
 
 class Campaign:
@@ -170,3 +165,53 @@ def _lost(task: Task, crash: Crash) -> Finished:
     if answer is None:
         return Finished((), task.runs, 0.0, ())
     return Finished([packed(task.key, answer) if task.key else answer], 1, 0.0, ())
+
+
+class Usage:
+    """Seconds of one call: of the clock, of all workers at work, of this process's processor, and outside engines per run."""
+
+    def __init__(self, workers: int) -> None:
+        self.workers = workers
+        self.runs = 0
+        self.busy_s = self.own_s = self.wall_s = 0.0
+        self._outside_s: list[float] = []
+        self._begin = time.perf_counter(), time.process_time()
+
+    def note(self, runs: int, busy_s: float, outside_s: Sequence[float]) -> None:
+        """Count what a worker gave back: runs, seconds at work, and what each run took outside its engine."""
+        self.runs += runs
+        self.busy_s += busy_s
+        self._outside_s.extend(outside_s)
+
+    def stop(self) -> None:
+        """Take both clocks."""
+        self.wall_s = time.perf_counter() - self._begin[0]
+        self.own_s = time.process_time() - self._begin[1]
+
+    @property
+    def utilisation(self) -> float | None:
+        """Share of the workers' time in which they were at work; None where nothing ran."""
+        return self.busy_s / (self.wall_s * self.workers) if self.runs else None
+
+    @property
+    def overhead_s_per_run(self) -> float | None:
+        """Planning, sending, packing and storing: this process's time by the run, and the median run's outside its engine.
+
+        The median leaves out what a worker does once, such as loading the statue's mesh.
+        """
+        if not self._outside_s:
+            return None
+        return self.own_s / self.runs + statistics.median(self._outside_s)
+
+    def record(self) -> UsageRecord:
+        """All numbers with their sentence, as a record holds them."""
+        numbers = {item.name: getattr(self, item.name) for item in fields(UsageRecord) if item.name != "sentence"}
+        return UsageRecord(**numbers, sentence=str(self))
+
+    def __str__(self) -> str:
+        if self.utilisation is None or self.overhead_s_per_run is None:
+            return "nothing had to be computed"
+        return (
+            f"{self.runs} runs in {self.wall_s:.1f} s: {self.workers} workers {100.0 * self.utilisation:.0f} % busy, "
+            f"{1000.0 * self.overhead_s_per_run:.2f} ms per run for planning, sending and storing"
+        )

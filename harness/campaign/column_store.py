@@ -38,7 +38,7 @@ class ColumnStore:
 
     def keys(self) -> set[str]:
         """The blocks that are there; a file without its end (a power cut) counts as none."""
-        return {_key(path) for path in self._files() if self._is_whole(path)}
+        return {path.stem.rpartition("-")[0] for path in self._files() if self._is_whole(path)}
 
     def add(self, results: Sequence[Packed], clock_s: float = 0.0) -> None:
         """Write blocks, each as a file of its own whose name holds its checksum."""
@@ -83,10 +83,6 @@ class ColumnStore:
             return bool(parquet.read_metadata(path).num_rows)
         except (pyarrow.ArrowException, OSError):
             return False
-
-
-def _key(path: Path) -> str:
-    return path.stem.rpartition("-")[0]
 
 
 def as_bytes(table: pyarrow.Table) -> bytes:

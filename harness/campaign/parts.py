@@ -78,7 +78,8 @@ class Measurement(Generic[R]):
         written, or an unknown part.
         """
         listed = self.parts(quick)
-        measured = session(folder, listed, quick, only, on_progress)
+        check_folder(folder, ("bench", "stress"))
+        measured = measure(folder, listed, only, stamp(quick), on_progress)
         assembled = self.assembled(listed, measured, command(self.name, quick, measured))
         complete = replace(assembled, files=listing(()))
         record.write_json(folder / RECORD, as_file(complete))
@@ -94,13 +95,9 @@ def source() -> str:
     return state.hexdigest()
 
 
-def session(
-    folder: Path, parts: Sequence[Part], quick: bool, only: Sequence[str] | None, on_progress: Callable[[str], None]
-) -> dict[str, Measured]:
-    """Measure as `measure` does, into a folder that can be written, under the versions, source, machine and option of now."""
-    check_folder(folder, ("bench", "stress"))
-    stamp = {"versions": record.versions(), "source": source(), "machine": record.machine(), "quick": quick}
-    return measure(folder, parts, only, stamp, on_progress)
+def stamp(quick: bool) -> dict[str, object]:
+    """What rows of one measurement share: the versions, source, machine and option of now."""
+    return {"versions": record.versions(), "source": source(), "machine": record.machine(), "quick": quick}
 
 
 def measure(
@@ -119,10 +116,9 @@ def measure(
     keys = {part.name: {task: _key(part, task, stamp) for task in part.tasks} for part in parts}
     folder.mkdir(parents=True, exist_ok=True)
     with Store(folder / STORE_NAME) as store:
-        own = {key for of_part in keys.values() for key in of_part.values()}
-        store.remove(store.keys() - own)
+        store.remove(store.keys() - {key for of_part in keys.values() for key in of_part.values()})
         # Read now, so that damage is told before hours of work.
-        stored = {key for key in store.known(own) if store.get(key) is not None}
+        stored = {key for of_part in keys.values() for key in of_part.values() if store.get(key) is not None}
         left = {name: not stored.issuperset(of_part.values()) for name, of_part in keys.items()}
         whole = not any(left[part.name] for part in (chosen if only else parts))
         for part in chosen:
@@ -162,9 +158,9 @@ def _key(part: Part, task: str, stamp: Mapping[str, object]) -> str:
 def _measured(part: Part, keys: Mapping[str, str], store: Store) -> Measured:
     measured = Measured()
     for task, key in keys.items():
-        row, timing = store.get(key), store.timing(key)
-        if row is not None and timing is not None:
-            measured.rows[task] = cast("list[Row]", row.record["rows"])
+        stored, timing = store.get(key), store.timing(key)
+        if stored is not None and timing is not None:
+            measured.rows[task] = cast("list[Row]", stored["rows"])
             measured.busy_s += timing[0]
             measured.wall_s += timing[1]
     measured.left = tuple(task for task in part.tasks if task not in measured.rows)
@@ -194,7 +190,8 @@ def _tasks(part: Part, keys: Mapping[str, str]) -> list[Task]:
 
 
 def _alone(part: Part, keys: Mapping[str, str], store: Store, on_progress: Callable[[str], None]) -> None:
-    left = {task: key for task, key in keys.items() if key not in store.known(keys.values())}
+    stored = store.keys()
+    left = {task: key for task, key in keys.items() if key not in stored}
 
     def announced() -> Iterator[Task]:
         for number, task in enumerate(_tasks(part, left), 1):

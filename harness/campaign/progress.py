@@ -168,9 +168,12 @@ def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
 
 def time_left(seconds: float | None) -> str:
     """`, about 12 min left`; empty where nothing is known, or nothing is left."""
-    if not seconds:
-        return ""
+    return f", about {duration_words(seconds)} left" if seconds else ""
+
+
+def duration_words(seconds: float) -> str:
+    """Seconds in the unit that fits."""
     for size, unit in ((86_400.0, "days"), (3600.0, "h"), (60.0, "min")):
         if seconds >= 1.5 * size:
-            return f", about {seconds / size:.0f} {unit} left"
-    return f", about {seconds:.0f} s left"
+            return f"{seconds / size:.0f} {unit}"
+    return f"{max(seconds, 1.0):.0f} s"

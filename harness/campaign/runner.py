@@ -159,13 +159,14 @@ class LocalPool:
         under_way = 0
         try:
             while True:
-                while under_way < AHEAD * self._jobs and (order := next(upcoming, None)) is not None:
+                while under_way < AHEAD * self._jobs:
+                    # Once more alone: whatever a neighbour may have done to it cannot come again.
+                    order = next(upcoming, None) or (again.pop() if again and not under_way else None)
+                    if order is None:
+                        break
                     under_way += 1
-                    self._submit(order, under_way)
-                if not under_way and again:
-                    # Alone: whatever a neighbour may have done to it cannot come again.
-                    under_way = 1
-                    self._submit(again.pop(), under_way)
+                    self._start(under_way)
+                    self._orders.put(order)
                 if not under_way:
                     return
                 worker, order, answer, error = self._reply()
@@ -194,10 +195,6 @@ class LocalPool:
         self._end(at_once=False)
 
     __del__ = close
-
-    def _submit(self, order: _Order, under_way: int) -> None:
-        self._start(under_way)
-        self._orders.put(order)
 
     def _start(self, under_way: int) -> None:
         if len(self._workers) < min(under_way, self._jobs):

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from harness.campaign.serialization import Packed, history_sum, packed, record_sum, unpack
-from harness.campaign.task import RUN, answer_of
+from harness.campaign.serialization import Packed, history_sum, record_sum, unpack
+from harness.campaign.task import RUN
 from harness.model.errors import InputError, Mistake
 from harness.model.history import COLUMNS, History
 from harness.model.run import Run, to_plain
@@ -58,14 +58,6 @@ CREATE VIEW IF NOT EXISTS run AS SELECT key, {
 }, record, has_history, crc32 FROM result WHERE kind = '{RUN}';
 """
 _TABLES: Final = frozenset(("result", "timing", "history", "plan", "run"))
-
-
-@dataclass(frozen=True)
-class Row:
-    """One stored result: its key and its record as plain values."""
-
-    key: str
-    record: Plain
 
 
 @dataclass(frozen=True)
@@ -126,10 +118,6 @@ class Store:
     def __exit__(self, *details: object) -> None:
         self._db.close()
 
-    def known(self, keys: Iterable[str]) -> set[str]:
-        """Which of the keys have a result."""
-        return self.keys().intersection(keys)
-
     def keys(self) -> set[str]:
         """All keys that have a result, with its history where one belongs to it: a run whose history is lost counts as none."""
         query = (
@@ -138,11 +126,6 @@ class Store:
         )
         with self._naming_damage("read"):
             return {key for (key,) in self._db.execute(query)}
-
-    def put(self, results: Sequence[tuple[str, Run]], histories: bool = False) -> None:
-        """Store finished runs, each in a transaction of its own; a key that is there already is kept as it is."""
-        for key, run in results:
-            self.add([packed(key, answer_of(run, histories))])
 
     def add(self, results: Sequence[Packed], clock_s: float = 0.0) -> None:
         """Store packed results in one transaction; a key that is there already is kept as it is.
@@ -163,11 +146,11 @@ class Store:
             for table in ("result", "timing", "history"):
                 self._db.executemany(f"DELETE FROM {table} WHERE key=?", gone)
 
-    def get(self, key: str) -> Row | None:
-        """The stored result of a key, or None."""
+    def get(self, key: str) -> Plain | None:
+        """The stored record of a key as plain values, or None."""
         with self._naming_damage("read"):
             row = self._db.execute("SELECT kind, record, has_history, crc32 FROM result WHERE key=?", (key,)).fetchone()
-        return None if row is None else Row(key, self._decoded_record(key, *row))
+        return None if row is None else self._decoded_record(key, *row)
 
     def _decoded_record(self, key: str, kind: str, record: str, has_history: int, crc32: int) -> Plain:
         """A record, as it was stored."""
@@ -206,11 +189,10 @@ class Store:
 
     def run(self, key: str) -> Run | None:
         """The run of a key as it was when it was stored, None where there is none or its history was not kept."""
-        row, history = self.get(key), self.history(key)
-        if row is None or history is None:
+        record, history = self.get(key), self.history(key)
+        if record is None or history is None:
             return None
-        seconds = self.seconds(key) or 0.0
-        return part(EngineRunRecord, {**row.record, "wall_s": seconds}, self.path).run(history)
+        return part(EngineRunRecord, {**record, "wall_s": self.seconds(key) or 0.0}, self.path).run(history)
 
     def write_plan(self, study: str, rows: Iterable[tuple[int, str, str | None, str, Mapping[str, Value]]]) -> None:
         """Replace the plan of a study: (number, engine, key or None, reason, what varies) in one transaction."""
@@ -235,12 +217,6 @@ class Store:
                 with self._decoded():
                     varied = dict(json.loads(what))
                 yield PlannedRow(number, engine, key, reason, varied, run)
-
-    def check(self) -> str | None:
-        """What SQLite says of the file's integrity: None when whole, else its first finding."""
-        with self._naming_damage("read"):
-            finding = self._db.execute("PRAGMA quick_check(1)").fetchone()[0]
-        return None if finding == "ok" else str(finding)
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:

@@ -1,15 +1,21 @@
-"""A keyed task: what names its result, what computes it, and what it gives back."""
+"""A keyed task: what names its result, what computes it, and what it gives back; and one run in a process of its own."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import operator
+import time
+from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import dataclass
-from typing import Any, Protocol
+from functools import partial
+from typing import Any, Final
 
-from harness.campaign.isolate import lost_run
-from harness.campaign.runner import Crash
-from harness.model.history import History
+from harness import engines
+from harness.accuracy.simulation import RunTarget, failed, simulate_with
+from harness.campaign.runner import Crash, Hung, LocalPool
+from harness.model.history import History, Outcome
 from harness.model.run import Run, to_plain
+from harness.model.scene import Scene
 from harness.records.base import Plain
 from harness.records.run import EngineRunRecord
 
@@ -60,14 +66,46 @@ def answer_of(run: Run, histories: bool, inside_s: float = 0.0) -> Answer:
     return Answer(RUN, plain, seconds, run.history if histories else None, inside_s, run.outcome.failed)
 
 
-class OfEngine(Protocol):
-    """The argument of a task that is one engine's run."""
-
-    @property
-    def engine(self) -> str:
-        """The engine's name."""
-
-
-def lost_answer(argument: OfEngine, crash: Crash) -> Answer:
-    """The answer of a task that is a run, and whose worker died or hung."""
+def lost_answer(argument: Any, crash: Crash) -> Answer:
+    """The answer of a task that is a run of `argument.engine`, and whose worker died or hung."""
     return answer_of(lost_run(argument.engine, crash), histories=False)
+
+
+DEFAULT_TIMEOUT_S: Final = 600.0
+
+
+def call(function: Callable[..., Any], arguments: Sequence[Any] = (), *, timeout_s: float = DEFAULT_TIMEOUT_S) -> Any:
+    """Call a function of a module in a fresh process and return what it returns.
+
+    Raises `Crash` when the process ends without an answer, `Hung` after `timeout_s` (it is then killed), and what the function
+    itself raised.
+    """
+    answers: list[Any] = []
+    with closing(LocalPool(1, timeout_s, tries=1)) as pool:
+        pool.run(operator.call, [partial(function, *arguments)], lambda task, answer: answers.append(answer))
+    if isinstance(answers[0], Crash):
+        raise answers[0]
+    return answers[0]
+
+
+def lost_run(engine: str, crash: Crash, wall_s: float = 0.0) -> Run:
+    """The run whose process died or hung: it says so."""
+    outcome = Outcome.TIMED_OUT if isinstance(crash, Hung) else Outcome.CRASHED
+    return failed(engine, outcome, str(crash), wall_s)
+
+
+def simulate_isolated(scene: Scene, engine: str, target: RunTarget, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> Run:
+    """`harness.simulate` in a process of its own; a crash or hang is a run whose outcome says so.
+
+    Raises `InputError` for an unknown engine.
+    """
+    begin = time.perf_counter()
+    try:
+        run: Run = call(_simulate, (scene, engine, target), timeout_s=timeout_s)
+    except Crash as crash:
+        return lost_run(engine, crash, time.perf_counter() - begin)
+    return run
+
+
+def _simulate(scene: Scene, engine: str, target: RunTarget) -> Run:
+    return simulate_with(engines.load(engine), scene, target)

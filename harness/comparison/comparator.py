@@ -7,9 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from harness.comparison.scores import energy, events, pointwise
+from harness.comparison.scores import events, pointwise
 from harness.comparison.scores.beyond import after_horizon
-from harness.comparison.scores.matched import event_scores, numerical_uncertainty
+from harness.comparison.scores.iso import rate as rate_by_iso
+from harness.comparison.scores.matched import RockingInertia, event_scores, numerical_uncertainty
 from harness.comparison.side import Side, side_of
 from harness.comparison.verdict import judge
 from harness.model.errors import InputError, Mistake
@@ -17,7 +18,7 @@ from harness.model.history import History, Outcome
 from harness.model.history_pair import Pair, pair
 from harness.model.run import Run
 from harness.model.scene import Scene
-from harness.records.scores import IsoRating, Outcomes, Peaks, Pointwise, Residuals, Scores, Window
+from harness.records.scores import Outcomes, Peaks, Residuals, Scores, Window
 
 __all__ = ["Scores", "compare"]
 
@@ -34,7 +35,6 @@ def compare(
     horizons_s: tuple[float | None, float | None] = (None, None),
     uncertainties_rad: tuple[float | None, float | None] = (None, None),
     slip_uncertainties_m: tuple[float | None, float | None] = (None, None),
-    together_rad: float = TOGETHER_RAD,
     iso: bool = False,
 ) -> Scores:
     """Score answer a against answer b, which is the reference.
@@ -55,21 +55,23 @@ def compare(
     )
     history_a, history_b = _history(a), _history(b)
     if history_a is None or history_b is None:
-        return _without_histories(a, b, sides, together_rad)
+        return _without_histories(a, b, sides)
     both = _paired(history_a, history_b, a, b, names)
     until = min(side.until_s for side in sides)
     within = both.until(until)
     excursions = events.excursions(history_a), events.excursions(history_b)
-    inertia = None if scene is None else energy.RockingInertia.of(scene.statue)
+    inertia = None if scene is None else RockingInertia.of(scene.statue)
     peaks = pointwise.peak(history_a, within.end_s), pointwise.peak(history_b, within.end_s)
     judgement = judge(*sides, both, peaks)
     longest_s = max(history_a.duration_s, history_b.duration_s) - both.start_s
     return Scores(
         **vars(_window(names, within, longest_s, until)),
-        **vars(_pointwise(within)),
+        rms_theta_rad=pointwise.rms(within, within.difference_rad),
+        largest_difference_rad=float(np.max(np.abs(within.difference_rad))),
+        rms_slip_m=pointwise.rms(within, within.slip_a_m - within.slip_b_m),
         **vars(_peaks(*peaks)),
-        together_until_s=pointwise.together_until_s(both, together_rad),
-        together_tolerance_rad=together_rad,
+        together_until_s=pointwise.together_until_s(both, TOGETHER_RAD),
+        together_tolerance_rad=TOGETHER_RAD,
         **vars(event_scores(*excursions, inertia, until)),
         **vars(_residuals(a, b, both, until)),
         **vars(pointwise.sprague_geers(within)),
@@ -79,7 +81,7 @@ def compare(
         verdict=judgement.verdict,
         verdict_sentence=judgement.sentence,
         evidence=judgement.evidence,
-        iso=_iso(within) if iso else None,
+        iso=rate_by_iso(within) if iso else None,
     )
 
 
@@ -127,14 +129,6 @@ def _window(names: tuple[str, str], within: Pair, longest_s: float, until_s: flo
     )
 
 
-def _pointwise(within: Pair) -> Pointwise:
-    return Pointwise(
-        rms_theta_rad=pointwise.rms_rad(within),
-        largest_difference_rad=float(np.max(np.abs(within.difference_rad))),
-        rms_slip_m=pointwise.rms_slip_m(within),
-    )
-
-
 def _peaks(a: pointwise.Peak, b: pointwise.Peak) -> Peaks:
     both_still = a.theta_rad == 0.0 and b.theta_rad == 0.0
     return Peaks(
@@ -171,13 +165,7 @@ def _outcomes(a: Run | History, b: Run | History) -> Outcomes:
     )
 
 
-def _iso(both: Pair) -> IsoRating:
-    from harness.comparison.scores import iso
-
-    return iso.rate(both)
-
-
-def _without_histories(a: Run | History, b: Run | History, sides: tuple[Side, Side], together_rad: float) -> Scores:
+def _without_histories(a: Run | History, b: Run | History, sides: tuple[Side, Side]) -> Scores:
     """What can be said when a run kept only its outcome."""
     peaks = _peak_alone(a), _peak_alone(b)
     none = events.NO_EXCURSIONS
@@ -196,7 +184,7 @@ def _without_histories(a: Run | History, b: Run | History, sides: tuple[Side, Si
         together_until_s=None,
         after_horizon=None,
         horizon_s=_finite(min(side.until_s for side in sides)),
-        together_tolerance_rad=together_rad,
+        together_tolerance_rad=TOGETHER_RAD,
         magnitude=None,
         phase=None,
         combined=None,

@@ -9,10 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from harness.comparison.comparator import compare
-from harness.input.history_file import gaps, read_history
-from harness.input.resolution import UNIFORM, between_samples
+from harness.input.history_file import UNIFORM, between_samples, gaps, read_history
 from harness.model.errors import InputError, Mistake
-from harness.model.history import History
 from harness.model.run import machine, versions
 from harness.records.compare import FILES, CompareRecord
 from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, write_whole
@@ -38,7 +36,15 @@ def compare_files(
     histories = [read_history(a), read_history(b)]
     a_s, b_s = (history.t_s for history in histories)
     if a_s.size != b_s.size or not np.allclose(a_s, b_s, rtol=UNIFORM, atol=UNIFORM):
-        histories = [_interpolated(history) for history in histories]
+        # What lies open between samples counts as the history's resolution.
+        histories = [
+            replace(
+                history,
+                resolution_rad=history.resolution_rad + between_samples(history.theta_rad, history.t_s),
+                resolution_m=history.resolution_m + between_samples(history.slip_m, history.t_s),
+            )
+            for history in histories
+        ]
     scores = compare(
         *histories,
         names=(a.name, b.name),
@@ -56,15 +62,6 @@ def compare_files(
         for begin, end in gaps(history)
     ]
     return replace(scores, warnings=missing)
-
-
-def _interpolated(history: History) -> History:
-    """The history with what lies open between its samples counted as its resolution."""
-    return replace(
-        history,
-        resolution_rad=history.resolution_rad + between_samples(history.theta_rad, history.t_s),
-        resolution_m=history.resolution_m + between_samples(history.slip_m, history.t_s),
-    )
 
 
 def write_comparison(a: Path, b: Path, scores: Scores, folder: Path) -> None:

@@ -8,6 +8,7 @@ from typing import Final
 
 from harness.model.history import History, Outcome
 from harness.model.run import Run
+from harness.records.study import CaseRun
 
 ACROSS: Final = (Outcome.OVERTURNED_FRONT, Outcome.OVERTURNED_BACK)
 """Falls of which the rotation in the rocking plane tells nothing."""
@@ -55,7 +56,7 @@ class Side:
 
 
 def side_of(
-    answer: Run | History,
+    answer: Run | CaseRun | History,
     name: str,
     horizon_s: float | None = None,
     uncertainty_rad: float | None = None,
@@ -86,23 +87,24 @@ def side_of(
     )
 
 
-def _across_s(run: Run) -> float | None:
+def _across_s(run: Run | CaseRun) -> float | None:
     """When a run's statue left its balance across the rocking plane, untold by its rotation in that plane; else None."""
     if run.outcome in ACROSS:
         return run.no_return_time_s
-    if run.outcome is not Outcome.UNDECIDED or run.history is None or "roll_rad" not in run.history.extra:
+    history = run.history if isinstance(run, Run) else None
+    if run.outcome is not Outcome.UNDECIDED or history is None or "roll_rad" not in history.extra:
         return None
-    return run.end_s if abs(run.history.extra["roll_rad"][-1]) > abs(run.history.theta_rad[-1]) else None
+    return run.end_s if abs(history.extra["roll_rad"][-1]) > abs(history.theta_rad[-1]) else None
 
 
-def left_domain(run: Run) -> tuple[float | None, str]:
+def left_domain(run: Run | CaseRun) -> tuple[float | None, str]:
     """When a run first left its model's domain (docs/model.md, section 5) and by what; (None, "") when it never did.
 
     Engines state it as `validity["left_domain_s"]` and `validity["left_domain_by"]`; a run that ends by lift-off or in the
     friction paradox leaves at its end.
     """
     stated = run.validity.get("left_domain_s")
-    if stated is not None:
+    if isinstance(stated, (int, float)):
         return float(stated), str(run.validity.get("left_domain_by") or "an assumption of the model")
     if run.outcome in (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX):
         return run.end_s, run.outcome.sentence

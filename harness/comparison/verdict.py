@@ -1,4 +1,4 @@
-"""Why two runs differ, computed from the record.
+"""By how much and from when two runs differ, and why, computed from the record.
 
 Numerical error, model, plane, horizon, an error that is not bounded so far, or a model outside its domain.
 """
@@ -9,12 +9,14 @@ import math
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, Literal
 
-from harness.comparison.differences import ROUNDING, Facts, from_histories, from_peaks
+import numpy as np
+
 from harness.comparison.scores.pointwise import Peak
 from harness.comparison.side import Side
-from harness.model.history_pair import Pair
+from harness.model.history import Array
+from harness.model.history_pair import Pair, first_beyond_s
 from harness.records.scores import Evidence, Verdict
 
 COVERAGE: Final = 2.0
@@ -53,7 +55,9 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judg
     flips = known and a.outcome is not b.outcome
     sided = a.outcome is not None and b.outcome is not None and flips and a.outcome.same_as(b.outcome)
     if flips:
-        facts = _with_falls_across(facts, a, b)
+        # A fall across the plane is none of the planar rotation's: the two part when the statue falls for good.
+        times = [side.across_s for side in (a, b) if side.across_s is not None]
+        facts = replace(facts, fallen_s=min(times, default=None))
     verdict, left = _decide(a, b, facts, flips)
     evidence = Evidence(
         uncertainty_a_rad=a.uncertainty_rad,
@@ -115,12 +119,6 @@ def _not_given(a: Side, b: Side) -> dict[str, list[str]]:
         return {}
     missing = {a.name: sorted(set(b.axes) - set(a.axes)), b.name: sorted(set(a.axes) - set(b.axes))}
     return {name: axes for name, axes in missing.items() if axes}
-
-
-def _with_falls_across(facts: Facts, a: Side, b: Side) -> Facts:
-    """A fall across the plane is none of the planar rotation's: the two part when the statue falls for good."""
-    times = [side.across_s for side in (a, b) if side.across_s is not None]
-    return replace(facts, fallen_s=min(times, default=None))
 
 
 def _sentence(verdict: Verdict, a: Side, b: Side, facts: Facts, left: Side | None, flips: bool, sided: bool) -> str:
@@ -210,3 +208,66 @@ def shares(verdicts: Iterable[Verdict]) -> dict[str, float]:
     counts = Counter(verdicts)
     total = sum(counts.values())
     return {verdict.value: counts[verdict] / total if total else 0.0 for verdict in Verdict}
+
+
+ROUNDING: Final = 1e-12
+"""Differences below this, rad or m, are rounding of numbers of order one through some thousand operations."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Of one quantity: the limit, when it is first exceeded, the largest difference, and the largest before the horizon."""
+
+    limit: float
+    exceeded_s: float | None = None
+    largest: float = 0.0
+    largest_reliable: float = 0.0
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What decides: the differences of rotation, rad, and slip, m, the horizon and the end of what was compared.
+
+    `fallen_s`: when a fall across the plane parts the two, which the planar rotation does not tell.
+    """
+
+    rotation: Difference
+    slip: Difference
+    until_s: float
+    end_s: float
+    fallen_s: float | None = None
+
+    @property
+    def exceeded_s(self) -> float | None:
+        """When the two answers part: the first of both quantities exceeds its limit, or one falls across the plane."""
+        known = [t for t in (self.rotation.exceeded_s, self.slip.exceeded_s, self.fallen_s) if t is not None]
+        return min(known, default=None)
+
+    @property
+    def differs_in(self) -> Literal["", "rotation", "slip"]:
+        """In what they then differ; empty: in nothing."""
+        if self.exceeded_s is None:
+            return ""
+        return "slip" if self.slip.exceeded_s == self.exceeded_s != self.rotation.exceeded_s else "rotation"
+
+
+def from_histories(both: Pair, turned_rad: float, slid_m: float, until: float) -> Facts:
+    """From both histories on one grid; `turned_rad` and `slid_m` are the limits, `until` the horizon, s."""
+
+    def of(apart: Array, limit: float) -> Difference:
+        inside = both.t_s <= until
+        reliable = float(np.max(apart[inside])) if inside.any() else 0.0
+        return Difference(limit, first_beyond_s(both.t_s, apart, limit), float(np.max(apart)), reliable)
+
+    rotation = of(np.abs(both.difference_rad), turned_rad)
+    return Facts(rotation, of(np.abs(both.slip_a_m - both.slip_b_m), slid_m), until, both.end_s)
+
+
+def from_peaks(peaks: tuple[Peak, Peak], turned_rad: float, slid_m: float, until: float) -> Facts:
+    """When a larger peak is reached the other rotation is at most its own peak: by then the two are that far apart."""
+    # A run without a history may state its peak without a sign.
+    smaller, larger = sorted(peaks, key=lambda peak: abs(peak.theta_rad))
+    apart = abs(larger.theta_rad) - abs(smaller.theta_rad)
+    exceeded = larger.time_s if apart > turned_rad else None
+    rotation = Difference(turned_rad, exceeded, apart, apart if larger.time_s <= until else 0.0)
+    return Facts(rotation, Difference(slid_m), until, math.inf)

@@ -6,7 +6,6 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.effects3d.conditions import amplified, changed_scene, solid_of
 from harness.effects3d.search import peak_g, run_once
@@ -14,8 +13,6 @@ from harness.model.errors import InputError, Mistake
 from harness.model.history import History
 from harness.model.scene import Scene
 from harness.records.effects3d import BASELINE, Departure
-
-Array = NDArray[np.float64]
 
 UPRIGHT_RAD: Final = 1.0
 """Beyond this tilt the statue is falling: its yaw and its way say nothing of rocking."""
@@ -68,11 +65,3 @@ def corner_share(scene: Scene, history: History, until: int) -> float:
     elsewhere = spans[lowest] > APART_SHARE * spans.max()
     above = np.where(elsewhere, heights - heights.min(axis=1)[:, None], np.inf).min(axis=1)
     return float(np.mean(above[rocking] > EDGE_M))
-
-
-def tilt_along(theta_rad: Array, out_of_plane_rad: Array, direction_deg: float) -> Array:
-    """Rotation (n,) towards a horizontal direction of the table, from the planar rotation and the tilt out of the x-z plane."""
-    up_x, up_y = np.cos(out_of_plane_rad) * np.sin(theta_rad), np.sin(out_of_plane_rad)
-    up_z = np.cos(out_of_plane_rad) * np.cos(theta_rad)
-    angle = np.deg2rad(direction_deg)
-    return np.asarray(np.arctan2(np.cos(angle) * up_x + np.sin(angle) * up_y, up_z))

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.effects3d.conditions import amplified, changed_scene
-from harness.effects3d.search import peak_g
-from harness.effects3d.space import EXACT
+from harness.effects3d.search import EXACT, peak_g
 from harness.model.scene import Scene
 from harness.records.effects3d import BASELINE, SOLID, Amplitude, Departure, ReplayRecord
 from harness.scene_run.scene_run import run_scene, write_result

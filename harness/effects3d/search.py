@@ -1,17 +1,19 @@
-"""The least amplitude that overturns: looked for on a grid and halved, or followed from a neighbouring case."""
+"""The least amplitude that overturns: looked for on a grid and halved, or followed from a neighbour; by the exact model too."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any, Final
+from dataclasses import dataclass
+from typing import Annotated, Final, final
 
 import numpy as np
+from pydantic import Field
 
 from harness.accuracy.simulation import simulate
 from harness.effects3d.conditions import CONDITIONS, amplified, changed_scene, solid_of
-from harness.effects3d.space import EXACT, SpaceOutcomes
+from harness.engines.spatial import LEVELS, problem_of
+from harness.input.mistakes import Table
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run
@@ -20,27 +22,30 @@ from harness.records.effects3d import Amplitude
 from harness.statics.rest import limit_of_rest_m_s2
 from meshes.footprint import reach_m
 
+EXACT: Final = "spatial"
+FINER: Final = LEVELS[1][0]
+"""A thousandth of the local error at which outcomes are asked (`analytic.spatial.outcomes.TOLERANCE`)."""
+MOST_STEPS: Final = 50_000
+"""A run of more is given up, and told: rocking takes some hundreds of steps, a slide that creeps a million."""
 STEPS: Final[Mapping[str, float]] = {"analytic": 1.01, EXACT: 1.01, "pymunk": 1.03, "pybullet": 1.04, "mujoco": 1.03}
 """Ratio of the grid's neighbouring amplitudes for each engine: finer where a run costs less."""
 BEGIN_SHARE: Final = 0.95
 """The grid begins at this share of the amplitude below which nothing can move."""
 
 
-@dataclass(frozen=True)
-class Search:
-    """Where overturning is looked for: peaks of the floor up to `most_g`, to `resolution` (relative), at steps of `dt_s`.
+class Search(Table):
+    """`[search]`: peaks of the floor up to `most_g` are tried, to `resolution` (relative), at contact engines' steps of `dt_s`.
 
     Overturning is not monotonic in amplitude: what is found is the least of a grid that overturns, bracketed below.
     """
 
-    most_g: float = 1.2
-    resolution: float = 0.002
-    dt_s: float = 1e-3
-    steps: Mapping[str, float] = field(default_factory=lambda: dict(STEPS))
+    most_g: Annotated[float, Field(gt=0.0, le=5.0)] = 1.2
+    resolution: Annotated[float, Field(ge=1e-4, le=0.1)] = 0.002
+    dt_s: Annotated[float, Field(ge=1e-5, le=1e-2)] = 1e-3
 
-    def key(self) -> list[Any]:
+    def key(self) -> list[object]:
         """What of it names a result."""
-        return [self.most_g, self.resolution, self.dt_s, dict(self.steps)]
+        return [self.most_g, self.resolution, self.dt_s, dict(STEPS)]
 
 
 @dataclass(frozen=True)
@@ -163,10 +168,44 @@ def find(
 
     least, most = min(start_factor(changed), search.most_g / unit), search.most_g / unit
     if near_g is None:
-        step = search.steps.get(engine, max(STEPS.values()))
+        step = STEPS.get(engine, max(STEPS.values()))
         crossing = first_crossing(outcome_at, least, most, step, search.resolution)
     else:
         crossing = nearest_crossing(outcome_at, near_g / unit, least, most, search.resolution)
     above, below = None if crossing.above is None else crossing.above * unit, crossing.below * unit
     doubt = "" if space is None else space.doubt(crossing.above, crossing.below)
     return Amplitude(condition, float(azimuth_deg), engine, above, below, crossing.outcome or "", crossing.runs, doubt)
+
+
+@final
+class SpaceOutcomes:
+    """Asks the exact model for outcomes, and remembers the factors at which it gave none."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._problem = problem_of(scene)
+        self.unanswered: list[float] = []
+
+    def overturning(self, factor: float, tolerance: float = LEVELS[0][0]) -> Outcome | None:
+        """How the scene with its motion scaled by a factor overturns, None when it does not."""
+        from analytic import spatial
+
+        run = spatial.outcomes(
+            self._problem, {"scale": [factor]}, tolerance=tolerance, threads=1, most_steps=MOST_STEPS
+        )
+        if not run.overturned[0]:
+            if run.outcomes[0] is not spatial.Outcome.STANDS:
+                self.unanswered.append(factor)
+            return None
+        x, y, _ = run.axis[0]
+        if abs(y) > abs(x):
+            return Outcome.OVERTURNED_BACK if y > 0.0 else Outcome.OVERTURNED_FRONT
+        return Outcome.OVERTURNED_RIGHT if x > 0.0 else Outcome.OVERTURNED_LEFT
+
+    def doubt(self, above: float | None, below: float) -> str:
+        """Why an amplitude between `below` (stands) and `above` (overturns) is in doubt; empty where it is not."""
+        if self.unanswered:
+            return f"{len(self.unanswered)} of its runs ended without an outcome"
+        again = (above is None or self.overturning(above, FINER) is not None) and (
+            below == 0.0 or self.overturning(below, FINER) is None
+        )
+        return "" if again and not self.unanswered else "its outcomes change with a smaller local error"

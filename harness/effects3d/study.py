@@ -6,7 +6,9 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Annotated, Any, Final, Literal, TypeVar
+
+from pydantic import Field, model_validator
 
 from harness.campaign.cache_key import key_of, scene_key
 from harness.campaign.campaign import Campaign, OnProgress, silent
@@ -16,11 +18,11 @@ from harness.campaign.task import Answer, Task
 from harness.effects3d.band import band
 from harness.effects3d.conditions import CONDITIONS, solid_of, without_meaning
 from harness.effects3d.departure import departure
-from harness.effects3d.file import EffectsFile, load_effects
 from harness.effects3d.replay import PLANAR, write_replay
-from harness.effects3d.search import Search, find, peak_g
-from harness.effects3d.space import EXACT
+from harness.effects3d.search import EXACT, Search, find, peak_g
 from harness.effects3d.summary import effects, scan_directions, static_rose
+from harness.input.mistakes import Contradiction, Table
+from harness.input.tables import read_model
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.options import Capabilities
@@ -39,6 +41,7 @@ from harness.records.effects3d import (
 from harness.records.result_folder import listing
 from harness.records.scene import SceneRecord
 from harness.studies.cases import Base, base_of_scene
+from harness.studies.file import EngineName
 from meshes import footprint
 
 ORDER: Final = (*SOLID, "pymunk", "pymunk:plain", "analytic")
@@ -103,9 +106,9 @@ class Questions:
         self.asked += len(tasks)
         self.found += sum(task.key in campaign.reused for task in tasks)
         self.failed += campaign.failed
-        rows = [row for task in tasks if (row := self._store.get(task.key)) is not None]
-        self._keys.update(row.key for row in rows)
-        answers = [part(kind, row.record, self._store.path) for row in rows]
+        stored = {task.key: self._store.get(task.key) for task in tasks}
+        self._keys.update(key for key, record in stored.items() if record is not None)
+        answers = [part(kind, item, self._store.path) for task in tasks if (item := stored[task.key]) is not None]
         self.runs += sum(getattr(item, "runs", 1) for item in answers)
         return answers
 
@@ -127,7 +130,7 @@ def run_effects(
     Raises `InputError` for a wrong file or scene, or `resume` where nothing was begun.
     """
     start = time.perf_counter()
-    study = load_effects(path)
+    study = read_model(EffectsFile, path)
     if resume:
         check_begun(folder, "a study")
     base = base_of_scene(path.parent / study.scene)
@@ -169,14 +172,13 @@ def _check(scene: Scene, path: Path) -> None:
 
 def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> dict[str, Any]:
     """All rows of the record: the roses first, then what follows each of them."""
-    search = study.wanted()
+    search = study.search
     engines = sorted(study.engines, key=ORDER.index)
     first = [name for name in engines if name in (EXACT, PLANAR)] if EXACT in engines else engines
     rows = questions.ask(Amplitude, [(BASELINE, a, name, search) for name in first for a in study.azimuths_deg()])
     others = [name for name in engines if name not in first]
     rows += questions.ask(Amplitude, [(BASELINE, a, name, search) for name in others for a in checked_azimuths(rows)])
-    sides = [("analytic", azimuth) for azimuth in side_azimuths(scene)]
-    projected = questions.ask(Amplitude, [(BASELINE, azimuth, name, search) for name, azimuth in sides])
+    projected = questions.ask(Amplitude, [(BASELINE, a, PLANAR, search) for a in side_azimuths(scene)])
     near = {(row.engine, row.azimuth_deg): row.peak_g for row in rows}
     empty = without_meaning(scene)
     wanted = [name for name in study.conditions if name not in empty]
@@ -215,12 +217,10 @@ def _changed(
     """The searches under every condition, by engine: 3D engines all, the analytic model those that it sees."""
     for name in engines:
         for condition in wanted:
-            if name not in SOLID and not (name == "analytic" and CONDITIONS[condition].planar):
-                continue
-            for azimuth in study.azimuths_deg(study.every):
-                begin = near.get((name, azimuth))
-                if begin is not None:
-                    yield condition, azimuth, name, search, begin
+            if name in SOLID or (name == PLANAR and CONDITIONS[condition].planar):
+                for azimuth in study.azimuths_deg(study.every):
+                    if (begin := near.get((name, azimuth))) is not None:
+                        yield condition, azimuth, name, search, begin
 
 
 def checked_azimuths(rows: Sequence[Amplitude]) -> list[float]:
@@ -243,3 +243,44 @@ def side_azimuths(scene: Scene) -> list[float]:
     lengths, towards = footprint.sides(polygon)
     azimuths = {round(float(a), 6) for a in towards[lengths > LONG_SIDE * lengths.sum()]}
     return sorted(azimuths | {round((a + 180.0) % 360.0, 6) for a in azimuths})
+
+
+KIND = "effects3d"
+
+
+class EffectsFile(Table):
+    """A whole file of `kind = "effects3d"`.
+
+    Directions are `directions` equal parts of the circle; conditions are asked at every `every`-th of them. `samples` statues
+    with errors in h, b and J are drawn at each of those for the band around the planar model.
+    """
+
+    kind: Literal["effects3d"]
+    title: Annotated[str, Field(min_length=1)]
+    scene: Annotated[str, Field(min_length=1)]
+    directions: Annotated[int, Field(ge=4, le=360)] = 24
+    every: Annotated[int, Field(ge=1, le=90)] = 2
+    engines: Annotated[list[EngineName], Field(min_length=1)]
+    conditions: list[str] = Field(default_factory=lambda: [name for name in CONDITIONS if name != BASELINE])
+    samples: Annotated[int, Field(ge=0, le=10_000)] = 200
+    share: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.95
+    seed: Annotated[int, Field(ge=0)] = 0
+    search: Search = Search()
+
+    @model_validator(mode="after")
+    def _whole(self) -> EffectsFile:
+        unknown = [name for name in self.conditions if name not in CONDITIONS or name == BASELINE]
+        if unknown:
+            names = ", ".join(name for name in CONDITIONS if name != BASELINE)
+            raise Contradiction("conditions", f"names out of {names}", repr(unknown[0]))
+        if not any(name in SOLID for name in self.engines):
+            raise Contradiction("engines", f"one that computes in 3D ({' or '.join(SOLID)})", ", ".join(self.engines))
+        if len(set(self.engines)) != len(self.engines):
+            raise Contradiction("engines", "each engine once", ", ".join(self.engines))
+        if self.directions % self.every:
+            raise Contradiction("every", f"a divisor of directions = {self.directions}", str(self.every))
+        return self
+
+    def azimuths_deg(self, every: int = 1) -> list[float]:
+        """The directions, or every n-th of them."""
+        return [360.0 * k / self.directions for k in range(0, self.directions, every)]

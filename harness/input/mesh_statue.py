@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from harness.input import paths
-from harness.input.tables import MeshTable, StatueTable
+from harness.input.tables import InnerTable, MeshTable, StatueTable
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Statue
 
@@ -48,7 +48,7 @@ def statue_from_mesh(table: StatueTable, path: Path, notes: list[str]) -> Statue
         solid = _solid(file, inner, changed, mesh, table.mass_kg)
         notes.extend(f"statue.mesh: {doubt}" for doubt in _doubts(file, changed, mesh.unit, mesh.up))
         if mesh.inner is not None:
-            notes.append(_hollowed(solid, mesh, table.mass_kg))
+            notes.append(_hollowed(solid, mesh.inner, table.mass_kg))
         solid = _reconciled(solid, table, mesh, notes)
         return statue_of(_adjusted(solid, mesh, notes))
     except meshes.MeshError as error:
@@ -101,13 +101,9 @@ def _doubts(file: Path, changed_ns: tuple[int, ...], unit: str | float, up: str)
     return doubts(mesh.vertices, mesh.faces, how)
 
 
-def _hollowed(solid: Solid, mesh: MeshTable, weighed_kg: float | None) -> str:
-    inner = mesh.inner
-    inside = inner.density_kg_m3 if inner is not None else 0.0
-    what = f"filled at {inside:g} kg/m³" if inside else "left empty"
-    sentence = (
-        f"statue.mesh.inner: the space in {inner.file if inner is not None else ''} is {what}: {solid.mass_kg:.6g} kg"
-    )
+def _hollowed(solid: Solid, inner: InnerTable, weighed_kg: float | None) -> str:
+    what = f"filled at {inner.density_kg_m3:g} kg/m³" if inner.density_kg_m3 else "left empty"
+    sentence = f"statue.mesh.inner: the space in {inner.file} is {what}: {solid.mass_kg:.6g} kg"
     if weighed_kg is not None:
         sentence += " as weighed, which sets the density around it"
     return f"{sentence}; {solid.density_kg_m3:.5g} kg/m³ in the mean, centroid at {solid.centroid_height_m:.4g} m"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, get_args
+from typing import Any, Final, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
@@ -151,6 +151,7 @@ def _resolve(
     owner: type[BaseModel] | None = model
     candidates: list[type[BaseModel]] = [model]
     path: list[str] = []
+    named = False  # whether the next part is a name that the user gave in a table of tables
     for number, part in enumerate(location):
         last = number == len(location) - 1
         field = next(
@@ -160,7 +161,11 @@ def _resolve(
             owner = next(m for m in candidates if part in m.model_fields)
             path.append(str(part))
             inner = list(_tables_in(field.annotation))
-            candidates = inner or candidates
+            candidates, named = inner or candidates, get_origin(field.annotation) is dict
+            continue
+        if named:
+            path += str(part).split(".")
+            named = False
             continue
         tagged = [m for m in candidates if _tag_of(m) == part]
         if last and unknown:

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from harness.input.motions.check import DRIFTS
-from harness.input.motions.layout import Layout
-from harness.input.motions.recordfile import Channel, RecordFile
+from harness.input.motions.recordfile import Channel, Layout, RecordFile
 
 if TYPE_CHECKING:
     from meshes.inspection import Inspection

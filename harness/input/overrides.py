@@ -37,7 +37,7 @@ def override(content: dict[str, JsonValue], items: Iterable[Replacement]) -> dic
     for item in items:
         try:
             place, key, value = (OPTION, *_parted(item)) if isinstance(item, str) else item
-            keys[_put(content, place, key, value)] = place
+            keys[put(content, place, key, value)] = place
         except InputError as error:
             mistakes += error.mistakes
     if mistakes:
@@ -62,8 +62,11 @@ def _key_wanted(got: str) -> tuple[str, str]:
     return "KEY=VALUE with a dotted key, such as motion.x.amplitude_g=0.3", repr(got)
 
 
-def _put(content: dict[str, JsonValue], place: str, key: str, value: object) -> tuple[str, ...]:
-    """Set one dotted key, or remove it; returns its parts."""
+def put(content: dict[str, JsonValue], place: str, key: str, value: object) -> tuple[str, ...]:
+    """Set one dotted key of a scene's content, or remove it (None, "none"); returns its parts.
+
+    `place` is what names it. Raises `InputError` where the path is no table.
+    """
     parts = tuple(part.strip() for part in key.split("."))
     if not all(parts):
         raise InputError(Mistake(place, key, *_key_wanted(key)))

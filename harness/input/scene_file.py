@@ -17,7 +17,8 @@ from harness.input.overrides import Overrides, replacements
 from harness.input.tables import ContactTable, InitialTable, ModelTable, PedestalTable, SceneFile, StatueTable
 from harness.input.uncertain import uncertain_inputs
 from harness.model.errors import InputError, Mistake
-from harness.model.scene import Array, BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
+from harness.model.history import Array
+from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
 
 LARGEST_GYRATION: Final = 2.0
 """No body's radius of gyration exceeds its size; twice it leaves room for arms that the numbers do not show."""

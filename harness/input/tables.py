@@ -283,8 +283,8 @@ def read(path: Path) -> str:
         with path.open("rb") as stream:
             raw = stream.read(MAX_BYTES + 1)
         if len(raw) > MAX_BYTES:
-            raise InputError(Mistake(str(path), "", f"a scene file of at most {MAX_BYTES:.0e} bytes", "a longer one"))
+            raise InputError(Mistake(str(path), "", f"a TOML file of at most {MAX_BYTES:.0e} bytes", "a longer one"))
         return raw.decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise InputError(Mistake(str(path), "", "a readable scene file", reason)) from error
+        raise InputError(Mistake(str(path), "", "a readable TOML file", reason)) from error

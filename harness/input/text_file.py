@@ -45,6 +45,15 @@ def decimals(texts: Sequence[str]) -> list[float]:
     return [float(text) for text in texts]
 
 
+def is_decimal(text: str) -> bool:
+    """Whether a text is a decimal number."""
+    try:
+        decimal(text)
+    except ValueError:
+        return False
+    return True
+
+
 def fortran(text: str) -> float:
     """The number that Fortran wrote, its exponent also as D (1D-2) or without a letter (1.0-102); else ValueError."""
     bare = text.strip().replace("D", "E").replace("d", "E")

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from harness.model.history import Array, History, hermite
+from harness.model.history import Array, History
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +81,8 @@ def pair(a: History, b: History, *, hold_a: bool = False, hold_b: bool = False) 
         spans = " and ".join(f"{h.t_s[0]:.6g}…{h.t_s[-1]:.6g} s" for h in (a, b))
         raise ValueError(f"{spans}, which do not overlap")
     t_s = _times(a.t_s, b.t_s, start, end)
-    return Pair(t_s, *_columns(a, b, t_s))
+    (theta_a, slip_a), (theta_b, slip_b) = _sampled(a, t_s), _sampled(b, t_s)
+    return Pair(t_s, theta_a, theta_b, slip_a, slip_b)
 
 
 def _times(a_s: Array, b_s: Array, start: float, end: float) -> Array:
@@ -94,18 +95,12 @@ def _times(a_s: Array, b_s: Array, start: float, end: float) -> Array:
     return finer if finer[0] == start else np.insert(finer, 0, start)
 
 
-def _columns(a: History, b: History, t_s: Array) -> tuple[Array, Array, Array, Array]:
-    theta_a, slip_a = _sampled(a, t_s)
-    theta_b, slip_b = _sampled(b, t_s)
-    return theta_a, theta_b, slip_a, slip_b
-
-
 def _sampled(history: History, t_s: Array) -> tuple[Array, Array]:
     """Rotation and slip at `t_s`; a history that already has these times is passed through untouched."""
     count = t_s.size
     if history.t_s.size >= count and np.array_equal(history.t_s[:count], t_s):
         return history.theta_rad[:count], history.slip_m[:count]
-    return history.at(t_s), hermite(t_s, history.t_s, history.slip_m, history.slip_rate_m_s)
+    return history.at(t_s), history.slip_at(t_s)
 
 
 def first_beyond_s(t_s: Array, size: Array, limit: float) -> float | None:

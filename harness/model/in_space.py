@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from harness.model.history import Array
 
 SOLID_COLUMNS: Final = (
     "pitch_rad",

@@ -10,7 +10,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import Enum
-from functools import lru_cache
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -197,13 +197,9 @@ def write_text(path: Path, text: str) -> None:
         raise
 
 
-def versions() -> dict[str, str]:
+@cache
+def versions() -> Mapping[str, str]:
     """Versions of this project, of Python and of what computes."""
-    return dict(_versions())
-
-
-@lru_cache(maxsize=1)
-def _versions() -> Mapping[str, str]:
     # Asked for every key of a study; looking it up opens files.
     versions = {"python": platform.python_version()}
     for name in DISTRIBUTIONS:

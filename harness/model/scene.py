@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.constants import OVERTURN_RAD as OVERTURN_RAD
 from analytic.excitation import Excitation, ZeroExcitation
+from harness.model.history import Array
 from harness.model.run import OMITTED
 from harness.model.shown import Shown, new_axes
 
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from meshes import Solid
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -63,6 +63,13 @@ def percent(share: float) -> str:
     return f"{value:.0f}" if value >= 9.95 or value == 0.0 else f"{value:.2g}"
 
 
+def draws_of(answers: Mapping[str, Assessment]) -> dict[str, str]:
+    """By model, from how many draws its answer is; and why, of a model that ran fewer than the others were given."""
+    most = max((item.draws for item in answers.values()), default=0)
+    fewer = ", as many as its runs make in some two seconds of two cores: each costs milliseconds"
+    return {name: f"{item.draws} draws{fewer if item.draws < most else ''}" for name, item in answers.items()}
+
+
 def planar_alone(answers: Mapping[str, Assessment], file: str | None) -> list[str]:
     """What is said where every answer leaves the shaking across the plane out: that, and the command that knows it."""
     if not answers or not all(item.plane_only for item in answers.values()):

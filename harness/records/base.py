@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final, TypeVar
 
@@ -64,6 +64,11 @@ class RunCounts:
 
     wanted: int
     computed: int
+
+
+def same_fields(kind: type, source: object) -> Any:
+    """The arguments that a record takes as they stand from an object with fields of the same names."""
+    return {each.name: getattr(source, each.name) for each in fields(kind) if hasattr(source, each.name)}
 
 
 def plain(record: Any) -> Plain:

@@ -184,6 +184,11 @@ class EffectsRecord(Record):
         """The engines that answered, in the record's order."""
         return list(dict.fromkeys(row.engine for row in self.rows))
 
+    @property
+    def solid_engine(self) -> str:
+        """The first engine of three dimensions: the one by which planar models are judged."""
+        return next(name for name in SOLID if name in self.engines)
+
     def amplitudes(self, engine: str, condition: str) -> list[Amplitude]:
         """An engine's amplitudes under a condition, by direction."""
         return [row for row in self.rows if row.engine == engine and row.condition == condition]

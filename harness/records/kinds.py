@@ -3,36 +3,21 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
-from typing import Final
 
 from harness.model.errors import InputError, Mistake
 from harness.model.run import SCHEMA_VERSION, write_text
 from harness.records.base import REWRITE, SCHEMAS, Record, schema_name, schema_of, validated
 from harness.records.result_folder import KINDS, RECORD
 
-CLASSES: Final[Mapping[str, str]] = {
-    "run": "harness.records.run:RunRecord",
-    "assess": "harness.records.assess:AssessRecord",
-    "study": "harness.records.study:StudyRecord",
-    "effects3d": "harness.records.effects3d:EffectsRecord",
-    "rocking_spectrum": "harness.records.rocking_spectrum:RockingSpectrumRecord",
-    "validation": "harness.records.validation:ValidationRecord",
-    "tosses": "harness.records.tosses:TossesRecord",
-    "bench": "harness.records.bench:BenchRecord",
-    "stress": "harness.records.stress:StressRecord",
-    "compare": "harness.records.compare:CompareRecord",
-}
-"""By kind the module and the class of its record, imported where one is read."""
-
 
 def class_of(kind: str) -> type[Record]:
-    """The class of a kind's record."""
-    module, _, name = CLASSES[kind].partition(":")
-    record: type[Record] = getattr(import_module(module), name)
-    return record
+    """The class of a kind's record, in the module of that name."""
+    module = import_module(f"harness.records.{kind}")
+    return next(
+        each for each in vars(module).values() if isinstance(each, type) and getattr(each, "kind", None) == kind
+    )
 
 
 def read_result(folder: Path | str) -> Record:
@@ -64,7 +49,7 @@ def schema_text(kind: str) -> str:
 def publish() -> None:
     """Write the JSON Schemas of all kinds."""
     SCHEMAS.mkdir(exist_ok=True)
-    for kind in CLASSES:
+    for kind in KINDS:
         write_text(SCHEMAS / f"{kind}.schema.json", schema_text(kind))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, cast
 
 from harness.input.mistakes import Contradiction
@@ -11,7 +11,7 @@ from harness.model.history import History, Outcome
 from harness.model.interventions import Intervention
 from harness.model.run import OMITTED, Pattern, Run
 from harness.records.assess import Assessment
-from harness.records.base import Record, Table
+from harness.records.base import Record, Table, same_fields
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.scores import Scores
 from harness.records.witness import Witness
@@ -63,15 +63,13 @@ class EngineRunRecord:
     @classmethod
     def of(cls, run: Run) -> EngineRunRecord:
         """The record of a run."""
-        same = {each.name: getattr(run, each.name) for each in fields(cls) if hasattr(run, each.name)}
         own = {"patterns": [Stretch(item.start_s, item.end_s, cast(PatternName, item.name)) for item in run.patterns]}
-        return cls(**same | own, outcome_sentence=run.outcome.sentence)
+        return cls(**same_fields(cls, run) | own, outcome_sentence=run.outcome.sentence)
 
     def run(self, history: History | None) -> Run:
         """The run again, with its history."""
-        same = {each.name: getattr(self, each.name) for each in fields(Run) if hasattr(self, each.name)}
         own = {"patterns": [Pattern(*item) for item in self.patterns], "history": history}
-        return Run(**same | own)
+        return Run(**same_fields(Run, self) | own)
 
     @property
     def impacts(self) -> int:

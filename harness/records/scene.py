@@ -14,7 +14,7 @@ from analytic.excitation import Excitation, ZeroExcitation
 from harness.input.mistakes import Contradiction
 from harness.model.run import OMITTED, to_plain
 from harness.model.scene import Contact, Form, Initial, Pedestal, Scene
-from harness.records.base import Positive, Table
+from harness.records.base import Positive, Table, same_fields
 from harness.statics.push import Cause, peak_within_m_s2, push_of
 
 Array = NDArray[np.float64]
@@ -88,37 +88,22 @@ class SceneRecord:
     def of(cls, scene: Scene) -> SceneRecord:
         """The record of a scene, without its mesh."""
         statue, wall = scene.statue, scene.wall
-        tensor, section, footprint = map(to_plain, (statue.inertia_tensor_kg_m2, statue.section_m, statue.footprint_m))
         size = None if statue.solid is None else MeshSize(len(statue.solid.vertices_m), len(statue.solid.faces))
-        return cls(
-            title=scene.title,
-            file=None if scene.source is None else scene.source.name,
-            duration_s=scene.duration_s,
-            gravity_m_s2=scene.gravity_m_s2,
-            model=scene.form,
-            statue=StatueRecord(
-                statue.mass_kg,
-                statue.centroid_height_m,
-                statue.corner_left_m,
-                statue.corner_right_m,
-                statue.slenderness_rad(-1),
-                statue.slenderness_rad(1),
-                statue.inertia_kg_m2,
-                tensor,
-                statue.height_m,
-                statue.depth_m,
-                section,
-                footprint,
-                size,
-            ),
-            pedestal=scene.pedestal,
-            contact=scene.contact,
-            wall=None if wall is None else WallRecord(wall.side, wall.distance_m, scene.wall_rotation_rad),
-            initial=scene.initial,
-            table=scene.table,
-            output_dt_s=scene.output_dt_s,
-            toml=scene.given,
-        )
+        slender = {
+            "slenderness_left_rad": statue.slenderness_rad(-1),
+            "slenderness_right_rad": statue.slenderness_rad(1),
+        }
+        arrays = {
+            name: to_plain(getattr(statue, name)) for name in ("inertia_tensor_kg_m2", "section_m", "footprint_m")
+        }
+        own = {
+            "file": None if scene.source is None else scene.source.name,
+            "model": scene.form,
+            "statue": StatueRecord(**same_fields(StatueRecord, statue) | arrays | slender | {"mesh": size}),
+            "wall": None if wall is None else WallRecord(wall.side, wall.distance_m, scene.wall_rotation_rad),
+            "toml": scene.given,
+        }
+        return cls(**same_fields(cls, scene) | own)
 
 
 @dataclass(frozen=True)

@@ -113,7 +113,7 @@ class StudySummary:
 
 @dataclass(frozen=True, kw_only=True)
 class UsageRecord:
-    """Where the seconds of a study went (`harness.campaign.usage.Usage`)."""
+    """Where the seconds of a study went (`harness.campaign.campaign.Usage`)."""
 
     workers: int
     runs: int

@@ -166,7 +166,7 @@ def _beside(
 
 
 def _isolated(name: str, scene: Scene, target: RunTarget) -> Run:
-    from harness.campaign.isolate import simulate_isolated
+    from harness.campaign.task import simulate_isolated
 
     return simulate_isolated(scene, name, target)
 

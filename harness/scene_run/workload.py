@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
+from harness.campaign.progress import duration_words
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
 
@@ -78,24 +79,20 @@ def check(
     if total > LONGEST_S:
         key = "duration_s" if dt_s is None else "--dt"
         advice = "a shorter motion, a coarser --accuracy or --dt, or fewer engines"
-        raise InputError(Mistake(where, key, f"work of at most {words(LONGEST_S)}", f"about {words(total)}", advice))
+        raise InputError(
+            Mistake(
+                where, key, f"work of at most {duration_words(LONGEST_S)}", f"about {duration_words(total)}", advice
+            )
+        )
     if total < REPORTED_FROM_S:
         return ""
-    parts = [f"{name} {words(each)}" for name, each in spent.items() if each >= 1.0]
+    parts = [f"{name} {duration_words(each)}" for name, each in spent.items() if each >= 1.0]
     parts += (
-        [f"the histories' {scene.duration_s / scene.output_dt_s:.2g} samples {words(writing_s)}"]
+        [f"the histories' {scene.duration_s / scene.output_dt_s:.2g} samples {duration_words(writing_s)}"]
         if writing_s >= 1.0
         else []
     )
-    return f"this may take about {words(total)} ({', '.join(parts)})"
-
-
-def words(seconds: float) -> str:
-    """Seconds in the unit that fits."""
-    for size, unit in ((86_400.0, "days"), (3600.0, "h"), (60.0, "min")):
-        if seconds >= 1.5 * size:
-            return f"{seconds / size:.0f} {unit}"
-    return f"{max(seconds, 1.0):.0f} s"
+    return f"this may take about {duration_words(total)} ({', '.join(parts)})"
 
 
 def _memory_bytes() -> float:

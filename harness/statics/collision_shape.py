@@ -48,7 +48,6 @@ def edge_reach_m(statue: Statue, pedestal: Pedestal) -> float:
     """Greatest distance from a foot to the pedestal's edge: a body turning on that foot meets the edge with points as far
     from it, hence no higher above the base (while the foot has not slipped).
     """
-    feet = statue.footprint_m if statue.solid is None else statue.solid.feet_m
     centre = statue.base_centre_m + pedestal.offset_m
-    far = np.abs(feet[:, :2] - np.array([centre, 0.0])) + 0.5 * np.array([pedestal.width_m, pedestal.depth_m])
+    far = np.abs(statue.feet_m[:, :2] - np.array([centre, 0.0])) + 0.5 * np.array([pedestal.width_m, pedestal.depth_m])
     return float(np.hypot(far[:, 0], far[:, 1]).max())

@@ -45,12 +45,13 @@ def plan(
 
     `registered` names all engines there are: those that are not among `engines` are not imported.
     """
-    own = [_decided(name, scene, engine, options) for engine in engines for name in SKIPS if name in _skips_of(engine)]
+    own = [
+        _decided(name, scene, engine, options)
+        for engine in engines
+        for name in SKIPS
+        if name in engine.capabilities.skips
+    ]
     return (*own, *_edges(scene, engines), _planar(scene, engines), _lazy(engines, registered), _cached())
-
-
-def _skips_of(engine: Asked) -> frozenset[str]:
-    return engine.capabilities.skips
 
 
 def _decided(name: str, scene: Scene, engine: Asked, options: RunOptions) -> Step:
@@ -147,18 +148,11 @@ DECISIONS: Final[Mapping[str, Callable[[Scene, RunOptions], Decision]]] = {
 def _edges(scene: Scene, engines: Sequence[Asked]) -> list[Step]:
     """Engines that have one shape of their own for whatever scene, said where a pedestal's edge would need another."""
     need = shape_needed(scene)
-    fixed = [engine for engine in engines if engine.capabilities.edge_shape]
     if need.shape != "parts":
         return []
-    return [
-        Step(
-            "base_only",
-            engine.name,
-            False,
-            f"it meets the pedestal's edge with {engine.capabilities.edge_shape} in every scene; {need.reason}",
-        )
-        for engine in fixed
-    ]
+    said = "it meets the pedestal's edge with {} in every scene; {}"
+    shapes = {engine.name: engine.capabilities.edge_shape for engine in engines if engine.capabilities.edge_shape}
+    return [Step("base_only", name, False, said.format(shape, need.reason)) for name, shape in shapes.items()]
 
 
 def _planar(scene: Scene, engines: Sequence[Asked]) -> Step:

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.excitation import Excitation, ZeroExcitation
+from harness.model.history import Array
 from harness.model.scene import Pedestal, Scene
 from meshes.footprint import outward_sides
-
-Array = NDArray[np.float64]
 
 SAMPLES: Final = 40_001
 """Instants at which a formula is looked at first: four hundred for each cycle of a motion of a hundred cycles."""

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import Excitation, ZeroExcitation
+from harness.model.history import Array
 from harness.model.scene import Scene, Statue
 from harness.statics.push import tipping_of_pedestal
 from meshes.footprint import margin_m, outward_sides
 
-Array = NDArray[np.float64]
 LEVEL_M: Final = 1e-9
 """Feet within this height of each other are level: what is left is rounding."""
 WINDOW: Final = 256
@@ -119,9 +119,8 @@ def resting_polygon_m(statue: Statue) -> Array | None:
     from meshes import MeshError
     from meshes.footprint import footprint
 
-    feet = statue.footprint_m if statue.solid is None else statue.solid.feet_m
     try:
-        polygon = footprint(feet, LEVEL_M)
+        polygon = footprint(statue.feet_m, LEVEL_M)
     except MeshError:  # fewer than three vertices, or all on a line
         return None
     return polygon[:, :2] if margin_m(polygon) > 0.0 else None

@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.model.history import Array
 from harness.model.scene import Scene
-
-Array = NDArray[np.float64]
 
 SAME: Final = 1e-9
 """Lengths (m) and shares of the inertia that differ by no more are equal: rounding of the numbers given."""

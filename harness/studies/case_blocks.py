@@ -46,14 +46,9 @@ def in_columns(study: StudyFile, base: Base) -> bool:
     return study.runs >= LEAST_RUNS and own and bare and not named and not posed and installed()
 
 
-def accuracy_rad(study: StudyFile) -> float:
-    """The accuracy that the study asks of the analytic model."""
-    return {str(name): value for name, value in study.accuracy.items()}.get(selection.REFERENCE, DEFAULT_ACCURACY_RAD)
-
-
 def columns_name(study: StudyFile, base: Base) -> str:
     """What names a study's columns: its content, its scene's (files included), accuracy and versions."""
-    engine, asked = engines.load(selection.REFERENCE), accuracy_rad(study)
+    engine, asked = engines.load(selection.REFERENCE), study.asked_rad.get(selection.REFERENCE, DEFAULT_ACCURACY_RAD)
     keys = [run_key(engine, base.scene(variant.set), asked, False) for variant in study.variant]
     return key_of(study.model_dump_json(), base.content, keys)[:24]
 
@@ -94,7 +89,7 @@ class _Runs:
     """Cases that are gathered and run together; one that the model refuses is run, and fails, as any single run does."""
 
     def __init__(self, block: Block) -> None:
-        self._block, self._asked = block, accuracy_rad(block.study)
+        self._block, self._asked = block, block.study.asked_rad.get(selection.REFERENCE, DEFAULT_ACCURACY_RAD)
         levels = engines.load(selection.REFERENCE).refinement_levels(block.base.scene({}))
         chosen = twoblock.own(first_level(levels, self._asked, 1.0)[0])
         self.settings = twoblock.stated_settings(chosen)

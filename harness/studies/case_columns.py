@@ -24,11 +24,7 @@ if TYPE_CHECKING:
 
 Columns = dict[str, NDArray[Any]]
 Values = dict[str, NDArray[Any] | list[str]]
-RUN: Final = {
-    "overturn_time_s": "overturn_time_s",
-    "peak_slip_m": "peak_slip_m",
-    "peak_time_s": "peak_time_s",
-}
+RUN: Final = {name: name for name in ("overturn_time_s", "peak_slip_m", "peak_time_s")}
 VALIDITY: Final = {
     "energy_gained_j": "energy_gained_j",
     "energy_lost_j": "energy_lost_j",

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from harness.records.study import RecheckRecord, StudyRow, Value
+from harness.records.study import RecheckRecord, StudyRow
 from harness.studies.file import StudyFile
 
 Place = tuple[int, ...]
@@ -196,22 +196,20 @@ def _place(row: StudyRow) -> tuple[int, str]:
 
 def _of_reference(rows: Sequence[StudyRow]) -> dict[tuple[int, str], str]:
     """The analytic outcome of every rechecked case, by the case and the engine that was asked."""
-    known = {row.number: str(row.run.outcome) for row in rows if _is_reference(row) and row.run is not None}
-    return {
-        _place(row): known[row.number]
-        for row in rows
-        if row.reason == RECHECK and not _is_reference(row) and row.number in known
-    }
-
-
-def _is_reference(row: StudyRow) -> bool:
-    return row.engine == REFERENCE and row.run is not None
+    known = {row.number: str(row.run.outcome) for row in rows if row.engine == REFERENCE and row.run is not None}
+    asked = [row for row in rows if row.reason == RECHECK and row.engine != REFERENCE]
+    return {_place(row): known[row.number] for row in asked if row.number in known}
 
 
 def _of_cells(study: StudyFile, rows: Sequence[StudyRow]) -> dict[tuple[int, str], str]:
     """What a map refined without the rechecks says of every rechecked case, by case and engine."""
-    values = {item.key: sorted({row.varied[item.key] for row in rows}, key=repr) for item in study.vary}
-    index = {key: {repr(value): k for k, value in enumerate(_in_order(own))} for key, own in values.items()}
+    index: dict[str, dict[str, int]] = {}
+    for item in study.vary:
+        values = {row.varied[item.key] for row in rows}
+        # Numbers by size, so that the neighbours of a grid are neighbours; anything else by its text.
+        numbers = all(isinstance(value, (int, float)) for value in values)
+        ordered = sorted(values) if numbers else sorted(values, key=repr)
+        index[item.key] = {repr(value): k for k, value in enumerate(ordered)}
     axes = map_axes(study)
     groups: dict[tuple[str, str], list[tuple[Place, StudyRow]]] = defaultdict(list)
     for row in rows:
@@ -228,9 +226,3 @@ def _of_cells(study: StudyFile, rows: Sequence[StudyRow]) -> dict[tuple[int, str
             if row.reason == RECHECK and place not in needed and place in taken:
                 expected[_place(row)] = taken[place]
     return expected
-
-
-def _in_order(values: Sequence[Value]) -> list[Value]:
-    """Numbers by size, so that the neighbours of a grid are neighbours; anything else by its text."""
-    numbers = all(isinstance(value, (int, float)) for value in values)
-    return sorted(values) if numbers else list(values)

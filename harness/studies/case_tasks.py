@@ -54,7 +54,7 @@ class CaseTasks:
         scene = self._scene[1]
         if engine not in self._loaded:
             self._loaded[engine] = engines.load(engine)
-        accuracy = {str(name): value for name, value in self._study.accuracy.items()}.get(engine, DEFAULT_ACCURACY_RAD)
+        accuracy = self._study.asked_rad.get(engine, DEFAULT_ACCURACY_RAD)
         histories = self._study.ask.histories
         key = run_key(self._loaded[engine], scene, accuracy, histories)
         setting = tuple(case.setting.items())

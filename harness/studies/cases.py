@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import JsonValue, ValidationError
 
+from harness.input import overrides, tables
 from harness.input import scene_file as load
-from harness.input import tables
 from harness.input.mistakes import mistakes_of
 from harness.input.tables import SceneFile
 from harness.model.errors import InputError, Mistake
@@ -78,42 +78,24 @@ def _copied(table: Mapping[str, JsonValue]) -> dict[str, JsonValue]:
 
 def put(content: dict[str, JsonValue], key: str, value: Value) -> None:
     """Set one dotted key; `"keep"` leaves it, `"none"` removes it. Raises `InputError` where the path is no table."""
-    if value == "keep":
-        return
-    *tables, last = key.split(".")
-    table = content
-    for part in tables:
-        inner = table.setdefault(part, {})
-        if not isinstance(inner, dict):
-            raise InputError(Mistake("study", key, "a key inside a table", f"{part} is a value"))
-        table = inner
-    if value == "none":
-        table.pop(last, None)
-    else:
-        table[last] = value
+    if value != "keep":
+        overrides.put(content, "study", key, value)
 
 
 def expand(study: StudyFile, base: Base, numbers: range | None = None) -> Iterator[Case]:
     """The cases of a study in a fixed order: axes in the file's order, samples innermost, variants last; or some by number."""
     axes = [_values(item) for item in study.vary]
-    draws = _draws(study.scatter, base, study.samples, study.seed)
-    sizes = [*(len(values) for values in axes), study.samples, len(study.variant)]
+    # Each key has a stream of its own, so that adding one changes no other.
+    streams = {item.key: np.random.default_rng([study.seed, *item.key.encode()]) for item in study.scatter}
+    draws = {item.key: _drawn(item, base, streams[item.key], study.samples) for item in study.scatter}
+    sizes = [*study.sizes, len(study.variant)]
     for number in range(math.prod(sizes)) if numbers is None else numbers:
-        *indices, sample, of_variant = place_of(number, sizes)
+        *indices, sample, of_variant = (int(index) for index in np.unravel_index(number, sizes))
         point = {item.key: values[i] for item, values, i in zip(study.vary, axes, indices, strict=True)}
         varied = {**point, **{key: float(values[sample]) for key, values in draws.items()}}
         variant = study.variant[of_variant]
         setting = {**varied, **_also(study.vary, varied), **variant.set}
         yield Case(number, variant.name, tuple(variant.engines), varied, setting, (*indices, sample))
-
-
-def place_of(number: int, sizes: Sequence[int]) -> list[int]:
-    """Indices along axes of these sizes, the last varying fastest."""
-    place = []
-    for size in reversed(sizes):
-        number, index = divmod(number, size)
-        place.append(index)
-    return place[::-1]
 
 
 def _also(axes: Sequence[Vary], varied: Mapping[str, Value]) -> dict[str, float]:
@@ -136,13 +118,6 @@ def _values(item: Vary) -> Sequence[Value]:
     space = np.geomspace if item.spacing == "log" else np.linspace
     # Twelve digits: a grid's value reads the same in a table as in the store.
     return [float(f"{value:.12g}") for value in space(item.start, item.stop, item.count)]
-
-
-def _draws(scatter: Sequence[Scatter], base: Base, samples: int, seed: int) -> dict[str, NDArray[np.float64]]:
-    """The drawn values (samples,) of every key; each has a stream of its own, so that adding one changes no other."""
-    return {
-        item.key: _drawn(item, base, np.random.default_rng([seed, *item.key.encode()]), samples) for item in scatter
-    }
 
 
 def _drawn(item: Scatter, base: Base, stream: np.random.Generator, samples: int) -> NDArray[np.float64]:

@@ -50,7 +50,7 @@ class ColumnRows:
         return None
 
     def _chosen(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
-        places = np.unravel_index(numbers, [*_sizes(self.study), len(self.study.variant)])
+        places = np.unravel_index(numbers, [*self.study.sizes, len(self.study.variant)])
         chosen = [place % stride == 0 for place, stride in zip(places, self.strides or (), strict=False)]
         return np.asarray(np.logical_and.reduce(chosen))
 
@@ -58,7 +58,7 @@ class ColumnRows:
 def thinned(store: ColumnStore, study: StudyFile, most: int | None = None) -> ColumnRows:
     """All rows of a study that is shown whole, else those of a coarser grid of at most so many, thinned where it is longest."""
     most = most or (study.runs if study.runs <= MOST_WHOLE else MOST_SHOWN)
-    sizes = _sizes(study)
+    sizes = study.sizes
     strides = [1] * len(sizes)
     while math.prod(-(-n // k) for n, k in zip(sizes, strides, strict=True)) * len(study.variant) > most:
         longest = max(range(len(sizes)), key=lambda axis: -(-sizes[axis] // strides[axis]))
@@ -82,8 +82,3 @@ def table(store: ColumnStore, study: StudyFile, shown: int) -> TableRecord:
             f" Maps, curves and counts of this page are those of {shown} of them, a coarser grid of the same ranges."
         )
     return TableRecord(folder, rows, shown, dict(sorted(outcomes.items())), seconds, sentence)
-
-
-def _sizes(study: StudyFile) -> list[int]:
-    """Values of each axis, samples last."""
-    return [*(len(item.values) if item.values else item.count or 1 for item in study.vary), study.samples]

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
 
 from harness.comparison.scores.pointwise import Peak
-from harness.comparison.side import ACROSS, Side
+from harness.comparison.side import side_of
 from harness.comparison.statistics.distributions import RESAMPLES, compare_distributions, compare_logarithms
 from harness.comparison.statistics.outcomes import Case, score_outcomes
 from harness.comparison.verdict import judge, shares
@@ -74,17 +74,12 @@ def _rocks(run: CaseRun) -> bool:
 
 
 def _judged(a: Answered, b: Answered, history: Callable[[str], History | None]) -> tuple[Case, Verdict]:
-    runs = a[0], b[0]
-    peaks = _peak(runs[0]), _peak(runs[1])
-    judgement = judge(_side(runs[0]), _side(runs[1]), _paired(a, b, history), peaks)
-    case = Case(
-        runs[0].outcome,
-        runs[1].outcome,
-        judgement.evidence.outcome_flips_within_uncertainty,
-        judgement.evidence.side_flips_within_uncertainty,
-        (runs[0].no_return_time_s, runs[1].no_return_time_s),
-    )
-    return case, judgement.verdict
+    (first, _), (second, _) = a, b
+    sides = side_of(first, first.engine), side_of(second, second.engine)
+    judgement = judge(*sides, _paired(a, b, history), (_peak(first), _peak(second)))
+    flips = judgement.evidence.outcome_flips_within_uncertainty, judgement.evidence.side_flips_within_uncertainty
+    times = first.no_return_time_s, second.no_return_time_s
+    return Case(first.outcome, second.outcome, *flips, times), judgement.verdict
 
 
 def _peak(run: CaseRun) -> Peak:
@@ -97,23 +92,3 @@ def _paired(a: Answered, b: Answered, history: Callable[[str], History | None]) 
         return None
     holds = [run.outcome is Outcome.STANDS for run, _ in (a, b)]
     return pair(first, second, hold_a=holds[0], hold_b=holds[1])
-
-
-def _side(run: CaseRun) -> Side:
-    """What the verdict needs of a run (see `harness.comparison.verdict.side_of`)."""
-    left_s, by = run.validity.get("left_domain_s"), run.validity.get("left_domain_by")
-    left_domain_s = float(left_s) if isinstance(left_s, (int, float)) else None
-    left_domain_by = by if isinstance(by, str) else ""
-    if left_domain_s is None and run.outcome in (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX):
-        left_domain_s, left_domain_by = run.end_s, run.outcome.sentence
-    return Side(
-        run.engine,
-        run.outcome,
-        run.numerical_uncertainty_rad,
-        run.slip_uncertainty_m,
-        run.reliable_until_s,
-        left_domain_s=left_domain_s,
-        left_domain_by=left_domain_by,
-        axes=None if run.motion_axes is None else tuple(run.motion_axes),
-        across_s=run.no_return_time_s if run.outcome in ACROSS else None,
-    )

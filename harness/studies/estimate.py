@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Final
 
+from harness.campaign.progress import duration_words
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
 from harness.scene_run.witness import BUDGET
-from harness.scene_run.workload import LONGEST_S, run_s, words
+from harness.scene_run.workload import LONGEST_S, run_s
 from harness.studies.case_selection import COARSEST, REFERENCE, map_axes
 from harness.studies.file import StudyFile
 from harness.studies.witnessed import SHARE
@@ -37,9 +38,8 @@ def seconds(study: StudyFile, scene: Scene, workers: int) -> float:
 
 def limit_s(study: StudyFile, scene: Scene) -> float:
     """How long a worker may go without an answer before it is taken to hang: a hundred times the estimate of its longest run."""
-    accuracy = {str(name): value for name, value in study.accuracy.items()}
     names = {engine for variant in study.variant for engine in variant.engines}
-    return SHORTEST_LIMIT_S + 100.0 * max(run_s(name, scene, accuracy.get(name)) for name in names)
+    return SHORTEST_LIMIT_S + 100.0 * max(run_s(name, scene, study.asked_rad.get(name)) for name in names)
 
 
 def _sent(study: StudyFile) -> float:
@@ -54,7 +54,7 @@ def sentence(study: StudyFile, scene: Scene, workers: int) -> str:
     """The size of a study in words."""
     cases = study.points * len(study.variant)
     at_most = "at most " if study.ask.cases != "all" else ""
-    longest = words(seconds(study, scene, workers))
+    longest = duration_words(seconds(study, scene, workers))
     # What is the same by its physics, or stored already, is found only on the way.
     return f"{cases} cases, {at_most}{study.runs} runs: at most about {longest} on {workers} workers"
 
@@ -64,6 +64,6 @@ def check(study: StudyFile, scene: Scene, workers: int, where: str) -> None:
     cases = study.points * len(study.variant)
     if cases <= MOST_CASES and seconds(study, scene, workers) <= LONGEST_S:
         return
-    wanted = f"at most {MOST_CASES} cases and {words(LONGEST_S)}"
+    wanted = f"at most {MOST_CASES} cases and {duration_words(LONGEST_S)}"
     advice = "a coarser grid, fewer samples, [ask] cases = 'adaptive' or 'boundary' for contact engines, or --large to run it all"
     raise InputError(Mistake(where, "vary", wanted, sentence(study, scene, workers), advice))

@@ -103,9 +103,19 @@ class StudyFile(Table):
     claims: Literal["paper", "pedestal", "planes"] | None = None
 
     @property
+    def asked_rad(self) -> dict[str, float]:
+        """The accuracies that are asked, by engine."""
+        return {str(name): value for name, value in self.accuracy.items()}
+
+    @property
+    def sizes(self) -> list[int]:
+        """Values of each axis, samples last."""
+        return [*(len(item.values) if item.values else item.count or 1 for item in self.vary), self.samples]
+
+    @property
     def points(self) -> int:
         """Combinations of what varies, samples included."""
-        return math.prod(len(item.values) if item.values else item.count or 1 for item in self.vary) * self.samples
+        return math.prod(self.sizes)
 
     @property
     def runs(self) -> int:

@@ -23,7 +23,7 @@ from harness.comparison.statistics.distributions import wilson
 from harness.input.mistakes import Contradiction, Table
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import RecordSpec, Source
-from harness.input.tables import kind_of, read_model
+from harness.input.tables import read_model
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Array
 from harness.model.run import machine, versions
@@ -97,16 +97,6 @@ class Spectrum:
     cases: int
 
 
-def asked(path: Path) -> bool:
-    """Whether a study file is one of this kind."""
-    return kind_of(path) == KIND
-
-
-def load_spectrum(path: Path) -> SpectrumFile:
-    """Read and validate a file. Raises `InputError` with every mistake."""
-    return read_model(SpectrumFile, path)
-
-
 def motions_of(spectrum: SpectrumFile, path: Path) -> list[Excitation]:
     """The excitations of all motions. Raises `InputError` that names what is wrong of each."""
     excitations: list[Excitation] = []
@@ -177,15 +167,13 @@ def run_spectrum(
 ) -> RockingSpectrumRecord:
     """The spectrum of a file: its record and its map (CSV) into `folder`."""
     begin = time.process_time()
-    spectrum = load_spectrum(path)
+    spectrum = read_model(SpectrumFile, path)
     excitations = motions_of(spectrum, path)
     answer = compute(spectrum, excitations, threads=threads, on_progress=on_progress)
-    motions = [
-        SpectrumMotion(
-            Path(source.file).name, item.peak_m_s2 / GRAVITY_M_S2, float(np.max(np.abs(_velocity(item)))), item.end_s
-        )
-        for source, item in zip(spectrum.motion, excitations, strict=True)
-    ]
+    motions = []
+    for source, item in zip(spectrum.motion, excitations, strict=True):
+        pgv_m_s = float(np.max(np.abs(item.velocity_m_s(np.linspace(0.0, item.end_s, 20_001)))))
+        motions.append(SpectrumMotion(Path(source.file).name, item.peak_m_s2 / GRAVITY_M_S2, pgv_m_s, item.end_s))
     sizes, slendernesses = spectrum.size_m.values(), spectrum.slenderness.values()
     record = RockingSpectrumRecord(
         title=spectrum.title,
@@ -206,10 +194,6 @@ def run_spectrum(
         machine=machine(),
     )
     return write_whole(folder, record, lambda fresh: _write_map(record, fresh / MAP_NAME))
-
-
-def _velocity(excitation: Excitation) -> Array:
-    return np.asarray(excitation.velocity_m_s(np.linspace(0.0, excitation.end_s, 20_001)))
 
 
 def _plain(peaks: Array) -> list[list[float | None]]:

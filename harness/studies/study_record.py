@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from harness.campaign.store import Store
 from harness.input.tables import ContactTable
 from harness.model import run as record
+from harness.model.history import Array
 from harness.model.scene import Scene
 from harness.records.result_folder import listing
 from harness.records.scene import SceneRecord
-from harness.records.study import Curve, Panel, StudyRecord, StudyRow, StudyWitness, SupportRecord, Value
+from harness.records.study import Curve, Panel, StudyRecord, StudyRow, StudyWitness, SupportRecord
 from harness.studies import claims
 from harness.studies.case_selection import REFERENCE, recheck
 from harness.studies.cases import base_of
@@ -27,8 +28,6 @@ from harness.studies.ensembles import score_sets
 from harness.studies.file import StudyFile, Variant
 from harness.studies.rows import KeyedRow, study_rows
 from harness.studies.study_run import Summary, study_name
-
-Array = NDArray[np.float64]
 
 CURVE_POINTS: Final = 400
 """Points of a curve in a small panel: least and largest of each of half as many stretches, so that no peak is lost."""
@@ -56,7 +55,10 @@ def study_record(
         file=path.name,
         scene=SceneRecord.of(scene),
         notes=scene.notes,
-        vary={item.key: sorted({row.varied[item.key] for row in rows}, key=_order) for item in study.vary},
+        vary={
+            item.key: sorted({row.varied[item.key] for row in rows}, key=lambda value: (isinstance(value, str), value))
+            for item in study.vary
+        },
         supports=supports(study, scene, rows),
         summary=summary.record(),
         usage=summary.usage.record(),
@@ -155,10 +157,6 @@ def _seconds(rows: Sequence[KeyedRow], store: Store | ColumnRows) -> dict[str, f
     for key, engine in {(row.key, row.engine) for row in rows if row.key is not None}:
         total[engine] = total.get(engine, 0.0) + (store.seconds(key) or 0.0)
     return total
-
-
-def _order(value: Value) -> tuple[bool, Any]:
-    return isinstance(value, str), value
 
 
 def supports(study: StudyFile, scene: Scene, rows: Sequence[StudyRow]) -> SupportRecord:

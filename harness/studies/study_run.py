@@ -13,12 +13,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from harness.campaign.campaign import Campaign, OnProgress, silent
+from harness.campaign.campaign import Campaign, OnProgress, Usage, silent
 from harness.campaign.column_store import ColumnStore
 from harness.campaign.runner import Pool
 from harness.campaign.store import Store
 from harness.campaign.task import Answer, Task
-from harness.campaign.usage import Usage
 from harness.records.study import CaseRun, StudySummary
 from harness.studies import case_selection as selection
 from harness.studies.case_blocks import block_tasks
@@ -201,9 +200,9 @@ class Plan:
     def learn(self, store: Store) -> None:
         """Take the answers of the round that was run, which tell what is asked next."""
         for case, engine, key in self._fresh:
-            row = store.get(key)
-            if row is not None:
-                run = CaseRun.stored(row.record)
+            record = store.get(key)
+            if record is not None:
+                run = CaseRun.stored(record)
                 share = run.validity.get("peak_over_slenderness")
                 known = self._answers.setdefault((engine, case.variant), {})
                 peak = float(share) if isinstance(share, (int, float)) and share else abs(run.peak_theta_rad)

@@ -65,7 +65,7 @@ def witness_study(
     """
     begin = time.perf_counter()
     judged = _answered(store, study)
-    base, accuracy = base_of(study, path), {str(name): value for name, value in study.accuracy.items()}
+    base = base_of(study, path)
     cases = (case for case in expand(study, base) if case.number in judged) if judged else ()
     settings = {case.number: case.setting for case in cases if _computable(base.scene(case.setting))}
     chosen = drawn(list(settings), study.seed)
@@ -73,15 +73,15 @@ def witness_study(
         return None
     tasks = {}
     for number in chosen:
-        targets = {name: accuracy.get(name, DEFAULT_ACCURACY_RAD) for name in judged[number]}
+        targets = {name: study.asked_rad.get(name, DEFAULT_ACCURACY_RAD) for name in judged[number]}
         asked = Witnessed(base, tuple(settings[number].items()), targets)
-        tasks[number] = Task(_key(judged[number]), witness_scene, asked, KIND)
+        tasks[number] = Task(key_of(KIND, judged[number], versions()), witness_scene, asked, KIND)
     Campaign(store, pool, on_progress).run(tasks.values(), len(tasks))
     said = {}
     for number in chosen:
-        row = store.get(tasks[number].key)
-        if row is not None:
-            said[number] = {name: part(Witness, item, store.path) for name, item in row.record.items()}
+        record = store.get(tasks[number].key)
+        if record is not None:
+            said[number] = {name: part(Witness, item, store.path) for name, item in record.items()}
     return _counted(said, len(settings), time.perf_counter() - begin)
 
 
@@ -110,11 +110,6 @@ def _answered(store: Store, study: StudyFile) -> dict[int, dict[str, str]]:
         tuple(sorted(keys.items())): number for number, keys in reversed(by_number.items()) if plain_names(list(keys))
     }
     return {number: by_number[number] for number in sorted(scenes.values())}
-
-
-def _key(keys: Mapping[str, str]) -> str:
-    """The name of a witness: the results that it judges and the versions of what computes it."""
-    return key_of(KIND, keys, versions())
 
 
 def _counted(said: Mapping[int, Mapping[str, Witness]], scenes: int, seconds: float) -> StudyWitness:

@@ -2,9 +2,3 @@
 
 How a table looks, column by column, stands in `harness.validation.table.COLUMNS`; `rockcheck validate EXPERIMENTS` runs it.
 """
-
-from __future__ import annotations
-
-from harness.validation.validation_run import validate
-
-__all__ = ["validate"]

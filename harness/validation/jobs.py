@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
+from harness.campaign.cache_key import key_of
 from harness.campaign.task import Answer, Task, answer_of, lost_answer
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
@@ -35,7 +34,6 @@ class Model:
 class Job:
     """One run: everything that a worker needs to know."""
 
-    key: str
     trial: Trial
     variant: Variant
     model: Model
@@ -51,10 +49,6 @@ class Job:
     def history(self) -> bool:
         """Whether the history is wanted: where a measured one is there to compare, in the nominal run."""
         return self.stated and self.trial.history is not None
-
-    def task(self) -> Task:
-        """The task that gives its run."""
-        return Task(self.key, run_job, self, self.engine, lost_answer)
 
 
 def parse_model(text: str) -> Model:
@@ -75,37 +69,23 @@ def parse_model(text: str) -> Model:
     return Model(text, engine, accuracy, step)
 
 
-class Jobs:
-    """The runs of one model by test and variant, each keyed by all that decides its answer.
+def task_of(trial: Trial, variant: Variant, model: Model, seed: int, stated: bool) -> Task:
+    """The run of one variant of a test, keyed by all that decides its answer.
 
     A draw is counted, not judged: its own error changes an outcome only near the boundary, where draws fall either way. So are
     runs for a fit. Only a nominal run of the chosen inputs states its error (`stated`).
     """
-
-    def __init__(self, model: Model, seed: int, *, stated: bool = True) -> None:
-        versions = record.versions()
-        self._versions = [versions.get(name) for name in ("rockcheck", "numpy", "numba", model.engine)]
-        self.model, self._seed, self._stated = model, seed, stated
-        self._digests: dict[Trial, str] = {}
-
-    def job(self, trial: Trial, variant: Variant) -> Job:
-        """The run of one variant of a test."""
-        job = Job("", trial, variant, self.model, self._seed, self._stated and not variant.sample)
-        return replace(job, key=self._key(job))
-
-    def _key(self, job: Job) -> str:
-        inputs = [getattr(job.trial, UNKNOWN[name])[k] for name, k in job.variant.chosen.items()]
-        drawn = (job.variant.sample, self._seed) if job.variant.sample else None
-        setting = self.model.engine, self.model.accuracy_rad, self.model.dt_s, job.stated, job.history
-        if job.trial not in self._digests:
-            self._digests[job.trial] = digest_of(job.trial)
-        text = json.dumps([self._digests[job.trial], inputs, drawn, setting, self._versions])
-        return hashlib.sha256(text.encode()).hexdigest()
+    job = Job(trial, variant, model, seed, stated and not variant.sample)
+    inputs = [getattr(trial, UNKNOWN[name])[k] for name, k in variant.chosen.items()]
+    drawn = (variant.sample, seed) if variant.sample else None
+    setting = model.engine, model.accuracy_rad, model.dt_s, job.stated, job.history
+    versions = [record.versions().get(name) for name in ("rockcheck", "numpy", "numba", model.engine)]
+    return Task(key_of(digest_of(trial), inputs, drawn, setting, versions), run_job, job, model.engine, lost_answer)
 
 
 def run_job(job: Job) -> Answer:
     """What a worker does: make the scene and run it (a failure is a `Run` that says so)."""
     scene = scene_of(job.trial, job.variant, job.seed)
     options = RunOptions(history=job.history, stated=job.stated)
-    run = simulate(scene, job.model.engine, accuracy_rad=job.model.accuracy_rad, dt_s=job.model.dt_s, options=options)
+    run = simulate(scene, job.engine, accuracy_rad=job.model.accuracy_rad, dt_s=job.model.dt_s, options=options)
     return answer_of(run, job.history)

@@ -18,7 +18,8 @@ from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import RecordSpec
 from harness.input.text_file import decimals, decoded, read_bytes
 from harness.model.errors import InputError, Mistake
-from harness.model.scene import Array, BaseExcitation
+from harness.model.history import Array
+from harness.model.scene import BaseExcitation
 from harness.validation.table import Trial
 
 

@@ -19,8 +19,9 @@ from harness.campaign.cache_key import scene_key
 from harness.input import scene_file as load
 from harness.input.mesh_statue import statue_of
 from harness.model.errors import InputError, Mistake
+from harness.model.history import Array
 from harness.model.options import Capabilities
-from harness.model.scene import Array, Contact, Form, Scene, Statue
+from harness.model.scene import Contact, Form, Scene, Statue
 from harness.validation.motions import Intensity, intensity, shaking
 from harness.validation.table import Trial
 

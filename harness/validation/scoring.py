@@ -1,7 +1,8 @@
-"""What the runs of a validation are worth against what was measured, by model and by intensity."""
+"""What the runs of a validation are worth against what was measured, and two models beside each other."""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
@@ -12,8 +13,15 @@ import numpy as np
 
 from harness.comparison.statistics import fragility
 from harness.comparison.statistics.distributions import wilson
-from harness.comparison.statistics.outcomes import FELL, Case, score_outcomes
-from harness.comparison.statistics.probabilities import area_under_curve, brier, brier_skill, reliability
+from harness.comparison.statistics.outcomes import (
+    FELL,
+    Case,
+    area_under_curve,
+    brier,
+    brier_skill,
+    reliability,
+    score_outcomes,
+)
 from harness.comparison.verdict import COVERAGE
 from harness.model.history import Outcome
 from harness.records.study import CaseRun
@@ -23,10 +31,14 @@ from harness.records.validation import (
     FallScores,
     IntensityClass,
     ModelScores,
+    PairScores,
     ProbabilityScores,
 )
+from harness.studies.ensembles import score_sets
+from harness.studies.rows import KeyedRow
 from harness.validation import baseline
 from harness.validation.fit import Answers, Choice, fitted
+from harness.validation.jobs import Model
 from harness.validation.motions import Intensity
 from harness.validation.scenes import Variant, scene_of
 from harness.validation.table import Trial
@@ -200,3 +212,30 @@ def _intensity_and_fall(
     trials: Sequence[Trial], intensities: Mapping[str, Intensity]
 ) -> tuple[list[float], list[bool]]:
     return [intensities[trial.name].pgv_m_s for trial in trials], [trial.fell for trial in trials]
+
+
+def score_pairs(
+    trials: Sequence[Trial],
+    models: Sequence[Model],
+    choices: Mapping[str, Choice],
+    answers: Mapping[str, Answers],
+) -> list[PairScores]:
+    """One entry for each two models, the later of the two against the earlier, over the tests that both answered.
+
+    The verdicts take a numerical error that is not stated as zero. No histories are kept of a validation's runs: verdicts rest on
+    the peaks and the times at which they are reached.
+    """
+    rows = {model.name: [_row(trial, model, choices, answers) for trial in trials] for model in models}
+    pairs = []
+    for b, a in itertools.combinations(rows, 2):
+        scores = score_sets([*rows[b], *rows[a]], reference=b)[a]
+        unstated = [
+            name for name in (a, b) if any(row.run and row.run.numerical_uncertainty_rad is None for row in rows[name])
+        ]
+        pairs.append(PairScores(a=a, b=b, unstated=unstated, **vars(scores)))
+    return pairs
+
+
+def _row(trial: Trial, model: Model, choices: Mapping[str, Choice], answers: Mapping[str, Answers]) -> KeyedRow:
+    run = answers[model.name][trial.name, choices[model.name].variant(trial)]
+    return KeyedRow(number=trial.row, engine=model.name, reason="", varied={}, run=run, key=None)

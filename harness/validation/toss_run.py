@@ -163,8 +163,6 @@ def _computed(pool: LocalPool, tasks: Sequence[TossTask]) -> Scored:
     answers: Scored = {}
 
     def done(task: TossTask, result: Any) -> None:
-        if isinstance(result, BaseException) and not isinstance(result, Crash):
-            raise result
         if isinstance(result, Crash):
             answers[task.toss.name] = [f"the engine's process died: {result}" for _ in task.coefficients]
         else:

@@ -7,20 +7,17 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.excitation import ZeroExcitation
 from analytic.rotation import rotation_matrices
 from harness import engines
 from harness.accuracy.simulation import RunTarget, simulate_with
-from harness.model.history import History
+from harness.model.history import Array, History
 from harness.model.in_space import rotations
 from harness.model.scene import BaseExcitation, Contact, Initial, Scene, Statue
 from harness.records.tosses import Quartiles
 from harness.validation.jobs import Model
 from harness.validation.tosses import Toss
-
-Array = NDArray[np.float64]
 
 STEPS_A_FRAME: Final = 8
 """Steps between two frames where no step is asked for: 0.84 ms at 148 Hz; four times as many change no median by a sixth

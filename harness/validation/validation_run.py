@@ -6,6 +6,7 @@ import time
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -30,22 +31,16 @@ from harness.records.validation import (
     ValidationRecord,
 )
 from harness.validation.fit import Answers, Choice, choose
-from harness.validation.jobs import BATCH, BATCH_OTHERWISE, Jobs, Model, parse_model
+from harness.validation.jobs import BATCH, BATCH_OTHERWISE, Model, parse_model, task_of
 from harness.validation.motions import Intensity
-from harness.validation.pairs import score_pairs
 from harness.validation.scenes import Variant, intensity_of, settings
-from harness.validation.scoring import curves, probability, score_baseline, score_model
+from harness.validation.scoring import curves, probability, score_baseline, score_model, score_pairs
 from harness.validation.table import UNKNOWN, Trial, read_table
 
 MOST_SETTINGS: Final = 64
 """Combinations of unknown inputs that are tried of a test that nothing has explained so far."""
 MAX_SAMPLES: Final = 1000
 """More perturbed runs of each test than this would measure the draws, not the model: their error is already 1.6 %."""
-
-
-def validate(experiments: Path, folder: Path, **options: Any) -> dict[str, Any]:
-    """The record of `run_validation` as plain values, as its file has it."""
-    return as_file(run_validation(experiments, folder, **options))
 
 
 def run_validation(
@@ -79,7 +74,7 @@ def run_validation(
                 _answered(
                     model,
                     trials,
-                    *(Runs(store, campaign, Jobs(model, seed, stated=stated)) for stated in (True, False)),
+                    *(Runs(store, campaign, model, seed, stated) for stated in (True, False)),
                     samples=samples,
                     fit_share=fit_share,
                 )
@@ -110,25 +105,27 @@ def run_validation(
 class Runs:
     """The answers of one model, by test and variant; what is asked and not in the store is run."""
 
-    def __init__(self, store: Store, campaign: Campaign, jobs: Jobs) -> None:
-        self._store, self._campaign, self._jobs = store, campaign, jobs
+    def __init__(self, store: Store, campaign: Campaign, model: Model, seed: int, stated: bool) -> None:
+        self._store, self._campaign = store, campaign
+        self._task = partial(task_of, model=model, seed=seed, stated=stated)
         self._answers: dict[tuple[str, Variant], CaseRun] = {}
         self.keys: dict[tuple[str, Variant], str] = {}
 
     def __call__(self, pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
         wanted = [pair for pair in dict.fromkeys(pairs) if (pair[0].name, pair[1]) not in self._answers]
         # Those of one body side by side: a worker then makes each of its statues once.
-        jobs = [self._jobs.job(*pair) for pair in sorted(wanted, key=lambda pair: pair[0].body)]
-        if jobs:
-            self._campaign.run((job.task() for job in jobs), len(jobs))
-        for job in jobs:
-            row = self._store.get(job.key)
-            if row is None:
+        wanted.sort(key=lambda pair: pair[0].body)
+        tasks = [self._task(*pair) for pair in wanted]
+        if tasks:
+            self._campaign.run(tasks, len(tasks))
+        for (trial, variant), task in zip(wanted, tasks, strict=True):
+            stored = self._store.get(task.key)
+            if stored is None:
                 raise InputError(
-                    Mistake(str(self._store.path), job.key, "the result of every run", "none", "run again")
+                    Mistake(str(self._store.path), task.key, "the result of every run", "none", "run again")
                 )
-            self._answers[job.trial.name, job.variant] = CaseRun.stored(row.record)
-            self.keys[job.trial.name, job.variant] = job.key
+            self._answers[trial.name, variant] = CaseRun.stored(stored)
+            self.keys[trial.name, variant] = task.key
         return self._answers
 
     def history(self, trial: Trial, variant: Variant) -> Run | None:

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from harness.records.scores import Interval
 from reports.charts import Json
-from reports.charts.palette import HAIRLINE, Look, faint
+from reports.charts.palette import HAIRLINE, MUTED, Look, faint
 
 ABOVE: Final = {"orientation": "h", "y": 1.0, "yanchor": "bottom"}
 """A legend in one row over its chart."""
@@ -50,3 +50,13 @@ def figure(data: Sequence[Json], height: float, x: Json, y: Json, **more: Any) -
     """A chart of one pair of axes."""
     legend = {} if more.get("showlegend") is False else {"legend": ABOVE}
     return {"data": list(data), "layout": {"height": height, "xaxis": x, "yaxis": y, **legend, **more}}
+
+
+def level(y: float, line: Json, **more: Any) -> Json:
+    """A line across the whole chart."""
+    return {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": y, "y1": y, "line": line, **more}
+
+
+def note(x: Any, y: Any, text: str, **more: Any) -> Json:
+    """Small words at a place."""
+    return {"x": x, "y": y, "text": text, "showarrow": False, "font": {"size": 11, "color": MUTED}, **more}

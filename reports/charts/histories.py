@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import islice, pairwise
 from typing import Any, Final
 
 import numpy as np
 
 from harness.model.history import History
+from harness.model.run import PATTERN_NAMES
 from harness.records.run import EngineRunRecord
-from harness.records.scene import MotionRecord
+from harness.records.scene import MotionRecord, SceneRecord
 from reports.charts import Json
-from reports.charts.event import run_event_s
-from reports.charts.figure import ABOVE, axis, band, curve, stroke
-from reports.charts.palette import INK, MUTED, look
-from reports.charts.patterns import pattern_strip
+from reports.charts.figure import ABOVE, axis, band, curve, level, note, stroke
+from reports.charts.palette import INK, MUTED, PATTERN_LOOKS, look
 from reports.charts.samples import Array, kept_samples, packed_array
-from reports.source import RunSource
+from reports.source import RunSource, run_event_s
 from reports.text.wording import horizon_s, prediction_s
 
 BAND_SAMPLES: Final = 3000
@@ -24,6 +24,10 @@ ACROSS: Final = "out_of_plane_rad"
 ACROSS_RAD: Final = 1e-4
 """A 3D engine's rotation across the rocking plane below this does not show beside the rotation in it."""
 GAP: Final = 0.055
+BARE_PATTERNS: Final[Mapping[str, str]] = {"rest": "at rest", "rocking": "rocking"}
+"""Motion patterns of a statue without a pedestal."""
+MOST_STRETCHES: Final = 1500
+"""Most stretches of motion pattern drawn per model; shorter ones than a pixel are drawn as their longest neighbour."""
 AXIS_COLOURS: Final = {"x": INK, "y": "#AA4499", "z": "#3A8FC7"}
 
 
@@ -180,7 +184,7 @@ def _layout(
         ),
         "hovermode": "x unified", "hoversubplots": "axis", "barmode": "overlay", "bargap": 0.1,
         "legend": ABOVE | {"x": 0, "xanchor": "left"},
-        "shapes": _shapes(source, axes["rotation"]), "annotations": _annotations(source, axes["rotation"]),
+        **_marks(source, axes["rotation"]),
         "height": 320 + 90 * len(rows) + 22 * len(source.runs),
     }  # fmt: skip
     for row, name in axes.items():
@@ -196,58 +200,77 @@ def _layout(
     return layout
 
 
-def _shapes(source: RunSource, axis: str) -> list[Json]:
+def _marks(source: RunSource, axis_name: str) -> Json:
+    """The balance points, the end of bounded errors and the horizon of prediction: lines, a grey area, and their words."""
     statue, end = source.scene.statue, source.scene.duration_s
-    levels = [statue.slenderness_right_rad, -statue.slenderness_left_rad]
-    shapes: list[Json] = [
-        {
-            "type": "line", "xref": "paper", "x0": 0, "x1": 1, "yref": axis, "y0": level, "y1": level, "layer": "below",
-            "line": {"color": MUTED, "width": 1, "dash": "dash"},
-        }
-        for level in levels
-    ]  # fmt: skip
-    until = horizon_s(source)
+    sides = ((statue.slenderness_right_rad, "right", "bottom"), (-statue.slenderness_left_rad, "left", "top"))
+    dashed, under = {"color": MUTED, "width": 1, "dash": "dash"}, {"layer": "below"}
+    shapes = [level(at, dashed, yref=axis_name, **under) for at, _, _ in sides]
+    notes = [
+        note(1, at, f"balances on the {side} edge", xref="paper", xanchor="right", yref=axis_name, yanchor=anchor)
+        for at, side, anchor in sides
+    ]
+    place = {"xref": "x", "xanchor": "left", "yref": f"{axis_name} domain"}
+    until, horizon = horizon_s(source), prediction_s(source)
     if until is not None and until < end:
+        grey = {"fillcolor": "#7a8696", "opacity": 0.11, "line": {"width": 0}}
         shapes.append(
-            {
-                "type": "rect", "xref": "x", "x0": until, "x1": end, "yref": "paper", "y0": 0, "y1": 1, "layer": "below",
-                "fillcolor": "#7a8696", "opacity": 0.11, "line": {"width": 0},
-            }
-        )  # fmt: skip
-    horizon = prediction_s(source)
-    if horizon is not None and horizon < end:
-        shapes.append(
-            {
-                "type": "line", "xref": "x", "x0": horizon, "x1": horizon, "yref": f"{axis} domain", "y0": 0, "y1": 1,
-                "layer": "below", "line": {"color": MUTED, "width": 1, "dash": "dot"},
-            }
-        )  # fmt: skip
-    return shapes
-
-
-def _annotations(source: RunSource, axis: str) -> list[Json]:
-    statue, end = source.scene.statue, source.scene.duration_s
-    small = {"size": 11, "color": MUTED}
-    texts: list[Json] = [
-        {
-            "xref": "paper", "x": 1, "xanchor": "right", "yref": axis, "y": level, "yanchor": anchor, "showarrow": False,
-            "text": f"balances on the {side} edge", "font": small,
-        }
-        for level, side, anchor in (
-            (statue.slenderness_right_rad, "right", "bottom"),
-            (-statue.slenderness_left_rad, "left", "top"),
+            {"type": "rect", "xref": "x", "x0": until, "x1": end, "yref": "paper", "y0": 0, "y1": 1, **grey, **under}
         )
-    ]  # fmt: skip
-    marks = (
-        (horizon_s(source), "bottom", "error bounded until"),
-        (prediction_s(source), "top", "horizon of prediction"),
-    )
-    for at, anchor, words in marks:
-        if at is not None and at < end:
-            texts.append(
-                {
-                    "xref": "x", "x": at, "xanchor": "left", "yref": f"{axis} domain", "y": 0, "yanchor": anchor,
-                    "showarrow": False, "text": f" {words} {at:.3g} s", "font": small,
-                }
-            )  # fmt: skip
-    return texts
+        notes.append(note(until, 0, f" error bounded until {until:.3g} s", yanchor="bottom", **place))
+    if horizon is not None and horizon < end:
+        at = {"xref": "x", "x0": horizon, "x1": horizon, "yref": f"{axis_name} domain", "y0": 0, "y1": 1}
+        shapes.append({"type": "line", **at, "line": dashed | {"dash": "dot"}, **under})
+        notes.append(note(horizon, 0, f" horizon of prediction {horizon:.3g} s", yanchor="top", **place))
+    return {"shapes": shapes, "annotations": notes}
+
+
+def pattern_words(scene: SceneRecord) -> Mapping[str, str]:
+    """The motion patterns in words, those of a statue without a pedestal as they are then."""
+    return PATTERN_NAMES if scene.pedestal is not None else {**PATTERN_NAMES, **BARE_PATTERNS}
+
+
+def pattern_strip(source: RunSource, axis: str) -> list[Json]:
+    traces: list[Json] = []
+    shown = {name: drawn_stretches(run.patterns) for name, run in source.runs.items() if run.patterns}
+    for pattern, words in pattern_words(source.scene).items():
+        rows = [(name, start, end) for name, all_ in shown.items() for start, end, which in all_ if which == pattern]
+        if not rows:
+            continue
+        colour, hatch = PATTERN_LOOKS[pattern]
+        traces.append(
+            {
+                "type": "bar", "orientation": "h", "yaxis": axis, "name": words, "showlegend": False, "hoverinfo": "skip",
+                "y": [row[0] for row in rows], "base": [row[1] for row in rows], "x": [row[2] - row[1] for row in rows],
+                "width": 0.72, "offset": -0.36,
+                "marker": {
+                    "color": colour, "line": {"width": 0},
+                    "pattern": {"shape": hatch, "size": 6, "solidity": 0.3, "fgcolor": "#ffffff", "fillmode": "overlay"},
+                },
+            }
+        )  # fmt: skip
+    return traces
+
+
+def drawn_stretches(patterns: Sequence[Sequence[Any]], most: int = MOST_STRETCHES) -> list[tuple[float, float, str]]:
+    """At most `most` stretches covering the same time: where there are more, each bin takes its longest pattern."""
+    stretches = [(float(start), float(end), str(name)) for start, end, name in patterns]
+    if len(stretches) <= most:
+        return stretches
+    edges = np.linspace(stretches[0][0], stretches[-1][1], most + 1).tolist()
+    drawn: list[tuple[float, float, str]] = []
+    first = 0
+    for low, high in pairwise(edges):
+        while stretches[first][1] <= low and first + 1 < len(stretches):
+            first += 1
+        shares: dict[str, float] = {}
+        for start, end, name in islice(stretches, first, None):
+            if start >= high:
+                break
+            shares[name] = shares.get(name, 0.0) + min(end, high) - max(start, low)
+        longest = max(shares, key=lambda name: shares[name])
+        if drawn and drawn[-1][2] == longest:
+            drawn[-1] = (drawn[-1][0], high, longest)
+        else:
+            drawn.append((low, high, longest))
+    return drawn

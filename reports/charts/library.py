@@ -14,8 +14,7 @@ from typing import Final, NamedTuple
 
 from markupsafe import Markup
 
-from reports.pages.assets import CHART_KINDS, LETTERS, pack_text, package_folder
-from reports.pages.made_once import made_once
+from reports.pages.assets import CHART_KINDS, LETTERS, made_once, pack_text, package_folder
 
 _NAME: Final = r"[\w$]+"
 _LAST: Final = re.compile(

@@ -15,6 +15,7 @@ from harness.studies.case_selection import SAME_CELL, Answer, Place, filled
 from reports.charts import Json
 from reports.charts.figure import curve, figure, stroke
 from reports.charts.palette import model_looks
+from reports.charts.static_svg_heatmap import cell_edges
 from reports.text.numbers import heading
 from reports.text.study_rows import SYMBOLS, Condition, family
 
@@ -147,11 +148,9 @@ def _boundaries(grids: Sequence[Grid], axes: tuple[str, str], xs: Sequence[float
 
 
 def _edges(values: Sequence[float]) -> list[float]:
-    """Bounds of the cells around values: halfway to the neighbours, on the scale on which they are drawn."""
-    drawn = np.log(values) if _axis_kind(values) == "log" else np.asarray(values, dtype=np.float64)
-    middle = 0.5 * (drawn[1:] + drawn[:-1])
-    edges = np.concatenate([[2.0 * drawn[0] - middle[0]], middle, [2.0 * drawn[-1] - middle[-1]]])
-    return [float(value) for value in (np.exp(edges) if _axis_kind(values) == "log" else edges)]
+    """Bounds of the cells around values, on the scale on which they are drawn."""
+    array = np.asarray(values, dtype=np.float64)
+    return np.exp(cell_edges(np.log(array))).tolist() if _axis_kind(values) == "log" else cell_edges(array)
 
 
 def _range(edges: Sequence[float], values: Sequence[float]) -> list[float]:

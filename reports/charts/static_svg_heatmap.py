@@ -25,7 +25,7 @@ def heatmap(trace: Json, x: Axis, y: Axis) -> list[Shape]:
     low = float(trace.get("zmin", np.nanmin(levels)))
     high = float(trace.get("zmax", np.nanmax(levels)))
     shades = _shades(trace, (levels - low) / ((high - low) or 1.0))
-    xs, ys = _edges(x.px(trace["x"])), _edges(y.px(trace["y"]))
+    xs, ys = cell_edges(x.px(trace["x"])), cell_edges(y.px(trace["y"]))
     shapes: list[Shape] = []
     for i, row in enumerate(shades):
         top, start = min(ys[i], ys[i + 1]), 0
@@ -59,8 +59,9 @@ def _shades(trace: Json, shares: Array) -> list[list[str]]:
     ]
 
 
-def _edges(centres: Array) -> list[float]:
+def cell_edges(centres: Array) -> list[float]:
+    """Bounds of the cells around places: halfway to the neighbours."""
     if len(centres) < 2:
         return [float(centres[0]) - 20.0, float(centres[0]) + 20.0]
     middle = 0.5 * (centres[1:] + centres[:-1])
-    return [2 * centres[0] - middle[0], *middle.tolist(), 2 * centres[-1] - middle[-1]]
+    return [float(2.0 * centres[0] - middle[0]), *middle.tolist(), float(2.0 * centres[-1] - middle[-1])]

@@ -63,6 +63,15 @@ def decimated(vertices: Array, faces: Faces, most_faces: int) -> tuple[Array, Fa
     return np.asarray(points, dtype=np.float64), np.asarray(triangles, dtype=np.int64)
 
 
+def facing(vertices: Array, faces: Faces, eye: Array) -> tuple[NDArray[np.intp], Array]:
+    """The faces that look at an eye far away in a direction (3,), the farthest first, and the unit normals (m, 3) of all."""
+    corners = vertices[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
+    seen = np.flatnonzero(normals @ eye > 0.0)
+    return seen[np.argsort(corners[seen].mean(axis=1) @ eye)], normals
+
+
 def _prism(outline_m: Array, depth_m: float) -> tuple[Array, Faces]:
     """The silhouette pulled along y; the outline runs counter-clockwise as seen with x right and z up."""
     count = len(outline_m)

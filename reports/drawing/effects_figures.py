@@ -11,7 +11,7 @@ import numpy as np
 from markupsafe import Markup
 from scipy.spatial.transform import Rotation
 
-from harness.records.effects3d import BASELINE, SOLID, Band, Effect, EffectsRecord
+from harness.records.effects3d import BASELINE, Band, Effect, EffectsRecord
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
 from reports.charts.static_svg_axes import nice_ticks
 from reports.drawing.display_mesh import read_mesh
@@ -165,8 +165,11 @@ def changes(record: EffectsRecord) -> Picture:
 
 def scan_figure(record: EffectsRecord, source: RunSource) -> Figure | None:
     """The scan turned back from the replay to the study's directions; None without a mesh, or where nothing overturns."""
-    solid = next(name for name in SOLID if name in record.engines)
-    peaks = {row.azimuth_deg: row.peak_g for row in record.amplitudes(solid, BASELINE) if row.peak_g is not None}
+    peaks = {
+        row.azimuth_deg: row.peak_g
+        for row in record.amplitudes(record.solid_engine, BASELINE)
+        if row.peak_g is not None
+    }
     if source.mesh is None or record.replay is None or not peaks:
         return None
     turn = Rotation.from_euler("z", record.replay.azimuth_deg, degrees=True)

@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 from harness.model.history import History
 from harness.model.in_space import SOLID_COLUMNS
 from harness.records.scene import MotionRecord
-from reports.charts.event import run_event_s
 from reports.charts.palette import look
 from reports.charts.samples import packed_array
 from reports.drawing.display_mesh import display_mesh
 from reports.drawing.kinematics import section
 from reports.pages.assets import packed_json
-from reports.source import RunSource
+from reports.source import RunSource, run_event_s
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from meshes.footprint import slenderness_rose_rad, weakest_azimuth_deg
 from meshes.solid import Solid
 from reports.charts.palette import MUTED
-from reports.drawing.display_mesh import Array, decimated
+from reports.drawing.display_mesh import Array, decimated, facing
 from reports.drawing.shapes import Path, Picture, Shape, Text, area, line, moved
 
 SIDE: Final = 640.0
@@ -111,11 +111,7 @@ def _view(azimuth_deg: float) -> Array:
 
 def _faces(vertices: Array, faces: NDArray[np.int64], view: Array, place: Callable[[Array], Array]) -> list[Shape]:
     """The faces that look at the eye, the farthest first, the lighter the more they face the light."""
-    corners = vertices[faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
-    seen = np.flatnonzero(normals @ view[2] > 0.0)
-    order = seen[np.argsort(corners[seen].mean(axis=1) @ view[2])]
+    order, normals = facing(vertices, faces, view[2])
     grey = np.round(120.0 + 110.0 * np.clip(normals @ (LIGHT @ view), 0.0, 1.0)).astype(int)
     placed = place(vertices)[faces]
     colours = [f"#{value:02x}{value:02x}{value - 8:02x}" for value in grey]

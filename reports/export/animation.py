@@ -20,7 +20,7 @@ from reports.charts.histories import histories_figure
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
 from reports.charts.static_svg import picture
 from reports.charts.static_svg_axes import Axis, axes
-from reports.drawing.display_mesh import display_mesh, silhouette_m
+from reports.drawing.display_mesh import display_mesh, facing, silhouette_m
 from reports.drawing.kinematics import Section, posed_in_space_m, section
 from reports.drawing.replay import default_model
 from reports.drawing.shapes import Path, Shape, Text, area, box, line, moved
@@ -44,6 +44,10 @@ STONES: Final = ["#{:02x}{:02x}{:02x}".format(*(DARK + (BRIGHT - DARK) * k // (G
 LIGHT, PAPER, STONE, PINK = "#eceff2", "#fcfcfa", "#acb2bb", "#c2185b"
 VIEW: Final = (0.42, 0.16)
 """Azimuth and elevation of the view in rad."""
+EYE: Final = np.array(
+    [math.sin(VIEW[0]) * math.cos(VIEW[1]), -math.cos(VIEW[0]) * math.cos(VIEW[1]), math.sin(VIEW[1])]
+)
+"""Where the eye is."""
 PLACES: Final = {"start": "ls", "middle": "ms", "end": "rs"}
 """Where a text stands at its place on its base line, in the words of pixels."""
 SUN: Final = np.array([-0.55, -0.55, 0.63])
@@ -72,16 +76,15 @@ class Stage:
         """Pixels per metre."""
         return (SIZE[1] - CHART - 40) / (1.18 * (self.lift_m + float(self.vertices_m[:, 2].max())))
 
-    def pixels(self, points_m: Array) -> tuple[Array, Array]:
-        """Orthographic projection: pixels (n, 2) and depth (n,), far is large."""
+    def pixels(self, points_m: Array) -> Array:
+        """Orthographic projection: pixels (n, 2)."""
         azimuth, elevation = VIEW
         x = points_m[:, 0] * math.cos(azimuth) + points_m[:, 1] * math.sin(azimuth)
         away = -points_m[:, 0] * math.sin(azimuth) + points_m[:, 1] * math.cos(azimuth)
         up = points_m[:, 2] * math.cos(elevation) + away * math.sin(elevation)
-        depth = away * math.cos(elevation) - points_m[:, 2] * math.sin(elevation)
         centre = 0.5 * (self.shape.corner_right_m - self.shape.corner_left_m) * math.cos(azimuth)
         left = SIZE[0] / 2 + self.scale * (x - centre)
-        return np.column_stack([left, SIZE[1] - CHART - 34 - self.scale * up]), depth
+        return np.column_stack([left, SIZE[1] - CHART - 34 - self.scale * up])
 
 
 def write_gif(folder: File, path: File | None = None, model: str | None = None) -> File:
@@ -178,7 +181,7 @@ def _frame(stage: Stage, t_s: float, chart: Image, x_px: float) -> Image:
     image = chart.copy()
     solid = stage.source.histories[stage.solid]
     theta = _at(solid, t_s)[0]
-    floor = stage.pixels(1.1 * stage.vertices_m[:, 2].max() * FLOOR)[0]
+    floor = stage.pixels(1.1 * stage.vertices_m[:, 2].max() * FLOOR)
     shapes: list[Shape] = [area(floor, PAPER, STONE), *_faces(stage, _posed(stage, solid, t_s), solid, t_s)]
     label = f"{t_s:5.2f} s   {stage.solid}: {theta:+.3f} rad"
     if stage.ghost is not None:
@@ -191,16 +194,14 @@ def _frame(stage: Stage, t_s: float, chart: Image, x_px: float) -> Image:
 
 
 def _at(history: History, t_s: float) -> tuple[float, float]:
-    time = min(t_s, float(history.t_s[-1]))
-    slip = history.slip_m + history.extra.get("statue_slip_m", 0.0)
-    return float(np.interp(time, history.t_s, history.theta_rad)), float(np.interp(time, history.t_s, slip))
+    """Rotation, and slip of the statue with its pedestal."""
+    return _value(history, "theta_rad", t_s), _value(history, "slip_m", t_s) + _value(history, "statue_slip_m", t_s)
 
 
 def _posed(stage: Stage, history: History, t_s: float) -> Array:
     """The statue's vertices at a time: the whole pose of a 3D engine, else the planar one."""
     if all(name in history.extra for name in SOLID_COLUMNS):
-        time = min(t_s, float(history.t_s[-1]))
-        pose = {name: float(np.interp(time, history.t_s, history.extra[name])) for name in SOLID_COLUMNS}
+        pose = {name: _value(history, name, t_s) for name in SOLID_COLUMNS}
         return posed_in_space_m(stage.vertices_m, stage.shape.corner_right_m, pose)
     theta, slip = _at(history, t_s)
     posed = stage.vertices_m.copy()
@@ -217,18 +218,10 @@ def _faces(stage: Stage, posed: Array, history: History, t_s: float) -> list[Sha
         groups.insert(0, (*_pedestal(stage, pedestal, history, t_s), GREYS // 2))
     shapes: list[Shape] = []
     for vertices, faces, bright in groups:
-        pixels, depth = stage.pixels(vertices)
-        corners = vertices[faces]
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
-        flat = pixels[faces]
-        edges = flat[:, 1:] - flat[:, :1]
-        # Counter-clockwise from outside is clockwise on a screen whose y runs down.
-        turned_here = edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0] < 0.0
-        order = np.argsort(-depth[faces].mean(axis=1))
-        order = order[turned_here[order]]
-        shade = np.round(bright * (0.35 + 0.65 * np.clip(normal @ SUN, 0.0, 1.0))).astype(int)
-        shapes += [area(points, STONES[k]) for points, k in zip(flat[order], shade[order], strict=True)]
+        order, normals = facing(vertices, faces, EYE)
+        shade = np.round(bright * (0.35 + 0.65 * np.clip(normals[order] @ SUN, 0.0, 1.0))).astype(int)
+        corners = stage.pixels(vertices)[faces[order]]
+        shapes += [area(points, STONES[k]) for points, k in zip(corners, shade, strict=True)]
     return shapes
 
 
@@ -249,11 +242,11 @@ def _pedestal(stage: Stage, pedestal: Any, history: History, t_s: float) -> tupl
 
 def _value(history: History, name: str, t_s: float) -> float:
     """A column of a history at a time, 0 where the engine does not record it."""
-    values = history.slip_m if name == "slip_m" else history.extra.get(name)
+    values = {"theta_rad": history.theta_rad, "slip_m": history.slip_m, **history.extra}.get(name)
     return 0.0 if values is None else float(np.interp(min(t_s, float(history.t_s[-1])), history.t_s, values))
 
 
 def _outline(stage: Stage, theta: float, slip: float) -> Array:
     """The ghost's silhouette in the plane of its base's middle, in pixels."""
     posed = stage.shape.posed_m(silhouette_m(stage.source.scene, stage.source.mesh), theta, slip)[0]
-    return stage.pixels(np.column_stack([posed[:, 0], np.zeros(len(posed)), posed[:, 1] + stage.lift_m]))[0]
+    return stage.pixels(np.column_stack([posed[:, 0], np.zeros(len(posed)), posed[:, 1] + stage.lift_m]))

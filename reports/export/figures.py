@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 from typing import Final
 
@@ -21,7 +20,7 @@ from reports.charts.study_figures import panel_groups, panels_picture, rose_pict
 from reports.drawing.effects_figures import changes, rose
 from reports.drawing.shapes import Picture, titled
 from reports.export.paper import pixels_across, write_picture
-from reports.pages.page import PAGES
+from reports.pages.page import page_values
 from reports.source import RunSource, source_of
 from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import conditions
@@ -71,7 +70,7 @@ def _pictures(folder: Path, record: Record, width_px: float, model: str | None) 
         yield "rose", as_wide(rose(record), width_px)
         yield "effects", as_wide(changes(record), width_px)
         return
-    values = import_module(PAGES[record.kind]).context(folder, record)
+    values = page_values(folder, record)
     for name, words, figure in values.get("charts") or ():
         yield name, titled(picture_of(figure, width_px, POINTS), words)
     for name, value in values.items():

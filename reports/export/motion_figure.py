@@ -12,6 +12,7 @@ from harness.input.motions.measures import arias_share
 from harness.input.motions.series import displacement_m, velocity_m_s
 from harness.model.terminal import printable
 from reports.charts import Json
+from reports.charts.figure import axis, curve, figure
 from reports.charts.palette import MUTED
 from reports.charts.samples import kept_samples
 from reports.charts.static_svg import picture
@@ -40,12 +41,12 @@ def motion_picture(inspection: Inspection) -> Picture:
         Text(26.0, 50.0, origin, "start", MUTED, 14.0),
     ]
     top = float(HEADS_PX)
-    for figure, across, left in (
+    for chart, across, left in (
         (histories_figure(inspection), ACROSS[0], 0.0),
         (spectrum_figure(inspection), ACROSS[1], ACROSS[0]),
         (build_up_figure(inspection), ACROSS[1], ACROSS[0]),
     ):
-        drawn = picture(figure, across, _MOST_POINTS)
+        drawn = picture(chart, across, _MOST_POINTS)
         if drawn is None:
             raise LookupError("a motion's chart has no still picture")
         shapes += moved(drawn.shapes, left, top)
@@ -66,10 +67,7 @@ def _trace(x: Any, y: Any, colour: str, name: str = "", **more: Any) -> Json:
     """One curve; of more points than are drawn those that keep its peaks."""
     samples = kept_samples(np.asarray(y), _MOST_POINTS)
     style = {"color": colour, "width": more.pop("width", 1.3), "dash": more.pop("dash", "solid")}
-    return {
-        "type": "scatter", "mode": "lines", "x": np.asarray(x)[samples], "y": np.asarray(y)[samples], "line": style,
-        "name": name, **more,
-    }  # fmt: skip
+    return curve(np.asarray(x)[samples], np.asarray(y)[samples], style, name=name, **more)
 
 
 def histories_figure(inspection: Inspection) -> Json:
@@ -85,16 +83,12 @@ def histories_figure(inspection: Inspection) -> Json:
         ]
     end = max(float(trace.series.t_s[-1]) for trace in inspection.traces)
     rows = {"yaxis": "acceleration (g)", "yaxis2": "velocity (m/s)", "yaxis3": "displacement (m)"}
-    layout: Json = {
-        "height": HEIGHTS[0],
-        "xaxis": {"title": {"text": "time (s)"}, "range": [0.0, end]},
-        "showlegend": True,
-    }
-    layout |= {
-        name: {"title": {"text": words}, "domain": [0.68 - 0.34 * row, 1.0 - 0.34 * row], "nticks": 6}
+    layout = {
+        name: axis(words, domain=[0.68 - 0.34 * row, 1.0 - 0.34 * row], nticks=6)
         for row, (name, words) in enumerate(rows.items())
     }
-    return {"data": data, "layout": layout | {"still": {"top": 54.0}}}
+    x, still = axis("time (s)", range=[0.0, end]), {"top": 54.0}
+    return figure(data, HEIGHTS[0], x, layout.pop("yaxis"), showlegend=True, still=still, **layout)
 
 
 def spectrum_figure(inspection: Inspection) -> Json:
@@ -112,15 +106,10 @@ def spectrum_figure(inspection: Inspection) -> Json:
         for i, trace in enumerate(inspection.traces)
     ]
     damping = DAMPING if target is None else target.damping
-    layout = {
-        "height": HEIGHTS[1], "showlegend": True, "still": {"top": 54.0},
-        "xaxis": {
-            "type": "log", "range": np.log10(PERIODS_S[[0, -1]]).tolist(), "title": {"text": "period (s)"},
-            "tickvals": TICKS_S, "ticktext": [f"{tick:g}" for tick in TICKS_S],
-        },
-        "yaxis": {"title": {"text": f"pseudo-acceleration (g), damping {damping:.0%}"}, "range": [0.0, _HEAD_ROOM * most]},
-    }  # fmt: skip
-    return {"data": data, "layout": layout}
+    ends, names = np.log10(PERIODS_S[[0, -1]]).tolist(), [f"{tick:g}" for tick in TICKS_S]
+    x = axis("period (s)", type="log", range=ends, tickvals=TICKS_S, ticktext=names)
+    y = axis(f"pseudo-acceleration (g), damping {damping:.0%}", range=[0.0, _HEAD_ROOM * most])
+    return figure(data, HEIGHTS[1], x, y, showlegend=True, still={"top": 54.0})
 
 
 def build_up_figure(inspection: Inspection) -> Json:
@@ -133,9 +122,5 @@ def build_up_figure(inspection: Inspection) -> Json:
             words = f"{trace.name}: {trace.measures.arias_m_s:.2f} m/s, 5-95 % in {strong_s:.1f} s"
             data.append(_trace(trace.series.t_s, share, _COLOURS[i % len(_COLOURS)], words, width=1.6))
     data += [_trace([0.0, end], [level, level], "#999999", dash="dot", showlegend=False) for level in (5.0, 95.0)]
-    layout = {
-        "height": HEIGHTS[2], "showlegend": True, "still": {"top": 24.0 + 15.0 * len(data[:-2])},
-        "xaxis": {"title": {"text": "time (s)"}, "range": [0.0, end]},
-        "yaxis": {"title": {"text": "Arias intensity (%)"}, "range": [0.0, 100.0], "nticks": 5},
-    }  # fmt: skip
-    return {"data": data, "layout": layout}
+    x, y = axis("time (s)", range=[0.0, end]), axis("Arias intensity (%)", range=[0.0, 100.0], nticks=5)
+    return figure(data, HEIGHTS[2], x, y, showlegend=True, still={"top": 24.0 + 15.0 * len(data[:-2])})

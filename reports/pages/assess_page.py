@@ -60,18 +60,22 @@ def assess_verdict(record: AssessRecord) -> Verdict:
         return Verdict("No model could assess this scene", "failed", [])
     # What knows all of the shaking speaks first; the most probable fall decides the colour.
     first = next((name for name, item in answers.items() if not item.plane_only), next(iter(answers)))
-    points = [f"{name}: {item.sentence}." for name, item in answers.items()]
+    points = [f"{name}: {item.sentence}." for name, item in answers.items()] if len(answers) > 1 else []
     points += planar_alone(answers, record.scene.file)
-    points += [_difference(name, item) for name, item in record.difference_from_model.items()]
+    if record.options is not None:
+        points.append(advice(record.options)[0])
+    if record.clearance is not None:
+        points.append(room(record.clearance))
     if record.fragility is not None:
         points.append(reserve(record.fragility, record.plane_only))
     key, most = max((record.indices or {}).items(), key=lambda item: item[1].most, default=("", Index(0.0, 0.0)))
     if most.most >= max(MATTERS, most.half_width):
         planar = record.plane_only and record.fragility is not None and record.fragility.model == MODEL
         where = "In the rocking plane alone, what" if planar else "What"
-        points.append(f"{where} decides most is {key}: {percent(min(most.most, 1.0))} % of the doubt hangs on it.")
-    if record.options is not None:
-        points.append(advice(record.options)[0])
+        words = ENGLISH.key(key)
+        named = key if words is None else f"{words} ({key})"
+        points.append(f"{where} decides most is {named}: {percent(min(most.most, 1.0))} % of the doubt hangs on it.")
+    points += [_difference(name, item) for name, item in record.difference_from_model.items()]
     return Verdict(f"The statue {answers[first].sentence}", tone_of_answers(answers), points)
 
 

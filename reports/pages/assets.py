@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import gzip
+import hashlib
 import json
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -18,8 +20,8 @@ from markupsafe import Markup
 from harness.model.run import to_plain
 from harness.model.terminal import printable_lines
 from harness.records.assess import percent
+from meshes import array_cache
 from reports.charts.static_svg import still
-from reports.pages.made_once import folder, made_once
 from reports.text.numbers import angle, digits, given, heading, label, length, plain, short, unit
 
 TEMPLATES: Final = Path(__file__).resolve().parents[1] / "templates"
@@ -30,6 +32,10 @@ LETTERS: Final = np.array([code for code in range(33, 127) if chr(code) not in "
 VIEWER_OWN_CODE: Final = "var camera,controls,scene,renderer,tracklight;"
 """Where trimesh's own page begins behind the three.js library in the viewer that its wheel ships."""
 
+ROOM: Final = "pages"
+KEPT: Final = 2
+"""Texts kept of each name: of this installed version, and of the one before, to which one may go back."""
+
 
 def package_folder(name: str) -> Path:
     """The folder of an installed package, which is not imported. Raises `ModuleNotFoundError`."""
@@ -37,6 +43,34 @@ def package_folder(name: str) -> Path:
     if spec is None or not spec.submodule_search_locations:
         raise ModuleNotFoundError(f"{name} is not installed: install the requirements of the lock file")
     return Path(next(iter(spec.submodule_search_locations)))
+
+
+def folder() -> Path | None:
+    """The user's own folder for what pages carry; None where none is safe: what lies there runs in the reader's browser."""
+    return array_cache.folder(ROOM)
+
+
+def made_once(name: str, state: bytes, make: Callable[[], str]) -> str:
+    """The text that `make` gives for `state` (everything that decides it): kept under a digest of it, made where none is kept.
+
+    The text's own digest stands before it: a file that was damaged is made again.
+    """
+    home = folder()
+    if home is None:
+        return make()
+    file = home / f"{name}-{hashlib.sha256(state).hexdigest()[:32]}.txt"
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        mark, _, text = file.read_text(encoding="utf-8").partition("\n")
+        if mark == _digest(text):
+            return text
+    text = make()
+    array_cache.put(file, f"{_digest(text)}\n{text}".encode())
+    array_cache.prune(home, f"{name}-*.txt", KEPT)
+    return text
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 @cache

@@ -8,7 +8,7 @@ from typing import Final
 
 from harness.records.bench import BenchRecord, PrecisionRow, ScalingRow
 from reports.charts import Json
-from reports.charts.figure import BELOW, LOG, axis, curve, figure, stroke
+from reports.charts.figure import BELOW, LOG, axis, curve, figure, level, stroke
 from reports.charts.palette import INK, MUTED, look
 from reports.text.numbers import digits, heading, unit
 from reports.text.wording import Verdict
@@ -106,10 +106,7 @@ def precision_figure(scene: str, rows: Sequence[PrecisionRow], target_rad: float
     best = {"name": "best contact engine", "opacity": 0.25, "hoverinfo": "skip"}
     line = {"color": MUTED, "width": 6, "shape": "hv"}
     data.append(curve([row.cpu_s for row in front], [row.error_rad for row in front], line, **best))
-    shape = {
-        "type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": target_rad, "y1": target_rad,
-        "line": {"color": INK, "dash": "dash", "width": 1},
-    }  # fmt: skip
+    shape = level(target_rad, {"color": INK, "dash": "dash", "width": 1})
     x, y = axis("time to compute  [s]", dtick=1, **LOG), axis("error  [rad]", dtick=2, **LOG)
     return figure(data, 600, x, y, margin_bottom=250, margin_top=20, shapes=[shape], legend=BELOW | {"y": -0.28})
 

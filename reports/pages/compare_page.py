@@ -15,10 +15,10 @@ from harness.model.history_pair import pair
 from harness.records.base import REWRITE
 from harness.records.compare import FILES, CompareRecord
 from harness.records.result_folder import as_written, owned
-from reports.charts.event import MOVED_SHARE, event_s
 from reports.charts.figure import axis, curve, figure, stroke
 from reports.charts.palette import MUTED, look
 from reports.charts.samples import kept_samples, packed_array
+from reports.source import MOVED_SHARE, event_s
 from reports.text.glossary import score_rows, verdict_words
 from reports.text.wording import Verdict
 

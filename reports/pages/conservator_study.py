@@ -114,18 +114,11 @@ def _falls(outcomes: Sequence[Outcome]) -> int:
 
 
 def _asked(record: StudyRecord, models: Sequence[str], say: Language) -> list[str]:
-    varied = [_key_words(key, say) for key in record.vary]
+    varied = [say.key(key) or say("key.other") for key in record.vary]
     variants = list(dict.fromkeys(model.partition(" (")[2][:-1] for model in models))
     said = [say("study.varied", keys=say.listed(dict.fromkeys(varied)))] if varied else []
     names = say.listed(f"“{name}”" for name in variants)
     return [*said, *([say("study.variants", names=names)] if len(variants) > 1 else [])]
-
-
-def _key_words(key: str, say: Language) -> str:
-    """The key with its table where that has words of its own, the key alone, or that it is some other number."""
-    *table, last = key.split(".")
-    known = (f"key.{name}" for name in ("_".join([*table[-1:], last]), last))
-    return say(next((name for name in known if name in say.strings), "key.other"))
 
 
 def _strength(cases: Sequence[Condition]) -> str | None:

@@ -60,7 +60,7 @@ def context(folder: Path, record: EffectsRecord) -> dict[str, object]:
         "effect_engines": list(dict.fromkeys(item.engine for item in record.effects)),
         "groups": GROUPS,
         "change": _change,
-        "solid": _solid_engine(record),
+        "solid": record.solid_engine,
         "share": f"{100.0 * record.study.share:g}",
         "replay": replay,
         "replay_words": replay_words(record),
@@ -78,13 +78,9 @@ def _peaks(record: EffectsRecord, engine: str) -> dict[float, float]:
     return {row.azimuth_deg: math.inf if row.peak_g is None else row.peak_g for row in rows}
 
 
-def _solid_engine(record: EffectsRecord) -> str:
-    return next(name for name in SOLID if name in record.engines)
-
-
 def effects_verdict(record: EffectsRecord) -> Verdict:
     """What the roses say of the planar model, and each effect against the uncertainty of a survey."""
-    engine = _solid_engine(record)
+    engine = record.solid_engine
     solid, planar = _peaks(record, engine), _peaks(record, "analytic")
     points: list[str] = []
     headline, tone = "The planar model was not asked", "differ"
@@ -152,7 +148,7 @@ def _by_sides(record: EffectsRecord, solid: Peaks, engine: str) -> list[str]:
 
 def _solid_pair(record: EffectsRecord) -> list[str]:
     """Each other 3D engine against the first, and where the exact model's own answer is in doubt."""
-    first = _solid_engine(record)
+    first = record.solid_engine
     one, said = _peaks(record, first), []
     for name in (name for name in record.engines if name in SOLID and name != first):
         other = _peaks(record, name)
@@ -222,7 +218,7 @@ def _leaving(record: EffectsRecord, engine: str) -> list[str]:
 
 def falls(record: EffectsRecord) -> dict[float, str]:
     """To which side it falls in three dimensions, by direction."""
-    rows = record.amplitudes(_solid_engine(record), BASELINE)
+    rows = record.amplitudes(record.solid_engine, BASELINE)
     return {row.azimuth_deg: row.outcome.removeprefix("overturned_") for row in rows}
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from markupsafe import Markup
 
@@ -29,21 +29,6 @@ CONSERVATOR_PAGES: Final = {
     "effects3d": "reports.pages.conservator_study",
 }
 """Which module knows the conservator's page of a kind of record."""
-
-PAGES: Final = {
-    "run": "reports.pages.run_page",
-    "assess": "reports.pages.assess_page",
-    "study": "reports.pages.study_page",
-    "effects3d": "reports.pages.effects3d_page",
-    "rocking_spectrum": "reports.pages.rocking_spectrum_page",
-    "validation": "reports.pages.validation_page",
-    "tosses": "reports.pages.tosses_page",
-    "bench": "reports.pages.bench_page",
-    "stress": "reports.pages.stress_page",
-    "compare": "reports.pages.compare_page",
-}
-"""Which module knows each kind of record: its `context(folder, record)` gives the values of its template
-beside the record's own fields."""
 
 
 def write_report(folder: Path, language_code: str = "en") -> Path:
@@ -81,10 +66,16 @@ def _pages(record: Record, say: Language) -> dict[str, Callable[[Path, Record], 
 
 
 def _report(folder: Path, record: Record) -> str:
-    values = _common(record) | import_module(PAGES[record.kind]).context(folder, record)
+    values = _common(record) | page_values(folder, record)
     scripts = {"script": source_text("page.js"), "units": source_text("units.js")}
     machinery = scripts | {"chart_library": chart_library(), "dark": DARK}
     return _render(f"{record.kind}.html.j2", values | machinery)
+
+
+def page_values(folder: Path, record: Record) -> dict[str, Any]:
+    """What the page of a kind of record shows beside the record's own fields."""
+    values: dict[str, Any] = import_module(f"reports.pages.{record.kind}_page").context(folder, record)
+    return values
 
 
 def _common(record: Record) -> dict[str, object]:

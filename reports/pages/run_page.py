@@ -9,9 +9,8 @@ from pathlib import Path
 from harness.model.scene import Initial
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.witness import sentences
-from reports.charts.histories import histories_figure
+from reports.charts.histories import histories_figure, pattern_words
 from reports.charts.palette import PATTERN_LOOKS, look
-from reports.charts.patterns import pattern_words
 from reports.drawing.replay import default_model, replay_payload
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.assets import source_text, three_js

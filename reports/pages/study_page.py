@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from harness.records.study import ClaimVerdict, StudyRecord, StudyRow
+from harness.records.study import StudyRecord, StudyRow
 from reports.charts.axis_curves import curve_figures
 from reports.charts.design_figures import best_designs, design_figures
 from reports.charts.map_figures import map_axes, map_figures
@@ -63,7 +63,7 @@ def context(folder: Path, record: StudyRecord) -> dict[str, object]:
         "scene_title": record.scene.title,
         "vary": [(label(key), ", ".join(_shown(value) for value in values)) for key, values in record.vary.items()],
         "models": models,
-        "claims": claim_rows(record.claims),
+        "marks": MARKS,
         "claim_models": list(dict.fromkeys(item.model for item in record.claims or ())),
         "matrix": matrix(models, cases, keys) if len(cases) <= MOST_MATRIX_ROWS else None,
         "matrix_keys": [heading(key) for key in keys],
@@ -179,15 +179,6 @@ def _claims_headline(headline: Mapping[str, str]) -> str:
 def _claim_points(record: StudyRecord) -> list[str]:
     sentences = {item.claim: item.sentence for item in record.claims or ()}
     return [f"({claim}) {sentences[claim]}: {verdict}." for claim, verdict in (record.headline or {}).items()]
-
-
-def claim_rows(verdicts: Sequence[ClaimVerdict] | None) -> list[dict[str, Any]]:
-    """The table of claims: one row per claim, one cell per model."""
-    rows: dict[str, dict[str, Any]] = {}
-    for item in verdicts or ():
-        row = rows.setdefault(item.claim, {"claim": item.claim, "sentence": item.sentence, "cells": []})
-        row["cells"].append({**vars(item), "mark": MARKS[item.verdict]})
-    return list(rows.values())
 
 
 def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str]) -> list[dict[str, Any]]:

@@ -28,7 +28,7 @@ def context(folder: Path, record: TossesRecord) -> dict[str, object]:
         "title": f"Validation against {record.count} measured tosses",
         "verdict": tosses_verdict(record),
         "names": list(models),
-        "score_rows": score_rows(models),
+        "errors": _spread,
         "fitted": {name: fitted_words(item) for name, item in models.items()},
         "shares": (len(record.fitted_on), record.count - len(record.fitted_on)),
         "raised": {key: unit(value, "m") for key, value in vars(record.raised_m).items()},
@@ -67,19 +67,6 @@ def tosses_verdict(record: TossesRecord) -> Verdict:
 
 def _spread(item: Quartiles, name: str) -> str:
     return f"{unit(item.median, name)} ({digits(item.low)} to {digits(item.high)})"
-
-
-def score_rows(models: Mapping[str, TossModel]) -> list[tuple[str, list[str]]]:
-    """Medians with their quartiles over all frames and at the end."""
-    parts = {
-        "all frames": {name: item.frames for name, item in models.items()},
-        "at the end": {name: item.end for name, item in models.items()},
-    }
-    return [
-        (f"{word}, {where}", ["–" if item is None else _spread(of(item), name) for item in errors.values()])
-        for where, errors in parts.items()
-        for word, (of, name) in KINDS.items()
-    ]
 
 
 def fitted_words(item: TossModel) -> str:

@@ -33,7 +33,8 @@ def context(_folder: Path, record: ValidationRecord) -> dict[str, object]:
         "title": f"Validation against {record.tests} measured tests",
         "verdict": validation_verdict(record),
         "names": [*models, BASELINE],
-        "score_rows": score_rows(record),
+        "kinds": SCORES,
+        "share": share,
         "pairs": pair_sentences(record.pairs),
         "unstated": sorted({name for pair in record.pairs for name in pair.unstated}),
         "charts": charts(record),
@@ -106,28 +107,6 @@ def _best(known: Mapping[str, Interval]) -> str:
     return f"{every} right equally often, in {100 * most:.0f} % of the tests that they decide"
 
 
-def score_rows(record: ValidationRecord) -> list[tuple[str, list[str]]]:
-    """The table of scores with their 95 % intervals, the baseline last."""
-    models, bare = record.models, record.baseline
-    chances = [*(item.probability for item in models.values()), bare.probability]
-    drawn = [*(item.by_probability for item in models.values()), None]
-    rows = []
-    for key, words in SCORES:
-        cells = [_cell(getattr(item.outcomes, key), key) for item in models.values()]
-        rows.append((words, [*cells, _cell(getattr(bare.outcomes, key), key)]))
-    if record.samples:
-        for key, words in SCORES:
-            cells = [_cell(None if item is None else getattr(item, key), key) for item in drawn]
-            rows.append((f"{words}, by P ≥ ½", cells))
-        areas = [item.area for item in chances]
-        rows.append(("area under the curve", [_cell(item, "matthews") for item in areas]))
-    for key, words in (("brier", "Brier's score of the probabilities"), ("brier_skill", "skill over the mean")):
-        numbers = [getattr(item, key) for item in chances]
-        if any(value is not None for value in numbers):
-            rows.append((words, ["–" if value is None else digits(value) for value in numbers]))
-    return rows
-
-
 def pair_sentences(pairs: Sequence[PairScores]) -> list[tuple[str, str]]:
     """For each two models, how often they give the same outcome and the shares of the verdicts."""
     sentences = []
@@ -139,14 +118,6 @@ def pair_sentences(pairs: Sequence[PairScores]) -> list[tuple[str, str]]:
             text += f" In {pair.flips} the outcome flips within the numerical error."
         sentences.append((f"{pair.a} and {pair.b}", text))
     return sentences
-
-
-def _cell(interval: Interval | None, key: str) -> str:
-    if interval is None:
-        return "–"
-    if key in ("f1", "matthews"):
-        return f"{digits(interval.value, 2)} ({digits(interval.low, 2)} … {digits(interval.high, 2)})"
-    return share(interval)
 
 
 def _fitted(fitted: Fitted) -> str:

@@ -51,6 +51,12 @@ class Language:
         words = self.strings["numbers"].split()
         return words[count] if count < len(words) else str(count)
 
+    def key(self, key: str) -> str | None:
+        """A dotted key of a scene in words: with its table where that has words of its own, else alone; None without words."""
+        *table, last = key.split(".")
+        known = (f"key.{name}" for name in ("_".join([*table[-1:], last]), last))
+        return self.strings.get(next((name for name in known if name in self.strings), ""))
+
     def listed(self, items: Iterable[str]) -> str:
         """`a`, `a and b`, `a, b and c`."""
         names = list(items)

@@ -11,8 +11,7 @@ import numpy as np
 from harness.model.history import Outcome
 from harness.records.study import StudyRecord
 from reports.charts import Json
-from reports.charts.figure import axis, curve, figure
-from reports.charts.palette import MUTED
+from reports.charts.figure import axis, curve, figure, level, note
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
 from reports.drawing.kinematics import section
 from reports.text.numbers import heading
@@ -119,10 +118,8 @@ def _reach_by_setting(reach: Mapping[tuple[float, str], float], title: str, reco
         data.append(curve(x, y, {"color": colour}, name=setting, mode="lines+markers"))
     wall, lines = record.scene.wall, {}
     if wall is not None:
-        at = {"xref": "paper", "x0": 0, "x1": 1, "y0": wall.distance_m, "y1": wall.distance_m}
-        note = {"xref": "paper", "x": 1, "y": wall.distance_m, "xanchor": "right", "yanchor": "bottom", "text": "wall"}
-        lines = {
-            "shapes": [{"type": "line", **at, "line": {"color": WALL_COLOUR, "width": 1.5, "dash": "dash"}}],
-            "annotations": [{**note, "showarrow": False, "font": {"size": 11, "color": MUTED}}],
-        }
+        at = wall.distance_m
+        dashed = {"color": WALL_COLOUR, "width": 1.5, "dash": "dash"}
+        words = note(1, at, "wall", xref="paper", xanchor="right", yanchor="bottom")
+        lines = {"shapes": [level(at, dashed)], "annotations": [words]}
     return figure(data, 360, axis(title), axis("top moves by  [m]", rangemode="tozero"), **lines)

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from harness.model.history import Outcome
-from harness.records.assess import planar_alone
+from harness.records.assess import draws_of, planar_alone
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scores import ROBUST
 from reports.drawing.kinematics import section
@@ -46,9 +46,10 @@ def run_verdict(source: RunSource) -> Verdict:
         return nominal if known else replace(nominal, tone="failed" if over else "differ")
     item = worst(answers)
     given = f"As given, once: {nominal.headline[0].lower()}{nominal.headline[1:]}."
-    each = [f"By {name} it {other.sentence}, from {other.draws} draws." for name, other in answers.items()]
+    draws = draws_of(answers)
+    each = [f"By {name} it {other.sentence}, from {draws[name]}." for name, other in answers.items()]
     if len(answers) == 1:
-        each = [f"The probability is that of {name}, from {item.draws} draws." for name in answers]
+        each = [f"The probability is that of {name}, from {draws[name]}." for name in answers]
     beyond = planar_alone(answers, source.scene.file)
     points = [*each, *beyond, given, *nominal.points]
     return Verdict(f"The statue {item.sentence}", worse_tone(answers, nominal.tone), points)

@@ -15,6 +15,7 @@ import numpy as np
 
 from tests.fuzz import records, use
 from tests.fuzz.mutate import BINARY, PACKED, RECORD, STEPPED, STL, TEXT, TITLED, Mutation
+from tests.stores_for_tests import put
 
 
 @dataclass(frozen=True)
@@ -184,7 +185,7 @@ def _store() -> bytes:
     with tempfile.TemporaryDirectory(prefix="rockcheck-fuzz-") as name:
         path = Path(name) / "store.sqlite"
         with Store(path) as store:
-            store.put([("key", run)], histories=True)
+            put(store, [("key", run)], histories=True)
         return path.read_bytes()
 
 

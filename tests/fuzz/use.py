@@ -22,6 +22,7 @@ from harness.input.text_file import decoded
 from harness.model.errors import InputError
 from harness.model.history import history_file
 from harness.model.scene import Scene
+from tests.stores_for_tests import put
 
 RUN_S: Final = 0.3
 """Seconds that a scene is run for."""
@@ -52,9 +53,8 @@ def study(path: Path) -> None:
     cases = [base.scene(case.setting) for case in islice(expand(given, base), FEW)]
     with Store(path.parent / WRITTEN / "store.sqlite") as store:
         for number, case in enumerate(cases):
-            store.put([(str(number), simulate(_short(case), "analytic"))], histories=True)
-        known = {str(number) for number in range(len(cases))}
-        if store.known(known) != known:
+            put(store, [(str(number), simulate(_short(case), "analytic"))], histories=True)
+        if store.keys() != {str(number) for number in range(len(cases))}:
             raise AssertionError("a run that was put into a store is not there")
 
 
@@ -62,10 +62,11 @@ def effects(path: Path) -> None:
     """Read, and run the first conditions of the first direction for a moment."""
     from harness.accuracy.simulation import simulate
     from harness.effects3d.conditions import changed_scene
-    from harness.effects3d.file import load_effects
+    from harness.effects3d.study import EffectsFile
+    from harness.input.tables import read_model
     from harness.studies.cases import base_of_scene
 
-    given = load_effects(path)
+    given = read_model(EffectsFile, path)
     found = base_of_scene(path.parent / given.scene).scene({})
     for condition in given.conditions[:FEW]:
         simulate(_short(changed_scene(found, condition, given.azimuths_deg(given.every)[-1])), "analytic")
@@ -119,8 +120,8 @@ def store(path: Path) -> None:
     still = scene_of("still", {"duration_s": 0.01, "statue": COLUMN})
     with Store(path) as found:
         before, _ = found.get("key"), found.history("key")
-        found.put([("another", simulate(still, "analytic"))], histories=True)
-        if found.known(["another"]) != {"another"} or found.get("key") != before:
+        put(found, [("another", simulate(still, "analytic"))], histories=True)
+        if found.keys().isdisjoint({"another"}) or found.get("key") != before:
             raise AssertionError("a store that took a result lost one")
 
 

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from harness.command import Known, Surroundings
-from harness.input.motions.layout import Layout
-from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
+from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Layout
 from harness.input.scene_file import load_scene
 from harness.mesh_cli import MARBLE_KG_M3, inspect, new, prepare
 from harness.model.errors import InputError

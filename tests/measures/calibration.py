@@ -20,8 +20,7 @@ from harness.assess.engine_runs import DrawnRun, overturns
 from harness.assess.inputs import draw, row, uncertain_inputs
 from harness.assess.model_draws import model_draws
 from harness.assess.variation import varied
-from harness.comparison.statistics.outcomes import FELL
-from harness.comparison.statistics.probabilities import brier, reliability
+from harness.comparison.statistics.outcomes import FELL, brier, reliability
 from harness.model.scene import Scene
 from harness.records.sets import ReliabilityBin
 from tests.measures.pages import renew, table

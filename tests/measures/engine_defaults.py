@@ -105,15 +105,15 @@ def largest(t_s: Array, theta_rad: Array, exact: Run) -> float:
     return float(np.max(np.abs(theta_rad[: t_s.size][inside] - exact.history.at(t_s[inside]))))
 
 
-def hull_errors(difficulty: str) -> list[tuple[str, float]]:
+def hull_errors(difficulty: str) -> dict[str, float]:
     """Largest error, rad, of each setting of `HULLS` while the exact solution holds (infinite where a number is not finite)."""
     bullet = import_module(BULLET)
     row = next(item for item in difficulties() if item.name == difficulty)
     scene = scene_of(row.name, row.content)
-    exact, errors = solution(scene), []
+    exact, errors = solution(scene), dict[str, float]()
     for label, given in HULLS:
         t_s, theta = bullet.run(scene, bullet.EngineDefaults(**given))
-        errors.append((label, largest(t_s[t_s <= holds_until_s(exact)], theta, exact)))
+        errors[label] = largest(t_s[t_s <= holds_until_s(exact)], theta, exact)
     return errors
 
 

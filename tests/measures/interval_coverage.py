@@ -46,7 +46,7 @@ class Population(NamedTuple):
     def estimated(self, seed: int, size: int = SIZE) -> Estimate:
         """One estimate from draws of its own, taken with replacement: the population's share is the truth of all."""
         chosen = np.random.default_rng(seed).integers(0, self.fell.size, size)
-        drawn = ModelDraws(*(getattr(self.model, name)[chosen] for name in ModelDraws.__dataclass_fields__))
+        drawn = ModelDraws(*(column[chosen] for column in self.model))
 
         def run(numbers: Sequence[int]) -> list[bool | None]:
             return [bool(self.fell[chosen[k]]) for k in numbers]

@@ -11,10 +11,10 @@ from typing import Final
 import numpy as np
 
 from harness.input.motions import compatible
-from harness.input.motions.components import aligned
 from harness.input.motions.inspect import inspect_file
 from harness.input.motions.process import bandpass, baseline
 from harness.input.motions.readers import read_record
+from harness.input.motions.records import aligned
 from harness.input.motions.series import displacement_m, velocity_m_s
 from harness.input.motions.spec import SpectrumSpec
 from harness.input.motions.spectra import DesignSpectrum, design_spectrum
@@ -38,7 +38,7 @@ def main() -> None:
     target = design_spectrum(SpectrumSpec(kind="spectrum", code="ntc2008", seed=1, **LIFE_SAFETY))  # type: ignore[arg-type]
     for seed in (1, 2, 3):
         report(f"artificial motion, 25 s, seed {seed}", lambda seed=seed: made(target, seed))  # type: ignore[misc]
-    first, again = (compatible.artificial(target, seed=7).series.accel_m_s2 for _ in range(2))
+    first, again = (compatible.artificial(target, seed=7).accel_m_s2 for _ in range(2))
     print(f"the same seed gives the same bits: {bool(np.array_equal(first, again))}")
 
 
@@ -72,8 +72,8 @@ def look_at(path: Path, folder: Path) -> str:
 def made(target: DesignSpectrum, seed: int) -> str:
     """An artificial motion; says how far its spectrum is off and where its double integration ends."""
     match = compatible.artificial(target, seed=seed)
-    velocity, displacement = velocity_m_s(match.series), displacement_m(match.series)
-    off = compatible.misfit(match.series, target)
+    velocity, displacement = velocity_m_s(match), displacement_m(match)
+    off = compatible.misfit(match, target)
     return f"{off:.1%} off, ends at {velocity[-1]:.0e} m/s and {displacement[-1]:.0e} m"
 
 

@@ -18,8 +18,9 @@ from harness.assess.inputs import uncertain_inputs
 from harness.assess.options import options_of
 from harness.assess.variation import varied
 from harness.input.scene_file import load_scene
+from harness.input.tables import read_model
 from harness.model.scene import BaseExcitation, Scene
-from harness.studies.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, load_spectrum, motions_of
+from harness.studies.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of
 from tests.harness.assess.measure_own_runs import own_runs
 from tests.measures.pages import renew, table
 
@@ -47,7 +48,7 @@ def under_a_record() -> Scene:
 def spectrum() -> tuple[SpectrumFile, Path]:
     """The shipped rocking spectrum on a grid of 200 × 200, each motion at its own strength."""
     path = SCENES / "rocking_spectrum.toml"
-    given = load_spectrum(path)
+    given = read_model(SpectrumFile, path)
     sides = {name: getattr(given, name).model_copy(update={"count": GRID}) for name in ("size_m", "slenderness")}
     return given.model_copy(update={**sides, "motion": given.motion[:1], "draws": 1, "strength_cov": 0.0}), path
 

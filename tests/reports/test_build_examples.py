@@ -26,6 +26,7 @@ from harness.studies.study_run import Beside, run_study
 from reports import build_examples
 from tests import doubles
 from tests.harness.studies.small_study import BLOCK, written
+from tests.stores_for_tests import put
 
 
 def said(text: str) -> Answer:
@@ -70,7 +71,7 @@ def test_what_a_study_has_stored_is_not_run_again(
     key = run_key(engine, scene, DEFAULT_ACCURACY_RAD, True)
     run = simulate(scene, "pymunk")
     with Store(tmp_path / "s.sqlite") as store:
-        store.put([(key, run)], histories=True)
+        put(store, [(key, run)], histories=True)
         stored = stored_runs(store, scene)
     assert set(stored) == {"pymunk"}
     monkeypatch.setattr(type(engine), "simulate", lambda *given: pytest.fail("it was run again"))

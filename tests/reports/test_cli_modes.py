@@ -17,6 +17,7 @@ from harness.model.history import Outcome
 from reports.cli import app
 from tests.meshes import togatus
 from tests.reports.invented_run import invented_history, invented_run
+from tests.stores_for_tests import put
 
 COMMANDS = {
     "inspect": ("mesh inspect statue.ply --unit m", ""),
@@ -38,7 +39,7 @@ def folder(statue: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Pa
     (tmp_path / "statue.ply").write_bytes(statue)
     (tmp_path / "quake.csv").write_text("t_s,a_0_ms2\n0,0\n0.5,1\n1,0\n")
     with Store(tmp_path / "store.sqlite") as store:
-        store.put([("key", invented_run("analytic", invented_history(0.0, samples=11), Outcome.STANDS, 1e-9))])
+        put(store, [("key", invented_run("analytic", invented_history(0.0, samples=11), Outcome.STANDS, 1e-9))])
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

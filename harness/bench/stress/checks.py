@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.comparison.distance import error_rad as difference_rad
+from harness.model.history import Array
 from harness.model.run import Run
 from harness.model.scene import Scene
-
-Array = NDArray[np.float64]
 
 AGREES_RAD: Final = 1e-3
 """Error that is allowed of any scene: the accuracy that a run aims at unless told otherwise."""

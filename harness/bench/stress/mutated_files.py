@@ -22,14 +22,10 @@ SAID: Final = 2000
 """Characters of what a process that died said last."""
 
 
-def missing() -> str | None:
-    """Why no file can be mutated here, or None."""
-    return source_tree.missing(FUZZ)
-
-
 def tasks(inputs: int) -> list[str]:
     """So many inputs in pieces that can be computed apart; none without the source tree."""
-    return [] if missing() else [f"inputs {k} to {min(k + PIECE, inputs) - 1}" for k in range(0, inputs, PIECE)]
+    missing = source_tree.missing(FUZZ)
+    return [] if missing else [f"inputs {k} to {min(k + PIECE, inputs) - 1}" for k in range(0, inputs, PIECE)]
 
 
 def compute(task: str) -> list[Row]:

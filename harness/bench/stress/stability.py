@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -146,10 +145,9 @@ def _hulls(row: Difficulty, own: Sequence[Cell], allowed_rad: float) -> Iterator
     `own`: the row's cells of this project's contact, on spheres at the base's vertices, of which a stable one avoids a failure.
     The hull's errors are measured by the source tree; without it there are no such cells.
     """
-    done = source_tree.ask(DEFAULTS, "--hull", row.name)
-    done.check_returncode()
     cells = []
-    for label, error in json.loads(done.stdout):
+    (hulls,) = source_tree.rows(DEFAULTS, "--hull", row.name)
+    for label, error in hulls.items():
         category = "diverged" if not math.isfinite(error) else "inaccurate" if error > allowed_rad else "stable"
         evidence = f"error {error:.1e} rad of {allowed_rad:.1e} rad allowed"
         cells.append(Cell("pybullet", label, row.name, category, evidence))

@@ -42,7 +42,10 @@ def assembled(listed: Sequence[Part], measured: Mapping[str, Measured], command:
 def absent() -> dict[str, str]:
     """What cannot be run here, engines of the catalogue or what the source tree holds, and why: nothing is said of it."""
     missing = {name: engines.load(name).missing() for name in ALL}
-    missing |= {"the part questions": source_tree.missing(scenes.ASKS), "the fuzz": mutated_files.missing()}
+    missing |= {
+        "the part questions": source_tree.missing(scenes.ASKS),
+        "the fuzz": source_tree.missing(mutated_files.FUZZ),
+    }
     return {name: why for name, why in missing.items() if why is not None}
 
 

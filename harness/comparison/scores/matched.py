@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from harness.comparison.scores import energy, events
+from harness.comparison.scores import events
+from harness.comparison.scores.events import Excursions
 from harness.comparison.side import Side
 from harness.model.history import Array
+from harness.model.scene import Statue
 from harness.records.scores import EventScores
 
 
 def event_scores(
-    a: events.Excursions, b: events.Excursions, inertia: energy.RockingInertia | None, until_s: float = math.inf
+    a: events.Excursions, b: events.Excursions, inertia: RockingInertia | None, until_s: float = math.inf
 ) -> EventScores:
     """Matched uplifts and impacts of two histories, and the energy that each matched impact takes; pairs whose event in b, and
     events alone, come after `until_s` are left out."""
@@ -28,7 +33,7 @@ def event_scores(
         times_a, a.side[down_a], 0.5 * a.length_s[down_a], times_b, b.side[down_b], 0.5 * b.length_s[down_b]
     ).until(times_a, times_b, until_s)
     index_a, index_b = np.flatnonzero(down_a)[impacts.index_a], np.flatnonzero(down_b)[impacts.index_b]
-    share_a, share_b = energy.share_lost(a, inertia)[index_a], energy.share_lost(b, inertia)[index_b]
+    share_a, share_b = share_lost(a, inertia)[index_a], share_lost(b, inertia)[index_b]
     return EventScores(
         uplift_time_differences_s=_list(up_a[uplifts.index_a] - up_b[uplifts.index_b]),
         uplifts_alone_a=uplifts.alone_a,
@@ -39,8 +44,8 @@ def event_scores(
         impacts_alone_b=impacts.alone_b,
         impact_energy_share_lost_a=_list(share_a),
         impact_energy_share_lost_b=_list(share_b),
-        impact_energy_lost_a_j=None if inertia is None else _list(energy.lost_j(a, inertia)[index_a]),
-        impact_energy_lost_b_j=None if inertia is None else _list(energy.lost_j(b, inertia)[index_b]),
+        impact_energy_lost_a_j=None if inertia is None else _list(lost_j(a, inertia)[index_a]),
+        impact_energy_lost_b_j=None if inertia is None else _list(lost_j(b, inertia)[index_b]),
     )
 
 
@@ -75,3 +80,44 @@ def numerical_uncertainty(
 
 def _list(values: Array) -> tuple[float, ...]:
     return tuple(values.tolist())
+
+
+@dataclass(frozen=True)
+class RockingInertia:
+    """J_s about each corner, for the kinetic energy of rocking, ½ J_s θ̇² (docs/model.md, section 1)."""
+
+    left_kg_m2: float
+    right_kg_m2: float
+
+    @classmethod
+    def of(cls, statue: Statue) -> RockingInertia:
+        """J_s = J_G + m (h² + b_s²) of a statue's two corners."""
+        h, m, j = statue.centroid_height_m, statue.mass_kg, statue.inertia_kg_m2
+        return cls(*(j + m * (h * h + b * b) for b in (statue.corner_left_m, statue.corner_right_m)))
+
+    def about(self, side: NDArray[Any]) -> Array:
+        """J of the corner on each side (+1 right, −1 left), shape of `side`."""
+        return np.where(side > 0, self.right_kg_m2, self.left_kg_m2)
+
+
+def share_lost(excursions: Excursions, inertia: RockingInertia | None) -> Array:
+    """Share of the rocking energy lost in each impact, shape (k,); NaN where the history ends before it.
+
+    At θ = 0 both corners touch and the potential energy is the same, so the share is 1 − J_new θ̇⁺²/(J_old θ̇⁻²). Without
+    inertias J_new = J_old is taken (a symmetric body). When the statue falls back on the corner that it came from, or
+    rests, the new corner is the side of θ̇⁺.
+    """
+    before, after = excursions.rate_before_rad_s, excursions.rate_after_rad_s
+    ratio = np.ones_like(before)
+    if inertia is not None:
+        ratio = inertia.about(np.sign(after)) / inertia.about(excursions.side)
+    energy = before * before
+    lost: Array = 1.0 - np.divide(ratio * after * after, energy, out=np.full_like(energy, np.nan), where=energy > 0.0)
+    return lost
+
+
+def lost_j(excursions: Excursions, inertia: RockingInertia) -> Array:
+    """Energy in J that each impact takes from the rocking motion, shape (k,)."""
+    before = 0.5 * inertia.about(excursions.side) * excursions.rate_before_rad_s**2
+    taken: Array = share_lost(excursions, inertia) * before
+    return taken

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.model.history import History
+from harness.model.history import Array, History
 from harness.model.history_pair import Pair, first_beyond_s
 from harness.records.scores import SpragueGeers
 
@@ -20,16 +20,9 @@ class Peak:
     time_s: float
 
 
-def rms_rad(pair: Pair) -> float:
-    """Root mean square of θ_a − θ_b over the window, weighted by time."""
-    d = pair.difference_rad
-    return math.sqrt(pair.integral(d, d) / float(pair.weights_s.sum()))
-
-
-def rms_slip_m(pair: Pair) -> float:
-    """Root mean square of the difference of the slips over the window, weighted by time."""
-    d = pair.slip_a_m - pair.slip_b_m
-    return math.sqrt(pair.integral(d, d) / float(pair.weights_s.sum()))
+def rms(pair: Pair, values: Array) -> float:
+    """Root mean square of values (n,) over the window, weighted by time."""
+    return math.sqrt(pair.integral(values, values) / float(pair.weights_s.sum()))
 
 
 def peak(history: History, until_s: float = math.inf) -> Peak:

@@ -61,19 +61,15 @@ def wilson(hits: int, total: int, confidence: float = CONFIDENCE) -> Interval | 
     """A proportion with Wilson's score interval (JASA 22, 1927); None of an empty set."""
     if total == 0:
         return None
-    z = _normal_quantile(0.5 + 0.5 * confidence)
+    from statistics import NormalDist
+
+    z = NormalDist().inv_cdf(0.5 + 0.5 * confidence)
     p = hits / total
     centre = (p + z * z / (2.0 * total)) / (1.0 + z * z / total)
     half = z / (1.0 + z * z / total) * float(np.sqrt(p * (1.0 - p) / total + z * z / (4.0 * total * total)))
     return Interval(
         p, min(centre - half, p) if hits else 0.0, max(centre + half, p) if hits < total else 1.0, confidence
     )
-
-
-def _normal_quantile(probability: float) -> float:
-    from statistics import NormalDist
-
-    return NormalDist().inv_cdf(probability)
 
 
 def bootstrap(

@@ -81,8 +81,7 @@ def prepare(motion: SceneMotion) -> Prepared:
         amplitude = component.amplitude_g * motion.gravity_m_s2
         ground = Prepared(Pulse(component.shape, amplitude, component.duration_s, component.start_s))
     elif isinstance(component, RecordSpec):
-        loaded = records.load(component, base_dir=motion.base_dir, where=motion.where, key=motion.key)
-        ground = _of_series(loaded.series, loaded.warnings)
+        ground = _of_series(*records.load(component, base_dir=motion.base_dir, where=motion.where, key=motion.key))
     else:
         ground = _compatible(component, motion)
     return _on_floor(ground, component.floor, motion) if component.floor else ground
@@ -98,14 +97,15 @@ def _compatible(component: SpectrumSpec, motion: SceneMotion) -> Prepared:
         if component.record is None:
             duration = component.duration_s or compatible.DEFAULT_DURATION_S
             made = compatible.artificial(spectrum, seed=component.seed or 0, duration_s=duration)
-            return _of_series(made.series, (), spectrum)
-        loaded = records.load(component.record, base_dir=motion.base_dir, where=where, key=f"{key}.record")
-        series = process.resample(loaded.series, compatible.STEP_S) if component.method != "scale" else loaded.series
+            return _of_series(made, (), spectrum)
+        series, warnings = records.load(component.record, base_dir=motion.base_dir, where=where, key=f"{key}.record")
+        if component.method != "scale":
+            series = process.resample(series, compatible.STEP_S)
         factor = compatible.best_factor(series, spectrum)
         series = process.scaled(series, factor, f"nearest to {spectrum.name}")
         if component.method != "scale":
-            series = compatible.match(series, spectrum).series
-        return _of_series(series, loaded.warnings, spectrum)
+            series = compatible.match(series, spectrum)
+        return _of_series(series, warnings, spectrum)
     except process.ProcessError as error:
         raise mistake(
             where, f"{key}.record", f"a record that can be sampled at {compatible.STEP_S} s", str(error)

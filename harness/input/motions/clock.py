@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from harness.input.motions.series import Floats
 from harness.input.motions.text import mistake
-
-Floats = NDArray[np.float64]
 
 JITTER: Final = 0.02
 """Of a step: what times printed with few digits are off by."""

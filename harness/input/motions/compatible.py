@@ -8,7 +8,6 @@ Matching: tapered cosines added at each oscillator's peak, their sizes from the 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -50,15 +49,6 @@ class NoMatchError(ValueError):
     """No history was found within the promised misfit; the sentence says how near it came."""
 
 
-@dataclass(frozen=True, eq=False)
-class Match:
-    """A compatible history, its largest misfit |S/target − 1| in BAND_S, and how many wavelet passes it took."""
-
-    series: Series
-    misfit: float
-    passes: int
-
-
 def misfit(series: Series, spectrum: DesignSpectrum) -> float:
     """Largest |S/target − 1| over BAND_S at 200 periods."""
     periods = np.geomspace(*BAND_S, 200)
@@ -79,7 +69,7 @@ def _edges(n: int) -> Floats:
     return 0.5 - 0.5 * np.cos(np.pi * np.clip(np.minimum(share, 1.0 - share) / _EDGE, 0.0, 1.0))
 
 
-def artificial(spectrum: DesignSpectrum, *, seed: int, duration_s: float = DEFAULT_DURATION_S) -> Match:
+def artificial(spectrum: DesignSpectrum, *, seed: int, duration_s: float = DEFAULT_DURATION_S) -> Series:
     """A history of `duration_s` from `seed`: the same seed gives the same samples; NoMatchError beyond MISFIT."""
     n = round(duration_s / STEP_S) + 1
     rng = np.random.Generator(np.random.PCG64(seed))
@@ -116,7 +106,7 @@ def best_factor(series: Series, spectrum: DesignSpectrum) -> float:
     return float(np.exp(np.mean(np.log(spectrum.accel_m_s2(periods) / response))))
 
 
-def match(series: Series, spectrum: DesignSpectrum) -> Match:
+def match(series: Series, spectrum: DesignSpectrum) -> Series:
     """`series` (at STEP_S) changed by wavelets until its spectrum follows `spectrum`; it ends at rest.
 
     Raises NoMatchError where the largest misfit in BAND_S stays above MISFIT.
@@ -142,7 +132,7 @@ def match(series: Series, spectrum: DesignSpectrum) -> Match:
     if largest > MISFIT:
         raise NoMatchError(f"the nearest history is {largest:.1%} off {spectrum.name}, more than {MISFIT:.0%}")
     said = f"matched to {spectrum.name} in {passes} passes: {largest:.1%} off at most from {BAND_S[0]:g} to {BAND_S[1]:g} s"
-    return Match(series.changed(best, said), largest, passes)
+    return series.changed(best, said)
 
 
 def _without_drift(accel: Floats) -> Floats:

@@ -10,11 +10,11 @@ from typing import Final
 import numpy as np
 
 from analytic.excitation import SampledAcceleration
-from harness.input.motions import SceneMotion, components, oscillator, prepare
-from harness.input.motions.layout import Layout
+from harness.input.motions import SceneMotion, oscillator, prepare
 from harness.input.motions.measures import Measures, measures
 from harness.input.motions.readers import read_record
-from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
+from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Layout
+from harness.input.motions.records import aligned
 from harness.input.motions.series import Floats, Series
 from harness.input.motions.spectra import DesignSpectrum
 
@@ -78,7 +78,7 @@ def inspect_file(
     tested = "tried on originals" if record.tested else "untested on originals"
     source = {"file": str(path), "format": f"{record.format} (reader {tested})", "unit": record.unit}
     source |= {key: " ".join(said.split()) for key, said in record.facts.items()}
-    series = components.aligned(record)
+    series = aligned(record)
     traces = tuple(
         _trace(channel.name, str(channel.orientation), series[channel.name], target) for channel in record.channels
     )

@@ -37,13 +37,6 @@ def arias_share(squares: Floats) -> Floats:
     return np.asarray(gathered / gathered[-1])
 
 
-def arias_m_s(series: Series) -> float:
-    """Arias intensity π/(2g) ∫a² dt, m/s, by the trapezium rule."""
-    squares = series.accel_m_s2**2
-    integral = float((0.5 * (squares[1:] + squares[:-1])).sum()) * series.dt_s
-    return 0.5 * math.pi / STANDARD_GRAVITY_M_S2 * integral
-
-
 def peak_velocity_m_s(series: Series) -> float:
     """Largest |velocity|, m/s, also between samples, where the straight line of the acceleration crosses zero."""
     accel, velocity = series.accel_m_s2, velocity_m_s(series)
@@ -53,32 +46,23 @@ def peak_velocity_m_s(series: Series) -> float:
     return float(np.abs(np.concatenate([velocity, between])).max())
 
 
-def significant_s(series: Series, low: float, high: float) -> float:
-    """Time in which the Arias intensity grows from the share `low` to the share `high`, s, interpolated."""
-    build, t_s = arias_share(series.accel_m_s2**2), series.t_s
-    return float(np.interp(high, build, t_s) - np.interp(low, build, t_s))
-
-
-def bracketed_s(series: Series) -> float:
-    """Time from the first to the last sample above BRACKET_G, s."""
-    above = np.flatnonzero(np.abs(series.accel_m_s2) >= BRACKET_G * STANDARD_GRAVITY_M_S2)
-    return float((above[-1] - above[0]) * series.dt_s) if above.size else 0.0
-
-
 def measures(series: Series) -> Measures:
-    """All of them."""
-    velocity, displacement = velocity_m_s(series), displacement_m(series)
-    pga = float(np.abs(series.accel_m_s2).max())
-    pgv = peak_velocity_m_s(series)
+    """All of them; integrals by the trapezium rule, instants of the Arias intensity interpolated."""
+    accel, velocity, displacement = series.accel_m_s2, velocity_m_s(series), displacement_m(series)
+    squares, sizes = accel**2, np.abs(accel)
+    integral = float((0.5 * (squares[1:] + squares[:-1])).sum()) * series.dt_s
+    begin, strong, end = np.interp((0.05, 0.75, 0.95), arias_share(squares), series.t_s).tolist()
+    above = np.flatnonzero(sizes >= BRACKET_G * STANDARD_GRAVITY_M_S2)
+    pga, pgv = float(sizes.max()), peak_velocity_m_s(series)
     return Measures(
-        pga / STANDARD_GRAVITY_M_S2,
-        pgv,
-        float(np.abs(displacement).max()),
-        pgv / pga,
-        arias_m_s(series),
-        significant_s(series, 0.05, 0.95),
-        significant_s(series, 0.05, 0.75),
-        bracketed_s(series),
-        float(velocity[-1]),
-        float(displacement[-1]),
+        pga_g=pga / STANDARD_GRAVITY_M_S2,
+        pgv_m_s=pgv,
+        pgd_m=float(np.abs(displacement).max()),
+        pgv_to_pga_s=pgv / pga,
+        arias_m_s=0.5 * math.pi / STANDARD_GRAVITY_M_S2 * integral,
+        significant_5_95_s=end - begin,
+        significant_5_75_s=strong - begin,
+        bracketed_s=float((above[-1] - above[0]) * series.dt_s) if above.size else 0.0,
+        end_velocity_m_s=float(velocity[-1]),
+        end_displacement_m=float(displacement[-1]),
     )

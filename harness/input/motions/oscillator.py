@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Floats = NDArray[np.float64]
+from harness.input.motions.series import Floats
 
 POINTS_PER_PERIOD: Final = 20
 """Samples of the response in a period: the peak between two of them is missed by at most 1 − cos(π/20) = 1.2 %."""

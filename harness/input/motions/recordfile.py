@@ -1,4 +1,4 @@
-"""What a record file holds, whatever its format: channels on their own clocks, in m/s², with their directions."""
+"""What a record file holds, whatever its format: channels on their own clocks, in m/s²; and what a user says of a text."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.input.motions.orientation import Orientation
+from harness.input.motions.orientation import Orientation, parse_orientation
 
 STANDARD_GRAVITY_M_S2: Final = 9.80665
 UNITS_M_S2: Final[Mapping[str, float]] = MappingProxyType(
@@ -21,6 +21,15 @@ UNITS_M_S2: Final[Mapping[str, float]] = MappingProxyType(
 UNIT_NAMES: Final = " or ".join(UNITS_M_S2)
 _SPELLINGS: Final = {"ms2": "m/s2", "mps2": "m/s2", "cms2": "cm/s2", "cmps2": "cm/s2", "mms2": "mm/s2", "mmps2": "mm/s2",
                      "gal": "cm/s2", "gals": "cm/s2"}  # fmt: skip
+
+
+FORMATS: Final[Mapping[str, bool]] = {
+    "GeoNet V2A": True, "GeoNet V1A": False, "K-NET": True, "KiK-net": False, "USGS SMC": True,
+    "USGS SMC, uncorrected": False, "CSMIP V1": False, "USC V1": False, "RENADIC V1": False, "BHRC V1": False,
+    "CSMIP V2": True, "COSMOS": True, "COSMOS V0": False, "ITACA/ESM ASCII": True, "PEER AT2": True, "NSMN (AFAD)": False,
+    "UNAM": False, "CWB": False, "CSV": True, "miniSEED/SAC": False,
+}  # fmt: skip
+"""Every format's name, and whether its reader was tried on files as the network publishes them."""
 
 
 def unit_named(text: str) -> str | None:
@@ -52,10 +61,14 @@ class Channel:
 
     @classmethod
     def read(
-        cls, name: str, orientation: Orientation, dt_s: float, values: NDArray[np.float64], unit: str,
+        cls, name: str, orientation: Orientation | None, dt_s: float, values: NDArray[np.float64], unit: str,
         peak: tuple[float | None, float | None] = (None, None), start_s: float = 0.0,
     ) -> Channel:  # fmt: skip
-        """The channel of `values` in `unit` as a file holds them, turned so that up is positive; `peak` likewise."""
+        """The channel of `values` in `unit` as a file holds them, turned so that up is positive; `peak` likewise.
+
+        Without an orientation it points as its name says.
+        """
+        orientation = orientation or parse_orientation(name)
         factor = UNITS_M_S2[unit] * orientation.sign
         stated, at_s = peak
         return cls(name, orientation, dt_s, values * factor, start_s, None if stated is None else stated * factor, at_s)
@@ -70,18 +83,21 @@ class Channel:
 class RecordFile:
     """The channels of one record and where they came from.
 
-    `group` is equal for files that hold other channels of the same record ("" where a file holds them all); `tested` says
-    whether this format's reader has been tried on files as its network publishes them.
+    `group` is equal for files that hold other channels of the same record ("" where a file holds them all).
     """
 
     path: str
     format: str
-    tested: bool
     unit: str
     channels: tuple[Channel, ...]
     facts: Mapping[str, str] = field(default_factory=dict)
     group: str = ""
     warnings: tuple[str, ...] = ()
+
+    @property
+    def tested(self) -> bool:
+        """Whether this format's reader has been tried on files as its network publishes them."""
+        return FORMATS.get(self.format, True)
 
     @property
     def horizontals(self) -> tuple[Channel, ...]:
@@ -92,3 +108,28 @@ class RecordFile:
     def verticals(self) -> tuple[Channel, ...]:
         """Channels known to be vertical, positive upwards."""
         return tuple(channel for channel in self.channels if channel.orientation.vertical)
+
+
+WHOLE: Final = "all"
+"""`columns` of one channel whose numbers run on from line to line."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """`--dt`, `--skip-lines`, `--columns` ("2,3" or "2:N,3:E", or "all") and `--time-column` (columns count from 1)."""
+
+    dt_s: float | None = None
+    skip_lines: int | None = None
+    columns: str | None = None
+    time_column: int | None = None
+
+    @property
+    def given(self) -> bool:
+        """Whether anything is said."""
+        return self != Layout()
+
+    def options(self) -> str:
+        """The same as options of `rockcheck motion inspect`."""
+        said = (("skip-lines", self.skip_lines), ("time-column", self.time_column), ("columns", self.columns))
+        words = [f"--{name} {value}" for name, value in said if value]
+        return " ".join([*words, *([f"--dt {self.dt_s:g}"] if self.dt_s is not None else [])])

@@ -2,46 +2,40 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
 from harness.input import paths
-from harness.input.motions import components, process
+from harness.input.motions import process
 from harness.input.motions.check import DRIFTS
+from harness.input.motions.orientation import parse_orientation
 from harness.input.motions.process import ProcessError
 from harness.input.motions.readers import read_record
-from harness.input.motions.recordfile import RecordFile
-from harness.input.motions.series import Series
+from harness.input.motions.recordfile import Channel, RecordFile
+from harness.input.motions.series import Floats, Series
 from harness.input.motions.spec import Source
 from harness.input.motions.text import mistake
 
 
-@dataclass(frozen=True, eq=False)
-class Processed:
-    """The processed history and what the reader had to say about the file."""
-
-    series: Series
-    warnings: tuple[str, ...]
-
-
-def load(source: Source, *, base_dir: Path, where: str, key: str) -> Processed:
-    """Read and process; InputError names `key` of `where`, or the record file and its line."""
+def load(source: Source, *, base_dir: Path, where: str, key: str) -> tuple[Series, tuple[str, ...]]:
+    """The processed history, and what the reader said of it; InputError names `key` of `where`, or the file and its line."""
     path = paths.resolve(source.file, base_dir=base_dir, where=where, key=f"{key}.file")
     record = read_record(path, unit=source.unit, layout=source.layout)
     series = _chosen(record, source, where, key)
     try:
-        return Processed(_processed(series, record, source), _concerning(record, source, where, key))
+        return _processed(series, record, source), _concerning(record, source, where, key)
     except ProcessError as error:
         raise mistake(where, key, f"a step that {path.name} can take", str(error)) from error
 
 
 def _chosen(record: RecordFile, source: Source, where: str, key: str) -> Series:
     if source.azimuth_deg is not None:
-        return components.turned(record, source.azimuth_deg, where=where, key=key)
-    channel = components.channel_named(record, source.column, where=where, key=key)
-    return components.aligned(record)[channel.name]
+        return turned(record, source.azimuth_deg, where=where, key=key)
+    channel = channel_named(record, source.column, where=where, key=key)
+    return aligned(record)[channel.name]
 
 
 def _concerning(record: RecordFile, source: Source, where: str, key: str) -> tuple[str, ...]:
@@ -50,7 +44,7 @@ def _concerning(record: RecordFile, source: Source, where: str, key: str) -> tup
     warnings = tuple(said for said in record.warnings if not (cured and DRIFTS in said))
     if source.azimuth_deg is not None:
         return warnings
-    used = components.channel_named(record, source.column, where=where, key=key).name
+    used = channel_named(record, source.column, where=where, key=key).name
     others = tuple(f"{channel.name}: " for channel in record.channels if channel.name != used)
     return tuple(said for said in warnings if not said.startswith(others))
 
@@ -70,7 +64,7 @@ def _shaped(series: Series, source: Source) -> Series:
 def _processed(series: Series, record: RecordFile, source: Source) -> Series:
     shaped = _shaped(series, source)
     if source.significant is not None:
-        every = [_shaped(channel, source).accel_m_s2 for channel in components.aligned(record).values()]
+        every = [_shaped(channel, source).accel_m_s2 for channel in aligned(record).values()]
         joint = np.sum([accel**2 for accel in every], axis=0)
         shaped = process.significant(shaped, source.significant, joint)
     if source.pga_g is not None:
@@ -80,3 +74,88 @@ def _processed(series: Series, record: RecordFile, source: Source) -> Series:
     else:
         shaped = process.scaled(shaped, source.scale, "scale")
     return process.scaled(shaped, float(source.sign), "sign")
+
+
+AZIMUTH_TOLERANCE_DEG: Final = 0.5
+"""Azimuths are published in whole degrees."""
+LEAST_CROSSING_DEG: Final = 30.0
+"""Two horizontals closer than this to one line amplify each other's errors more than twice when turned."""
+_WHOLE_STEP = 1e-3  # of a step: clocks that differ by whole steps
+_LEAST_SAMPLES = 2
+
+
+def aligned(record: RecordFile) -> dict[str, Series]:
+    """All channels, by name, on the samples that they have in common; InputError where they share no time.
+
+    Channels that start between each other's samples, or sample at other steps, are interpolated linearly on the finest.
+    """
+    channels = record.channels
+    first = max(channel.start_s for channel in channels)
+    last = min(channel.start_s + channel.dt_s * (channel.accel_m_s2.size - 1) for channel in channels)
+    dt_s = min(channel.dt_s for channel in channels)
+    count = math.floor((last - first) / dt_s + 1e-6) + 1
+    if count < _LEAST_SAMPLES:
+        raise mistake(record.path, "", "channels that overlap in time", "channels that do not", "read them one by one")
+    return {channel.name: _on_clock(channel, first, dt_s, count) for channel in channels}
+
+
+def _on_clock(channel: Channel, first_s: float, dt_s: float, count: int) -> Series:
+    offset = (first_s - channel.start_s) / dt_s
+    whole = round(offset)
+    samples = channel.accel_m_s2
+    read = f"{channel.name} ({channel.orientation}), {samples.size} samples at {channel.dt_s:g} s"
+    if channel.dt_s == dt_s and abs(offset - whole) < _WHOLE_STEP:
+        cut = samples.size - count
+        said = f"{read}, the {count} that all channels share" if cut else read
+        return Series(dt_s, samples[whole : whole + count], (said,))
+    t_s = first_s + dt_s * np.arange(count)
+    said = f"{read}, interpolated linearly on the clock shared by all channels"
+    return Series(dt_s, np.interp(t_s, channel.t_s, samples), (said,))
+
+
+def channel_named(record: RecordFile, column: str | None, *, where: str, key: str) -> Channel:
+    """The channel that `column` names by header, name or azimuth; the only one where `column` is None."""
+    available = ", ".join(f"{channel.name} ({channel.orientation})" for channel in record.channels)
+    if column is None:
+        if len(record.channels) == 1:
+            return record.channels[0]
+        raise mistake(where, f"{key}.column", f"one of {available}", "no column", f"{record.path} holds several")
+    exact = [channel for channel in record.channels if channel.name.casefold() == column.casefold()]
+    meant = parse_orientation(column)
+    same = [channel for channel in record.channels if _same(channel, meant.azimuth_deg, meant.vertical)]
+    matches = exact or same
+    if len(matches) != 1:
+        got = f"{column!r}, which fits {len(matches)} of them" if matches else repr(column)
+        raise mistake(where, f"{key}.column", f"one of {available}", got, f"these are the columns of {record.path}")
+    return matches[0]
+
+
+def _same(channel: Channel, azimuth_deg: float | None, vertical: bool) -> bool:
+    if vertical:
+        return channel.orientation.vertical
+    own = channel.orientation.azimuth_deg
+    if azimuth_deg is None or own is None:
+        return False
+    return abs((own - azimuth_deg + 180.0) % 360.0 - 180.0) <= AZIMUTH_TOLERANCE_DEG
+
+
+def turned(record: RecordFile, azimuth_deg: float, *, where: str, key: str) -> Series:
+    """The horizontal acceleration towards `azimuth_deg` (clockwise from north) from the record's two horizontals."""
+    horizontals = record.horizontals
+    if len(horizontals) != 2:
+        got = f"{len(horizontals)} in {record.path}"
+        raise mistake(where, f"{key}.azimuth_deg", "two horizontal channels with known azimuths", got, "give column")
+    one, two = horizontals
+    first, second = (math.radians(channel.orientation.azimuth_deg or 0.0) for channel in horizontals)
+    crossing = math.degrees(math.asin(min(1.0, abs(math.sin(second - first)))))
+    if crossing < LEAST_CROSSING_DEG:
+        got = f"{one.name} and {two.name}, {crossing:g}° apart"
+        raise mistake(where, f"{key}.azimuth_deg", "horizontals at least 30° apart", got, "give column")
+    towards = math.radians(azimuth_deg)
+    weights = np.array([math.sin(second - towards), math.sin(towards - first)]) / math.sin(second - first)
+    series = aligned(record)
+    parts = [series[channel.name].accel_m_s2 for channel in horizontals]
+    total: Floats = weights[0] * parts[0] + weights[1] * parts[1]
+    said = f"turned to azimuth {azimuth_deg:g}°: {weights[0]:+.4f} {one.name} {weights[1]:+.4f} {two.name}"
+    read = tuple(step for channel in horizontals for step in series[channel.name].done)
+    return Series(series[one.name].dt_s, total, (*read, said))

@@ -7,8 +7,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from harness.input.mistakes import Table
-from harness.input.motions.layout import Layout
-from harness.input.motions.recordfile import unit_named
+from harness.input.motions.recordfile import Layout, unit_named
 
 
 def list_to_tuple(value: Any) -> Any:

@@ -19,7 +19,7 @@ from harness.assess.words import summary
 from harness.input.scene_file import load_scene
 from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation
-from harness.records.assess import planar_alone
+from harness.records.assess import NotAssessed, planar_alone
 from reports.text.chance import tone_of_answers, worse_tone
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import PAESTUM, paestum, rectangle, scene
@@ -66,6 +66,16 @@ def test_an_assessment_holds_what_the_contract_names() -> None:
     assert record.difference_from_model["pymunk"].low <= record.difference_from_model["pymunk"].high
     assert np.all(np.diff(record.fragility.factor) > 0.0)
     assert set(record.indices) <= {item.key for item in record.uncertainty}
+
+
+def test_an_engine_none_of_whose_runs_ends_has_no_probability_but_a_reason() -> None:
+    """The exact body knows no pedestal."""
+    record = assess(paestum(0.429, 3.0, duration_s=0.5), ["spatial"], draws=100, most_runs=30, more_options=None).record
+    none = record.assessment["spatial"]
+    assert isinstance(none, NotAssessed)
+    assert "none of its 30 runs came to an end" in none.message
+    assert set(record.answers) == {"analytic"}
+    assert record.difference_from_model == {}
 
 
 def test_a_push_across_the_plane_is_the_exact_bodys_to_answer_and_never_green() -> None:

@@ -54,7 +54,7 @@ WIDE = '{ kind = "lognormal", cov = 0.4 }'
         ('"contact.flor" = { kind = "lognormal", cov = 0.1 }', "got no such number; did you mean contact.floor?"),
         ('"title" = { kind = "normal", sd = 0.1 }', "a number of this scene"),
         ('"initial.theta_rad" = { kind = "lognormal", cov = 0.1 }', "a positive value"),
-        ('"motion.scale" = { kind = "lognormal", sd = 0.1 }', "cov"),
+        ('"motion.scale" = { kind = "lognormal", sd = 0.1 }', "uncertainty.motion.scale.cov: wanted this key"),
         ('"motion.scale" = { kind = "gamma", cov = 0.1 }', "lognormal"),
         ('"motion.scale" = { kind = "normal", sd = 0.1, rho = 0.5 }', "correlated_with and rho together"),
         ('"motion.scale" = { kind = "normal", sd = 0.1, correlated_with = "motion.scale", rho = 0.5 }', "earlier key"),

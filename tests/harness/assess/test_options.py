@@ -13,8 +13,8 @@ from harness.assess import options as made
 from harness.assess.bodies import as_one, sliding, turned_block
 from harness.assess.compared import common, compare, option_draws, paired_difference
 from harness.assess.inputs import draw, uncertain_inputs
-from harness.assess.materials import PAIRS
 from harness.assess.model_draws import model_draws
+from harness.assess.options import PAIRS
 from harness.assess.words import advice
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
@@ -177,7 +177,7 @@ def test_a_users_options_come_from_a_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
-        ("[[option]]\n", r"\[\[option\]\]"),
+        ("[[option]]\n", r"option\.0\.name: wanted this key"),
         ('[[option]]\nname = "a"\nset = {"contact.flor" = 0.3}\n', "contact.flor"),
         ('[[option]]\nname = "a"\nset = {"contact.floor_static" = "much"}\n', "values that make a scene"),
         ('[[option]]\nname = "a"\nset = {"title.a" = 1}\n', "a key inside a table"),

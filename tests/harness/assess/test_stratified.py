@@ -35,7 +35,7 @@ def test_intervals_cover_the_engines_own_probability(agreement: float, probabili
     truth, covered, values = engine.mean(), 0, []
     for _ in range(budget.REPETITIONS):
         order = random.permutation(engine.size)
-        shuffled = ModelDraws(*(getattr(model, name)[order] for name in ModelDraws.__dataclass_fields__))
+        shuffled = ModelDraws(*(column[order] for column in model))
         answer = estimated(shuffled, engine[order])
         covered += answer.low <= truth <= answer.high
         values.append(answer.probability)

@@ -6,7 +6,6 @@ from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
-import pytest
 
 from analytic.excitation import Harmonic, Pulse, SampledAcceleration
 from analytic.motion import Excitation
@@ -88,9 +87,3 @@ def test_no_name_of_the_code_is_in_the_key() -> None:
 
 def test_every_motion_has_a_name_in_the_key() -> None:
     assert set(Excitation.__subclasses__()) <= set(KEYED)
-
-
-@pytest.mark.parametrize("kind", KEYED)
-def test_every_field_has_a_name_in_the_key(kind: type) -> None:
-    said = [item.partition("=")[0] for item in KEYED[kind][1].split()] + NOT_PHYSICS.get(kind, "").split()
-    assert {item.name for item in fields(kind) if not item.name.startswith("_")} == set(said)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from harness.accuracy.simulation import RunTarget
-from harness.campaign.isolate import call, simulate_isolated
 from harness.campaign.runner import Crash, Hung
+from harness.campaign.task import call, simulate_isolated
 from harness.engines.pymunk import Munk2D
 from harness.model.history import Outcome
 from harness.model.options import RunOptions

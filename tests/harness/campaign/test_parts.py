@@ -157,8 +157,8 @@ def test_the_source_is_part_of_what_a_row_was_measured_with(tmp_path: Path, monk
     from harness.campaign import parts as module
 
     first = Counting()
-    module.session(tmp_path, parts(first)[:1], False, ["first"], silent)
+    measure(tmp_path, parts(first)[:1], ["first"], module.stamp(False), silent)
     monkeypatch.setattr(module, "source", lambda: "other code")
     again = Counting()
-    module.session(tmp_path, parts(again), False, None, silent)
+    measure(tmp_path, parts(again), None, module.stamp(False), silent)
     assert again.done == ["a", "b", "c", "d"]

@@ -11,7 +11,7 @@ import pytest
 
 from harness import InputError, Outcome, compare
 from harness.comparison.history_files import compare_files
-from harness.input.resolution import resolution
+from harness.input.history_file import resolution
 from harness.model.run import to_plain
 from harness.records.scores import Verdict
 from tests import doubles
@@ -299,9 +299,9 @@ def test_an_empty_or_broken_file_is_an_error_that_names_it(tmp_path: Path, text:
 def test_a_pair_costs_a_bounded_number_of_passes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Speed is held by counting: each history is searched for excursions once, and no sample is interpolated on equal grids."""
     from harness.comparison.scores import events
-    from harness.model import history_pair as grid
+    from harness.model.history import History
 
-    counts = {"excursions": 0, "hermite": 0}
+    counts = {"excursions": 0, "slip_at": 0}
     real = events.excursions
 
     def counted(history: object) -> object:
@@ -309,9 +309,9 @@ def test_a_pair_costs_a_bounded_number_of_passes(monkeypatch: pytest.MonkeyPatch
         return real(history)  # type: ignore[arg-type]
 
     def refused(*_: object) -> None:
-        counts["hermite"] += 1
+        counts["slip_at"] += 1
 
     monkeypatch.setattr(events, "excursions", counted)
-    monkeypatch.setattr(grid, "hermite", refused)
+    monkeypatch.setattr(History, "slip_at", refused)
     compare(doubles.rocking(), doubles.rocking(amplitude_rad=0.12))
-    assert counts == {"excursions": 2, "hermite": 0}
+    assert counts == {"excursions": 2, "slip_at": 0}

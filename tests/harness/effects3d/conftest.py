@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import harness
-from harness.effects3d import with_solid
+from harness.effects3d.conditions import with_solid
 from harness.model.scene import Scene
 from meshes import solid_from_mesh
 from tests.meshes.shapes import box

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from harness.effects3d import BASELINE, CONDITIONS, changed_scene, turned
+from harness.effects3d import BASELINE
+from harness.effects3d.conditions import CONDITIONS, changed_scene, turned
 from harness.model.scene import Scene
 from meshes import footprint
 

@@ -9,13 +9,23 @@ import pytest
 
 import harness
 from analytic.excitation import Pulse, SampledAcceleration
-from harness.effects3d import BASELINE, changed_scene, departure, tilt_along, with_solid
+from harness.effects3d import BASELINE, departure
+from harness.effects3d.conditions import changed_scene, with_solid
 from harness.engines import load
+from harness.model.history import Array
 from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation, Scene
 from tests.budgets_meshes import SAME_PLANE_RAD
 
 needs_pybullet = pytest.mark.skipif(load("pybullet").missing() is not None, reason=str(load("pybullet").missing()))
+
+
+def tilt_along(theta_rad: Array, out_of_plane_rad: Array, direction_deg: float) -> Array:
+    """Rotation (n,) towards a horizontal direction of the table, from the planar rotation and the tilt out of the x-z plane."""
+    up_x, up_y = np.cos(out_of_plane_rad) * np.sin(theta_rad), np.sin(out_of_plane_rad)
+    up_z = np.cos(out_of_plane_rad) * np.cos(theta_rad)
+    angle = np.deg2rad(direction_deg)
+    return np.asarray(np.arctan2(np.cos(angle) * up_x + np.sin(angle) * up_y, up_z))
 
 
 def test_tilt_along_is_the_rotation_in_its_own_plane() -> None:

@@ -8,9 +8,9 @@ from collections.abc import Callable
 import pytest
 
 import harness
-from harness.effects3d import BASELINE, Search, amplified, changed_scene, find, start_factor
-from harness.effects3d.search import first_crossing, nearest_crossing, peak_g
-from harness.effects3d.space import SpaceOutcomes
+from harness.effects3d import BASELINE, Search, find
+from harness.effects3d.conditions import amplified, changed_scene
+from harness.effects3d.search import SpaceOutcomes, first_crossing, nearest_crossing, peak_g, start_factor
 from harness.model.scene import Scene
 
 SEARCH = Search(most_g=1.0, resolution=0.02)

@@ -9,15 +9,16 @@ from pathlib import Path
 import pytest
 
 import harness
-from harness import effects3d
 from harness.campaign.campaign import silent
 from harness.campaign.recover import recover
 from harness.campaign.runner import InlinePool, LocalPool
 from harness.campaign.store import Store
-from harness.effects3d import BASELINE, Search, find, turned
+from harness.effects3d import BASELINE, Search, find
 from harness.effects3d.band import band
-from harness.effects3d.study import Questions, checked_azimuths, side_azimuths
+from harness.effects3d.conditions import turned
+from harness.effects3d.study import KIND, Questions, checked_azimuths, run_effects, side_azimuths
 from harness.effects3d.summary import effects, scan_directions, static_rose
+from harness.input.tables import kind_of
 from harness.model.errors import InputError
 from harness.model.scene import Scene
 from harness.records.base import plain
@@ -119,9 +120,9 @@ def test_mistakes(scene: Scene, root: Path, tmp_path: Path) -> None:
     ):
         file = tmp_path / "study.toml"
         file.write_text(f'kind = "effects3d"\ntitle = "t"\nscene = "s.toml"\n{text}\n')
-        assert effects3d.asked(file)
+        assert kind_of(file) == KIND
         with pytest.raises(InputError, match=said):
-            effects3d.run_effects(file, tmp_path / "out", LocalPool(1))
+            run_effects(file, tmp_path / "out", LocalPool(1))
     assert not (tmp_path / "out").exists()
 
 
@@ -134,7 +135,7 @@ def test_a_whole_study_is_resumed_and_repeats_nothing(root: Path, tmp_path: Path
         "[search]\nmost_g = 0.4\nresolution = 0.02\ndt_s = 2e-3\n"
     )
     out = tmp_path / "out"
-    first = effects3d.run_effects(tmp_path / "study.toml", out, LocalPool(1))
+    first = run_effects(tmp_path / "study.toml", out, LocalPool(1))
     assert first.summary.failed == 0
     assert first.summary.cpu_s > 0.0
     assert first.left_out["base planed flat"] == "the base is flat"
@@ -143,6 +144,6 @@ def test_a_whole_study_is_resumed_and_repeats_nothing(root: Path, tmp_path: Path
     assert first.replay is not None
     assert (out / "replay" / "result.json").is_file()
     assert plain(read_result(out)) == plain(first)
-    again = effects3d.run_effects(tmp_path / "study.toml", out, LocalPool(1))
+    again = run_effects(tmp_path / "study.toml", out, LocalPool(1))
     assert again.summary.found == again.summary.asked
     assert again.rows == first.rows

@@ -22,6 +22,7 @@ from harness.model.scene import Scene
 from harness.statics.plan import plan
 from tests import budgets_bench as budgets
 from tests.engines_for_tests import ready
+from tests.stores_for_tests import put
 
 NAMES = tuple(engines.REGISTRY)
 CASES = [(name, skip) for name in NAMES for skip in sorted(engines.load(name).capabilities.skips)]
@@ -156,7 +157,7 @@ def test_a_stored_result_is_the_computed_one_bit_for_bit(tmp_path: Path) -> None
     engine, scene = ready("pymunk"), shaken("no_history")
     computed = engine.simulate(scene, engine.settings_for_dt(scene, 1e-3), RunOptions())
     with Store(tmp_path / "store.sqlite") as store:
-        store.put([("key", computed)], histories=True)
+        put(store, [("key", computed)], histories=True)
         stored = store.run("key")
     assert stored is not None
     assert stored.history is not None

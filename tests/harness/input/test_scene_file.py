@@ -87,19 +87,20 @@ def test_what_is_missing_is_named(root: Path, override: str, key: str) -> None:
 
 
 def test_every_scene_and_study_in_the_gallery_is_read(root: Path, data_dir: Path) -> None:
-    from harness.effects3d.file import asked, load_effects
+    from harness.effects3d.study import KIND, EffectsFile
+    from harness.input.tables import kind_of, read_model
     from harness.studies import rocking_spectrum
     from harness.studies.cases import base_of, expand
     from harness.studies.file import load_study
 
     for path in sorted((root / "scenes").glob("*.toml")):
-        if rocking_spectrum.asked(path):
-            spectrum = rocking_spectrum.load_spectrum(path)
+        if kind_of(path) == rocking_spectrum.KIND:
+            spectrum = read_model(rocking_spectrum.SpectrumFile, path)
             assert len(rocking_spectrum.motions_of(spectrum, path)) == len(spectrum.motion)
             continue
-        if asked(path):
-            study = load_effects(path)
-            assert load_scene(path.parent / study.scene).statue.solid is not None
+        if kind_of(path) == KIND:
+            asked = read_model(EffectsFile, path)
+            assert load_scene(path.parent / asked.scene).statue.solid is not None
         elif "\nscene = " in path.read_text():
             study = load_study(path)
             assert next(iter(expand(study, base_of(study, path)))).number == 0

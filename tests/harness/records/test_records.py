@@ -11,7 +11,7 @@ import pytest
 from harness.model.errors import InputError
 from harness.model.run import write_json
 from harness.records.base import SCHEMAS, as_file, plain, validated
-from harness.records.kinds import CLASSES, class_of, schema_text
+from harness.records.kinds import KINDS, class_of, schema_text
 from harness.records.run import RunRecord
 from harness.scene_run.scene_run import Result, run_scene, write_result
 from tests.scenes_for_tests import paestum
@@ -22,12 +22,12 @@ def result() -> Result:
     return run_scene(paestum(0.429, 3.0, duration_s=1.0), ["analytic", "pymunk"], dt_s=1e-3, assess=True)
 
 
-@pytest.mark.parametrize("kind", CLASSES)
+@pytest.mark.parametrize("kind", KINDS)
 def test_the_published_schema_is_the_class_s(kind: str) -> None:
     published = (SCHEMAS / f"{kind}.schema.json").read_text(encoding="utf-8")
     assert published == schema_text(kind), "renew them: python -m harness.records.kinds"
     assert json.loads(published)["properties"]["kind"]["const"] == kind
-    assert {path.name for path in SCHEMAS.iterdir()} == {f"{name}.schema.json" for name in CLASSES}
+    assert {path.name for path in SCHEMAS.iterdir()} == {f"{name}.schema.json" for name in KINDS}
 
 
 def test_a_record_is_read_as_it_was_written(tmp_path: Path, result: Result) -> None:

@@ -14,7 +14,7 @@ from analytic.excitation import Harmonic
 from analytic.machine_code import Entry
 from harness import engines
 from harness.accuracy.simulation import RunTarget, check_target, simulate
-from harness.campaign import isolate
+from harness.campaign import task
 from harness.cli import summary
 from harness.engines.base import Engine
 from harness.model.errors import InputError
@@ -154,7 +154,7 @@ def _slow(told: Path) -> None:
 @needs_pybullet
 def test_an_interrupt_ends_what_runs_beside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A run in a process of its own that is long, or stopped, is not waited for."""
-    monkeypatch.setattr(run, "_isolated", lambda *_: isolate.call(_slow, (tmp_path / "ended",)))
+    monkeypatch.setattr(run, "_isolated", lambda *_: task.call(_slow, (tmp_path / "ended",)))
 
     def interrupt(text: str) -> None:
         if text.endswith("still"):

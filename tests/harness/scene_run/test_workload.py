@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from harness.campaign.progress import duration_words
 from harness.engines import DEFAULT_ENGINES, load
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
-from harness.scene_run.workload import check, words
+from harness.scene_run.workload import check
 from tests.scenes_for_tests import paestum
 
 ENGINES = {name: load(name).capabilities.dimensions for name in DEFAULT_ENGINES}
@@ -46,7 +47,7 @@ def test_work_of_more_than_a_day_is_refused_by_its_key(dt_s: float | None, key: 
 
 @pytest.mark.parametrize(("seconds", "said"), [(0.2, "1 s"), (80.0, "80 s"), (600.0, "10 min"), (9e4, "25 h")])
 def test_seconds_are_said_in_the_unit_that_fits(seconds: float, said: str) -> None:
-    assert words(seconds) == said
+    assert duration_words(seconds) == said
 
 
 FLOOR = """

@@ -13,10 +13,11 @@ from typer.testing import CliRunner
 
 from analytic import Block, simulate
 from harness.comparison.statistics.distributions import wilson
+from harness.input.tables import read_model
 from harness.model.errors import InputError
 from harness.records.kinds import read_result
 from harness.records.rocking_spectrum import RockingSpectrumRecord
-from harness.studies.rocking_spectrum import RING_DOWN_S, compute, load_spectrum, motions_of
+from harness.studies.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of
 from reports.cli import app
 from reports.pages.rocking_spectrum_page import verdict
 from tests import budgets_assess as budget
@@ -50,7 +51,7 @@ def written(folder: Path, sizes: int = 4, shapes: int = 5, more: str = "") -> Pa
 def test_every_block_is_what_it_is_by_itself(tmp_path: Path) -> None:
     """Against single runs of a rectangle of sides 2R sin α and 2R cos α: fallen of two motions, and the lower of both peaks."""
     path = written(tmp_path)
-    spectrum = load_spectrum(path)
+    spectrum = read_model(SpectrumFile, path)
     excitations = motions_of(spectrum, path)
     answer = compute(spectrum, excitations, threads=1)
     assert answer.cases == 2
@@ -69,11 +70,13 @@ def test_every_block_is_what_it_is_by_itself(tmp_path: Path) -> None:
 
 def test_a_drawn_strength_makes_a_probability_of_one_motion(tmp_path: Path) -> None:
     path = written(tmp_path, more="draws = 20\nstrength_cov = 0.3")
-    spectrum = load_spectrum(path)
+    spectrum = read_model(SpectrumFile, path)
     excitations = motions_of(spectrum, path)[1:]
     answer = compute(spectrum, excitations, threads=1)
     factors = np.exp(np.sqrt(np.log1p(0.09)) * np.random.default_rng(0).standard_normal(20))
-    each = [compute(load_spectrum(written(tmp_path)), [excitations[0].scaled(f)], threads=1) for f in factors]
+    each = [
+        compute(read_model(SpectrumFile, written(tmp_path)), [excitations[0].scaled(f)], threads=1) for f in factors
+    ]
     assert answer.probability.tolist() == np.mean([item.probability for item in each], axis=0).tolist()
     assert np.any((answer.probability > 0.0) & (answer.probability < 1.0))
 
@@ -134,5 +137,5 @@ def test_every_lost_motion_is_told_at_once(tmp_path: Path) -> None:
     for name in ("weak.csv", "strong.csv"):
         (tmp_path / name).write_text("t_s,table\n0,0\n")
     with pytest.raises(InputError) as caught:
-        motions_of(load_spectrum(path), path)
+        motions_of(read_model(SpectrumFile, path), path)
     assert all(name in str(caught.value) for name in ("weak.csv", "strong.csv"))

@@ -69,7 +69,7 @@ def test_only_cases_near_the_boundary_and_an_audit_are_sent(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('scene = "block.toml"', 'scene = "none.toml"', "readable scene file"),
+        ('scene = "block.toml"', 'scene = "none.toml"', "readable TOML file"),
         ("motion.x.amplitude_g", "motion.x.amplitud_g", "did you mean amplitude_g"),
         ("start = 0.05", "", "start, stop and count"),
         ('engines = ["analytic"]', 'engines = ["analytical"]', "engines"),

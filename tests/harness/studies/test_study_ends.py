@@ -98,7 +98,7 @@ def test_a_death_in_a_batch_is_charged_to_its_own_task(tmp_path: Path) -> None:
     with Store(tmp_path / "store.sqlite") as store, closing(LocalPool(2)) as pool:
         campaign = Campaign(store, pool, sizes={"1": 4, "2": 2})
         campaign.run(tasks, len(tasks))
-        answers = {task.key: row.record for task in tasks if (row := store.get(task.key)) is not None}
+        answers = {task.key: record for task in tasks if (record := store.get(task.key)) is not None}
     assert "code 3" in answers.pop("die")["text"]
     assert answers == {name: {"text": name.upper()} for name in "abcdef"}
     assert (campaign.computed, campaign.failed) == (7, 1)

@@ -10,6 +10,9 @@ from typing import Any
 import numpy as np
 import trimesh
 
+from harness.records.base import as_file
+from harness.validation.validation_run import run_validation
+
 RATE_HZ = 800.0
 BASE = np.array([[-0.10, -0.14], [0.12, -0.13], [0.13, 0.10], [-0.02, 0.16], [-0.11, 0.09]])
 
@@ -50,3 +53,8 @@ def write_experiments(folder: Path, amplitudes: Sequence[float], **columns: Any)
         row = {"test": f"t{number}", "mesh": "stone.ply", "motion": f"burst{number}.csv", "column": "table"}
         rows.append(row | {"motion_unit": "m/s2", "observed": "stands"} | columns)
     return write_table(folder / "experiments.csv", rows)
+
+
+def validate(experiments: Path, folder: Path, **options: Any) -> dict[str, Any]:
+    """The record of a validation as plain values, as its file has it."""
+    return as_file(run_validation(experiments, folder, **options))

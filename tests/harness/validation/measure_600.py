@@ -18,9 +18,8 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from harness.validation import validate
 from harness.validation.table import OBSERVED
-from tests.harness.validation.experiments import write_motion, write_table
+from tests.harness.validation.experiments import validate, write_motion, write_table
 
 STONES, MOTIONS = 6, 100
 

@@ -7,11 +7,10 @@ from pathlib import Path
 from harness.accuracy.simulation import simulate
 from harness.comparison.statistics.outcomes import FELL
 from harness.model.options import RunOptions
-from harness.validation import validate
 from harness.validation.scenes import Variant, scene_of
 from harness.validation.table import read_table
 from reports.pages.page import write_report
-from tests.harness.validation.experiments import write_table
+from tests.harness.validation.experiments import validate, write_table
 
 RECORDS = (
     ("coalinga1983_PFZ14.csv", "a_90_ms2", "a_UP_ms2", (2, 2.5, 3, 3.5, 4, 5)),

@@ -21,7 +21,6 @@ from harness.model.run import write_json
 from harness.model.scene import Pose, Scene
 from harness.records.base import as_file
 from harness.records.tosses import Missed, Quartiles, TossesRecord, TossModel
-from harness.validation.flight import nearest_flight
 from harness.validation.jobs import parse_model
 from harness.validation.toss_run import FRICTIONS, body_of_tosses, validate_tosses
 from harness.validation.toss_scores import (
@@ -34,7 +33,7 @@ from harness.validation.toss_scores import (
     scene_of,
     scored,
 )
-from harness.validation.tosses import COLUMNS, Toss, read_tosses
+from harness.validation.tosses import COLUMNS, Toss, nearest_flight, read_tosses
 from reports.pages.page import write_report
 from tests import budgets_spatial_reference as budget
 from tests.analytic.spatial.reference import initial_state

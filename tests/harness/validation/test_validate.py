@@ -17,14 +17,13 @@ from harness.accuracy.simulation import simulate
 from harness.comparison.statistics.outcomes import FELL
 from harness.model.errors import InputError
 from harness.model.options import RunOptions
-from harness.validation import validate
 from harness.validation import validation_run as run
 from harness.validation.jobs import parse_model
 from harness.validation.scenes import Variant, intensity_of, scene_of
 from harness.validation.table import read_table
 from reports.cli import app
 from reports.pages.page import write_report
-from tests.harness.validation.experiments import write_experiments, write_table
+from tests.harness.validation.experiments import validate, write_experiments, write_table
 
 AMPLITUDES = (2.0, 3.0, 4.0, 5.0, 7.0, 8.0, 9.0, 10.0)
 TRUE_AZIMUTH = 1

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reports.charts.patterns import drawn_stretches
+from reports.charts.histories import drawn_stretches
 from reports.charts.samples import kept_samples
 
 

@@ -8,10 +8,12 @@ from pathlib import Path
 import pytest
 
 from harness.assess.assessment import assess
-from harness.records.assess import Assessment, ProbabilityDifference
+from harness.input.scene_file import load_scene
+from harness.records.assess import Assessment, Index, ProbabilityDifference
 from reports.pages.assess_page import assess_verdict
 from reports.pages.page import write_report
 from reports.text.chance import tone_of_probability, worse_tone
+from tests.harness.assess.measure_own_runs import SCENE
 from tests.reports.invented_records import write_assessment
 from tests.scenes_for_tests import paestum
 
@@ -59,6 +61,17 @@ def test_the_most_probable_fall_decides_the_colour() -> None:
     assert verdict.tone == "differ"
     assert "falls in 1 % of what may be true" in verdict.headline
     assert any("The model understates the danger" in point for point in verdict.points)
+
+
+def test_the_first_screen_says_what_helps_what_room_it_needs_and_what_decides_in_words() -> None:
+    scene = load_scene(SCENE)
+    inputs = {"contact.floor": Index(0.4, 0.02, 0.77), "motion.scale": Index(0.1, 0.02, 0.4)}
+    record = replace(assess(scene, ["analytic"], draws=300).record, indices=inputs)
+    helps, needs, reserve, decides = assess_verdict(record).points
+    assert helps.startswith("What would help most: ")
+    assert "its outline stays within" in needs
+    assert reserve.startswith("No reserve")
+    assert decides.startswith("What decides most is the friction of the pedestal on the floor (contact.floor): 77 %")
 
 
 def test_a_page_is_written_of_an_assessment(tmp_path: Path) -> None:

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from reports.charts import library
-from reports.pages import made_once as module
-from reports.pages.made_once import made_once
+from reports.pages import assets as module
+from reports.pages.assets import made_once
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ import pytest
 
 from harness.model.errors import InputError
 from harness.model.run import write_json
+from harness.records.assess import Assessment
 from harness.records.base import plain
 from harness.records.kinds import read_result
 from harness.records.run import HorizonRecord
@@ -276,3 +277,17 @@ def test_a_record_of_outcomes_alone_has_a_page_without_curves(tmp_path: Path) ->
     assert "All three models agree on the outcome" in html
     assert 'id="histories"' not in html
     assert 'id="replay"' not in html
+
+
+def test_a_probability_says_from_how_many_draws_it_is_and_why_from_fewer(folder: Path) -> None:
+    source = run_source(folder)
+    plane = Assessment(0.0, 0.0, 0.01, 0.9, 10_000, 10_000, plane_only=True)
+    space = Assessment(0.76, 0.72, 0.8, 0.9, 310, 310, 0.02)
+
+    def said(answers: dict[str, Assessment]) -> str:
+        return " ".join(run_verdict(replace(source, record=replace(source.record, assessment=answers))).points)
+
+    both = said({"analytic": plane, "spatial": space})
+    assert "left out, from 10000 draws." in both
+    assert "from 310 draws, as many as its runs make in some two seconds of two cores" in both
+    assert "The probability is that of spatial, from 310 draws." in said({"spatial": space})

@@ -13,7 +13,6 @@ import pytest
 
 from harness.model.errors import InputError
 from harness.records.kinds import read_result
-from reports.pages.conservator_study import _key_words
 from reports.pages.page import CONSERVATOR_NAME, write_report
 from reports.text import language as languages
 from reports.text.language import ENGLISH, LANGUAGES, Language, language
@@ -159,6 +158,6 @@ def test_what_a_study_varies_is_said_in_the_pages_own_words(code: str) -> None:
     """Whatever key of a scene it is; a pedestal's mass is not a statue's."""
     say = language(code)
     keys = ("pedestal.mass_kg", "statue.mass_kg", "contact.statue", "motion.x.amplitude_g", "output.dt_s")
-    words = [_key_words(key, say) for key in keys]
+    words = [say.key(key) or say("key.other") for key in keys]
     names = ("pedestal_mass_kg", "mass_kg", "contact_statue", "amplitude_g", "other")
     assert words == [say(f"key.{name}") for name in names]

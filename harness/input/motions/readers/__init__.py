@@ -1,7 +1,7 @@
 """The readers of record files: the format is recognised by its content.
 
-To add a format: one file beside this one with FORMATS (name, and whether it was tried on originals), recognises(text) and
-read(text, where), and its place in _READERS, the strictest first.
+To add a format: one file beside this one with recognises(text) and read(text, where), its place in _READERS, the strictest
+first, and its name in FORMATS (`recordfile.py`).
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Final, Protocol
 
 from harness.input.motions import check
-from harness.input.motions.layout import Layout
 from harness.input.motions.readers import (
     at2,
     cosmos,
@@ -31,7 +30,7 @@ from harness.input.motions.readers import (
     v2,
     volume1,
 )
-from harness.input.motions.recordfile import UNIT_NAMES, RecordFile, unit_named
+from harness.input.motions.recordfile import FORMATS, UNIT_NAMES, Layout, RecordFile, unit_named
 from harness.input.motions.text import mistake, text_of
 from harness.input.text_file import read_bytes
 from harness.model.errors import InputError, Mistake
@@ -39,8 +38,6 @@ from harness.model.errors import InputError, Mistake
 
 class Reader(Protocol):
     """What a format's file offers."""
-
-    FORMATS: dict[str, bool]
 
     def recognises(self, text: str) -> bool:
         """Whether `text` is of this format, damaged or not."""
@@ -50,13 +47,6 @@ class Reader(Protocol):
 
 
 _READERS: Final[tuple[Reader, ...]] = (geonet, knet, smc, volume1, v2, cosmos, esm, at2, nsmn, unam, cwb)
-FORMATS: Final[dict[str, bool]] = {
-    name: tried
-    for formats in (*(r.FORMATS for r in _READERS), csv.FORMATS, seed.FORMATS)
-    for name, tried in formats.items()
-}
-"""Every format's name and whether its reader was tried on originals of the network."""
-
 _ALIKE = 0.5  # share of two file names' letters (without the ending) that agree at their ends, for files of one record
 _ENDINGS: Final = {"K-NET": r"\.(EW|NS|UD)", "KiK-net": r"\.(EW|NS|UD)[12]", "USC V1": r"\.[a-z]\d[a-z]"}
 """Endings by which these networks tell the files of one record apart."""

@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import re
-from typing import Final
 
-from harness.input.motions.orientation import parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile
 from harness.input.motions.text import free_format, header_count, header_number, mistake
-
-FORMATS: Final = {"PEER AT2": True}
 
 _NAMED = re.compile(
     r"NPTS\s*=\s*([^\s,]*)[\s,]*DT\s*=\s*([^\s,]*?(?:\s+(?:[ED]?[+-]?\d|M(?:ILLI)?S)[^\s,]*)?)(?=[\s,]|SEC|$)",
@@ -53,6 +49,6 @@ def read(text: str, where: str) -> RecordFile:
         warnings = (f"{values.size} values where NPTS says {count}: those after NPTS are left out",)
     parts = [part.strip() for part in lines[1].split(",")]
     name = parts[-1] or "1"
-    channel = Channel.read(name, parse_orientation(name), dt_s, values[:count], "g")
+    channel = Channel.read(name, None, dt_s, values[:count], "g")
     facts = {"event": parts[0], "station": ", ".join(parts[2:-1]) if len(parts) > 3 else parts[1] if parts[1:] else ""}
-    return RecordFile(where, "PEER AT2", True, "g", (channel,), facts, group="|".join(parts[:-1]), warnings=warnings)
+    return RecordFile(where, "PEER AT2", "g", (channel,), facts, group="|".join(parts[:-1]), warnings=warnings)

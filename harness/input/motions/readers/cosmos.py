@@ -6,14 +6,11 @@ import re
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.input.motions.header import Header, fortran_format
 from harness.input.motions.orientation import Orientation, parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile, unit_named
-from harness.input.motions.text import fixed_width, mistake
-
-FORMATS: Final = {"COSMOS": True, "COSMOS V0": False}
+from harness.input.motions.series import Floats
+from harness.input.motions.text import Header, fixed_width, fortran_format, mistake
 
 _HEADER = re.compile(
     r"^\s*(\d+)\s+(Integer|Real)-header values follow on\s+(\d+)\s+lines?,?\s*Format\s*=\s*(\(.*\))", re.IGNORECASE
@@ -32,8 +29,6 @@ _PEAK, _PEAK_TIME = 63, 64
 _UNKNOWN = -999.0
 _UP, _DOWN = 400, 401
 _DURATION_TOLERANCE_S = 1.5  # "approx" is in whole seconds
-
-Floats = NDArray[np.float64]
 
 
 def recognises(text: str) -> bool:
@@ -69,7 +64,7 @@ def read(text: str, where: str) -> RecordFile:
     group = f"{facts['event']}|{facts['station']}|{place}" if len(channels) == 1 else ""
     name = "COSMOS V0" if unit == _COUNTS else "COSMOS"
     shown = "g" if unit == _COUNTS else unit
-    return RecordFile(where, name, FORMATS[name], shown, tuple(channels), facts, group, tuple(warnings))
+    return RecordFile(where, name, shown, tuple(channels), facts, group, tuple(warnings))
 
 
 def _channel(

@@ -16,9 +16,7 @@ from harness.input.motions.orientation import Orientation, parse_orientation
 from harness.input.motions.readers.table import LABEL, likely_unit
 from harness.input.motions.recordfile import Channel, RecordFile, unit_named
 from harness.input.motions.text import mistake
-from harness.input.text_file import decimal, decimals
-
-FORMATS: Final = {"CSV": True}
+from harness.input.text_file import decimals, is_decimal
 
 _WORD = re.compile(r"\b(?!nan|inf|null)[^\W\d_]{3}", re.IGNORECASE)
 _SECONDS: Final = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3, "us": 1e-6, "min": 60.0}
@@ -94,7 +92,7 @@ def read(text: str, where: str, *, unit: str | None = None) -> RecordFile:
         header: "holds words" if header in table.words else "is no component of an acceleration" for header in others
     }
     said = *clock.said, *(f"column {header} {reason}: left out" for header, reason in reasons.items())
-    return RecordFile(where, "CSV", True, "/".join(sorted(units)), tuple(channels), {}, warnings=said)
+    return RecordFile(where, "CSV", "/".join(sorted(units)), tuple(channels), {}, warnings=said)
 
 
 def _seconds(header: str) -> float:
@@ -125,14 +123,6 @@ def _has_decimal_commas(line: str) -> bool:
     return "," in line and len(cells) > 1 and all(_DECIMAL_COMMA.fullmatch(cell) for cell in cells)
 
 
-def _numeric(part: str) -> bool:
-    try:
-        decimal(part)
-    except ValueError:
-        return False
-    return True
-
-
 def _table(text: str, where: str) -> _Table:
     every = [(i + 1, line) for i, line in enumerate(text.splitlines()) if line.strip()]
     rows = [(i, line) for i, line in every if not line.lstrip().startswith(_COMMENT)]
@@ -143,11 +133,11 @@ def _table(text: str, where: str) -> _Table:
 
     rows = rows[_titles([line for _, line in rows], len(cells(rows[-1][1]))) :]
     first = _split(rows[0][1]) if comma and not _has_decimal_commas(rows[0][1]) else cells(rows[0][1])
-    if not any(map(_numeric, first)):
+    if not any(map(is_decimal, first)):
         first = _headers(rows[0][1], len(cells(rows[-1][1])))
     trailing = first[-1] == ""  # every line ends with the separator
     first = first[:-1] if trailing else first
-    headed = not all(map(_numeric, first)) and not _alike(first, cells(rows[min(1, len(rows) - 1)][1]))
+    headed = not all(map(is_decimal, first)) and not _alike(first, cells(rows[min(1, len(rows) - 1)][1]))
     body = rows[1:] if headed else rows
     headers = tuple(first) if headed else _commented(every, rows[0][0], len(first))
     if (
@@ -165,7 +155,7 @@ def _table(text: str, where: str) -> _Table:
     split = [cells(line)[:-1] if trailing else cells(line) for _, line in body]
     words = _of_words(split, len(headers))
     for row, ((number, line), parts) in enumerate(zip(body, split, strict=True)):
-        if not any(map(_numeric, parts)) and _WORD.search(line):
+        if not any(map(is_decimal, parts)) and _WORD.search(line):
             advice = f"words among numbers: take out line {number}, and what is no number below it"
             raise mistake(where, f"line {number}", "numbers", repr(line.strip()[:60]), advice)
         if len(parts) != len(headers):
@@ -175,7 +165,7 @@ def _table(text: str, where: str) -> _Table:
         try:
             values[row] = decimals(parts)
         except ValueError:
-            header, bad = next(pair for pair in zip(headers, parts, strict=True) if not _numeric(pair[1]))
+            header, bad = next(pair for pair in zip(headers, parts, strict=True) if not is_decimal(pair[1]))
             place, advice = f"line {number}, {header}", "fill or cut a gap in the program that made the record"
             raise mistake(where, place, "a finite number with a decimal point", repr(bad), advice) from None
     if not np.isfinite(values).all():
@@ -190,7 +180,7 @@ def _table(text: str, where: str) -> _Table:
 def _alike(first: Sequence[str], second: Sequence[str]) -> bool:
     """Whether two lines hold words, and numbers too, in the same columns: then the first is no line of headers."""
     kinds = [
-        ["number" if _numeric(cell) else LABEL.match(cell) and "word" for cell in line] for line in (first, second)
+        ["number" if is_decimal(cell) else LABEL.match(cell) and "word" for cell in line] for line in (first, second)
     ]
     return kinds[0] == kinds[1] and {"number", "word"} == set(kinds[0])
 
@@ -215,7 +205,7 @@ def _titles(lines: Sequence[str], width: int) -> int:
     """Number of lines of words above the one that names the columns, a column of times among them."""
     for place, line in enumerate(lines):
         names = _headers(line, width)
-        if any(map(_numeric, names)):
+        if any(map(is_decimal, names)):
             return 0
         if len(names) == width and _names_times(names):
             return place

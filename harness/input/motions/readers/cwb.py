@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import re
-from typing import Final
 
 from harness.input.motions.clock import clock_of
-from harness.input.motions.header import Header
 from harness.input.motions.orientation import parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile, unit_named
-from harness.input.motions.text import columns, mistake
-
-FORMATS: Final = {"CWB": False}
+from harness.input.motions.text import Header, columns, mistake
 
 
 def recognises(text: str) -> bool:
@@ -47,7 +43,7 @@ def read(text: str, where: str) -> RecordFile:
         for i, (name, sense) in enumerate(named, start=1)
     ]  # fmt: skip
     facts = {"event": head.words(r"^#\s*Origin Time[^:]*:\s*(.*)"), "station": head.words(r"^#\s*StationCode:\s*(.*)")}
-    return RecordFile(where, "CWB", False, unit, tuple(channels), facts, warnings=clock.said)
+    return RecordFile(where, "CWB", unit, tuple(channels), facts, warnings=clock.said)
 
 
 def _stated(head: Header, name: str) -> tuple[float | None, None]:

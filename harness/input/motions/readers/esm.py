@@ -6,12 +6,8 @@ import re
 from datetime import datetime
 from typing import Final
 
-from harness.input.motions.header import Header
-from harness.input.motions.orientation import parse_orientation
 from harness.input.motions.recordfile import UNITS_M_S2, Channel, RecordFile, unit_named
-from harness.input.motions.text import free_format, mistake
-
-FORMATS: Final = {"ITACA/ESM ASCII": True}
+from harness.input.motions.text import Header, free_format, mistake
 
 _KEY = re.compile(r"^\s*([A-Z][A-Z0-9_/^() ]*):(.*)$", re.IGNORECASE)
 _EPOCH: Final = datetime(1970, 1, 1)
@@ -49,13 +45,13 @@ def read(text: str, where: str) -> RecordFile:
     peak_s, _ = head.peak(_key("TIME_PGA_S"))
     stated = None if peak is None else peak * UNITS_M_S2["cm/s2"] / UNITS_M_S2[unit]
     start_s = _clock_s(_words(head, _CLOCK_KEY), where)
-    channel = Channel.read(stream, parse_orientation(stream), dt_s, values, unit, (stated, peak_s), start_s)
+    channel = Channel.read(stream, None, dt_s, values, unit, (stated, peak_s), start_s)
     facts = {
         "event": _words(head, "EVENT_NAME"),
         "station": f"{_words(head, 'NETWORK')}.{_words(head, 'STATION_CODE')}",
     }
     group = "|".join((_words(head, "EVENT_ID"), facts["station"], _words(head, "LOCATION"), _words(head, "PROCESSING")))
-    return RecordFile(where, "ITACA/ESM ASCII", True, unit, (channel,), facts, group)
+    return RecordFile(where, "ITACA/ESM ASCII", unit, (channel,), facts, group)
 
 
 def _key(names: str) -> str:

@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 import re
-from typing import Final
 
-from harness.input.motions.header import Header
-from harness.input.motions.orientation import parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import NUMERIC, fixed_width, mistake
-
-FORMATS: Final = {"GeoNet V2A": True, "GeoNet V1A": False}
+from harness.input.motions.text import NUMERIC, Header, fixed_width, mistake
 
 _FIRST = re.compile(r"\s*(un)?corrected accelerogram\b.*\bGNS", re.IGNORECASE)
 _TEXT_LINES, _NUMBER_LINES, _WIDTH, _PER_LINE = 16, 10, 8, 10
@@ -39,7 +34,7 @@ def read(text: str, where: str) -> RecordFile:
     site = lines[1].split()
     facts = {"event": lines[7].strip(), "station": f"{site[1] if len(site) > 1 else ''}, {lines[2].strip()}"}
     warnings = ("uncorrected accelerogram: baseline and instrument as recorded",) if name == "GeoNet V1A" else ()
-    return RecordFile(where, name, FORMATS[name], "mm/s2", tuple(channels), facts, warnings=warnings)
+    return RecordFile(where, name, "mm/s2", tuple(channels), facts, warnings=warnings)
 
 
 def _channel(lines: list[str], start: int, where: str, blocks: int) -> tuple[Channel, int]:
@@ -58,5 +53,5 @@ def _channel(lines: list[str], start: int, where: str, blocks: int) -> tuple[Cha
     if head.find(r"(Raw readings)")[0]:
         values = values * head.number(r"in units of\s+(\S+)\s*mm/s/s", "a unit of so many mm/s/s")
     peak = head.peak(r"^Acceleration:\s+peak\s+([-+.\deEdD]+)\s*\S+\s+at\s+(\S+)\s+s")
-    channel = Channel.read(name, parse_orientation(name), dt_s, values, "mm/s2", peak)
+    channel = Channel.read(name, None, dt_s, values, "mm/s2", peak)
     return channel, first - start + blocks * rows

@@ -5,12 +5,9 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from harness.input.motions.header import Header
 from harness.input.motions.orientation import Orientation
 from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import free_format, header_number, mistake
-
-FORMATS: Final = {"K-NET": True, "KiK-net": False}
+from harness.input.motions.text import Header, free_format, header_number, mistake
 
 _SCALE = re.compile(r"([0-9.]+)\s*\(gal\)\s*/\s*([0-9.]+)", re.IGNORECASE)
 # NIED's manual: north, east and up are positive. KiK-net numbers its components: 1 to 3 in the borehole, 4 to 6 above it.
@@ -59,4 +56,4 @@ def read(text: str, where: str) -> RecordFile:
     warnings = (f"{channel.name}: counts about a rest of {mean:.4g} gal, which is taken off",)
     name = "KiK-net" if kik else "K-NET"
     group = "|".join((*facts.values(), head.words(r"^Record Time\s+(.*)")))
-    return RecordFile(where, name, FORMATS[name], "cm/s2", (channel,), facts, group, warnings)
+    return RecordFile(where, name, "cm/s2", (channel,), facts, group, warnings)

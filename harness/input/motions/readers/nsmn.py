@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 import re
-from typing import Final
 
-from harness.input.motions.header import Header
-from harness.input.motions.orientation import parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import columns, mistake
-
-FORMATS: Final = {"NSMN (AFAD)": False}
+from harness.input.motions.text import Header, columns, mistake
 
 _NAMES = re.compile(r"^\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s*$", re.IGNORECASE)
 
@@ -37,10 +32,10 @@ def read(text: str, where: str) -> RecordFile:
         raise mistake(where, "NUMBER OF DATA", f"{count} lines of numbers", str(len(values)), "the file is cut off")
     channels = [
         Channel.read(
-            name, parse_orientation(name), dt_s, values[:, i], "cm/s2",
+            name, None, dt_s, values[:, i], "cm/s2",
             head.peak(rf"PGA VALUES.*\({re.escape(name)}\)\s*([-+.\d]+)"),
         )
         for i, name in enumerate(names)
     ]  # fmt: skip
     facts = {"event": head.words(r"^EARTHQUAKE DATE\s*:(.*)"), "station": head.words(r"^STATION ID\s*:(.*)")}
-    return RecordFile(where, "NSMN (AFAD)", False, "cm/s2", tuple(channels), facts)
+    return RecordFile(where, "NSMN (AFAD)", "cm/s2", tuple(channels), facts)

@@ -11,8 +11,6 @@ from harness.input.motions.orientation import Orientation, parse_orientation
 from harness.input.motions.recordfile import UNIT_NAMES, Channel, RecordFile
 from harness.input.motions.text import mistake
 
-FORMATS: Final = {"miniSEED/SAC": False}
-
 _SAC_VERSION, _SAC_HEADER = slice(304, 308), 632
 _SAC_VERSIONS: Final = tuple((v).to_bytes(4, order) for v in (6, 7) for order in ("little", "big"))
 
@@ -45,7 +43,7 @@ def read(raw: bytes, where: str, *, unit: str | None) -> RecordFile:
     first = stream[0].stats
     station = f"{first.network}.{first.station}.{first.location}"
     group = f"{station}|{first.starttime.strftime('%Y%m%dT%H')}" if len(channels) == 1 else ""
-    return RecordFile(where, "miniSEED/SAC", False, unit, channels, {"station": station}, group)
+    return RecordFile(where, "miniSEED/SAC", unit, channels, {"station": station}, group)
 
 
 def _channel(trace: Any, where: str, unit: str) -> Channel:

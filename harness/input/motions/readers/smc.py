@@ -6,15 +6,12 @@ import re
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.input.motions.clock import clock_of
-from harness.input.motions.header import Header
 from harness.input.motions.orientation import Orientation, parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import fixed_width, mistake
-
-FORMATS: Final = {"USGS SMC": True, "USGS SMC, uncorrected": False}
+from harness.input.motions.series import Floats
+from harness.input.motions.text import Header, fixed_width, mistake
 
 _KIND = re.compile(r"\s*([1-6])\s.*(ACCELEROGRAM|VELOCITY|DISPLACEMENT|SPECTR)", re.IGNORECASE)
 _TEXT_LINES, _INTEGER_LINES, _REAL_LINES = 11, 6, 10
@@ -23,8 +20,6 @@ _RATE, _TIMES_AND_PEAKS = 1, (28, 32)  # places among the reals, from 0
 _NO_REAL = 1e38
 _WIDTH, _PER_LINE = 10, 8
 _LARGEST_INTEGER: Final = 1e10
-
-Floats = NDArray[np.float64]
 
 
 def recognises(text: str) -> bool:
@@ -61,7 +56,7 @@ def read(text: str, where: str) -> RecordFile:
     raw = () if kind == "2" else ("uncorrected accelerogram: baseline and instrument as recorded",)
     form = "USGS SMC" if kind == "2" else "USGS SMC, uncorrected"
     group = f"{facts['event']}|{facts['station']}"
-    return RecordFile(where, form, FORMATS[form], "cm/s2", (channel,), facts, group, (*raw, *said))
+    return RecordFile(where, form, "cm/s2", (channel,), facts, group, (*raw, *said))
 
 
 def _headers(lines: list[str], where: str) -> tuple[Floats, Floats, int]:

@@ -9,23 +9,22 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.input.motions.clock import clock_of
-from harness.input.motions.layout import WHOLE, Layout
 from harness.input.motions.orientation import Orientation, parse_orientation
 from harness.input.motions.recordfile import (
     STANDARD_GRAVITY_M_S2,
     UNIT_NAMES,
     UNITS_M_S2,
+    WHOLE,
     Channel,
+    Layout,
     RecordFile,
     unit_named,
 )
+from harness.input.motions.series import Floats
 from harness.input.motions.text import free_format, mistake
 from harness.model.errors import InputError
-
-Floats = NDArray[np.float64]
 
 _LEAST_NUMBERS: Final = 16
 """Fewer numbers in a row of lines are a header's."""
@@ -82,7 +81,7 @@ def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFi
         Channel.read(name, _direction(name), dt_s, table[:, column], unit, start_s=start_s)
         for column, name in named.items()
     ]
-    return RecordFile(where, "numbers as described", True, unit, tuple(channels), {}, warnings=said)
+    return RecordFile(where, "numbers as described", unit, tuple(channels), {}, warnings=said)
 
 
 def _direction(name: str) -> Orientation:

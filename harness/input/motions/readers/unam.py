@@ -2,15 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Final
-
-from harness.input.motions.header import Header, fortran_format
-from harness.input.motions.orientation import parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile, unit_named
-from harness.input.motions.text import fixed_width, header_count, header_number, mistake
+from harness.input.motions.text import Header, fixed_width, fortran_format, header_count, header_number, mistake
 from harness.input.text_file import fortran
-
-FORMATS: Final = {"UNAM": False}
 
 
 def recognises(text: str) -> bool:
@@ -48,7 +42,7 @@ def read(text: str, where: str) -> RecordFile:
     values = fixed_width(body, width, rows * len(names), where=where, first_line=first + 1).reshape(rows, len(names))
     channels = [
         Channel.read(
-            name, parse_orientation(name), header_number(step, where, "INTERVALO DE MUESTREO", "a step"),
+            name, None, header_number(step, where, "INTERVALO DE MUESTREO", "a step"),
             values[:size, i], unit, _stated(peaks, at, i, step),
         )
         for i, (name, step, size) in enumerate(zip(names, steps, sizes, strict=True))
@@ -57,7 +51,7 @@ def read(text: str, where: str) -> RecordFile:
         "event": head.words(r"^FECHA DEL SISMO[^:]*:(.*)"),
         "station": head.words(r"^CLAVE DE LA ESTACION\s*:(.*)"),
     }
-    return RecordFile(where, "UNAM", False, unit, tuple(channels), facts)
+    return RecordFile(where, "UNAM", unit, tuple(channels), facts)
 
 
 def _parts(head: Header, pattern: str, what: str) -> list[str]:

@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 import re
-from typing import Final
 
-from harness.input.motions.header import Header, fortran_format
-from harness.input.motions.orientation import parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile, unit_named
-from harness.input.motions.text import fixed_width, header_count, header_number, mistake
-
-FORMATS: Final = {"CSMIP V2": True}
+from harness.input.motions.text import Header, fixed_width, fortran_format, header_count, header_number, mistake
 
 _FLOAT = r"([-+.\deEdD]+)"
 _BLOCK = re.compile(
@@ -39,7 +34,7 @@ def read(text: str, where: str) -> RecordFile:
         channels.append(_channel(lines, head_from, start, block, where))
         head_from = start + 1
     facts = {"event": lines[2].strip(), "station": lines[6].strip() if len(lines) > 6 else ""}
-    return RecordFile(where, "CSMIP V2", True, "cm/s2", tuple(channels), facts)
+    return RecordFile(where, "CSMIP V2", "cm/s2", tuple(channels), facts)
 
 
 def _channel(lines: list[str], head_from: int, start: int, block: re.Match[str], where: str) -> Channel:
@@ -54,4 +49,4 @@ def _channel(lines: list[str], head_from: int, start: int, block: re.Match[str],
     head = Header([line for line in lines[head_from:start] if not line.startswith("/&")], where)
     name = head.words(r"CHAN\s+\d+:\s*(\S+)") or "1"
     peak = head.peak(rf"PEAK ACCELERATION\s*=\s*{_FLOAT}\s+\S+\s+AT\s+{_FLOAT}")
-    return Channel.read(name, parse_orientation(name), dt_s, values, unit, peak)
+    return Channel.read(name, None, dt_s, values, unit, peak)

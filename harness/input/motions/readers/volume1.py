@@ -8,18 +8,23 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.input.motions.clock import clock_of
-from harness.input.motions.header import Header, fortran_format
 from harness.input.motions.orientation import Orientation, parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import NOT_NUMBERS, NUMERIC, fixed_width, free_format, header_number, mistake
-
-FORMATS: Final = {"CSMIP V1": False, "USC V1": False, "RENADIC V1": False, "BHRC V1": False}
+from harness.input.motions.text import (
+    NOT_NUMBERS,
+    NUMERIC,
+    Header,
+    fixed_width,
+    fortran_format,
+    free_format,
+    header_number,
+    mistake,
+)
 
 _FIRST = re.compile(r"\s*(FILE\s+\d+ OF )?UNCORRECTED\s+ACCELEROGRAM\s+DATA|\s*\* ?VOL1DS", re.IGNORECASE)
 _TEXT_LINES, _NUMBER_LINES, _HEADER_LINES = 13, 14, 27
@@ -55,7 +60,7 @@ def read(text: str, where: str) -> RecordFile:
     raw = "uncorrected accelerogram: baseline and instrument as recorded"
     warnings = (raw, *(said for _, more in channels for said in more))
     group = "|".join((*facts.values(), lines[4].strip())) if network == "USC" else ""
-    return RecordFile(where, name, False, "g", tuple(channel for channel, _ in channels), facts, group, warnings)
+    return RecordFile(where, name, "g", tuple(channel for channel, _ in channels), facts, group, warnings)
 
 
 def _channel(lines: list[str], start: int, end: int, where: str) -> tuple[Channel, tuple[str, ...]]:
@@ -73,7 +78,7 @@ def _channel(lines: list[str], start: int, end: int, where: str) -> tuple[Channe
         per_line, width = fortran_format(even["form"] or "(8F9.6)", where, place)
         values = fixed_width(data[1 : 1 + -(-count // per_line)], width, count, where=where, first_line=first + 2)
         values = values / 10.0 if even["tenths"] else values
-        return Channel.read(name, parse_orientation(name), dt_s, values, "g", peak), ()
+        return Channel.read(name, None, dt_s, values, "g", peak), ()
     head.needed(r"UNITS.*SEC.*(G/10)", "'UNITS … SEC AND G/10'")
     if "VOL1DS" in lines[start].upper():
         dt_s = head.number(r"DURATION\s*=\s*([\d.]+)", "'DURATION =' and seconds") / count
@@ -82,7 +87,7 @@ def _channel(lines: list[str], start: int, end: int, where: str) -> tuple[Channe
     pairs = _enough(_pairs(data, where, first + 1), 2 * count, where, name).reshape(-1, 2)
     clock = clock_of(pairs[:, 0], where, largest=int(np.argmax(np.abs(pairs[:, 1]))))
     values = clock.on(pairs[:, 1]) / 10.0
-    channel = Channel.read(name, parse_orientation(name), clock.dt_s, values, "g", peak, clock.start_s)
+    channel = Channel.read(name, None, clock.dt_s, values, "g", peak, clock.start_s)
     return channel, tuple(f"{name}: {said}" for said in clock.said)
 
 

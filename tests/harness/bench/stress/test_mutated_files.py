@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.bench.stress.mutated_files import compute, died, missing, summed, tasks
+from harness.bench import source_tree
+from harness.bench.stress.mutated_files import FUZZ, compute, died, summed, tasks
 from harness.bench.stress.stress_run import INPUTS as WHOLE
 from tests.fuzz.fuzz_run import rows
 from tests.fuzz.originals import kinds
@@ -38,7 +39,7 @@ def test_a_stress_run_reads_mutated_files_in_a_process_of_its_own(monkeypatch: p
     assert "ValueError" in row["found"][0]["what"]
     monkeypatch.setattr("harness.bench.source_tree.ROOT", Path("/nowhere"))
     assert tasks(WHOLE) == []
-    assert missing() == "tests/fuzz of the source tree is not here"
+    assert source_tree.missing(FUZZ) == "tests/fuzz of the source tree is not here"
 
 
 def test_a_process_that_ends_counts_as_a_failure() -> None:

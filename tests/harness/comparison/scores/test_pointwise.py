@@ -17,12 +17,12 @@ from tests.budgets_compare import PEAK_RAD, ROUNDING_REL, TRAPEZOID_REL
 def test_rms_of_a_constant_offset_is_the_offset() -> None:
     history = doubles.wave()
     both = pair(doubles.raised(history, 0.003), history)
-    assert pointwise.rms_rad(both) == pytest.approx(0.003, rel=ROUNDING_REL)
+    assert pointwise.rms(both, both.difference_rad) == pytest.approx(0.003, rel=ROUNDING_REL)
 
 
 def test_rms_of_a_sine_against_rest_is_its_amplitude_over_root_two() -> None:
     both = pair(doubles.wave(amplitude_rad=0.05), doubles.rest(4.0))
-    assert pointwise.rms_rad(both) == pytest.approx(0.05 / math.sqrt(2.0), rel=TRAPEZOID_REL)
+    assert pointwise.rms(both, both.difference_rad) == pytest.approx(0.05 / math.sqrt(2.0), rel=TRAPEZOID_REL)
 
 
 def test_rms_weights_uneven_samples_by_time() -> None:
@@ -30,7 +30,7 @@ def test_rms_weights_uneven_samples_by_time() -> None:
     t = np.sort(np.concatenate((np.linspace(0.0, 0.1, 901), np.linspace(0.1, 1.0, 901)[1:])))
     none, one = np.zeros_like(t), np.ones_like(t)
     both = pair(History(t, t, one, none, none), History(t, none, none, none, none))
-    assert pointwise.rms_rad(both) == pytest.approx(math.sqrt(1.0 / 3.0), rel=TRAPEZOID_REL)
+    assert pointwise.rms(both, both.difference_rad) == pytest.approx(math.sqrt(1.0 / 3.0), rel=TRAPEZOID_REL)
     assert abs(math.sqrt(float(np.mean(t**2))) - math.sqrt(1.0 / 3.0)) > 0.1
 
 
@@ -93,7 +93,8 @@ def test_together_ends_where_the_tolerance_is_passed() -> None:
 def test_more_spoilt_is_worse(name: str) -> None:
     history = doubles.rocking()
     spoil = doubles.SPOILT[name]
-    rms = [pointwise.rms_rad(pair(spoil(history, size), history)) for size in (0.0, 0.1, 0.3, 1.0)]
+    spoilt = [pair(spoil(history, size), history) for size in (0.0, 0.1, 0.3, 1.0)]
+    rms = [pointwise.rms(both, both.difference_rad) for both in spoilt]
     assert rms[0] == 0.0
     assert rms == sorted(rms)
     assert rms[1] > 0.0
@@ -121,4 +122,4 @@ def test_an_early_end_at_rest_is_held() -> None:
     assert pair(short, history).end_s == short.duration_s
     held = pair(short, history, hold_a=True)
     assert held.end_s == history.duration_s
-    assert pointwise.rms_rad(held) == 0.0
+    assert pointwise.rms(held, held.difference_rad) == 0.0

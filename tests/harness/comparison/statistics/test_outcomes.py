@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from harness.comparison.statistics.outcomes import Case, f1, matthews, score_outcomes
-from harness.comparison.statistics.probabilities import brier, brier_skill
+from harness.comparison.statistics.outcomes import Case, brier, brier_skill, f1, matthews, score_outcomes
 from harness.model.history import Outcome
 from tests.budgets_compare import ROUNDING_REL
 

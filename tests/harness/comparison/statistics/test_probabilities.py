@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from harness.comparison.statistics.probabilities import area_under_curve, reliability
+from harness.comparison.statistics.outcomes import area_under_curve, reliability
 from tests.budgets_compare import COUNTED
 
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from harness.input.motions.check import USUAL_STEPS_S
-from harness.input.motions.components import channel_named
 from harness.input.motions.orientation import parse_orientation
 from harness.input.motions.readers import read_record
+from harness.input.motions.records import channel_named
 from harness.model.errors import InputError
 from tests.fuzz.records import at2
 from tests.harness.input.motions import writers

@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.input.motions.components import aligned
 from harness.input.motions.measures import peak_velocity_m_s
 from harness.input.motions.readers import read_file, read_record
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
-from harness.input.motions.records import load
+from harness.input.motions.records import aligned, load
 from harness.input.motions.spec import Source
 from harness.model.errors import InputError
 from tests.budgets_motions import (
@@ -97,7 +96,7 @@ def test_the_librarys_reader_still_fails_where_numbers_touch(records: Path, tmp_
 def test_a_motion_is_told_what_concerns_its_own_channel(records: Path) -> None:
     def told(**chosen: object) -> tuple[str, ...]:
         source = Source.model_validate({"file": GEONET, **chosen})
-        return load(source, base_dir=records, where="scene", key="motion.x").warnings
+        return load(source, base_dir=records, where="scene", key="motion.x")[1]
 
     assert {warning.split(":")[0] for warning in told(column="S62W")} == {"S62W"}
     assert {warning.split(":")[0] for warning in told(azimuth_deg=30.0)} >= {"N28W", "S62W"}

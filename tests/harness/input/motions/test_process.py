@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.input.motions import process
-from harness.input.motions.measures import arias_m_s, measures, peak_velocity_m_s, significant_s
+from harness.input.motions.measures import measures, peak_velocity_m_s
 from harness.input.motions.process import ProcessError
 from harness.input.motions.series import Series, displacement_m, velocity_m_s
 from tests.budgets_motions import FILTER_PASS, FILTER_STOP, RETURN_TO_REST_M, RETURN_TO_REST_M_S, SAME_MOTION
@@ -79,7 +79,7 @@ def test_window_and_significant_duration() -> None:
     with pytest.raises(ProcessError, match="nothing is left"):
         process.window(NOISE, 30.0, 40.0)
     short = process.significant(NOISE, (0.05, 0.95), NOISE.accel_m_s2**2)
-    assert short.duration_s == pytest.approx(significant_s(NOISE, 0.05, 0.95), abs=2.0 * NOISE.dt_s)
+    assert short.duration_s == pytest.approx(measures(NOISE).significant_5_95_s, abs=2.0 * NOISE.dt_s)
 
 
 def test_scaling_reaches_pga_and_pgv_and_keeps_their_sign() -> None:
@@ -95,7 +95,7 @@ def test_measures_of_a_sine_have_closed_forms() -> None:
     found = measures(series)
     assert found.pga_g == pytest.approx(amplitude / GRAVITY, rel=1e-6)
     assert found.pgv_m_s == pytest.approx(2.0 * amplitude / (2.0 * np.pi * frequency), rel=1e-5)
-    assert arias_m_s(series) == pytest.approx(np.pi / (2.0 * GRAVITY) * amplitude**2 / 2.0 * 10.0, rel=1e-6)
+    assert measures(series).arias_m_s == pytest.approx(np.pi / (2.0 * GRAVITY) * amplitude**2 / 2.0 * 10.0, rel=1e-6)
     assert found.significant_5_95_s == pytest.approx(9.0, abs=0.05)
     assert found.bracketed_s == pytest.approx(10.0, abs=0.1)
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.input.motions.components import aligned, channel_named, turned
 from harness.input.motions.orientation import Orientation, parse_orientation
 from harness.input.motions.readers import FORMATS, read_record
+from harness.input.motions.records import aligned, channel_named, turned
 from harness.input.motions.text import fixed_width, free_format
 from harness.model.errors import InputError
 from tests.budgets_motions import SAME_MOTION, WRITTEN_DIGITS_G

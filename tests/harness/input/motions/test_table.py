@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.input.motions.layout import Layout
 from harness.input.motions.readers import read_file
+from harness.input.motions.recordfile import Layout
 from harness.input.motions.records import load
 from harness.input.motions.spec import Source
 from harness.model.errors import InputError
@@ -133,8 +133,8 @@ def test_columns_are_named_and_a_scene_says_the_same(tmp_path: Path) -> None:
     record = read_file(path, unit="gal", layout=Layout(skip_lines=2, time_column=1, columns="2:N,3:E"))
     assert [(c.name, c.orientation.azimuth_deg) for c in record.channels] == [("N", 0.0), ("E", 90.0)]
     keys = {"file": "a.txt", "unit": "gal", "skip_lines": 2, "time_column": 1, "columns": "2:N,3:E", "column": "E"}
-    loaded = load(Source.model_validate(keys), base_dir=tmp_path, where="scene", key="motion.x")
-    np.testing.assert_allclose(loaded.series.accel_m_s2, EAST, rtol=0.0, atol=GAL_6)
+    series, _ = load(Source.model_validate(keys), base_dir=tmp_path, where="scene", key="motion.x")
+    np.testing.assert_allclose(series.accel_m_s2, EAST, rtol=0.0, atol=GAL_6)
     flat = read_file(path, unit="cm/s2", layout=Layout(dt_s=0.005, skip_lines=2, columns="3"))
     np.testing.assert_allclose(flat.channels[0].accel_m_s2, EAST, rtol=0.0, atol=GAL_6)
     assert flat.channels[0].dt_s == 0.005

@@ -1,0 +1,21 @@
+"""Runs put into a store, and what SQLite says of its file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from harness.campaign.serialization import packed
+from harness.campaign.store import Store
+from harness.campaign.task import answer_of
+from harness.model.run import Run
+
+
+def put(store: Store, results: Sequence[tuple[str, Run]], histories: bool = False) -> None:
+    """Store finished runs, each in a transaction of its own."""
+    for key, run in results:
+        store.add([packed(key, answer_of(run, histories))])
+
+
+def is_sound(store: Store) -> bool:
+    """Whether SQLite finds no fault in the store's file."""
+    return bool(store._db.execute("PRAGMA quick_check(1)").fetchone()[0] == "ok")
