@@ -22,6 +22,7 @@ class Backend(Protocol):
     depth_m: float
     """Depth at which what stands is kept in contact."""
 
+    # The balance of momentum over a step, which tells friction, begins with what the engine was given.
     owed_m_s: tuple[float, float]
     """What was taken from the statue's velocity along x and z before the last step was solved."""
     near: bool | None

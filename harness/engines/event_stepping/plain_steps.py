@@ -30,6 +30,7 @@ def plain_steps(backend: Backend, schedule: Schedule, ended: Callable[[float, Ro
         row = backend.advance(gravity)
         record.keep(number * step_s, (number - 0.5) * step_s, row)
         if switches:
+            # Asked after a step, for the next: in the one in which the pedestal breaks loose the static coefficient still acts.
             wanted = followed(friction, math.hypot(row[20], row[21]))
             if wanted != acting:
                 backend.set_floor_friction(wanted)

@@ -52,6 +52,7 @@ def advanced(row: Row, seconds: float) -> Row:
 
 def _carried(body: Row, seconds: float) -> Row:
     px, py, pz, x, y, z, w, u, v, q, a, b, c = body
+    # The exact rotation at a constant angular velocity: an event's instant is met to rounding, whatever the body turns by.
     rate = math.sqrt(a * a + b * b + c * c)
     half = 0.5 * rate * seconds
     share = math.sin(half) / rate if rate > 0.0 else 0.0

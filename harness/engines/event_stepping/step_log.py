@@ -51,6 +51,7 @@ class StepLog:
 
     def row(self, index: int) -> Row:
         """A row, counted from the last (-1) backwards."""
+        # Rows lie one after the other: an array of them would be copied as it grows.
         end = len(self.flat) + (index + 1) * self.width
         return tuple(self.flat[end - self.width : end])
 

@@ -95,6 +95,7 @@ class BulletBackend:
             moving = (abs(v - w) for k in (7, 20) for v, w in zip(after[k : k + 6], table, strict=True))
             world.solver.rest(not world.in_plane and max(moving) < RESTING_M_S)
             turning = max(turning, after[23] * after[23] + after[24] * after[24])
+        # A step takes a foot ω² h dt²/2 off its support: beyond its reach it is no contact there.
         needed = STEPS_OFF * turning * self.step_s**2
         if needed > world.reach or needed * NARROWER < world.reach > self.least_reach:
             world.set_reach(max(WIDER * needed, self.least_reach))

@@ -15,4 +15,5 @@ def place(body: int, state: Body, client: int) -> None:
 
 def twist(body: int, torque_n_m: tuple[float, float, float], client: int) -> None:
     """Add a torque, world axes, to the step that follows: Bullet forgets it with that."""
+    # In the world's axes: Bullet would turn one given in the body's by the rotation at the step's beginning.
     pybullet.applyExternalTorque(body, -1, torque_n_m, pybullet.WORLD_FRAME, client)

@@ -52,6 +52,7 @@ class Reader:
 
     def __init__(self, space: pymunk.Space, count: int) -> None:
         """All bodies must have been added; the first `count` are read, in the order in which they were."""
+        # Not `batch.Buffer`: it never frees what its arrays have grown to (some 170 bytes a step, in every run).
         self._floats = ffi.gc(lib.pmFloatArrayNew(0), lib.pmFloatArrayFree)
         self._ints = ffi.gc(lib.pmIntArrayNew(0), lib.pmIntArrayFree)
         self._target = ffi.new("pmBatchedData *")

@@ -121,6 +121,7 @@ def _integrate(scene: Scene, settings: MunkSettings, options: RunOptions) -> Ste
 
     def ended(t_s: float, row: Row) -> bool:
         theta = 2.0 * math.atan2(row[4], row[6])
+        # A planar row's rotation is about y alone.
         if options.allows("stop_at_overturn") and abs(theta) > OVERTURN_RAD:
             return True
         return options.stop is not None and options.stop(t_s, theta)
