@@ -20,9 +20,6 @@ from harness.model.scene import Scene
 STUCK_SHARE: Final = 0.02
 """A velocity below this share of what kinetic friction takes away in one step is rest: solvers leave a little."""
 
-LIMIT_SHARE: Final = 1e-6
-"""A friction impulse within this share of μ times the normal impulse is at its limit: rounding of the sums."""
-
 
 @dataclass(frozen=True)
 class FloorFriction:
@@ -36,11 +33,6 @@ class FloorFriction:
     def switches(self) -> bool:
         """Whether the two numbers differ, so that the coefficient must follow the sliding state."""
         return self.static != self.kinetic
-
-    def at_limit(self, friction_n_s: float, normal_n_s: float, *, stuck: bool) -> bool:
-        """Whether an impulse of friction has reached what the coefficient of that state allows."""
-        coefficient = self.static if stuck else self.kinetic
-        return abs(friction_n_s) >= coefficient * normal_n_s * (1.0 - LIMIT_SHARE)
 
 
 def floor_friction(scene: Scene, dt_s: float) -> FloorFriction:

@@ -16,8 +16,12 @@ LOOK_STEPS: Final = 64
 """Steps between two looks at whether the run can end: a statue that has fallen stays down."""
 
 
-def plain_steps(backend: Backend, schedule: Schedule, ended: Callable[[float, Row], bool]) -> StepLog:
+def plain_steps(
+    backend: Backend, schedule: Schedule, ended: Callable[[float, Row], bool], *, lags: bool = True
+) -> StepLog:
     """All steps of a schedule, or those up to a look at which the run has `ended`, asked with time and row.
+
+    `lags`: velocities are half a step behind the places.
 
     Two coefficients of friction are the one thing that no engine knows: the floor's follows the pedestal's own velocity.
     """
@@ -26,9 +30,10 @@ def plain_steps(backend: Backend, schedule: Schedule, ended: Callable[[float, Ro
     switches = len(row) > ALONE and friction.switches
     record = StepLog(len(row))
     record.keep(0.0, 0.0, row)
-    for number, gravity in enumerate(schedule.coarse, 1):
+    lag = 0.5 if lags else 0.0
+    for number, gravity in enumerate(schedule.coarse if lags else schedule.level, 1):
         row = backend.advance(gravity)
-        record.keep(number * step_s, (number - 0.5) * step_s, row)
+        record.keep(number * step_s, (number - lag) * step_s, row)
         if switches:
             # Asked after a step, for the next: in the one in which the pedestal breaks loose the static coefficient still acts.
             wanted = followed(friction, math.hypot(row[20], row[21]))

@@ -25,10 +25,10 @@ from tests.scenes_for_tests import paestum
 PLACES = {
     "pymunk": {"backend.py", "world.py"},
     "pybullet": {"writing.py"},
-    "mujoco": {"adapter.py"},
+    "mujoco": {"backend.py"},
 }
 """Modules that may write to a body: pymunk's `world` before the start; of mujoco's see below."""
-MUJOCO = {"_start", "_restore"}
+MUJOCO = {"place"}
 CALLS = ("cpBodySet", "cpBodyApply", "cpBodyUpdate", "resetBase", "applyExternal", "resetJoint")
 PROPERTIES = {"position", "angle", "velocity", "angular_velocity", "qpos", "qvel"}
 
@@ -67,7 +67,7 @@ def test_bodies_are_written_to_in_one_place(root: Path, name: str) -> None:
     }
     assert {module for module, functions in found.items() if functions} == PLACES[name]
     if name == "mujoco":
-        assert found["adapter.py"] == MUJOCO
+        assert found["backend.py"] == MUJOCO
     if name == "pymunk":
         assert found["world.py"] == {"_pedestal", "_statue"}, "the start alone"
 
