@@ -32,16 +32,6 @@ def apparent_gravity(scene: Scene, edges_s: Array) -> Array:
     return gravity
 
 
-def mean_gravity(scene: Scene, start_s: float, end_s: float) -> tuple[float, float, float]:
-    """The same for one step, m/s²."""
-    length_s = end_s - start_s
-    mean = [0.0, 0.0, 0.0]
-    for axis, item in enumerate((scene.base_excitation.x, scene.base_excitation.y, scene.base_excitation.z)):
-        if not isinstance(item, ZeroExcitation):
-            mean[axis] = (item.velocity_at(end_s) - item.velocity_at(start_s)) / length_s
-    return -mean[0], -mean[1], -mean[2] - scene.gravity_m_s2
-
-
 def greatest_pull_m_s2(scene: Scene) -> float:
     """A bound on what weight and table together can do, m/s²."""
     base_excitation = scene.base_excitation

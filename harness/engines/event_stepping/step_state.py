@@ -137,7 +137,7 @@ class StepState:
         stepper, record, step_s, before = self.stepper, self.record, self.step_s, self.row
         if stepper.runs:
             stepper.backend.foresee(self, (self.number + 0.5) * step_s, step_s)
-            self.row = stepper.run(pulls, record)
+            self.row = stepper.backend.run(pulls, record)
             numbers = range(self.number + 1, self.number + len(record.flat) // record.width - len(record.t_s) + 1)
             record.t_s.extend([number * step_s for number in numbers])
             record.kick_s.extend([(number - 0.5) * step_s for number in numbers])

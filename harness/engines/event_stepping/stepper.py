@@ -10,7 +10,6 @@ from harness.engines.contact.coulomb import SLIP_ONSET
 from harness.engines.event_stepping.backend import Backend
 from harness.engines.event_stepping.rows import Row, Vector
 from harness.engines.event_stepping.schedule import Schedule
-from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.writing import RowWriter
 from harness.model.scene import Scene
 
@@ -39,10 +38,6 @@ class Stepper:
         self.table_place: Vector = (0.0, 0.0, 0.0)
         self.table_rate: Vector = (0.0, 0.0, 0.0)
         self.table_before = self.table_rate
-
-    def run(self, pulls: Sequence[Vector], record: StepLog) -> Row:
-        """Whole steps one after the other: rows are recorded, the last is returned."""
-        return self.backend.run(pulls, record)
 
     def step(self, gravity: Vector, t_s: float, step_s: float, before: Row) -> Row:
         """Advance the world from `before` at `t_s` by `step_s`."""

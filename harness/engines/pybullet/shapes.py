@@ -18,10 +18,8 @@ Array = NDArray[np.float64]
 
 PEDESTAL_CLEARANCE_M: Final = 1e-4
 """The box stands this much above the pedestal's own feet, so that only they touch the floor."""
-HULL_MARGIN_M: Final = 1e-3
-"""Bullet rounds a hull outwards by this much."""
 HULL_INSET_M: Final = 1.1e-3
-"""Hull and parts are drawn inside the body by their margin and a tenth of a millimetre, so that the feet always touch first."""
+"""Hull and parts are drawn inside the body by the millimetre that Bullet adds to them, and a tenth: the feet touch first."""
 LEAST_THICKNESS_M: Final = 1e-5
 """A body thinner than this, once drawn inside, is left out: its neighbours or the hull's vertices touch in its place."""
 NOTHING: Final = '<mass value="0"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/>'
