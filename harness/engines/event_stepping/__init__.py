@@ -4,5 +4,5 @@ In the order in which a run passes them: `schedule` (gravity or table, step by s
 `step_state` (the two clocks, of places and of velocities), `stepper` (one step with two coefficients of friction), `backend`
 (what an engine offers). What comes next is told by `touch` (gaps), `contact_time`, `micro_rocking`, `slip_onset` and
 `rest_spell`, and met by `locating` and `imposing`. `writing` and `interventions` account for what is written to a body;
-`step_log` and `columns` make the trajectory; `plain_steps` is the loop of engines as they come.
+`step_log` and `columns` make the trajectory; `plain_steps` is the loop of engines as they come; `watch` what ends either.
 """

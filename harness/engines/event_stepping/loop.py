@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Final
 
 from harness.engines.contact.frame import greatest_pull_m_s2
@@ -12,12 +10,13 @@ from harness.engines.contact.spatial import fallen
 from harness.engines.event_stepping import imposing, micro_rocking
 from harness.engines.event_stepping.contact_time import ContactTimeEstimate
 from harness.engines.event_stepping.locating import locate_event
-from harness.engines.event_stepping.rest_spell import STILL_M_S, RestSpells
-from harness.engines.event_stepping.rows import ALONE, Row, Vector, axis_of
+from harness.engines.event_stepping.rest_spell import STILL_M_S
+from harness.engines.event_stepping.rows import ALONE, Row, axis_of
 from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.step_state import StepState
 from harness.engines.event_stepping.touch import ContactGaps
+from harness.engines.event_stepping.watch import LOOK_STEPS, Watch
 from harness.model.scene import Scene
 
 AHEAD: Final = 1.5
@@ -46,34 +45,9 @@ TIPPED_RAD_S2: Final = 20.0
 part."""
 STILL_LEAN_RAD: Final = 1e-4
 """A statue at rest on its base leans less than this from its pose at rest."""
-LOOK_STEPS: Final = 64
-"""Steps between two questions whether the run may end."""
 STILL_CHECK: Final = 64
 STILL_CHECKS: Final = 16
 """A run may end when everything was still at this many checks in a row, `STILL_CHECK` steps apart."""
-
-
-@dataclass(frozen=True, eq=False)
-class Watch:
-    """What the loop looks at: the statue's `axis` in its principal frame and in the world at `rest`, when and what to end.
-
-    `impose` says that impacts are the model's. `quiet_from` is the number of the step from which the table is still (None: the
-    run is not ended at rest). `leave` is asked every `MOST_FREE` steps whether the statue may touch what this world leaves out,
-    `stop` now and then, with time and rotation, whether the run may end. `touch` finds impacts; None leaves them to whole steps,
-    as they are while `edges` says that the pedestal's edges may be met. `spells` finds times of rest; `ends_fallen`
-    ends a run whose statue has overturned.
-    """
-
-    axis: Vector
-    rest: Vector
-    quiet_from: int | None
-    impose: bool
-    leave: Callable[[Row], bool] | None = None
-    stop: Callable[[float, float], bool] | None = None
-    touch: ContactGaps | None = None
-    spells: RestSpells | None = None
-    edges: Callable[[Row], bool] | None = None
-    ends_fallen: bool = True
 
 
 def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) -> StepLog:

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Final
 
 from harness.engines.contact.friction import floor_friction, followed
+from harness.engines.contact.spatial import fallen
 from harness.engines.event_stepping.backend import Backend
-from harness.engines.event_stepping.rows import ALONE, Row
+from harness.engines.event_stepping.rows import ALONE, Row, axis_of
 from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.step_log import StepLog
+from harness.engines.event_stepping.watch import LOOK_STEPS, Watch
+from harness.model.scene import Scene
 
-LOOK_STEPS: Final = 64
-"""Steps between two looks at whether the run can end: a statue that has fallen stays down."""
 
-
-def plain_steps(
-    backend: Backend, schedule: Schedule, ended: Callable[[float, Row], bool], *, lags: bool = True
-) -> StepLog:
-    """All steps of a schedule, or those up to a look at which the run has `ended`, asked with time and row.
+def plain_steps(backend: Backend, schedule: Schedule, watch: Watch, *, lags: bool = True) -> StepLog:
+    """All steps of a schedule, or those up to a look at which `watch` ends the run: overturned, stopped, or to leave this world.
 
     `lags`: velocities are half a step behind the places.
 
@@ -40,6 +36,15 @@ def plain_steps(
             if wanted != acting:
                 backend.set_floor_friction(wanted)
                 acting = wanted
-        if number % LOOK_STEPS == 0 and ended(number * step_s, row):
+        if number % LOOK_STEPS == 0 and _ended(schedule.scene, watch, number * step_s, row):
             break
     return record
+
+
+def _ended(scene: Scene, watch: Watch, t_s: float, row: Row) -> bool:
+    x, y, z = axis_of(row, watch.axis)
+    if watch.ends_fallen and scene.initial.pose is None and fallen(x, y, z):
+        return True
+    if watch.stop is not None and watch.stop(t_s, math.atan2(x, z)):
+        return True
+    return watch.leave is not None and watch.leave(row)

@@ -49,6 +49,12 @@ class StepLog:
         self.kick_s.append(kick_s)
         self.flat.frombytes(self.pack(*row))
 
+    def whole_steps(self, first: int, count: int, step_s: float) -> None:
+        """The times of so many whole steps from number `first` on, whose rows stand here already."""
+        numbers = range(first, first + count)
+        self.t_s.extend([number * step_s for number in numbers])
+        self.kick_s.extend([(number - 0.5) * step_s for number in numbers])
+
     def row(self, index: int) -> Row:
         """A row, counted from the last (-1) backwards."""
         # Rows lie one after the other: an array of them would be copied as it grows.

@@ -138,9 +138,7 @@ class StepState:
         if stepper.runs:
             stepper.backend.foresee(self, (self.number + 0.5) * step_s, step_s)
             self.row = stepper.backend.run(pulls, record)
-            numbers = range(self.number + 1, self.number + len(record.flat) // record.width - len(record.t_s) + 1)
-            record.t_s.extend([number * step_s for number in numbers])
-            record.kick_s.extend([(number - 0.5) * step_s for number in numbers])
+            record.whole_steps(self.number + 1, len(record.flat) // record.width - len(record.t_s), step_s)
         else:
             for number, gravity in enumerate(pulls, self.number + 1):
                 stepper.backend.foresee(self, (number - 0.5) * step_s, step_s)
@@ -163,9 +161,7 @@ class StepState:
         row, record = self.row, self.record
         self.row = (*row[:7], *NO_PULL, *NO_PULL, *row[13:20], *(0.0 for _ in row[20:]))
         record.flat.frombytes(count * record.pack(*self.row))
-        numbers = range(self.number + 1, self.number + count + 1)
-        record.t_s.extend([number * self.step_s for number in numbers])
-        record.kick_s.extend([(number - 0.5) * self.step_s for number in numbers])
+        record.whole_steps(self.number + 1, count, self.step_s)
         record.at_rest += count
         self.number += count
         self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]

@@ -18,15 +18,15 @@ import numpy as np
 from harness.engines.base import MOVING_TABLE, Engine, EngineFailure, Settings, near, own_settings, refuse
 from harness.engines.contact.frame import step_count
 from harness.engines.contact.reduce import Report, reduce_trajectory
-from harness.engines.contact.spatial import fallen
 from harness.engines.event_stepping.columns import trajectory
-from harness.engines.event_stepping.loop import Watch, integrate
+from harness.engines.event_stepping.loop import integrate
 from harness.engines.event_stepping.plain_steps import plain_steps
-from harness.engines.event_stepping.rows import Row, axis_of
+from harness.engines.event_stepping.rows import Row
 from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.step_state import StepState
 from harness.engines.event_stepping.stepper import Stepper
+from harness.engines.event_stepping.watch import Watch
 from harness.engines.mujoco.model import integrator, model_xml
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
@@ -141,20 +141,12 @@ def _integrated(scene: Scene, own: MujocoSettings, options: RunOptions, *, repea
         raise EngineFailure(f"mujoco refused the scene: {error}") from error
     backend.place(_start(scene))
     schedule = Schedule(scene, own.dt_s, 0, step_count(scene.duration_s, own.dt_s))
-    stops = options.allows("stop_at_overturn")
+    watch = Watch(stop=options.stop, ends_fallen=options.allows("stop_at_overturn"))
     if repeats and scene.pedestal is not None:
         state = StepState(Stepper(backend, scene, schedule), backend.read(), 0, 0.0, even=True)
-        watch = Watch(UPRIGHT, UPRIGHT, None, impose=False, stop=options.stop, ends_fallen=stops)
         return integrate(scene, schedule, watch, state)
-
-    def ended(t_s: float, row: Row) -> bool:
-        axis = axis_of(row, UPRIGHT)
-        if stops and scene.initial.pose is None and fallen(*axis):
-            return True
-        return options.stop is not None and options.stop(t_s, math.atan2(axis[0], axis[2]))
-
     # Of order four places and velocities move at once: neither lags.
-    return plain_steps(backend, schedule, ended, lags=integrator(scene) == "Euler")
+    return plain_steps(backend, schedule, watch, lags=integrator(scene) == "Euler")
 
 
 def _start(scene: Scene) -> Row:

@@ -11,7 +11,7 @@ from typing import Any
 
 import mujoco
 
-from harness.engines.event_stepping.rows import Row, Vector
+from harness.engines.event_stepping.rows import ALONE, Row, Vector
 from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.step_state import StepState
 from harness.engines.mujoco.model import FLOOR_PAIR
@@ -44,7 +44,7 @@ class MujocoBackend:
         """Put the bodies into the state of a row."""
         places: list[float] = []
         rates: list[float] = []
-        for k in range(0, len(row), 13):
+        for k in range(0, len(row), ALONE):
             a, b, c, w = row[k + 3 : k + 7]
             places += (*row[k : k + 3], w, a, b, c)
             rates += (*row[k + 7 : k + 10], *_turned((-a, -b, -c, w), row[k + 10 : k + 13]))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from harness.engines.contact.frame import greatest_pull_m_s2, step_count
 from harness.engines.event_stepping import loop
-from harness.engines.event_stepping.loop import MOST_FREE, Watch
+from harness.engines.event_stepping.loop import MOST_FREE
 from harness.engines.event_stepping.rest_spell import RestSpells
 from harness.engines.event_stepping.rows import Body, Row
 from harness.engines.event_stepping.schedule import Schedule
@@ -19,6 +19,7 @@ from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.step_state import StepState
 from harness.engines.event_stepping.stepper import Stepper
 from harness.engines.event_stepping.touch import ContactGaps
+from harness.engines.event_stepping.watch import Watch
 from harness.engines.pybullet import feet, mirror, pose
 from harness.engines.pybullet.backend import BulletBackend
 from harness.engines.pybullet.edge import Crossing, EdgeWatch

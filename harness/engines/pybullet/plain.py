@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar, Final, final
 
@@ -20,13 +19,12 @@ from harness.engines.base import FINER, Engine, Settings, near, own_settings
 from harness.engines.contact.frame import greatest_pull_m_s2, step_count
 from harness.engines.contact.friction import floor_friction
 from harness.engines.contact.reduce import Report, reduce_trajectory
-from harness.engines.contact.spatial import fallen
 from harness.engines.contact.steering import refuse_steering
 from harness.engines.event_stepping.columns import trajectory
-from harness.engines.event_stepping.plain_steps import LOOK_STEPS, plain_steps
-from harness.engines.event_stepping.rows import Row, axis_of
+from harness.engines.event_stepping.plain_steps import plain_steps
 from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.step_log import StepLog
+from harness.engines.event_stepping.watch import LOOK_STEPS, Watch
 from harness.engines.pybullet.adapter import REST_BAND_RAD, Bullet3D
 from harness.engines.pybullet.settings import BulletSettings
 from harness.model.options import Capabilities, RunOptions
@@ -124,30 +122,22 @@ def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, options: Ru
     from harness.engines.pybullet.full import full_shape
 
     axis = (float(setup.axes[2, 0]), float(setup.axes[2, 1]), float(setup.axes[2, 2]))
-
-    def ended(t_s: float, row: Row) -> bool:
-        x, y, z = axis_of(row, axis)
-        if options.allows("stop_at_overturn") and scene.initial.pose is None and fallen(x, y, z):
-            return True
-        return options.stop is not None and options.stop(t_s, math.atan2(x, z))
-
+    watch = Watch(axis, stop=options.stop, ends_fallen=options.allows("stop_at_overturn"))
     p = scene.pedestal
     if p is None:
-        return _stepped(scene, settings, setup, None, ended), None
+        return _stepped(scene, settings, setup, None, watch), None
     half = (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m)
     if options.allows("base_only"):
         edge = EdgeWatch(setup.hull_m, half, LOOK_STEPS * settings.dt_s, greatest_pull_m_s2(scene))
-        record = _stepped(scene, settings, setup, None, lambda t_s, row: ended(t_s, row) or edge(row))
+        record = _stepped(scene, settings, setup, None, replace(watch, leave=edge))
         if not edge(record.last):
             return record, None
     # The statue comes to the pedestal's edge: a body is not exchanged on the way, the run begins again with all of it.
     full = full_shape(scene, settings.full_shape)
-    return _stepped(scene, settings, setup, full, ended), full.note
+    return _stepped(scene, settings, setup, full, watch), full.note
 
 
-def _stepped(
-    scene: Scene, settings: BulletSettings, setup: Setup, full: FullShape | None, ended: Callable[[float, Row], bool]
-) -> StepLog:
+def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullShape | None, watch: Watch) -> StepLog:
     """One world from the scene's start to its end, to overturning, or to where the pedestal's edge can be met."""
     from harness.engines.pybullet.backend import BulletBackend
     from harness.engines.pybullet.course import build
@@ -158,7 +148,7 @@ def _stepped(
         build(world, scene, setup, full)
         if scene.contact.restitution is not None:
             _bounce(world, scene.contact.restitution)
-        return plain_steps(BulletBackend(world, settings.dt_s), schedule, ended)
+        return plain_steps(BulletBackend(world, settings.dt_s), schedule, watch)
 
 
 def _bounce(world: World, restitution: float) -> None:

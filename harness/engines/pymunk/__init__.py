@@ -15,13 +15,14 @@ from harness.engines.contact.friction import floor_friction
 from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.support import flat_base
-from harness.engines.event_stepping.loop import Watch, integrate
+from harness.engines.event_stepping.loop import integrate
 from harness.engines.event_stepping.rest_spell import STILL_M_S
 from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.step_state import StepState
 from harness.engines.event_stepping.stepper import Stepper
 from harness.engines.event_stepping.touch import ContactGaps
+from harness.engines.event_stepping.watch import Watch
 from harness.engines.pymunk.settings import MunkSettings
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
@@ -159,7 +160,7 @@ def _integrated(scene: Scene, own: MunkSettings, options: RunOptions) -> tuple[S
     schedule = Schedule(scene, own.dt_s, first, count)
     backend = ChipmunkBackend(world.build(scene, own), own, scene)
     state = StepState(Stepper(backend, scene, schedule), backend.read(), first, first * own.dt_s, even=True)
-    end_s, upright = scene.base_excitation.end_s, (0.0, 0.0, 1.0)
+    end_s = scene.base_excitation.end_s
     touch = None
     if _located(scene):
         x, z = base_vertices(scene).T
@@ -168,8 +169,6 @@ def _integrated(scene: Scene, own: MunkSettings, options: RunOptions) -> tuple[S
         half_m = None if scene.pedestal is None else 0.5 * scene.pedestal.height_m
         touch = ContactGaps(scene, feet_m, half_m, own.dt_s)
     watch = Watch(
-        axis=upright,
-        rest=upright,
         quiet_from=math.ceil(end_s / own.dt_s) if options.allows("quiet_end") and end_s < scene.duration_s else None,
         impose=scene.contact.restitution is not None,
         stop=options.stop,

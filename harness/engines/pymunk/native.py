@@ -19,8 +19,6 @@ State = tuple[float, float, float, float, float, float]
 step: Final = lib.cpSpaceStep
 set_gravity: Final = lib.cpSpaceSetGravity
 set_iterations: Final = lib.cpSpaceSetIterations
-get_place: Final = lib.cpBodyGetPosition
-get_velocity: Final = lib.cpBodyGetVelocity
 set_friction: Final = lib.cpShapeSetFriction
 
 unpack: Final = ffi.unpack

@@ -7,7 +7,6 @@ thing that Chipmunk does not know: the floor's follows the pedestal's own veloci
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import replace
 from typing import ClassVar, Final, final
@@ -19,14 +18,14 @@ from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.steering import refuse_steering
 from harness.engines.event_stepping.columns import trajectory
 from harness.engines.event_stepping.plain_steps import plain_steps
-from harness.engines.event_stepping.rows import Row
 from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.step_log import StepLog
+from harness.engines.event_stepping.watch import Watch
 from harness.engines.pymunk import SLOP_RAD_S, Munk2D, resolution_rad
 from harness.engines.pymunk.settings import MunkSettings
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
-from harness.model.scene import OVERTURN_RAD, Scene
+from harness.model.scene import Scene
 
 LEVELS: Final = (
     (2e-3, 300, 1e-2),
@@ -118,12 +117,6 @@ def _integrate(scene: Scene, settings: MunkSettings, options: RunOptions) -> Ste
     from harness.engines.pymunk.backend import ChipmunkBackend
 
     schedule = Schedule(scene, settings.dt_s, 0, step_count(scene.duration_s, settings.dt_s))
-
-    def ended(t_s: float, row: Row) -> bool:
-        theta = 2.0 * math.atan2(row[4], row[6])
-        # A planar row's rotation is about y alone.
-        if options.allows("stop_at_overturn") and abs(theta) > OVERTURN_RAD:
-            return True
-        return options.stop is not None and options.stop(t_s, theta)
-
-    return plain_steps(ChipmunkBackend(world.build(scene, settings), settings), schedule, ended)
+    watch = Watch(stop=options.stop, ends_fallen=options.allows("stop_at_overturn"))
+    # Without the scene the backend holds nothing: it is Chipmunk's own step, read.
+    return plain_steps(ChipmunkBackend(world.build(scene, settings), settings), schedule, watch)

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 FLOOR_M: Final = 1000.0
 """Half length of the floor and height of the wall: beyond any table's travel."""
 FLAT_M: Final = 1e-9
-"""Base vertices within this height of each other make a flat base."""
+"""Vertices within this height of the lowest touch at first."""
 
 
 @dataclass(frozen=True, eq=False)
