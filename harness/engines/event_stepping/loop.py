@@ -178,8 +178,9 @@ def _stick_onset(state: StepState, pull: float, kinetic: float) -> int:
     before = record.flat[-2 * len(row) + 20 : -2 * len(row) + 22]
     vx, vy = row[20] - stepper.table_rate[0], row[21] - stepper.table_rate[1]
     speed = math.hypot(vx, vy)
+    unseen = MOST_FREE if stepper.backend.near is False else 0
     if speed <= LEAST_SHARE * kinetic * step_s:
-        return RESTING_FREE
+        return unseen or RESTING_FREE
     last_s = record.kick_s[-1] - record.kick_s[-2]
     if last_s <= 0.0 or state.jolted:
         return 1
@@ -191,7 +192,7 @@ def _stick_onset(state: StepState, pull: float, kinetic: float) -> int:
         if stick_onset_s <= 0.5 * (state.t_s + state.next_s):
             state.stick_onset(stick_onset_s)
             return 0
-    return min(max(int(speed / (pull * step_s) - AHEAD), 1), MOST_FREE)
+    return unseen or min(max(int(speed / (pull * step_s) - AHEAD), 1), MOST_FREE)
 
 
 class Still:
