@@ -106,9 +106,8 @@ class Bullet3D(Engine):
         return (replace(verification, expected_error_rad=min(expected, level.expected_error_rad)),)
 
     def sensitivity_settings(self, scene: Scene, settings: Settings) -> Settings:
-        """The same level under another heading: what friction does there is Bullet's own."""
-        level = own_settings(self.name, BulletSettings, settings)
-        return replace(level, turn_rad=mirror.other_heading(scene, level))
+        """The same level with Bullet's axes otherwise: what friction does then is Bullet's own."""
+        return mirror.other_axes(scene, own_settings(self.name, BulletSettings, settings))
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` when pybullet cannot finish it."""

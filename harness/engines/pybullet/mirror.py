@@ -9,6 +9,7 @@ step from the impulses of the last, and their friction, a pyramid along the slid
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -31,13 +32,15 @@ def halves(scene: Scene) -> bool:
     return scene.table == "frame" and asymmetry(scene) is None
 
 
-def other_heading(scene: Scene, settings: BulletSettings) -> float:
-    """Heading beside that of `settings`, rad: none other where what slides does so along one line, as the scene mirrors itself or
-    its pedestal is shaken in the plane alone.
-    """
-    # There friction is Coulomb's under the scene's own heading, and not under another one, which would tell of itself alone.
-    along = scene.pedestal is not None and scene.base_excitation.y.peak_m_s2 == 0.0
-    return settings.turn_rad if along or asymmetry(scene) is None else TURN_RAD - settings.turn_rad
+def other_axes(scene: Scene, settings: BulletSettings) -> BulletSettings:
+    """Bullet's axes otherwise than with `settings`: no others where a scene mirrors itself, as what slides does so along one."""
+    if asymmetry(scene) is None:
+        return settings
+    if scene.pedestal is None:
+        # Vertices slide apart from each other, and turn as they hit: no one line is right for all.
+        return replace(settings, axes="fixed", turn_rad=TURN_RAD - settings.turn_rad)
+    # A pedestal slides as one: askew to fixed axes its feet would each lean, and yaw it, as under the scene's own they do not.
+    return replace(settings, axes="along" if settings.axes == "fixed" else "late")
 
 
 def halved(feet_m: Array) -> Array:
