@@ -7,17 +7,18 @@ import multiprocessing
 import os
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from harness.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.bench.timing import children_cpu_s, cost, largest_child_mb, peak_memory_mb
 from harness.campaign.parts import Row
+from harness.model.scene import Scene
 from harness.records.bench import ScalingRow
 
 Point = tuple[str, str, float]
@@ -61,21 +62,20 @@ def measure(point: Point) -> tuple[float, float, float]:
     if quantity == "workers":
         return _workers(int(value))
     if quantity == "mesh_vertices":
-        return _run(engine, lambda: _prism(int(value)))
-    motion = harmonic(0.25, 2.0)
-    return _run(engine, lambda: scene_of("longer", {"duration_s": value, "statue": COLUMN, "motion": motion}))
+        return _run(engine, _prism(int(value)))
+    content = {"duration_s": value, "statue": COLUMN, "motion": harmonic(0.25, 2.0)}
+    return _run(engine, scene_of("longer", content))
 
 
-def _run(engine: str, make: Callable[[], Any]) -> tuple[float, float, float]:
+def _run(engine: str, scene: Scene) -> tuple[float, float, float]:
     from harness.accuracy.simulation import simulate
 
-    scene = make()
     simulate(scene, engine)
     spent = cost(lambda: simulate(scene, engine), 3)
     return spent.wall_s, peak_memory_mb(), spent.cpu_s
 
 
-def _prism(vertices: int) -> Any:
+def _prism(vertices: int) -> Scene:
     """A prism on a polygon of half so many corners, under a motion that makes it rock."""
     import trimesh
 

@@ -11,6 +11,8 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
+import tomli_w
+
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.bench.skips import (
@@ -213,39 +215,15 @@ def _cached() -> SkipRow:
 
 
 def write_study(folder: Path, runs: int, engine: str) -> Path:
-    """A study of one block over `runs` amplitudes, written to `folder`."""
-    (folder / "scene.toml").write_text(BLOCK, encoding="utf-8")
+    """A study of the column over `runs` amplitudes, written to `folder`."""
+    scene = {"title": "block", "duration_s": 5.0, "statue": COLUMN, "motion": harmonic(0.3, 2.0)}
+    amplitudes = {"key": "motion.x.amplitude_g", "start": 0.2, "stop": 0.5, "count": runs}
+    variant = {"name": "block", "engines": [engine]}
+    study = {"title": "amplitudes", "scene": "scene.toml", "vary": [amplitudes], "variant": [variant]}
+    (folder / "scene.toml").write_text(tomli_w.dumps(scene), encoding="utf-8")
     path = folder / "study.toml"
-    path.write_text(AMPLITUDES.format(runs=runs, engine=engine), encoding="utf-8")
+    path.write_text(tomli_w.dumps(study), encoding="utf-8")
     return path
-
-
-BLOCK: Final = """
-title = "block"
-duration_s = 5.0
-[statue]
-mass_kg = 300.0
-centroid_height_m = 0.5
-corner_left_m = 0.1
-corner_right_m = 0.1
-inertia_kg_m2 = 26.0
-[motion.x]
-kind = "harmonic"
-amplitude_g = 0.3
-frequency_hz = 2.0
-"""
-AMPLITUDES: Final = """
-title = "amplitudes"
-scene = "scene.toml"
-[[vary]]
-key = "motion.x.amplitude_g"
-start = 0.2
-stop = 0.5
-count = {runs}
-[[variant]]
-name = "block"
-engines = ["{engine}"]
-"""
 
 
 def _planar() -> SkipRow:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -28,13 +28,10 @@ SURVEYED: Final[Mapping[str, str]] = {
 """Keys of `[statue]` that are a survey's beside a mesh, and what a solid calls them."""
 
 
-def statue_from_mesh(table: StatueTable, path: Path, notes: list[str]) -> Statue:
-    """The statue of a table with a mesh; what was reconciled, hollowed or adjusted is added to `notes`. Raises `InputError`."""
+def statue_from_mesh(table: StatueTable, mesh: MeshTable, path: Path, notes: list[str]) -> Statue:
+    """The statue of a table with its mesh; what was reconciled, hollowed or adjusted is added to `notes`. Raises `InputError`."""
     import meshes
 
-    mesh = table.mesh
-    if mesh is None:
-        raise InputError(Mistake(str(path), "statue.mesh", "a table with the mesh's file", "nothing"))
     if mesh.density_kg_m3 is None and table.mass_kg is None:
         raise InputError(
             Mistake(str(path), "statue.mesh.density_kg_m3", "a density, or statue.mass_kg as weighed", "neither")
@@ -69,25 +66,10 @@ def _solid(
     from meshes.hollow import Filling, load_hollow
 
     density = None if weighed_kg is not None else mesh.density_kg_m3
-    if inner is None or mesh.inner is None:
-        return meshes.load_solid(
-            file,
-            unit=mesh.unit,
-            up=mesh.up,
-            azimuth_deg=mesh.azimuth_deg,
-            density_kg_m3=density,
-            mass_kg=weighed_kg,
-            contact_tolerance_m=mesh.contact_tolerance_m,
-        )
-    return load_hollow(
-        file,
-        inner,
-        Filling(mesh.inner.density_kg_m3, density, weighed_kg),
-        unit=mesh.unit,
-        up=mesh.up,
-        azimuth_deg=mesh.azimuth_deg,
-        contact_tolerance_m=mesh.contact_tolerance_m,
-    )
+    load = partial(meshes.load_solid, file, density_kg_m3=density, mass_kg=weighed_kg)
+    if inner is not None and mesh.inner is not None:
+        load = partial(load_hollow, file, inner, Filling(mesh.inner.density_kg_m3, density, weighed_kg))
+    return load(unit=mesh.unit, up=mesh.up, azimuth_deg=mesh.azimuth_deg, contact_tolerance_m=mesh.contact_tolerance_m)
 
 
 @lru_cache(maxsize=8)
@@ -145,14 +127,7 @@ def _adjusted(solid: Solid, mesh: MeshTable, notes: list[str]) -> Solid:
     parts += [] if wanted.products else ["products of inertia left out"]
     if parts:
         notes.append(f"statue.mesh.adjust: {', '.join(parts)} against the mesh")
-    return adjusted(
-        solid,
-        centroid_rel=wanted.centroid_rel,
-        base_rel=wanted.base_rel,
-        inertia_rel=wanted.inertia_rel,
-        flat_base=wanted.flat_base,
-        products=wanted.products,
-    )
+    return adjusted(solid, **dict(wanted))
 
 
 def statue_of(solid: Solid) -> Statue:

@@ -165,7 +165,7 @@ def _statue_once(table: StatueTable, path: Path, notes: list[str], statues: Stat
 
 def _statue(table: StatueTable, path: Path, notes: list[str]) -> Statue:
     if table.mesh is not None:
-        return statue_from_mesh(table, path, notes)
+        return statue_from_mesh(table, table.mesh, path, notes)
     mass, height_c = table.mass_kg, table.centroid_height_m
     left, right, inertia = table.corner_left_m, table.corner_right_m, table.inertia_kg_m2
     if mass is None or height_c is None or left is None or right is None or inertia is None:

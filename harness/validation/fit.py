@@ -10,7 +10,7 @@ from typing import Final
 
 from harness.records.study import CaseRun
 from harness.records.validation import Fitted
-from harness.validation.scenes import Variant
+from harness.validation.scenes import INPUTS, Variant
 from harness.validation.table import UNKNOWN, Trial
 
 Answers = Mapping[tuple[str, Variant], CaseRun]
@@ -18,7 +18,7 @@ Answers = Mapping[tuple[str, Variant], CaseRun]
 Ask = Callable[[Sequence[tuple[Trial, Variant]]], Answers]
 """Runs what is not known yet, and gives all answers so far."""
 
-OF_BODY: Final[Mapping[str, str]] = {"azimuth": "azimuth_deg", "tolerance": "contact_tolerance_m", "inset": "inset_m"}
+OF_BODY: Final[Mapping[str, str]] = {name: column for name, column in INPUTS.items() if name != "friction"}
 """What each body has of its own: the field of a variant, and the table's column."""
 DESIGN: Final = 16
 """Joint settings of a body's own inputs that are tried with each friction: what a few tests of one share can tell apart."""

@@ -12,7 +12,7 @@ from harness.campaign.task import Answer, Task, answer_of, lost_answer
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.options import RunOptions
-from harness.validation.scenes import Variant, digest_of, scene_of
+from harness.validation.scenes import INPUTS, Variant, digest_of, scene_of
 from harness.validation.table import UNKNOWN, Trial
 
 BATCH: Final = {"analytic": 32, "pymunk": 8}
@@ -76,7 +76,7 @@ def task_of(trial: Trial, variant: Variant, model: Model, seed: int, stated: boo
     runs for a fit. Only a nominal run of the chosen inputs states its error (`stated`).
     """
     job = Job(trial, variant, model, seed, stated and not variant.sample)
-    inputs = [getattr(trial, UNKNOWN[name])[k] for name, k in variant.chosen.items()]
+    inputs = [getattr(trial, UNKNOWN[column])[getattr(variant, name)] for name, column in INPUTS.items()]
     drawn = (variant.sample, seed) if variant.sample else None
     setting = model.engine, model.accuracy_rad, model.dt_s, job.stated, job.history
     versions = [record.versions().get(name) for name in ("rockcheck", "numpy", "numba", model.engine)]

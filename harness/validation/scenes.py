@@ -23,7 +23,7 @@ from harness.model.history import Array
 from harness.model.options import Capabilities
 from harness.model.scene import Contact, Form, Scene, Statue
 from harness.validation.motions import Intensity, intensity, shaking
-from harness.validation.table import Trial
+from harness.validation.table import UNKNOWN, Trial
 
 RING_DOWN_S: Final = 5.0
 """Time after the motion's end in which rocking may still decide: several periods of a body of some metres."""
@@ -33,9 +33,6 @@ BASE_SD_M: Final = 0.001
 """Scatter of the base's edge: what a scan resolves and a placement crushes."""
 FRICTION_SD: Final = 0.05
 """Relative scatter of the friction: the spread of repeated tilt tests."""
-
-_Read = tuple[Path, str, str, float | None, float | None, float | None]
-"""What a solid is read by: file, unit, vertical axis, density, mass, contact tolerance."""
 
 
 @dataclass(frozen=True)
@@ -48,21 +45,17 @@ class Variant:
     inset: int = 0
     sample: int = 0
 
-    @property
-    def chosen(self) -> dict[str, int]:
-        """The index in each list, by the table's column."""
-        return {
-            "azimuth_deg": self.azimuth,
-            "friction": self.friction,
-            "contact_tolerance_m": self.tolerance,
-            "inset_m": self.inset,
-        }
+
+INPUTS: Final = {
+    "azimuth": "azimuth_deg", "friction": "friction", "tolerance": "contact_tolerance_m", "inset": "inset_m",
+}  # fmt: skip
+"""The table's column of each input of a variant, in the variant's order."""
 
 
 def settings(trial: Trial) -> Iterator[Variant]:
     """Every choice of a test's unknown inputs, each nominal."""
-    lists = (trial.azimuths_deg, trial.frictions, trial.contact_tolerances_m, trial.insets_m)
-    return (Variant(*choice) for choice in itertools.product(*(range(len(values)) for values in lists)))
+    counts = (len(getattr(trial, UNKNOWN[column])) for column in INPUTS.values())
+    return (Variant(*choice) for choice in itertools.product(*map(range, counts)))
 
 
 def scene_of(trial: Trial, variant: Variant, seed: int = 0) -> Scene:
@@ -130,8 +123,8 @@ def _turned(trial: Trial, azimuth_deg: float, inwards_m: float, tolerance_m: flo
     """The body of a trial, turned, every edge of its base moved inwards."""
     if trial.mesh is not None:
         density = None if trial.mass_kg is not None else trial.density_kg_m3
-        read = (trial.mesh, trial.unit, trial.up, density, trial.mass_kg, tolerance_m)
-        return _statue(read, azimuth_deg, inwards_m)
+        solid = _solid(trial.mesh, trial.unit, trial.up, density, trial.mass_kg, tolerance_m)
+        return _statue(solid, trial.mesh, azimuth_deg, inwards_m)
     statue = _base_scene(trial).statue
     if not azimuth_deg and not inwards_m:
         return statue
@@ -144,13 +137,12 @@ def _turned(trial: Trial, azimuth_deg: float, inwards_m: float, tolerance_m: flo
 
 
 @lru_cache(maxsize=256)
-def _statue(read: _Read, azimuth_deg: float, inwards_m: float) -> Statue:
-    solid = _solid(*read)
+def _statue(solid: meshes.Solid, file: Path, azimuth_deg: float, inwards_m: float) -> Statue:
     try:
         return statue_of(_pared(solid.rotated(azimuth_deg) if azimuth_deg else solid, inwards_m))
     except meshes.MeshError as error:
         place = f"azimuth {azimuth_deg:g}"
-        raise InputError(Mistake(str(read[0]), place, "a body that can stand", str(error))) from error
+        raise InputError(Mistake(str(file), place, "a body that can stand", str(error))) from error
 
 
 def _pared(solid: meshes.Solid, inwards_m: float) -> meshes.Solid:

@@ -12,7 +12,6 @@ from typing import Any, Final
 import numpy as np
 
 from harness.campaign.runner import Crash, LocalPool
-from harness.engines import REGISTRY
 from harness.input.scene_file import load_scene
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
@@ -81,7 +80,7 @@ def validate_tosses(
     tosses = read_tosses(table, base.statue, base.gravity_m_s2)[:most]
     if len(tosses) < 2:
         raise InputError(Mistake(str(table), "", "two tosses: one to fit, one to score", str(len(tosses))))
-    known, absent = _models(models)
+    known = [parse_model(name) for name in dict.fromkeys(models or TOSS_ENGINES)]
     drawn = np.random.default_rng(seed).permutation(len(tosses))
     fitted = sorted(int(k) for k in drawn[: max(round(FITTED * len(tosses)), 1)])
     pool = LocalPool(jobs)
@@ -98,7 +97,7 @@ def validate_tosses(
         fitted_on=[tosses[k].name for k in fitted],
         raised_m=quartiles([toss.raised_m for toss in tosses]),
         models=answers,
-        absent=absent,
+        absent={},
         seed=seed,
         versions=record.versions(),
         machine=record.machine(),
@@ -116,14 +115,6 @@ def _write_scores(path: Path, models: Mapping[str, TossModel]) -> Path:
         writer.writerow(["model", *(each.name for each in fields(TossRow))])
         writer.writerows([name, *astuple(row)] for name, model in models.items() for row in model.rows)
     return path
-
-
-def _models(names: Sequence[str] | None) -> tuple[list[Model], dict[str, str]]:
-    """The models asked for, or all that can be thrown; those of them that are not there, with the reason."""
-    if names:
-        return [parse_model(name) for name in dict.fromkeys(names)], {}
-    absent = {name: "no engine of that name is there" for name in TOSS_ENGINES if name not in REGISTRY}
-    return [parse_model(name) for name in TOSS_ENGINES if name in REGISTRY], absent
 
 
 def _of_model(pool: LocalPool, base: Scene, tosses: Sequence[Toss], fitted: Sequence[int], model: Model) -> TossModel:

@@ -20,11 +20,12 @@ from numpy.typing import NDArray
 from harness.engines import load
 from harness.engines.contact.trajectory import Trajectory
 from harness.engines.event_stepping.columns import trajectory
-from harness.engines.event_stepping.loop import Watch, integrate
+from harness.engines.event_stepping.loop import integrate
 from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.step_state import StepState
 from harness.engines.event_stepping.stepper import Stepper
+from harness.engines.event_stepping.watch import Watch
 from harness.engines.pybullet import course, shapes
 from harness.engines.pybullet.backend import BulletBackend
 from harness.engines.pybullet.heading import reader

@@ -17,7 +17,7 @@ from harness.bench.stress.catalogue import SHAKEN, body, leaning
 from harness.bench.stress.explained import converged, explained, iterations
 from harness.bench.stress.hard_scenes import solution
 from harness.campaign.parts import Row
-from harness.engines.base import Engine, EngineFailure
+from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
@@ -98,12 +98,7 @@ def _cells_of(row: Difficulty, scene: Scene, engine: Engine, exact: Run, quick: 
         short = step_s == STEPS_S[-1]
         shorter = scene.but(duration_s=row.share * scene.duration_s) if short else scene
         cell = Cell(engine.name, _step(step_s), row.name, "", "", short=short)
-        try:
-            run = engine.simulate(shorter, engine.settings_for_dt(shorter, step_s), NONE)
-        except EngineFailure as failure:
-            yield replace(cell, category="diverged", evidence=str(failure))
-            continue
-        yield _judged(cell, shorter, run, exact, row)
+        yield _of_step(cell, shorter, engine, engine.settings_for_dt(shorter, step_s), exact, row)
 
 
 def _converged(row: Difficulty, scene: Scene, engine: Engine, exact: Run) -> Cell | None:
@@ -112,6 +107,11 @@ def _converged(row: Difficulty, scene: Scene, engine: Engine, exact: Run) -> Cel
         return None
     settings = converged(engine.settings_for_dt(scene, CONVERGED_S))
     cell = Cell(engine.name, f"{_step(CONVERGED_S)}, {iterations(settings)}", row.name, "", "")
+    return _of_step(cell, scene, engine, settings, exact, row)
+
+
+def _of_step(cell: Cell, scene: Scene, engine: Engine, settings: Settings, exact: Run, row: Difficulty) -> Cell:
+    """The cell of a run with nothing left out; diverged where the engine gives up."""
     try:
         return _judged(cell, scene, engine.simulate(scene, settings, NONE), exact, row)
     except EngineFailure as failure:

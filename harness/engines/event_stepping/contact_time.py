@@ -4,15 +4,10 @@ time."""
 from __future__ import annotations
 
 import math
-from typing import Final
 
 from harness.engines.event_stepping.rows import Row
 from harness.engines.event_stepping.step_state import StepState
 from harness.engines.event_stepping.touch import ContactGaps
-
-LEAST_TURNING_SHARE: Final = 0.25
-"""A foot that closes at less than this share of the base's width times the rate of turning comes down from another cause (a
-contact lost for a step): its speed says nothing of how the statue turns, and is taken as it is."""
 
 
 class ContactTimeEstimate:
@@ -69,7 +64,7 @@ class ContactTimeEstimate:
     def _gathers(self, closing_m_s: float) -> float:
         row = self.state.row
         turning = self.touch.base_m * math.hypot(row[10], row[11])
-        return self.gained_m_s2 if abs(closing_m_s) >= LEAST_TURNING_SHARE * turning else 0.0
+        return self.gained_m_s2 if abs(closing_m_s) >= self.state.events.least_turning * turning else 0.0
 
     def _height(self, row: Row) -> tuple[float, float]:
         stepper = self.state.stepper

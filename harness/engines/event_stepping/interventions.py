@@ -38,8 +38,13 @@ class Account:
         self.moved_m = self.turned_rad = self.velocity_m_s = self.rate_rad_s = 0.0
         self.given_j = self.taken_j = self.explained_m_s = self.owed_m_s = self.left_m_s = 0.0
 
-    def energy(self, change_j: float) -> None:
-        """Count a change of energy."""
+    def write(self, moved_m: float, turned_rad: float, velocity_m_s: float, rate_rad_s: float, change_j: float) -> None:
+        """Count one write: by how much it changes places, rotations, velocities and rates, and the energy."""
+        self.count += 1
+        self.moved_m += moved_m
+        self.turned_rad += turned_rad
+        self.velocity_m_s += velocity_m_s
+        self.rate_rad_s += rate_rad_s
         # Apart, as one sum would hide a correction that gives as often as it takes.
         if change_j > 0.0:
             self.given_j += change_j

@@ -3,23 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
 
 from harness.engines.event_stepping.rows import advanced
-from harness.engines.event_stepping.step_state import SHORTEST, TOGETHER, StepState
+from harness.engines.event_stepping.step_state import StepState
 from harness.engines.event_stepping.touch import ContactGaps
-
-FAR: Final = 0.06
-"""An event further ahead than this, in steps, is approached by steps with the velocity of their middle."""
-APPROACH: Final = 0.85
-"""Share of the time to the event that such a step takes."""
-MOST_APPROACHES: Final = 3
-ASIDE: Final = 0.1
-"""Share of a step that an approach leaves before the step's end, where what is approached may come later."""
-ROOM: Final = 0.03
-"""Time, in steps, that the places are left before the contact while the velocities are brought to its instant."""
-SHORT: Final = 0.9
-"""Share of that time that the engine's step takes: a contact within a step is felt before it is reached."""
 
 
 def locate_event(
@@ -34,29 +21,29 @@ def locate_event(
     `speeds` gives the time at the present velocities, s, and what these grow to over them up to the event; without it they are
     taken not to change. Where the event comes later than it seemed the step is taken to its end instead.
     """
-    step_s, floor = state.step_s, state.stepper
+    step_s, floor, events = state.step_s, state.stepper, state.events
     contact_s = until()
-    for _ in range(MOST_APPROACHES):
+    for _ in range(events.most_approaches):
         # A gap is closed at the speed that closes it within the step, whatever its length: before short steps there must be none.
         state.lower(touch.drift_m(state.row, floor.table_place[2]))
-        if contact_s <= FAR * step_s:
+        if contact_s <= events.far * step_s:
             break
-        end = min(state.t_s + APPROACH * contact_s, state.next_s - ASIDE * step_s)
-        if end < state.t_s + SHORTEST * step_s:
+        end = min(state.t_s + events.approach * contact_s, state.next_s - events.aside * step_s)
+        if end < state.t_s + events.shortest * step_s:
             break
         state.to(end, max(0.5 * (state.t_s + end), state.kick_s))
         contact_s = until()
     if state.t_s + contact_s > state.next_s:
         state.to_next()
         return
-    room, there_s = max(contact_s, ROOM * step_s), state.t_s + contact_s
+    room, there_s = max(contact_s, events.room * step_s), state.t_s + contact_s
     plain, grown = (contact_s, 1.0) if speeds is None else speeds()
     # Back to where the velocities of the instant, not the present ones, take it down in that time: short of it they are stopped.
     back = room * grown - plain
     if back != 0.0:
         state.coast(-back)
-    forward, state.t_s, instant = contact_s + back - SHORT * room, there_s - room, max(there_s, state.kick_s)
-    state.kick(SHORT * room, instant)
+    forward, state.t_s, instant = contact_s + back - events.short * room, there_s - room, max(there_s, state.kick_s)
+    state.kick(events.short * room, instant)
     if touch.stands(state.row, floor.table_place[2], floor.table_rate[2]):
         # The velocities stand square to the arm of the standing foot at the places before that step: both turn on together.
         before, there = state.row, advanced(state.row, room)
@@ -72,5 +59,5 @@ def locate_event(
         state.jolt(state.row)
         return
     state.coast(contact_s)
-    state.lower(touch.drift_m(state.row, floor.table_place[2], within_s=TOGETHER * step_s))
+    state.lower(touch.drift_m(state.row, floor.table_place[2], within_s=events.together * step_s))
     act()

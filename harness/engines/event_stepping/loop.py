@@ -19,30 +19,14 @@ from harness.engines.event_stepping.touch import ContactGaps
 from harness.engines.event_stepping.watch import LOOK_STEPS, Watch
 from harness.model.scene import Scene
 
-AHEAD: Final = 1.5
-"""Steps between the last look at an event and the step in which it may fall."""
-LEAST_SHARE: Final = 0.1
-"""Share of kinetic friction's deceleration below which a change of the pedestal's velocity is the solver's remainder."""
 RESTING_FREE: Final = 4
 """Steps taken at once at rest: an uplift and its return inside them are below a step's own error."""
 MOST_FREE: Final = 16
 """Steps taken at once at most: so often are overturning, rest and the pedestal's edge looked at."""
-LATER: Final = 2.0
-"""A foot that comes down no sooner than in so many of what is left of a step, at its present speed and as that grows, does not
-come down in it: of 290 impacts of a scan that rocks over 16 vertices one did, and of 2 200 steps without one 2 180 need no look.
-"""
 BESIDE_FREE: Final = 2
 """Steps taken at once where the pedestal's edges may be met: a foot that slides over one stands beside it for no longer."""
-MOST_JOLTS: Final = 8
-"""Events met within one step at most: what touches again and again comes to rest in a whole one."""
 LEANING: Final = 0.2
 """An axis whose vertical component is larger is far from overturned."""
-TIPPED_RAD: Final = 2e-5
-"""A pedestal that leans more than this by the end of a step tips (the solver iterations leave up to 1e-6 rad in one that stands,
-in a whole scene 8e-6 at 1 ms; events located in a tipping of 1e-4 rad still shift it), or more than"""
-TIPPED_RAD_S2: Final = 20.0
-"""this acceleration, of a body that tips freely, gives in two steps: of so much the solver iterations of longer steps leave a
-part."""
 STILL_LEAN_RAD: Final = 1e-4
 """A statue at rest on its base leans less than this from its pose at rest."""
 STILL_CHECK: Final = 64
@@ -78,11 +62,11 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) 
                 state.rest(min(steps, schedule.count - state.number))
                 continue
         free = MOST_FREE
-        if watch.touch is not None and (beside or tips(row, state.step_s)):
+        if watch.touch is not None and (beside or tips(row, state.step_s, state.stepper.tipped_rad)):
             free = BESIDE_FREE if beside else MOST_FREE
             # Nothing is located: the engine is plain, and no half-cycle is followed.
             state.half_cycle, state.jolted_s = None, state.t_s
-        elif watch.touch is not None and state.jolts < MOST_JOLTS:
+        elif watch.touch is not None and state.jolts < state.events.most_jolts:
             free = _touched(state, scene, watch.touch, watch)
             if free == 0:
                 continue
@@ -98,13 +82,13 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) 
     return record
 
 
-def tips(row: Row, step_s: float) -> bool:
+def tips(row: Row, step_s: float, tipped_rad: float) -> bool:
     """Whether the pedestal tips: its impacts on the floor are not located, and those of the statue are none on a held support."""
     if len(row) == ALONE:
         return False
     a, b, c, d = row[16:20]
     tilt = math.hypot(2.0 * (a * c + b * d), 2.0 * (b * c - a * d))
-    return tilt + step_s * math.hypot(row[23], row[24]) > max(TIPPED_RAD, TIPPED_RAD_S2 * step_s * step_s)
+    return tilt + step_s * math.hypot(row[23], row[24]) > tipped_rad
 
 
 def _touched(state: StepState, scene: Scene, touch: ContactGaps, watch: Watch) -> int:
@@ -121,9 +105,11 @@ def _touched(state: StepState, scene: Scene, touch: ContactGaps, watch: Watch) -
     if contact_s == math.inf or state.t_s + min(contact_s, soonest) > state.next_s:
         if stepper.backend.near is False:
             return MOST_FREE
-        return min(max(int(soonest / step_s - AHEAD), 1), MOST_FREE) if soonest < math.inf else RESTING_FREE
+        return (
+            min(max(int(soonest / step_s - state.events.ahead), 1), MOST_FREE) if soonest < math.inf else RESTING_FREE
+        )
     contact_time = ContactTimeEstimate(state, touch, foot)
-    if min(contact_s, contact_time()) > LATER * (state.next_s - state.t_s):
+    if min(contact_s, contact_time()) > state.events.later * (state.next_s - state.t_s):
         return 1
     _locate_impact(state, touch, contact_time)
     return 0
@@ -153,7 +139,7 @@ def _imposed(state: StepState, scene: Scene, touch: ContactGaps, watch: Watch, s
     contact_s = math.inf if state.jolted else _upright(state, touch, watch)
     sure = min(soonest, contact_s)
     if contact_s == math.inf or state.t_s + sure > state.next_s:
-        return min(max(int(sure / step_s - AHEAD), 1), MOST_FREE) if sure < math.inf else RESTING_FREE
+        return min(max(int(sure / step_s - state.events.ahead), 1), MOST_FREE) if sure < math.inf else RESTING_FREE
 
     def impose() -> None:
         lean = axis_of(state.row, watch.axis)[0] - watch.rest[0]
@@ -175,23 +161,25 @@ def _stick_onset(state: StepState, pull: float, kinetic: float) -> int:
     `pull` bounds its deceleration, `kinetic` is kinetic friction's, m/s².
     """
     stepper, row, record, step_s = state.stepper, state.row, state.record, state.step_s
+    events = state.events
     before = record.flat[-2 * len(row) + 20 : -2 * len(row) + 22]
     vx, vy = row[20] - stepper.table_rate[0], row[21] - stepper.table_rate[1]
     speed = math.hypot(vx, vy)
-    if speed <= LEAST_SHARE * kinetic * step_s:
-        return RESTING_FREE
+    unseen = MOST_FREE if stepper.backend.near is False else 0
+    if speed <= events.least_share * kinetic * step_s:
+        return unseen or RESTING_FREE
     last_s = record.kick_s[-1] - record.kick_s[-2]
     if last_s <= 0.0 or state.jolted:
         return 1
     ax = (vx - before[0] + stepper.table_before[0]) / last_s
     ay = (vy - before[1] + stepper.table_before[1]) / last_s
     slowing = -(vx * ax + vy * ay) / speed
-    if slowing > LEAST_SHARE * kinetic:
+    if slowing > events.least_share * kinetic:
         stick_onset_s = state.kick_s + speed / slowing
         if stick_onset_s <= 0.5 * (state.t_s + state.next_s):
             state.stick_onset(stick_onset_s)
             return 0
-    return min(max(int(speed / (pull * step_s) - AHEAD), 1), MOST_FREE)
+    return unseen or min(max(int(speed / (pull * step_s) - events.ahead), 1), MOST_FREE)
 
 
 class Still:

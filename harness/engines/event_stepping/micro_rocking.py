@@ -3,26 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
 
 from harness.engines.event_stepping.contact_time import ContactTimeEstimate
 from harness.engines.event_stepping.step_state import StepState
 from harness.engines.event_stepping.touch import ContactGaps
-
-SHORT_STEPS: Final = 8.0
-"""A half-cycle expected to be shorter than so many steps is followed in parts of its own."""
-LEAST_STEPS: Final = 0.25
-"""One shorter than this is left to whole steps, in which it dies out."""
-PARTS: Final = 5.0
-"""Parts of a half-cycle as it is expected from its first one."""
-MOST_PARTS: Final = 40
-"""Parts after which a half-cycle that does not return is left to whole steps."""
-LEAST_FIRST, MOST_FIRST = 0.02, 0.5
-"""Shares of a step between which the first part lies: the forces of a half-cycle are known only after it."""
-CLOSE_PARTS: Final = 1.2
-"""A foot that returns within so many times the coming part is met."""
-TAIL_PARTS: Final = 0.4
-"""A rest of a whole step shorter than so many parts goes with the part before it."""
 
 
 @dataclass(slots=True)
@@ -40,37 +24,37 @@ class HalfCycle:
 
 def after_impact(state: StepState, touch: ContactGaps) -> HalfCycle | None:
     """The half-cycle that an impact begins; None where it is sure to be long, or the foot that rises did not stand."""
-    stepper, step_s = state.stepper, state.step_s
+    stepper, step_s, events = state.stepper, state.step_s, state.events
     heights = touch.heights(state.row, stepper.table_place[2], stepper.table_rate[2])
     foot = min(range(len(heights)), key=lambda index: heights[index][1])
     gap, closing = heights[foot]
     # Thrown up at v against an acceleration a it is back after 2 v/a; the bound of a gives the shortest time.
     soonest_s = -2.0 * closing / float(touch.bounds[foot])
-    if abs(gap) > touch.near_m or closing >= 0.0 or soonest_s > SHORT_STEPS * step_s:
+    if abs(gap) > touch.near_m or closing >= 0.0 or soonest_s > events.short_steps * step_s:
         return None
     return HalfCycle(
         ContactTimeEstimate(state, touch, foot),
         state.t_s,
-        min(max(soonest_s, LEAST_FIRST * step_s), MOST_FIRST * step_s),
+        min(max(soonest_s, events.least_first * step_s), events.most_first * step_s),
     )
 
 
 def follow(state: StepState, half_cycle: HalfCycle) -> bool | None:
     """Make the next part of a half-cycle. True, with none made, where its impact is due within it; None: it is no short one."""
-    step_s, back_s = state.step_s, 0.0
+    step_s, back_s, events = state.step_s, 0.0, state.events
     if half_cycle.parts > 0:
         back_s = half_cycle.contact_time()
         if not half_cycle.known:
             whole_s = state.t_s - half_cycle.start_s + back_s
-            if not LEAST_STEPS * step_s <= whole_s <= SHORT_STEPS * step_s:
+            if not events.least_steps * step_s <= whole_s <= events.short_steps * step_s:
                 return None
-            half_cycle.part_s, half_cycle.known = whole_s / PARTS, True
-        if half_cycle.parts > MOST_PARTS:
+            half_cycle.part_s, half_cycle.known = whole_s / events.parts, True
+        if half_cycle.parts > events.most_parts:
             return None
     end_s = state.t_s + min(half_cycle.part_s, step_s)
-    whole = end_s > state.next_s - TAIL_PARTS * half_cycle.part_s
+    whole = end_s > state.next_s - events.tail_parts * half_cycle.part_s
     end_s = state.next_s if whole else end_s
-    if half_cycle.parts > 0 and back_s <= CLOSE_PARTS * (end_s - state.t_s):
+    if half_cycle.parts > 0 and back_s <= events.close_parts * (end_s - state.t_s):
         return True
     half_cycle.parts += 1
     if whole:

@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Final
 
 from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.stepper import Stepper
-
-WHOLE: Final = 0.5
-"""Share of a step from which on a step tells the force that holds the pedestal."""
 
 
 def coefficient(stepper: Stepper, record: StepLog, step_s: float) -> float:
@@ -21,7 +17,7 @@ def coefficient(stepper: Stepper, record: StepLog, step_s: float) -> float:
     not whole steps it is taken to be the middle. The static coefficient says that it comes after this step.
     """
     static, kinetic, kicks = stepper.static, stepper.kinetic, record.kick_s
-    if len(kicks) < 3 or min(kicks[-1] - kicks[-2], kicks[-2] - kicks[-3]) < WHOLE * step_s:
+    if len(kicks) < 3 or min(kicks[-1] - kicks[-2], kicks[-2] - kicks[-3]) < stepper.events.whole * step_s:
         return 0.5 * (static + kinetic)
     before, last = (_held(stepper, record, index) for index in (-2, -1))
     # Both forces are means over their steps: they belong to the middles, half of the two steps apart.

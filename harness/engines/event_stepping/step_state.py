@@ -20,12 +20,6 @@ if TYPE_CHECKING:
     from harness.engines.event_stepping.micro_rocking import HalfCycle
 
 NO_PULL: Final = (0.0, 0.0, 0.0)
-SHORTEST: Final = 2e-3
-"""Share of a step below which none is taken."""
-TOGETHER: Final = 0.05
-"""Feet that come down within this share of a step meet their support at once, as those of one edge do: an impact's length."""
-LEAST_REST: Final = 0.04
-"""A rest of a step shorter than this goes with the part before it."""
 LEAST_RAD_S: Final = 1e-12
 """Below this nothing turns."""
 LOOK_STEPS: Final = 16
@@ -41,7 +35,7 @@ class StepState:
     """
 
     def __init__(self, stepper: Stepper, row: Row, start: int, kick_s: float, *, even: bool) -> None:
-        self.stepper, self.schedule, self.row = stepper, stepper.schedule, row
+        self.stepper, self.schedule, self.events, self.row = stepper, stepper.schedule, stepper.events, row
         self.step_s, self.number = stepper.schedule.step_s, start
         self.t_s, self.kick_s = start * self.step_s, kick_s
         self.length_s, self.even = self.step_s, even
@@ -96,7 +90,7 @@ class StepState:
 
     def impact(self) -> None:
         """An impact here and now: everything that touches meets at once, and nothing else moves."""
-        length = TOGETHER * self.step_s
+        length = self.events.together * self.step_s
         self._set(length)
         self.stepper.backend.foresee(self, self.kick_s, length)
         after = self.stepper.step(NO_PULL, self.t_s, length, self.row)
@@ -108,7 +102,7 @@ class StepState:
 
     def jolt(self, row: Row) -> None:
         """A sample with other velocities at this instant."""
-        shortest = SHORTEST * self.step_s
+        shortest = self.events.shortest * self.step_s
         self.row, self.even, self.jolted = row, False, True
         self.jolts += 1
         self.t_s = self.kick_s = max(self.t_s, self.record.t_s[-1] + shortest)
@@ -169,7 +163,7 @@ class StepState:
 
     def stick_onset(self, stick_onset_s: float) -> None:
         """Velocities to the instant at which the pedestal sticks."""
-        shortest = LEAST_REST * self.step_s
+        shortest = self.events.least_rest * self.step_s
         end = self.t_s + max(2.0 * (stick_onset_s - self.t_s), shortest)
         if end > self.next_s - shortest:
             self.to_next(stick_onset_s)

@@ -7,30 +7,29 @@ from collections.abc import Sequence
 from typing import Final
 
 from harness.engines.contact.coulomb import SLIP_ONSET
+from harness.engines.event_stepping import settings
 from harness.engines.event_stepping.backend import Backend
 from harness.engines.event_stepping.rows import Row, Vector
 from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.writing import RowWriter
 from harness.model.scene import Scene
 
-SATURATED: Final = 0.998
-"""Friction counts as at its limit from this share of it: the solver's iterations end before the last digits."""
 REVERSAL: Final = "friction_reversal"
 """Kind of what is written where the pedestal's velocity passed zero, and static friction may hold."""
-STICKS_BELOW: Final = 0.3
-"""Share of a step's loss of velocity that may be left of it when the pedestal counts as stuck."""
 
 
 class Stepper:
     """One step at a time: gravity or table, friction's two numbers; keeps the sliding state between steps."""
 
     def __init__(self, backend: Backend, scene: Scene, schedule: Schedule) -> None:
-        self.backend, self.schedule = backend, schedule
+        self.backend, self.schedule, self.events = backend, schedule, settings.EVENTS
         self.writer = RowWriter(backend, scene)
         contact, pedestal = scene.contact, scene.pedestal
         self.static, self.kinetic = contact.floor_static, contact.floor_kinetic
         self.switches = pedestal is not None and self.static != self.kinetic
         self.masses = (scene.statue.mass_kg, 0.0 if pedestal is None else pedestal.mass_kg)
+        freely_rad = 0.0 if pedestal is None else 2.0 * scene.gravity_m_s2 / pedestal.height_m * schedule.step_s**2
+        self.tipped_rad = max(self.events.tipped_rad, self.events.tipped * freely_rad)
         # Whole steps that ask for nothing between them are made at once.
         self.runs = backend.runs and not (schedule.moving or self.switches)
         self.stuck = True
@@ -54,7 +53,9 @@ class Stepper:
             row = self._slip_onset(gravity, pull, before, row)
             # What a blow set moving slides throughout: no force before it tells when it broke loose.
             taken_m_s = self.kinetic * math.hypot(*pull)
-            self.just_slipped = not self.stuck and self._speed(before, self.table_before) < STICKS_BELOW * taken_m_s
+            self.just_slipped = (
+                not self.stuck and self._speed(before, self.table_before) < self.events.sticks_below * taken_m_s
+            )
             return row
         if self._sticks(before, row) and not self._saturated(self.kinetic, pull, before, row):
             self._hold(self.static)
@@ -110,7 +111,7 @@ class Stepper:
         x, y, normal = self.friction(pull, before, row)
         owed_x, owed_z = self.backend.owed_m_s
         x, normal = x + self.masses[0] * owed_x, normal + self.masses[0] * owed_z
-        return math.hypot(x, y) >= SATURATED * friction * normal
+        return math.hypot(x, y) >= self.events.saturated * friction * normal
 
     def friction(self, pull: Vector, before: Row, row: Row) -> Vector:
         """The floor's impulse on the pedestal in a step, N s, from the balance of momentum, less what `pull` gives."""
@@ -127,7 +128,7 @@ class Stepper:
     def _sticks(self, before: Row, row: Row) -> bool:
         """Whether friction took nearly all of the velocity that it could take in this step: solver iterations leave a little."""
         here, there = self._speed(row, self.table_rate), self._speed(before, self.table_before)
-        return here <= STICKS_BELOW * max(there - here, 0.0)
+        return here <= self.events.sticks_below * max(there - here, 0.0)
 
     def _reversed(self, before: Row, row: Row) -> bool:
         x, y = self.table_rate[0], self.table_rate[1]

@@ -11,30 +11,13 @@ from numpy.typing import NDArray
 
 from harness.engines.contact.frame import greatest_pull_m_s2
 from harness.engines.contact.spatial import matrices
+from harness.engines.event_stepping import settings
 from harness.engines.event_stepping.rows import Row
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
 Four = tuple[float, float, float, float]
 
-LEAST_RATE: Final = 8e-4
-"""The highest rate about the other end of the base at which a foot may close and stand all the same, of √(g/h), h the height of
-the centroid:"""
-HELD: Final = 0.02
-"""this share of the statue's own rate, as the solver iterations leave as much where friction changes, but not less than"""
-LEAST_AT_REST: Final = 1.4e-4
-"""this share of √(g/h), which they leave in a statue at rest on a pedestal that tips, or"""
-LEAST_GAINED: Final = 0.016
-"""this share of g/h times the step: an impact at a lower rate begins a half-cycle of a fraction of a step."""
-DRIFT: Final = 4.0
-"""A foot that falls faster than this many times its drift in a step comes down; a slower one stands."""
-NEAR: Final = 6.5e-6
-"""A foot nearer than this share of h stands: the circle on which it turns takes it so far off its support within a step. In slow
-turning it takes it less far, but"""
-REST: Final = 1.3e-7
-"""this share of h the solver iterations may leave one that rests."""
-LATE: Final = 0.05
-"""A foot that came down longer ago than this, in steps, has met its support: deeper it was missed for a step."""
 SOON_STEPS: Final = 8
 """Steps ahead for which the feet that can come down are looked for among many."""
 FEW: Final = 12
@@ -58,7 +41,7 @@ class ContactGaps:
         step_s: float,
         within_m: tuple[float, float] | None = None,
     ) -> None:
-        statue = scene.statue
+        statue, events = scene.statue, settings.EVENTS
         self.feet_m, self.half_m, self.within_m = np.ascontiguousarray(feet_m), half_m, within_m
         self.feet = [tuple(foot) for foot in feet_m.tolist()]
         few = len(feet_m) <= FEW and within_m is None
@@ -69,14 +52,17 @@ class ContactGaps:
         self.base_m = statue.corner_left_m + statue.corner_right_m
         # What rocks out of its plane stands on feet that close and open all the time.
         height_m, own_rad_s = statue.centroid_height_m, math.sqrt(scene.gravity_m_s2 / statue.centroid_height_m)
-        self.near_m, self.rest_m, self.slow_rad_s = NEAR * height_m, REST * height_m, LEAST_RATE * own_rad_s
-        least = max(LEAST_AT_REST, LEAST_GAINED * own_rad_s * step_s) if scene.planar else LEAST_RATE
-        self.least_m_s = min(LEAST_RATE, least) * own_rad_s * self.base_m
+        self.near_m, self.rest_m, self.held = events.near * height_m, events.rest * height_m, events.held
+        self.slow_rad_s = events.least_rate * own_rad_s
+        least = (
+            max(events.least_at_rest, events.least_gained * own_rad_s * step_s) if scene.planar else events.least_rate
+        )
+        self.least_m_s = min(events.least_rate, least) * own_rad_s * self.base_m
         pull = greatest_pull_m_s2(scene)
         # A standing foot falls back in each step by what its circle, of the centroid's height, took it up in the one before.
-        self.drift_s = DRIFT * height_m * step_s
+        self.drift_s = events.drift * height_m * step_s
         self.drift_m_s2 = self.drift_s * step_s
-        self.late_s = LATE * step_s
+        self.late_s = events.late * step_s
         # What weight and table together can do to a foot at its distance from the centroid.
         self.bounds = 2.0 * pull / height_m * np.linalg.norm(feet_m, axis=1)
         self.bound = self.bounds.tolist()
@@ -166,7 +152,9 @@ class ContactGaps:
     def falling_m_s(self, row: Row) -> float:
         """A velocity that only a foot has that comes down."""
         square = row[10] * row[10] + row[11] * row[11]
-        return max(self.least_m_s, self.drift_s * square, self.base_m * min(self.slow_rad_s, HELD * math.sqrt(square)))
+        return max(
+            self.least_m_s, self.drift_s * square, self.base_m * min(self.slow_rad_s, self.held * math.sqrt(square))
+        )
 
     def heights(self, row: Row, floor_m: float, floor_m_s: float) -> list[tuple[float, float]]:
         """Height of each foot over its support, m, and the velocity at which it comes down, m/s."""

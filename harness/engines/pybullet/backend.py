@@ -11,7 +11,7 @@ import pybullet
 from harness.engines.event_stepping.interventions import Ledger
 from harness.engines.event_stepping.rows import ALONE, Row, Vector, bodies
 from harness.engines.event_stepping.step_log import StepLog
-from harness.engines.event_stepping.step_state import SHORTEST, StepState
+from harness.engines.event_stepping.step_state import StepState
 from harness.engines.pybullet.gyroscopic import Gyroscope
 from harness.engines.pybullet.heading import IN_LINE_RAD, SlidingLine, puller, reader
 from harness.engines.pybullet.world import World
@@ -72,7 +72,7 @@ class BulletBackend:
         record, change = state.record, (0.0, 0.0, 0.0)
         if not state.jolted and len(record.t_s) > 1:
             before, last_s = record.rate_before, record.kick_s[-1] - record.kick_s[-2]
-            if last_s > SHORTEST * self.step_s:
+            if last_s > state.events.shortest * self.step_s:
                 x, y, z = before
                 change = ((state.row[10] - x) / last_s, (state.row[11] - y) / last_s, (state.row[12] - z) / last_s)
         self.gyroscope.foresee(state.row, change, kick_s - state.kick_s, length_s, record.ledger)

@@ -54,10 +54,8 @@ class Gyroscope:
         b = (iz - ix) * (share * s * u - r * p)
         c = (ix - iy) * (share * u * v - p * q)
         self.torque = a * ax + b * bx + c * cx, a * ay + b * by + c * cy, a * az + b * bz + c * cz
-        account = ledger.of(KIND)
-        account.count += 1
-        account.rate_rad_s += length_s * math.hypot(a / ix, b / iy, c / iz)
-        account.energy(length_s * (a * p + b * q + c * r))
+        rate_rad_s = length_s * math.hypot(a / ix, b / iy, c / iz)
+        ledger.of(KIND).write(0.0, 0.0, 0.0, rate_rad_s, length_s * (a * p + b * q + c * r))
 
     def act(self) -> None:
         """Add the torque foreseen to the step that follows: Bullet forgets it with that."""

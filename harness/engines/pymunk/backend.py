@@ -33,6 +33,8 @@ set_angle: Final = lib.cpBodySetAngle
 set_velocity: Final = lib.cpBodySetVelocity
 set_spin: Final = lib.cpBodySetAngularVelocity
 
+STICKS_AHEAD: Final = 4.0
+"""Steps to a stick onset from which on it is looked for in each: its deceleration may grow as much as fourfold in one."""
 ONE_STEP: Final = 1e-9
 """Share of a step by which its length may differ and be a whole step's."""
 
@@ -48,13 +50,14 @@ class ChipmunkBackend:
         self.floor_m_s = (0.0, 0.0)
         # What a step must be told of the one before is known here.
         self.runs, self.depth_m = True, settings.depth_m
-        self.length_s = self.step_s
-        self.states: list[State] = world.states()
+        self.length_s, self.whole_lags_s = self.step_s, (0.5 * self.step_s, 0.5 * self.step_s)
+        self.read_states = world.reader.states
+        self.states: list[State] = self.read_states()
         # Whether Chipmunk's places are one move before those of `states`.
         self.lagging = False
         self.solved_s: float | None = None
         self.since_s, self.lags_s, self.gained = 0.0, (0.0, 0.0), 0.0
-        self.holds = False
+        self.holds, self.slip_m_s = False, 0.0
         self.near: bool | None = False
         self.turns, self.iterations, self.owed_m_s = False, -1, (0.0, 0.0)
         self.ledger = Ledger()
@@ -103,13 +106,14 @@ class ChipmunkBackend:
 
     def run(self, pulls: Sequence[Vector], record: StepLog) -> Row:
         """Whole steps one after the other; rows are recorded, the last is returned."""
-        keep, pack, step_s, row = record.flat.frombytes, record.pack, self.step_s, self.read()
+        keep, pack, step_s = record.flat.frombytes, record.pack, self.step_s
+        row: Row = ()
         solved_s = (self.solved_s or 0.0) - step_s
         for gravity in pulls:
             row = self._whole(gravity)
             keep(pack(*row))
             solved_s += step_s
-            self.since_s, self.lags_s = step_s, (0.5 * step_s, 0.5 * step_s)
+            self.since_s, self.lags_s = step_s, self.whole_lags_s
             if self.near:
                 break
         self.solved_s = solved_s
@@ -125,8 +129,17 @@ class ChipmunkBackend:
         self.gained, self.lagging = after[5] - before[5], True
         if self.support is not None:
             self.turns = self.support.turns(before, after, pull)
-            self.near = self.support.comes_near(after, self.states[1] if len(states) > 1 else STILL)
+            below = self.states[1] if len(states) > 1 else STILL
+            self.near = self.support.comes_near(after, below) or (
+                below is not STILL and self._comes_to_rest(below[3] - self.floor_m_s[0])
+            )
         return row_of(self.states)
+
+    def _comes_to_rest(self, slip_m_s: float) -> bool:
+        """Whether the pedestal, slowing as it does, sticks within some steps."""
+        before, self.slip_m_s = self.slip_m_s, slip_m_s
+        lost = before - slip_m_s
+        return 0.0 < slip_m_s < STICKS_AHEAD * lost or STICKS_AHEAD * lost < slip_m_s < 0.0
 
     def _solve(self, states: list[State], pull: Pair, iterations: int) -> None:
         """Chipmunk's own step from these states, places going on by its length afterwards."""
@@ -144,7 +157,7 @@ class ChipmunkBackend:
         native.set_gravity(self.space, pull)
         native.step(self.space, self.step_s)
         # Chipmunk's places are now those at which contacts were found.
-        self.states = [_moved(state, self.length_s) for state in self.world.states()]
+        self.states = self.read_states(self.length_s)
 
     def look(self, pulls: Sequence[Vector], before: Row, after: Row, table_m_s: Vector) -> None:
         """Nothing: contacts need no other settings."""
@@ -161,29 +174,29 @@ class ChipmunkBackend:
 
     def _write(self, states: list[State]) -> None:
         """Bodies one move before these states."""
-        step_s, parts = self.step_s, None if self.lagging else self.ledger.of("part_of_step")
-        for body, now, (x, z, angle, u, w, spin) in zip(self.bodies, self.world.states(), states, strict=True):
-            if parts is not None:
-                old_x, old_z, old_angle, *_ = now
-                parts.count += 1
-                parts.moved_m += math.hypot(x - u * step_s - old_x, z - w * step_s - old_z)
-                parts.turned_rad += abs(angle - spin * step_s - old_angle)
+        step_s, parts = self.step_s, self.ledger.of("part_of_step")
+        for body, now, (x, z, angle, u, w, spin) in zip(self.bodies, self.read_states(), states, strict=True):
+            old_x, old_z, old_angle, *_ = now
+            moved_m = math.hypot(x - u * step_s - old_x, z - w * step_s - old_z)
+            parts.write(moved_m, abs(angle - spin * step_s - old_angle), 0.0, 0.0, 0.0)
             set_place(body, (x - u * step_s, z - w * step_s))
             set_angle(body, angle - spin * step_s)
             set_velocity(body, (u, w))
             set_spin(body, spin)
 
 
-def _moved(state: Sequence[float], seconds: float) -> State:
-    x, z, angle, u, w, spin = state
-    return x + u * seconds, z + w * seconds, angle + spin * seconds, u, w, spin
-
-
 def row_of(states: Sequence[State]) -> Row:
     """The layer's row of planar states: a rotation about y, clockwise as the model counts."""
     x, z, angle, u, w, spin = states[0]
-    row = (x, 0.0, z, 0.0, -math.sin(0.5 * angle), 0.0, math.cos(0.5 * angle), u, 0.0, w, 0.0, -spin, 0.0)
-    return row if len(states) == 1 else row + row_of(states[1:])
+    sin, cos = -math.sin(0.5 * angle), math.cos(0.5 * angle)
+    if len(states) == 1:
+        return x, 0.0, z, 0.0, sin, 0.0, cos, u, 0.0, w, 0.0, -spin, 0.0
+    px, pz, tilt, pu, pw, rate = states[1]
+    below, level = -math.sin(0.5 * tilt), math.cos(0.5 * tilt)
+    return (
+        x, 0.0, z, 0.0, sin, 0.0, cos, u, 0.0, w, 0.0, -spin, 0.0,
+        px, 0.0, pz, 0.0, below, 0.0, level, pu, 0.0, pw, 0.0, -rate, 0.0,
+    )  # fmt: skip
 
 
 def states_of(row: Row) -> list[State]:

@@ -48,8 +48,10 @@ def shape_of(shape: pymunk.Shape) -> Any:
 class Reader:
     """Reads the states of a space's first bodies: one call into the library for all numbers of all."""
 
-    def __init__(self, space: pymunk.Space, count: int) -> None:
-        """All bodies must have been added; the first `count` are read, in the order in which they were."""
+    def __init__(self, space: pymunk.Space, count: int, *, backwards: bool) -> None:
+        """All bodies must have been added; the first `count`, one or two, are read, `backwards` in the order opposite to that in
+        which they were.
+        """
         # Not `batch.Buffer`: it never frees what its arrays have grown to (some 170 bytes a step, in every run).
         self._floats = ffi.gc(lib.pmFloatArrayNew(0), lib.pmFloatArrayFree)
         self._ints = ffi.gc(lib.pmIntArrayNew(0), lib.pmIntArrayFree)
@@ -57,12 +59,18 @@ class Reader:
         self._target.fields = FIELDS.value
         self._target.floatArray, self._target.intArray = self._floats, self._ints
         self._each = ffi.addressof(lib, "pmSpaceBodyGetIteratorFuncBatched")
-        self._space, self._count = space_of(space), count
+        self._space, self._width, self._backwards = space_of(space), WIDTH * count, backwards
 
-    def states(self) -> list[State]:
-        """Each body's place, rotation and rates."""
+    def states(self, seconds: float = 0.0) -> list[State]:
+        """Each body's place, rotation and rates after so many seconds at these."""
         floats = self._floats
         floats.num = 0
         lib.cpSpaceEachBody(self._space, self._each, self._target)
-        numbers = unpack(floats.arr, WIDTH * self._count)
-        return [tuple(numbers[k : k + WIDTH]) for k in range(0, WIDTH * self._count, WIDTH)]
+        # Without a loop: it is done after every step.
+        x, z, angle, u, w, spin, *more = unpack(floats.arr, self._width)
+        one = (x + u * seconds, z + w * seconds, angle + spin * seconds, u, w, spin)
+        if not more:
+            return [one]
+        x, z, angle, u, w, spin = more
+        other = (x + u * seconds, z + w * seconds, angle + spin * seconds, u, w, spin)
+        return [other, one] if self._backwards else [one, other]

@@ -126,11 +126,8 @@ class SupportVertex:
         _, _, excess = self._over(x, z, turned, under, facet + (not down and off <= 0.0))
         if (not down and abs(excess) < 0.5 * self.depth_m) or abs(excess) > self.slop_m:
             return state
-        account = ledger.of("settle")
-        account.count += 1
-        account.moved_m += abs(excess)
-        account.turned_rad += abs(turned - angle)
-        account.energy(-self.mass_kg * self.gravity_m_s2 * excess)
+        change_j = -self.mass_kg * self.gravity_m_s2 * excess
+        ledger.of("settle").write(abs(excess), abs(turned - angle), 0.0, 0.0, change_j)
         return x, z - excess, turned, rate_x, rate_z, spin
 
     def _on_circle(
@@ -150,12 +147,10 @@ class SupportVertex:
         else:
             # A vertex that slides along its support is tied to it in height alone.
             owed_x = 0.0
-        account = ledger.of("hold")
-        account.count += 1
-        account.moved_m += math.hypot(ahead, excess)
-        account.velocity_m_s += math.hypot(owed_x, owed_z)
         lost = owed_x * (rate_x - 0.5 * owed_x) + owed_z * (rate_z - 0.5 * owed_z)
-        account.energy(-self.mass_kg * (self.gravity_m_s2 * excess + lost))
+        change_j = -self.mass_kg * (self.gravity_m_s2 * excess + lost)
+        account = ledger.of("hold")
+        account.write(math.hypot(ahead, excess), 0.0, math.hypot(owed_x, owed_z), 0.0, change_j)
         account.explain(abs(spin) + abs(gained), self.height_m, self.step_s)
         return x + ahead, z - excess, angle, rate_x - owed_x, rate_z - owed_z, spin
 

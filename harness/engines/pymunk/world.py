@@ -24,7 +24,7 @@ FLAT_M: Final = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """Handles of one run; `backwards` says that the bodies were added the pedestal first."""
+    """Handles of one run; `reader` reads the states of the statue, and of the pedestal if there is one."""
 
     space: pymunk.Space
     statue: pymunk.Body
@@ -32,12 +32,6 @@ class World:
     floor: pymunk.Body
     floor_shape: pymunk.Shape
     reader: native.Reader
-    backwards: bool
-
-    def states(self) -> list[native.State]:
-        """States of the statue, and of the pedestal if there is one."""
-        states = self.reader.states()
-        return states[::-1] if self.backwards else states
 
     @property
     def movers(self) -> tuple[Any, ...]:
@@ -66,8 +60,8 @@ def build(scene: Scene, settings: MunkSettings) -> World:
     if floor is not space.static_body:
         space.add(floor)
     floor_shape = _floor(scene, space, floor)
-    reader = native.Reader(space, len(dynamic))
-    return World(space, statue, pedestal, floor, floor_shape, reader, settings.pedestal_first)
+    reader = native.Reader(space, len(dynamic), backwards=settings.pedestal_first)
+    return World(space, statue, pedestal, floor, floor_shape, reader)
 
 
 def _floor(scene: Scene, space: pymunk.Space, floor: pymunk.Body) -> pymunk.Shape:

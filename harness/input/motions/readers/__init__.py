@@ -33,7 +33,7 @@ from harness.input.motions.readers import (
 from harness.input.motions.recordfile import FORMATS, UNIT_NAMES, Layout, RecordFile, unit_named
 from harness.input.motions.text import mistake, text_of
 from harness.input.text_file import read_bytes
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError
 
 
 class Reader(Protocol):
@@ -93,9 +93,8 @@ def _of_a_network(text: str, where: str) -> RecordFile | None:
         try:
             record = reader.read(version, where)
         except InputError as error:
-            if (
-                refused is None or refused[0] is not reader
-            ):  # the same reader's first refusal counts the file's own lines
+            # The same reader's first refusal counts the file's own lines.
+            if refused is None or refused[0] is not reader:
                 refused = reader, error
             continue
         return replace(record, warnings=(*record.warnings, *said))
@@ -117,15 +116,8 @@ def _with_proposal(error: InputError, text: str, where: str) -> InputError:
     first = error.mistakes[0]
     if first.wanted == csv.UNIT or not (said := table.proposal(text, where, headed=csv.names_times(text))):
         return error
-    return InputError(
-        Mistake(
-            first.where,
-            first.key,
-            first.wanted,
-            first.got,
-            f"its numbers alone are read by: {said}; new and assess take the same options",
-        )
-    )
+    advice = f"its numbers alone are read by: {said}; new and assess take the same options"
+    return InputError(replace(first, advice=advice))
 
 
 def read_record(path: Path, *, unit: str | None = None, layout: Layout | None = None) -> RecordFile:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ast
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import FrozenInstanceError, fields, replace
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -12,6 +13,8 @@ import numpy as np
 import pytest
 
 from harness import engines
+from harness.engines.event_stepping import settings
+from harness.engines.event_stepping.settings import EventSettings
 from harness.model.history import History
 from harness.model.options import RunOptions
 from tests.measures.coverage import random_scene
@@ -19,15 +22,16 @@ from tests.scenes_for_tests import paestum
 
 STEP_S = 1e-3
 FIFTH = 0.2
-LAYER = ("contact_time", "locating", "loop", "micro_rocking", "slip_onset", "step_state", "stepper", "touch")
 MODULES = {
-    "pymunk": (*(f"..event_stepping.{room}" for room in LAYER), "__init__", "support"),
-    "pybullet": (*(f"..event_stepping.{room}" for room in LAYER), "backend"),
+    "pymunk": ("__init__", "backend", "support"),
+    "pybullet": ("backend",),
     "mujoco": ("adapter", "model"),
 }
-BOUNDS = {"MOST_AHEAD": 3.0, "APPROACH": 1.0, "SHORT": 1.0, "SATURATED": 1.0, "MOST_FRICTION": 1.0}
-"""Constants that must stay below a bound, as a split impact takes three steps and an approach ends before its event: of these
-what they leave to it is changed."""
+LOCATING = ("pymunk", "pybullet")
+"""Engines in which events are located."""
+NUMBERS = tuple(item.name for item in fields(EventSettings) if item.type == "float")
+BOUNDS = {"approach": 1.0, "short": 1.0, "saturated": 1.0, "MOST_FRICTION": 1.0}
+"""Numbers that must stay below a bound, as an approach ends before its event: of these what they leave to it is changed."""
 SCENES = {
     "two coefficients": paestum(0.429, 3.0, mu=(0.20, 0.15)),
     "on the floor": paestum(0.334, 2.0, pedestal=False),
@@ -63,8 +67,34 @@ def histories(name: str) -> list[History]:
     return found
 
 
+def changed(number: str, value: float) -> list[float]:
+    """A fifth less and a fifth more of a number, or of what it leaves to its bound."""
+    bound = BOUNDS.get(number, 0.0)
+    return [bound + (value - bound) * (1.0 + change) for change in (-FIFTH, FIFTH)]
+
+
+def assert_moves_little(name: str, own: Sequence[History], what: str) -> None:
+    engine = engines.load(name)
+    for label, scene, before, after in zip(SCENES, SCENES.values(), own, histories(name), strict=True):
+        by_rad = np.max(np.abs(before.theta_rad - after.at(before.t_s)))
+        limit_rad = engine.settings_for_dt(scene, STEP_S).expected_error_rad
+        assert by_rad <= limit_rad, f"{what} moves {label!r} by {by_rad:.1e} rad"
+
+
+@pytest.mark.parametrize("name", LOCATING)
+def test_a_fifth_more_or_less_of_what_locates_events_moves_no_result_by_its_error(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own = histories(name)
+    for number in NUMBERS:
+        for value in changed(number, getattr(settings.EVENTS, number)):
+            with monkeypatch.context() as patch:
+                patch.setattr(settings, "EVENTS", replace(settings.EVENTS, **{number: value}))
+                assert_moves_little(name, own, f"{number} = {value:g}")
+
+
 @pytest.mark.parametrize(("name", "room"), [(name, room) for name, rooms in MODULES.items() for room in rooms])
-def test_a_fifth_more_or_less_moves_no_result_by_its_error(
+def test_a_fifth_more_or_less_of_an_engine_s_own_moves_no_result_by_its_error(
     name: str, room: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     engine = engines.load(name)
@@ -72,19 +102,13 @@ def test_a_fifth_more_or_less_moves_no_result_by_its_error(
     if reason is not None:
         pytest.skip(reason)
     path = f"harness.engines.{name}"
-    module = import_module(path if room == "__init__" else f".{room}" if room[0] != "." else room, path)
+    module = import_module(path if room == "__init__" else f"{path}.{room}")
     own = histories(name)
-    limits = [engine.settings_for_dt(scene, STEP_S).expected_error_rad for scene in SCENES.values()]
     for constant in constants(module):
-        value = getattr(module, constant)
-        bound = BOUNDS.get(constant)
-        for change in (-FIFTH, FIFTH):
-            other = value * (1.0 + change) if bound is None else bound - (bound - value) * (1.0 + change)
+        for value in changed(constant, getattr(module, constant)):
             with monkeypatch.context() as patch:
-                patch.setattr(module, constant, other)
-                moved = [np.max(np.abs(a.theta_rad - b.at(a.t_s))) for a, b in zip(own, histories(name), strict=True)]
-            for scene, by_rad, limit_rad in zip(SCENES, moved, limits, strict=True):
-                assert by_rad <= limit_rad, f"{constant} {value:g} -> {other:g} moves {scene!r} by {by_rad:.1e} rad"
+                patch.setattr(module, constant, value)
+                assert_moves_little(name, own, f"{constant} = {value:g}")
 
 
 @pytest.mark.parametrize("name", list(MODULES))
@@ -95,23 +119,30 @@ def test_a_fifth_more_or_less_of_a_level_s_numbers_does_neither(name: str) -> No
     if reason is not None:
         pytest.skip(reason)
     scene = SCENES["two coefficients"]
-    settings = engine.settings_for_dt(scene, STEP_S)
-    own = engine.simulate(scene, settings, RunOptions()).history
+    level = engine.settings_for_dt(scene, STEP_S)
+    own = engine.simulate(scene, level, RunOptions()).history
     assert own is not None
-    numbers = {key: value for key, value in vars(settings).items() if isinstance(value, float)}
+    numbers = {key: value for key, value in vars(level).items() if isinstance(value, float)}
     for key in set(numbers) - {"dt_s", "expected_error_rad"}:
         for change in (-FIFTH, FIFTH):
-            other = replace(settings, **{key: numbers[key] * (1.0 + change)})  # type: ignore[arg-type]
+            other = replace(level, **{key: numbers[key] * (1.0 + change)})  # type: ignore[arg-type]
             history = engine.simulate(scene, other, RunOptions()).history
             assert history is not None
             by_rad = np.max(np.abs(own.theta_rad - history.at(own.t_s)))
-            assert by_rad <= settings.expected_error_rad, (
+            assert by_rad <= level.expected_error_rad, (
                 f"{key} x {1.0 + change:g} moves the rotation by {by_rad:.1e} rad"
             )
 
 
-def test_constants_are_found() -> None:
-    module = import_module("harness.engines.event_stepping.micro_rocking")
-    found = constants(module)
-    assert {"SHORT_STEPS", "LEAST_STEPS", "PARTS"} <= set(found)
-    assert "LEAST_AHEAD" not in found, "another module's"
+def test_the_numbers_are_found_and_reach_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert {"short_steps", "near", "saturated"} <= set(NUMBERS)
+    assert {"HELD_SHARE", "RISES"} <= set(constants(import_module("harness.engines.pymunk.support")))
+    own = histories("pymunk")
+    monkeypatch.setattr(settings, "EVENTS", replace(settings.EVENTS, most_jolts=0))
+    with pytest.raises(AssertionError, match="moves"):
+        assert_moves_little("pymunk", own, "no event located")
+
+
+def test_event_settings_cannot_be_changed_in_place() -> None:
+    with pytest.raises(FrozenInstanceError):
+        settings.EVENTS.near = 1.0  # type: ignore[misc]

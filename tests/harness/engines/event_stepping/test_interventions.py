@@ -104,9 +104,12 @@ def test_the_record_tells_what_was_written(name: str) -> None:
 def test_energy_and_changes_are_added_up_by_kind() -> None:
     ledger = Ledger()
     for change_j in (2.0, -3.0, 1.0):
-        ledger.of("hold").energy(change_j)
-    found = ledger.record()["hold"]
-    assert (found.given_j, found.taken_j) == (3.0, 3.0)
+        ledger.of("hold").write(1e-3, 2e-3, 3e-3, 4e-3, change_j)
+    sums = ledger.record()["hold"]
+    assert (sums.count, sums.given_j, sums.taken_j) == (3, 3.0, 3.0)
+    assert (sums.moved_m, sums.turned_rad, sums.velocity_m_s, sums.rate_rad_s) == pytest.approx(
+        (3e-3, 6e-3, 9e-3, 12e-3)
+    )
 
 
 def test_what_the_steps_do_not_explain_fails_the_run() -> None:
