@@ -85,7 +85,7 @@ def test_a_block_that_slides_askew_keeps_its_line_where_bullets_axes_follow_it(d
     on = paestum(0.0, 1.0, pedestal=False, mu=0.3, duration_s=0.5).but(
         statue=rectangle(0.4, 0.2, depth_m=depth_m), initial=Initial(pose=start)
     )
-    followed, lent = (_off_line_rad(bullet(on, 1e-3, axes_follow=follow)) for follow in (True, False))
+    followed, lent = (_off_line_rad(bullet(on, 1e-3, axes=axes)) for axes in ("along", "fixed"))
     assert followed <= budget.LINE_RAD
     assert (lent > budget.OFF_LINE_RAD) if leans else (lent <= budget.LINE_RAD)
 
