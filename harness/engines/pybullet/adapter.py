@@ -146,8 +146,9 @@ def _levels(scene: Scene) -> tuple[BulletSettings, ...]:
     expected = ON_FLOOR_RAD if scene.pedestal is None else ON_PEDESTAL_RAD
     *stepped, last = expected if scene.planar else ACROSS_RAD
     most_iterations = MOST_ITERATIONS_ALONE if scene.pedestal is None else MOST_ITERATIONS
-    halving = (BulletSettings(dt_s, error_rad) for dt_s, error_rad in zip(STEPS_S, stepped, strict=True))
-    return (*halving, BulletSettings(STEPS_S[-1], last, residual=0.0, iterations=most_iterations))
+    axes = mirror.axes(scene)
+    halving = (BulletSettings(dt_s, error_rad, axes=axes) for dt_s, error_rad in zip(STEPS_S, stepped, strict=True))
+    return (*halving, BulletSettings(STEPS_S[-1], last, residual=0.0, iterations=most_iterations, axes=axes))
 
 
 def _validity(extra: Mapping[str, Array], setup: Setup, phases: RunPhases) -> dict[str, Any]:

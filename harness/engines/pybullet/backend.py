@@ -85,9 +85,6 @@ class BulletBackend:
             if abs(askew_rad) <= IN_LINE_RAD:
                 break
             self.world.turn(-askew_rad)
-            if self.world.settings.axes == "late":
-                self.place(row)
-                break
             self.ledger.of(AXES_TURNED).steps_again += 1
             self.place(before)
             row = self._stepped(gravity)

@@ -12,7 +12,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
 import pybullet
 
 from harness.engines.event_stepping.rows import ALONE, Body, Row, Vector
@@ -103,8 +102,6 @@ class SlidingLine:
         lowest = int(downs.argmin())
         if row[2] + float(downs[lowest]) - support_m > NEAR_M:
             return 0.0, 0.0, math.inf
-        if self.world.settings.axes == "late":
-            lowest = int(np.flatnonzero(downs <= downs[lowest] + NEAR_M)[-1])
         c = float(downs[lowest])
         e, f, g = self.feet_m[lowest].tolist()
         a = (1.0 - 2.0 * (y * y + z * z)) * e + 2.0 * ((x * y - z * w) * f + (x * z + y * w) * g)

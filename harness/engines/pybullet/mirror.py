@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,15 +32,22 @@ def halves(scene: Scene) -> bool:
     return scene.table == "frame" and asymmetry(scene) is None
 
 
+def axes(scene: Scene) -> Literal["along", "fixed"]:
+    """Whether Bullet's axes follow what slides: not where that does so along one of them, as a scene mirrors itself or its
+    pedestal is shaken in the plane alone.
+    """
+    in_line = scene.pedestal is not None and scene.base_excitation.y.peak_m_s2 == 0.0
+    return "fixed" if in_line or asymmetry(scene) is None else "along"
+
+
 def other_axes(scene: Scene, settings: BulletSettings) -> BulletSettings:
-    """Bullet's axes otherwise than with `settings`: no others where a scene mirrors itself, as what slides does so along one."""
-    if asymmetry(scene) is None:
+    """Bullet's axes otherwise than with `settings`, where something slides askew."""
+    if axes(scene) == "fixed":
         return settings
     if scene.pedestal is None:
-        # Vertices slide apart from each other, and turn as they hit: no one line is right for all.
         return replace(settings, axes="fixed", turn_rad=TURN_RAD - settings.turn_rad)
-    # A pedestal slides as one: askew to fixed axes its feet would each lean, and yaw it, as under the scene's own they do not.
-    return replace(settings, axes="along" if settings.axes == "fixed" else "late")
+    # A pedestal slides as one: askew to its sides its feet would each lean another way and yaw it, as along them they do not.
+    return replace(settings, axes="along" if settings.axes == "fixed" else "fixed")
 
 
 def halved(feet_m: Array) -> Array:

@@ -113,7 +113,7 @@ class PlainBullet3D(Engine):
 def _settings(scene: Scene, dt_s: float, error_rad: float) -> BulletSettings:
     """One level: the reach of contacts is what a step may lift a foot off its support at `TURNING_RAD_S`, twice over."""
     reach = max(BulletSettings(dt_s, error_rad).reach, 2.0 * (TURNING_RAD_S * dt_s) ** 2)
-    return BulletSettings(dt_s, error_rad, events=False, reach=reach, iterations=1000, axes="fixed")
+    return BulletSettings(dt_s, error_rad, events=False, reach=reach, iterations=1000)
 
 
 def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, options: RunOptions) -> tuple[StepLog, str | None]:

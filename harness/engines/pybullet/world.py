@@ -44,6 +44,7 @@ class World:
     def __init__(self, settings: BulletSettings, *, mirrored: bool = False, in_plane: bool = False) -> None:
         self.settings, self.mirrored, self.in_plane = settings, mirrored, mirrored or in_plane
         self.turn_rad, self.heading = settings.turn_rad, Heading.of(settings.turn_rad)
+        self.follows = settings.axes == "along"
         self.client = client.take()
         self.solver = Solver(settings, self.client, mirrored=mirrored)
         self.floor = -1
@@ -55,11 +56,6 @@ class World:
         self.moments, self.feet_m, self.pedestal_half_m = STILL, np.zeros((0, 3)), 0.0
         self.table: tuple[Vector, Vector] = (STILL, STILL)
         self._homes: dict[int, Vector] = {}
-
-    @property
-    def follows(self) -> bool:
-        """Whether Bullet's axes are turned with what slides: in the plane that does so along one of them."""
-        return self.settings.axes != "fixed" and not self.in_plane
 
     def __enter__(self) -> Self:
         self.solver.begin()
