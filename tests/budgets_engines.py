@@ -55,9 +55,9 @@ TURNING_RAD: Final = 3e-13
 TABLE_RAD: Final = 1e-5
 """Frame and moving table compute the same impulses in another order; the table has its mean velocity in each part of a step at
 an event. Measured 2e-7 rad at 0.25 ms on the floor, 6e-6 on a pedestal, of which each run errs by as much (asked: 1e-3)."""
-FOLLOWED_RAD: Final = 5e-3
-"""Where two coefficients follow a velocity, a step late, a plain engine converges elsewhere: pymunk's to 2 to 3e-3 rad from the
-model at 0.334 g and 2 Hz, from 0.5 to 0.025 ms, with 300 to 16 000 iterations, whichever coefficient an impact acts with."""
+FOLLOWED_RAD: Final = 1e-3
+"""Where two coefficients follow a velocity two steps late: measured 7e-5 to 5e-4 rad at 0.1 to 0.5 ms; 0.02 rad where the
+pedestal slides on instead of sticking."""
 LAID_RAD: Final = 1e-6
 """By what a statue at rest is laid down a loop without that differs: a lean of 1e-3 rad/s over the step of 1 ms."""
 CREEP: Final = 1e-9

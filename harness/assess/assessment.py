@@ -24,7 +24,7 @@ from harness.assess.options import Option, options_of
 from harness.assess.plan import rest_outline_m
 from harness.assess.sensitivity import FRAGILITY_DRAWS, fragility, indices, indices_of_draws
 from harness.assess.space_studies import compare_in_space, fragility_in_space
-from harness.assess.stratified import Estimate, estimate
+from harness.assess.stratified import estimate
 from harness.campaign.campaign import Campaign
 from harness.campaign.runner import LocalPool, Pool
 from harness.campaign.store import Store
@@ -94,7 +94,7 @@ def assess(
     own = probability_of(model, plane_only=shaken_across(scene))
     with _campaign(store, pool) as (storage, campaign, workers):
 
-        def asked(name: str) -> tuple[Estimate, EngineRuns]:
+        def asked(name: str) -> tuple[Assessment, EngineRuns]:
             runs = EngineRuns(scene, name, values, storage, campaign, on_progress)
             batch = max(BATCH, 2 * workers)
             return estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch), runs
@@ -140,11 +140,11 @@ def _others(
     names: Sequence[str],
     values: Mapping[str, Array],
     model: ModelDraws,
-    asked: Callable[[str], tuple[Estimate, EngineRuns]],
+    asked: Callable[[str], tuple[Assessment, EngineRuns]],
     on_progress: Callable[[str], None],
 ) -> _Others:
     """The engines of these names, and the exact body where the scene is its own to answer."""
-    others, across, draws = _Others({}, {}, {}, np.empty(0, dtype=bool)), shaken_across(scene), model.overturned.size
+    others, across = _Others({}, {}, {}, np.empty(0, dtype=bool)), shaken_across(scene)
     for name in names:
         engine = engines.load(name)
         if (reason := engine.missing()) is not None:
@@ -153,11 +153,11 @@ def _others(
         answer, runs = asked(name)
         plane_only = across and engine.capabilities.dimensions < SPACE_DIMENSIONS
         others.fell[name] = runs.fell
-        if answer.undecided == answer.runs:
-            message = f"none of its {answer.runs} runs came to an end (rockcheck run -e {name} says why)"
+        if answer.undecided == 1.0:
+            message = f"none of its {answer.engine_runs} runs came to an end (rockcheck run -e {name} says why)"
             others.answers[name] = NotAssessed(message)
             continue
-        others.answers[name] = _of_engine(answer, draws, plane_only=plane_only)
+        others.answers[name] = replace(answer, plane_only=plane_only)
         others.room[name] = of_engine(model, runs)
     if across and SPACE not in names:
         on_progress(f"{SPACE}: draws, then clearance")
@@ -213,13 +213,6 @@ def _by_model(
     on_progress(f"{MODEL}: fragility and indices")
     record = replace(record, fragility=fragility(scene, inputs, seed, min(draws, FRAGILITY_DRAWS)))
     return replace(record, indices=indices(scene, inputs, seed)) if sweepable(scene, values) else record
-
-
-def _of_engine(answer: Estimate, draws: int, *, plane_only: bool) -> Assessment:
-    undecided = answer.undecided / answer.runs if answer.runs else 0.0
-    return Assessment(
-        answer.probability, answer.low, answer.high, answer.level, draws, answer.runs, undecided, plane_only
-    )
 
 
 def _differences(answers: Mapping[str, Assessment | NotAssessed | None]) -> dict[str, ProbabilityDifference]:

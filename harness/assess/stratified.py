@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Final
 
@@ -18,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.assess.model_draws import ModelDraws
+from harness.records.assess import Assessment
 
 Ints = NDArray[np.int64]
 
@@ -32,25 +32,13 @@ Runs = Callable[[Sequence[int]], Sequence[bool | None]]
 """From numbers of draws to whether the engine's statue overturned in each; None where the run failed."""
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """A probability with its interval; `runs` engine runs, of which `undecided` gave no outcome."""
-
-    probability: float
-    low: float
-    high: float
-    level: float
-    runs: int
-    undecided: int = 0
-
-
 def strata_of(model: ModelDraws) -> Ints:
     """Number of each draw's stratum, shape (n,): far from falling, near it (or not decided), overturned."""
     near = ~model.overturned & ((model.peak_share >= SAFE_SHARE) | ~model.decided)
     return np.where(model.overturned, 2, np.where(near, 1, 0))
 
 
-def estimate(model: ModelDraws, run: Runs, *, half_width: float, most_runs: int, batch: int) -> Estimate:
+def estimate(model: ModelDraws, run: Runs, *, half_width: float, most_runs: int, batch: int) -> Assessment:
     """Run the engine on draws until the interval's half width is reached, or `most_runs` are made."""
     strata = strata_of(model)
     queues = [np.flatnonzero(strata == h).tolist() for h in range(3)]
@@ -69,7 +57,7 @@ def estimate(model: ModelDraws, run: Runs, *, half_width: float, most_runs: int,
         if not picks:
             break
         tally.add(run, picks)
-    return tally.estimate()
+    return tally.estimate(strata.size)
 
 
 class _Tally:
@@ -122,11 +110,10 @@ class _Tally:
         below, above = (math.hypot(*(weights * arms)) for arms in (share - low, high - share))
         return max(middle - below, 0.0), min(middle + above, 1.0)
 
-    def estimate(self) -> Estimate:
-        """The probability so far."""
+    def estimate(self, draws: int) -> Assessment:
+        """The probability so far, of so many draws; no number where every run came to no end."""
         known = [(w, self.fell[h] / self.decided[h]) for h, w in enumerate(self.weights) if self.decided[h]]
-        if not known:
-            return Estimate(math.nan, 0.0, 1.0, LEVEL, self.runs, self.undecided)
-        p = sum(w * share for w, share in known) / sum(w for w, _ in known)
-        low, high = self._interval()
-        return Estimate(p, min(low, p), max(high, p), LEVEL, self.runs, self.undecided)
+        p = sum(w * share for w, share in known) / sum(w for w, _ in known) if known else math.nan
+        low, high = self._interval() if known else (0.0, 1.0)
+        undecided = self.undecided / self.runs
+        return Assessment(p, min(low, p), max(high, p), LEVEL, draws, self.runs, undecided)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -18,7 +19,7 @@ from harness.model.history import History, Outcome
 from harness.model.history_pair import Pair, pair
 from harness.model.run import Run
 from harness.model.scene import Scene
-from harness.records.scores import Outcomes, Peaks, Residuals, Scores, Window
+from harness.records.scores import Outcomes, Peaks, Pointwise, Residuals, Scores, SpragueGeers
 
 __all__ = ["Scores", "compare"]
 
@@ -53,34 +54,30 @@ def compare(
         side_of(a, names[0], horizons_s[0], uncertainties_rad[0], slip_uncertainties_m[0]),
         side_of(b, names[1], horizons_s[1], uncertainties_rad[1], slip_uncertainties_m[1]),
     )
+    until = min(side.until_s for side in sides)
     history_a, history_b = _history(a), _history(b)
     if history_a is None or history_b is None:
-        return _without_histories(a, b, sides)
+        none = events.NO_EXCURSIONS
+        return _scores(a, b, sides, None, (_peak_alone(a), _peak_alone(b)), (none, none), None, math.inf)
     both = _paired(history_a, history_b, a, b, names)
-    until = min(side.until_s for side in sides)
     within = both.until(until)
-    excursions = events.excursions(history_a), events.excursions(history_b)
-    inertia = None if scene is None else RockingInertia.of(scene.statue)
     peaks = pointwise.peak(history_a, within.end_s), pointwise.peak(history_b, within.end_s)
-    judgement = judge(*sides, both, peaks)
+    excursions = events.excursions(history_a), events.excursions(history_b)
     longest_s = max(history_a.duration_s, history_b.duration_s) - both.start_s
-    return Scores(
-        **vars(_window(names, within, longest_s, until)),
+    return replace(
+        _scores(
+            a, b, sides, both, peaks, excursions, None if scene is None else RockingInertia.of(scene.statue), until
+        ),
+        compared_from_s=within.start_s,
+        compared_until_s=within.end_s,
+        coverage=(within.end_s - within.start_s) / longest_s if longest_s > 0.0 else 1.0,
         rms_theta_rad=pointwise.rms(within, within.difference_rad),
         largest_difference_rad=float(np.max(np.abs(within.difference_rad))),
         rms_slip_m=pointwise.rms(within, within.slip_a_m - within.slip_b_m),
-        **vars(_peaks(*peaks)),
         together_until_s=pointwise.together_until_s(both, TOGETHER_RAD),
-        together_tolerance_rad=TOGETHER_RAD,
-        **vars(event_scores(*excursions, inertia, until)),
         **vars(_residuals(a, b, both, until)),
         **vars(pointwise.sprague_geers(within)),
-        **vars(_outcomes(a, b)),
         after_horizon=after_horizon(excursions, both, until),
-        numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, excursions, until),
-        verdict=judgement.verdict,
-        verdict_sentence=judgement.sentence,
-        evidence=judgement.evidence,
         iso=rate_by_iso(within) if iso else None,
     )
 
@@ -116,17 +113,6 @@ def _rests(answer: Run | History) -> bool:
 
 def _finite(time_s: float) -> float | None:
     return time_s if math.isfinite(time_s) else None
-
-
-def _window(names: tuple[str, str], within: Pair, longest_s: float, until_s: float) -> Window:
-    return Window(
-        a=names[0],
-        b=names[1],
-        compared_from_s=within.start_s,
-        compared_until_s=within.end_s,
-        coverage=(within.end_s - within.start_s) / longest_s if longest_s > 0.0 else 1.0,
-        horizon_s=_finite(until_s),
-    )
 
 
 def _peaks(a: pointwise.Peak, b: pointwise.Peak) -> Peaks:
@@ -165,33 +151,35 @@ def _outcomes(a: Run | History, b: Run | History) -> Outcomes:
     )
 
 
-def _without_histories(a: Run | History, b: Run | History, sides: tuple[Side, Side]) -> Scores:
-    """What can be said when a run kept only its outcome."""
-    peaks = _peak_alone(a), _peak_alone(b)
-    none = events.NO_EXCURSIONS
-    judgement = judge(*sides, None, peaks)
+def _scores(
+    a: Run | History,
+    b: Run | History,
+    sides: tuple[Side, Side],
+    both: Pair | None,
+    peaks: tuple[pointwise.Peak, pointwise.Peak],
+    excursions: tuple[events.Excursions, events.Excursions],
+    inertia: RockingInertia | None,
+    until_s: float,
+) -> Scores:
+    """What can be said of any two answers, also of a run that kept only its outcome; nothing of single instants."""
+    judgement = judge(*sides, both, peaks)
     return Scores(
         a=sides[0].name,
         b=sides[1].name,
+        horizon_s=_finite(min(side.until_s for side in sides)),
+        together_tolerance_rad=TOGETHER_RAD,
         compared_from_s=None,
         compared_until_s=None,
         coverage=None,
-        rms_theta_rad=None,
-        largest_difference_rad=None,
-        rms_slip_m=None,
-        residual_theta_difference_rad=None,
-        residual_slip_difference_m=None,
         together_until_s=None,
         after_horizon=None,
-        horizon_s=_finite(min(side.until_s for side in sides)),
-        together_tolerance_rad=TOGETHER_RAD,
-        magnitude=None,
-        phase=None,
-        combined=None,
+        **vars(Pointwise(rms_theta_rad=None, largest_difference_rad=None, rms_slip_m=None)),
+        **vars(Residuals(residual_theta_difference_rad=None, residual_slip_difference_m=None)),
+        **vars(SpragueGeers(None, None, None)),
         **vars(_peaks(*peaks)),
-        **vars(event_scores(none, none, None)),
+        **vars(event_scores(*excursions, inertia, until_s)),
         **vars(_outcomes(a, b)),
-        numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, (none, none)),
+        numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, excursions, until_s),
         verdict=judgement.verdict,
         verdict_sentence=judgement.sentence,
         evidence=judgement.evidence,

@@ -19,7 +19,6 @@ from reports.drawing.shapes import LETTER, Disc, Path, Picture, Shape, Text, are
 
 WIDE: Final = 1060
 """Width in pixels of a chart that fills the page."""
-KNOWN: Final = frozenset({"scatter", "bar", "heatmap"})
 POINTS: Final = 1200
 """Most points of a curve: more than pixels across."""
 MARK_PX: Final = 3.5
@@ -33,15 +32,12 @@ _TAG: Final = re.compile(r"<[^>]+>")
 
 
 def still(figure: Json, width: int = WIDE) -> Markup:
-    """The figure as inline SVG; empty for kinds of chart that have no still."""
-    drawn = picture(figure, width)
-    return Markup("") if drawn is None else drawn.svg()
+    """The figure as inline SVG."""
+    return picture(figure, width).svg()
 
 
-def picture(figure: Json, width: float = WIDE, points: int = POINTS) -> Picture | None:
-    """The figure drawn `width` pixels wide, each curve with at most so many points; None for kinds that have no still."""
-    if any(trace.get("type") not in KNOWN for trace in figure["data"]):
-        return None
+def picture(figure: Json, width: float = WIDE, points: int = POINTS) -> Picture:
+    """The figure drawn `width` pixels wide, each curve with at most so many points; its charts are of `assets.CHART_KINDS`."""
     layout = figure["layout"]
     height = int(layout.get("height", 360))
     places = axes(figure, width, height)
@@ -60,13 +56,10 @@ def picture(figure: Json, width: float = WIDE, points: int = POINTS) -> Picture 
 
 
 def picture_of(figure: Json, width_px: float, points: int) -> Picture:
-    """The figure drawn for print, with room for the names over it. Raises `LookupError` for kinds that have no still."""
+    """The figure drawn for print, with room for the names over it."""
     names = [shape.y for shape in _legend(figure, width_px) if isinstance(shape, Text)]
     room = {"top": max(names, default=0.0) + 22.0}
-    drawn = picture({**figure, "layout": figure["layout"] | {"still": room}}, width_px, points)
-    if drawn is None:
-        raise LookupError("a figure for print holds a kind of chart that has no still picture")
-    return drawn
+    return picture({**figure, "layout": figure["layout"] | {"still": room}}, width_px, points)
 
 
 def _text(x: float, y: float, text: str, anchor: str = "middle", **more: Any) -> Text:

@@ -47,8 +47,6 @@ def motion_picture(inspection: Inspection) -> Picture:
         (build_up_figure(inspection), ACROSS[1], ACROSS[0]),
     ):
         drawn = picture(chart, across, _MOST_POINTS)
-        if drawn is None:
-            raise LookupError("a motion's chart has no still picture")
         shapes += moved(drawn.shapes, left, top)
         top = top + drawn.height if left else HEADS_PX
     return Picture(sum(ACROSS), HEADS_PX + HEIGHTS[0], shapes)

@@ -11,8 +11,9 @@ from markupsafe import Markup
 
 from harness.model.history import Outcome
 from harness.records.scene import MotionRecord, SceneRecord
+from harness.records.study import SupportRecord
 from reports.drawing.conservator_pictures import order_svg, push_svg
-from reports.text.giving_way import Support, compass, levels, order_words, weakest_words
+from reports.text.giving_way import compass, levels, order_words, slips, weakest_words
 from reports.text.language import Language
 from reports.text.numbers import heading as label_of
 
@@ -50,7 +51,7 @@ def end_words(outcome: str, say: Language) -> str:
 
 def push_picture(
     scene: SceneRecord,
-    support: Support,
+    support: SupportRecord,
     say: Language,
     motion: MotionRecord | None = None,
     borne: Mapping[float, float] | None = None,
@@ -62,10 +63,10 @@ def push_picture(
         varied = say.listed(dict.fromkeys(label_of(key).partition(" [")[0] for key in support.statue_keys))
         words.append(say("push.varied", keys=varied))
     # A push of the statue's own weight is none of an earthquake's: no circle is drawn for it.
-    slips = [(push, what) for push, what in support.slips() if push < 1.0]
-    circles = list(dict.fromkeys(push for push, _ in slips))
+    sliding = [(push, what) for push, what in slips(support) if push < 1.0]
+    circles = list(dict.fromkeys(push for push, _ in sliding))
     if circles:
-        words.append(say("push.circle" if len(circles) == 1 else "push.circles", slides=_slides(slips, say)))
+        words.append(say("push.circle" if len(circles) == 1 else "push.circles", slides=_slides(sliding, say)))
     points = None
     if borne:
         azimuths = sorted(borne)
@@ -80,10 +81,10 @@ def push_picture(
     return Picture(heading, push_svg(scene, motion, circles, f"{heading} {' '.join(words)}", say, points), words)
 
 
-def _slides(slips: Sequence[tuple[float, str]], say: Language) -> str:
+def _slides(sliding: Sequence[tuple[float, str]], say: Language) -> str:
     """From which pushes what slides."""
     by_body: dict[str, list[float]] = {}
-    for push, what in slips:
+    for push, what in sliding:
         by_body.setdefault(what, []).append(push)
     to = f" {say('push.to')} "
     return say.listed(
@@ -92,10 +93,12 @@ def _slides(slips: Sequence[tuple[float, str]], say: Language) -> str:
     )
 
 
-def order_picture(scene: SceneRecord, support: Support, say: Language, motion: MotionRecord | None = None) -> Picture:
+def order_picture(
+    scene: SceneRecord, support: SupportRecord, say: Language, motion: MotionRecord | None = None
+) -> Picture:
     """What gives way first, and so what the pedestal does for the statue."""
     push = None if motion is None else motion.push
-    heading = say("order.heading_pedestal" if support.pedestal == (True,) and push else "order.heading")
+    heading = say("order.heading_pedestal" if list(support.pedestal) == [True] and push else "order.heading")
     words = order_words(scene, support, push, rising=motion is not None and motion.z_m_s2 is not None, say=say)
     peak, title = None if push is None else push.peak, f"{heading} {' '.join(words)}"
     return Picture(heading, order_svg(levels(scene, support, say), peak, title, say), words)

@@ -16,7 +16,7 @@ from reports.pages.conservator import reach_picture
 from reports.pages.conservator_parts import ENDS, Picture, order_picture, page, push_picture
 from reports.source import run_source
 from reports.text.chance import tone_of_study
-from reports.text.giving_way import compass, scan_turn_deg, study_support, support_of
+from reports.text.giving_way import compass, scan_turn_deg, support_of
 from reports.text.language import ENGLISH, Language
 from reports.text.numbers import heading
 from reports.text.pedestal_effect import pedestal_effect
@@ -190,7 +190,7 @@ def _agree(models: Sequence[str], cases: Sequence[Condition], say: Language) -> 
 
 def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], say: Language) -> list[Picture]:
     """Reach and effect of the pedestal where the study varied it; else what gives way first."""
-    scene, support = record.scene, study_support(record)
+    scene, support = record.scene, record.supports or support_of(record.scene)
     push = push_picture(scene, support, say, borne=_by_direction(record, cases))
     effect = pedestal_effect(record, models, cases)
     if effect is None:

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from harness.records.scene import PushRecord, SceneRecord
-from harness.records.study import StudyRecord
+from harness.records.study import SupportRecord
 from harness.statics.push import tipping_of_pedestal
 from reports.drawing.kinematics import Array
 from reports.text.language import ENGLISH, Language
@@ -24,54 +24,39 @@ EVERY_SIDE: Final = 6
 """A base that is equally weak towards so many of the eight directions is round."""
 
 
-@dataclass(frozen=True)
-class Support:
-    """What the statue stands on, over all cases of a record: on a pedestal or not, least and greatest static frictions.
-
-    `statue_keys` are the keys of the statue itself that vary.
-    """
-
-    pedestal: tuple[bool, ...]
-    floor: Span | None
-    statue: Span
-    statue_keys: tuple[str, ...] = ()
-
-    def situations(self, say: Language = ENGLISH) -> list[tuple[str, float | None, float]]:
-        """Words for what varies, friction on the floor (None without a pedestal) and under the statue, at the ends of both."""
-        listed = []
-        for stone in self.pedestal:
-            for floor in dict.fromkeys(self.floor or ()) if stone else (None,):
-                for statue in dict.fromkeys(self.statue):
-                    said = [say("order.with" if stone else "order.without")] if len(self.pedestal) > 1 else []
-                    if floor is not None and self.floor is not None and self.floor[0] < self.floor[1]:
-                        said.append(say("order.floor_friction", push=say.percent(floor)))
-                    if self.statue[0] < self.statue[1]:
-                        said.append(say("order.statue_friction", push=say.percent(statue)))
-                    listed.append((say.listed(said) if said else "", floor, statue))
-        return listed
-
-    def slips(self) -> list[tuple[float, str]]:
-        """The pushes from which something slides, and what, from weak to strong."""
-        frictions = {
-            (statue, "statue") if floor is None or statue < floor else (floor, "pedestal")
-            for _, floor, statue in self.situations()
-        }
-        return sorted(frictions)
+def situations(support: SupportRecord, say: Language = ENGLISH) -> list[tuple[str, float | None, float]]:
+    """Words for what varies, friction on the floor (None without a pedestal) and under the statue, at the ends of both."""
+    listed = []
+    for stone in support.pedestal:
+        for floor in dict.fromkeys(support.floor_static or ()) if stone else (None,):
+            for statue in dict.fromkeys(support.statue):
+                said = [say("order.with" if stone else "order.without")] if len(support.pedestal) > 1 else []
+                if floor is not None and _spans(support.floor_static):
+                    said.append(say("order.floor_friction", push=say.percent(floor)))
+                if _spans(support.statue):
+                    said.append(say("order.statue_friction", push=say.percent(statue)))
+                listed.append((say.listed(said) if said else "", floor, statue))
+    return listed
 
 
-def support_of(scene: SceneRecord) -> Support:
+def slips(support: SupportRecord) -> list[tuple[float, str]]:
+    """The pushes from which something slides, and what, from weak to strong."""
+    frictions = {
+        (statue, "statue") if floor is None or statue < floor else (floor, "pedestal")
+        for _, floor, statue in situations(support)
+    }
+    return sorted(frictions)
+
+
+def support_of(scene: SceneRecord) -> SupportRecord:
     """What the statue stands on in one scene."""
     friction = scene.contact
     floor = None if scene.pedestal is None else (friction.floor_static, friction.floor_static)
-    return Support((scene.pedestal is not None,), floor, (friction.statue, friction.statue))
+    return SupportRecord([scene.pedestal is not None], floor, (friction.statue, friction.statue), [])
 
 
-def study_support(record: StudyRecord) -> Support:
-    """What the statue stands on over all cases of a study."""
-    known = record.supports
-    if known is None:
-        return support_of(record.scene)
-    return Support(tuple(known.pedestal), known.floor_static, known.statue, tuple(known.statue_keys))
+def _spans(span: Span | None) -> bool:
+    return span is not None and span[0] < span[1]
 
 
 @dataclass(frozen=True)
@@ -129,7 +114,7 @@ def scan_turn_deg(scene: SceneRecord) -> float:
     return float(turn) % 360.0 if isinstance(turn, int | float) else 0.0
 
 
-def levels(scene: SceneRecord, support: Support, say: Language = ENGLISH) -> list[Level]:
+def levels(scene: SceneRecord, support: SupportRecord, say: Language = ENGLISH) -> list[Level]:
     """What gives way, from weak to strong: tipping to either side, slips that come before the last of these."""
     statue, h = scene.statue, scene.statue.centroid_height_m
     left, right = statue.corner_left_m / h, statue.corner_right_m / h
@@ -140,8 +125,8 @@ def levels(scene: SceneRecord, support: Support, say: Language = ENGLISH) -> lis
     least, azimuths = weakest_pushes(bearing(scene))
     if least < (1.0 - EQUAL) * min(left, right):
         pushes.append(Level(say("order.tips", side=compass(azimuths[0], say)), least, "statue_tips"))
-    for friction in dict.fromkeys(support.floor or ()):
-        words = _end(say("order.pedestal_slides"), friction, support.floor, say)
+    for friction in dict.fromkeys(support.floor_static or ()):
+        words = _end(say("order.pedestal_slides"), friction, support.floor_static, say)
         pushes.append(Level(words, friction, "pedestal_slides"))
     most = max(level.push for level in pushes)
     for side, push in pedestal_tips(scene, support).items():
@@ -154,7 +139,7 @@ def levels(scene: SceneRecord, support: Support, say: Language = ENGLISH) -> lis
     return sorted(pushes, key=lambda level: level.push)
 
 
-def pedestal_tips(scene: SceneRecord, support: Support) -> dict[str, float]:
+def pedestal_tips(scene: SceneRecord, support: SupportRecord) -> dict[str, float]:
     """The pushes from which the pedestal tips with the statue on it, by side; none without a pedestal."""
     statue, stone = scene.statue, scene.pedestal
     if stone is None or True not in support.pedestal:
@@ -166,13 +151,18 @@ def pedestal_tips(scene: SceneRecord, support: Support) -> dict[str, float]:
 
 
 def _end(words: str, friction: float, span: Span | None, say: Language) -> str:
-    if span is None or span[0] == span[1]:
+    if span is None or not _spans(span):
         return words
     return say("order.least" if friction == span[0] else "order.greatest", words=words)
 
 
 def order_words(
-    scene: SceneRecord, support: Support, push: PushRecord | None, *, rising: bool = False, say: Language = ENGLISH
+    scene: SceneRecord,
+    support: SupportRecord,
+    push: PushRecord | None,
+    *,
+    rising: bool = False,
+    say: Language = ENGLISH,
 ) -> list[str]:
     """What the order of giving way means, by situation where it differs; `push` is what a motion asks (`harness.statics.push`).
 
@@ -180,7 +170,7 @@ def order_words(
     """
     tips = [level.push for level in levels(scene, support) if level.cause == "statue_tips"]
     stone = min(pedestal_tips(scene, support).values(), default=math.inf)
-    meanings = {said: say(_meaning(tips, stone, floor, statue)) for said, floor, statue in support.situations(say)}
+    meanings = {said: say(_meaning(tips, stone, floor, statue)) for said, floor, statue in situations(support, say)}
     if len(set(meanings.values())) == 1:
         words = [next(iter(meanings.values()))]
     else:
@@ -190,7 +180,7 @@ def order_words(
         ]
     if push is not None:
         words.append(_push_words(push, support, rising, say))
-    if support.pedestal == (True,):
+    if list(support.pedestal) == [True]:
         words.append(say("order.study"))
     return words
 
@@ -208,12 +198,14 @@ def _meaning(tips: Sequence[float], stone: float, floor: float | None, statue: f
     return "order.part" if floor < max(tips) else "order.no_protection"
 
 
-def _push_words(push: PushRecord, support: Support, rising: bool, say: Language) -> str:
+def _push_words(push: PushRecord, support: SupportRecord, rising: bool, say: Language) -> str:
     """How strong the shaking is beside what gives way first under it."""
     peak, share = say.percent(push.peak, 3), push.shares[push.first]
     words = say(f"order.cause_{push.first}" if push.first.endswith("tips") else f"order.{push.first}")
     if share is None:
-        without = push.first == "pedestal_slides" and support.floor is not None and support.floor[0] == 0.0
+        without = (
+            push.first == "pedestal_slides" and support.floor_static is not None and support.floor_static[0] == 0.0
+        )
         return say("order.any_push", peak=peak, words=words, why=say("order.no_friction" if without else "order.drops"))
     few = share < 1.0
     times = say("order.share", share=say.percent(share, 3)) if few else say("order.times", share=say.short(share, 3))

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from harness.assess.inputs import draw, uncertain_inputs
 from harness.assess.model_draws import ModelDraws, model_draws
-from harness.assess.stratified import Estimate, estimate
+from harness.assess.stratified import estimate
 from harness.input.scene_file import load_scene
+from harness.records.assess import Assessment
 from tests.harness.assess.measure_own_runs import ENGINES, RUNS, SCENE, SEED, own_runs
 from tests.measures.pages import renew, table
 
@@ -43,7 +44,7 @@ class Population(NamedTuple):
         """Of the two outcomes."""
         return float(np.corrcoef(self.model.overturned, self.fell)[0, 1])
 
-    def estimated(self, seed: int, size: int = SIZE) -> Estimate:
+    def estimated(self, seed: int, size: int = SIZE) -> Assessment:
         """One estimate from draws of its own, taken with replacement: the population's share is the truth of all."""
         chosen = np.random.default_rng(seed).integers(0, self.fell.size, size)
         drawn = ModelDraws(*(column[chosen] for column in self.model))
@@ -91,7 +92,7 @@ def coverage(item: Population, estimates: int, size: int = SIZE) -> tuple[float,
     truth = item.fell.mean()
     answers = [item.estimated(seed, size) for seed in range(estimates)]
     return float(np.mean([each.low <= truth <= each.high for each in answers])), float(
-        np.mean([each.runs for each in answers])
+        np.mean([each.engine_runs for each in answers])
     )
 
 

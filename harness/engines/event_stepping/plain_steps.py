@@ -19,7 +19,8 @@ def plain_steps(backend: Backend, schedule: Schedule, watch: Watch, *, lags: boo
 
     `lags`: velocities are half a step behind the places.
 
-    Two coefficients of friction are the one thing that no engine knows: the floor's follows the pedestal's own velocity.
+    Two coefficients of friction are the one thing that no engine knows: the floor's follows the pedestal's own velocity
+    (`followed`).
     """
     step_s, friction = schedule.step_s, floor_friction(schedule.scene, schedule.step_s)
     row, acting = backend.read(), friction.static
@@ -28,11 +29,11 @@ def plain_steps(backend: Backend, schedule: Schedule, watch: Watch, *, lags: boo
     record.keep(0.0, 0.0, row)
     lag = 0.5 if lags else 0.0
     for number, gravity in enumerate(schedule.coarse if lags else schedule.level, 1):
-        row = backend.advance(gravity)
+        before, row = row, backend.advance(gravity)
         record.keep(number * step_s, (number - lag) * step_s, row)
         if switches:
             # Asked after a step, for the next: in the one in which the pedestal breaks loose the static coefficient still acts.
-            wanted = followed(friction, math.hypot(row[20], row[21]))
+            wanted = followed(friction, (before[20], before[21]), (row[20], row[21]))
             if wanted != acting:
                 backend.set_floor_friction(wanted)
                 acting = wanted

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from harness.assess.model_draws import ModelDraws
-from harness.assess.stratified import Estimate, estimate
+from harness.assess.stratified import estimate
+from harness.records.assess import Assessment
 from tests import budgets_assess as budget
 
 
@@ -21,7 +22,7 @@ def population(agreement: float, probability: float, random: np.random.Generator
     return ModelDraws(np.ones_like(fell), fell, share, np.zeros(fell.size)), engine
 
 
-def estimated(model: ModelDraws, engine: np.ndarray, half_width: float = 0.05) -> Estimate:
+def estimated(model: ModelDraws, engine: np.ndarray, half_width: float = 0.05) -> Assessment:
     def run(numbers: Sequence[int]) -> list[bool | None]:
         return [bool(engine[k]) for k in numbers]
 
@@ -38,7 +39,7 @@ def test_intervals_cover_the_engines_own_probability(agreement: float, probabili
         shuffled = ModelDraws(*(column[order] for column in model))
         answer = estimated(shuffled, engine[order])
         covered += answer.low <= truth <= answer.high
-        values.append(answer.probability)
+        values.append(answer.probability_overturned)
     assert covered / budget.REPETITIONS >= budget.LEAST_COVERED
     standard_error = np.std(values) / np.sqrt(budget.REPETITIONS)
     assert abs(np.mean(values) - truth) <= 4.0 * standard_error, "the estimate is biased"
@@ -47,7 +48,7 @@ def test_intervals_cover_the_engines_own_probability(agreement: float, probabili
 def test_an_engine_that_agrees_needs_fewer_runs() -> None:
     random = np.random.default_rng(3)
     close, far = (estimated(*population(agreement, 0.4, random)) for agreement in (0.95, 0.0))
-    assert close.runs < 0.5 * far.runs
+    assert close.engine_runs < 0.5 * far.engine_runs
 
 
 def test_a_model_that_is_always_wrong_does_not_move_the_estimate() -> None:
@@ -59,5 +60,6 @@ def test_a_model_that_is_always_wrong_does_not_move_the_estimate() -> None:
 def test_failed_runs_are_counted_apart() -> None:
     model, _ = population(1.0, 0.4, np.random.default_rng(5))
     answer = estimate(model, lambda numbers: [None] * len(numbers), half_width=0.05, most_runs=64, batch=8)
-    assert answer.undecided == answer.runs == 64
-    assert np.isnan(answer.probability)
+    assert answer.undecided == 1.0
+    assert answer.engine_runs == 64
+    assert np.isnan(answer.probability_overturned)

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from harness import engines
+from harness.comparison.distance import error_rad
 from harness.engines.base import Engine
+from harness.engines.contact.friction import FloorFriction, followed
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from tests import budgets_engines as budget
@@ -95,3 +97,23 @@ def test_the_coefficient_follows_the_sliding_pedestal(name: str) -> None:
     )
     assert held <= budget.PLAIN_SLIP_M
     assert loose > static > budget.PLAIN_SLIP_M
+
+
+def test_the_coefficient_is_kinetic_after_two_steps_of_the_same_slip() -> None:
+    friction = FloorFriction(0.2, 0.15, stuck_below_m_s=1e-5)
+    fast, slow = (3e-5, 4e-5), (3e-6, 4e-6)
+    assert followed(friction, fast, fast) == 0.15
+    assert followed(friction, slow, fast) == 0.2, "what one step let go may be held again in the next"
+    assert followed(friction, fast, slow) == 0.2
+    assert followed(friction, (-3e-5, -4e-5), fast) == 0.2, "it was at rest inside the step"
+
+
+@pytest.mark.parametrize("name", ["pymunk:plain", "pybullet:plain"])
+@pytest.mark.parametrize("dt_s", [5e-4, 3.1e-4, 2.5e-4, 2.2e-4, 1e-4])
+def test_whether_the_pedestal_sticks_is_no_chance_of_the_step(name: str, dt_s: float) -> None:
+    """It comes to rest where holding it needs 0.16 of its weight, between both coefficients; sliding on it is 0.02 rad off."""
+    engine, model = ready(name), engines.load("analytic")
+    scene = paestum(0.334, 2.0, mu=(0.20, 0.15))
+    exact = model.simulate(scene, model.refinement_levels(scene)[1], RunOptions())
+    run = engine.simulate(scene, engine.settings_for_dt(scene, dt_s), RunOptions())
+    assert error_rad(exact, run, run.end_s) <= budget.FOLLOWED_RAD

@@ -81,10 +81,6 @@ def test_equal_neighbours_of_a_map_are_drawn_as_one() -> None:
     assert sorted(re.findall(r'fill="(#f[0-9a-f]{5})"', svg)) == ["#ff0000", "#ff0000", "#ffffff"]
 
 
-def test_a_kind_without_a_still_says_nothing() -> None:
-    assert still({"data": [{"type": "scatterpolar", "r": [1.0], "theta": [0.0]}], "layout": {}}) == ""
-
-
 @pytest.mark.parametrize("disagree", [False, True])
 def test_the_histories_are_well_formed_and_named(tmp_path: Path, disagree: bool) -> None:
     source = run_source(write_invented(tmp_path, disagree=disagree))

@@ -14,6 +14,7 @@ import pytest
 from harness.records.assess import Assessment
 from harness.records.kinds import read_result
 from harness.records.run import RunRecord
+from harness.records.study import SupportRecord
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import floor_plan
 from reports.drawing.kinematics import section
@@ -22,11 +23,11 @@ from reports.pages.conservator import context, of_run
 from reports.pages.page import write_report
 from reports.source import run_source
 from reports.text.giving_way import (
-    Support,
     bearing,
     compass,
     levels,
     order_words,
+    slips,
     support_of,
     weakest_pushes,
     weakest_words,
@@ -70,7 +71,7 @@ def test_the_pedestal_is_a_fuse_only_where_it_slides_first(
     tmp_path: Path, floor: float, statue: float, words: str
 ) -> None:
     scene = run_source(write_invented(tmp_path)).scene
-    assert words in " ".join(order_words(scene, Support((True,), (floor, floor), (statue, statue)), None))
+    assert words in " ".join(order_words(scene, SupportRecord([True], (floor, floor), (statue, statue), []), None))
 
 
 def test_a_statue_on_the_floor_may_slide_before_it_tips(tmp_path: Path) -> None:
@@ -80,7 +81,7 @@ def test_a_statue_on_the_floor_may_slide_before_it_tips(tmp_path: Path) -> None:
         (0.2, "tips before it slides"),
         (0.6, "nothing slides"),
     ):
-        assert words in " ".join(order_words(scene, Support((False,), None, (friction, friction)), None))
+        assert words in " ".join(order_words(scene, SupportRecord([False], None, (friction, friction), []), None))
 
 
 def test_a_slender_pedestal_tips_first(tmp_path: Path) -> None:
@@ -94,11 +95,11 @@ def test_a_slender_pedestal_tips_first(tmp_path: Path) -> None:
 
 def test_frictions_that_differ_between_situations_are_told_one_by_one(tmp_path: Path) -> None:
     scene = run_source(write_invented(tmp_path)).scene
-    support = Support((True,), (0.05, 0.6), (1.0, 1.0))
+    support = SupportRecord([True], (0.05, 0.6), (1.0, 1.0), [])
     text = " ".join(order_words(scene, support, None))
     assert "Where the floor's friction is 5 %: the pedestal slides before the statue tips" in text
     assert "Where the floor's friction is 60 %: the statue tips before its pedestal slides" in text
-    assert support.slips() == [(0.05, "pedestal"), (0.6, "pedestal")]
+    assert slips(support) == [(0.05, "pedestal"), (0.6, "pedestal")]
 
 
 def test_the_push_borne_holds_the_centroid_over_the_base(tmp_path: Path) -> None:
