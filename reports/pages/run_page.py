@@ -63,20 +63,11 @@ def replay_values(source: RunSource) -> dict[str, object]:
     names = list(source.histories)
     solid = default_model(source)
     ghost = "analytic" if "analytic" in names and solid != "analytic" else ""
-    shape = (
-        "the statue's own mesh"
-        if source.mesh is not None
-        else "a block with the statue's silhouette (the scene has no mesh)"
-    )
-    caption = (
-        f"Drawn: {shape}, moved by each model's recorded rotation and slip, seen from the moving floor; the arrow is the "
-        "floor's acceleration, the grid is 25 cm. Drag to turn; a click into the histories sets the time here."
-    )
     return {
         "names": names,
         "solid": solid,
         "ghost": ghost,
-        "caption": caption,
+        "own_mesh": source.mesh is not None,
         "data": replay_payload(source),
         "library": three_js(),
         "script": source_text("replay.js"),
