@@ -11,6 +11,7 @@ import numpy as np
 from analytic.block import Block
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation, ZeroExcitation
+from analytic.motion import Floats
 from analytic.problem import CommonKeywords
 from analytic.results import Solution
 from analytic.solver import simulate
@@ -114,15 +115,23 @@ def _spread(first: Solution, others: tuple[Solution, ...], accuracy: tuple[float
         until = min(s.peak_time_s for s in (first, *others)) if _parted(first, others) else first.end_s
         return turned, slid, (until if turned <= accuracy[0] else 0.0)
     size = min(solution.t_s.size for solution in (first, *others)) - 1
-    turned_at, slid_at = np.zeros(size), np.zeros(size)
-    for other in others:
-        turned_at = np.maximum(turned_at, np.abs(first.theta_rad[:size] - other.theta_rad[:size]))
-        slid_at = np.maximum(slid_at, np.abs(first.slip_m[:size] - other.slip_m[:size]))
-    turned_at, slid_at = SAFETY * turned_at, SAFETY * slid_at
-    bad = np.flatnonzero((turned_at > accuracy[0]) | (slid_at > accuracy[1]))
-    reliable = int(bad[0]) if bad.size else size
-    until = float(first.t_s[max(reliable - 1, 0)]) if bad.size else min(s.end_s for s in (first, *others))
-    return float(turned_at[:reliable].max(initial=0.0)), float(slid_at[:reliable].max(initial=0.0)), until
+    turned, slid = (
+        np.abs(np.stack([getattr(other, name)[:size] for other in others]) - getattr(first, name)[:size])
+        for name in ("theta_rad", "slip_m")
+    )
+    return within(first.t_s, min(s.end_s for s in (first, *others)), (turned, slid), accuracy)
+
+
+def within(
+    t_s: Floats, end_s: float, differences: tuple[Floats, Floats], accuracy: tuple[float, float]
+) -> tuple[float, float, float]:
+    """Largest of two differences (runs, n) of runs from the first, with its safety, while both are within the accuracy asked of
+    them, and until when that is: their end, where they never leave it."""
+    a, b = (SAFETY * each.max(axis=0) for each in differences)
+    bad = np.flatnonzero((a > accuracy[0]) | (b > accuracy[1]))
+    reliable = int(bad[0]) if bad.size else a.size
+    until = float(t_s[max(reliable - 1, 0)]) if bad.size else end_s
+    return float(a[:reliable].max(initial=0.0)), float(b[:reliable].max(initial=0.0)), until
 
 
 def _parted(first: Solution, others: tuple[Solution, ...]) -> bool:

@@ -13,12 +13,11 @@ from analytic.certainty import FINER, PARTED, SAFETY, Certified, certified, long
 from analytic.encode import encode, encode_base, encode_motion
 from analytic.excitation import Excitation
 from analytic.kernel.layout import BASE, MOTION_PARAMS, PARAMS, row
-from analytic.kernel.records import Counts, Params, Records, Results, State
+from analytic.kernel.records import Counts, Floats, Params, Records, Results, State
 from analytic.problem import Options, Problem
 from analytic.results import Solution, solution_of
-from analytic.sweep import Out, run_rows
+from analytic.sweep import Out, Rows, run_rows
 
-Array = NDArray[np.float64]
 Motions = tuple[Excitation, Excitation]
 """The floor's accelerations along x and z."""
 
@@ -53,9 +52,9 @@ class CertifiedRows:
     """Of each row, by its place in `bodies`."""
     first: Out
     other: Out
-    uncertainty_rad: Array
-    slip_uncertainty_m: Array
-    reliable_until_s: Array
+    uncertainty_rad: Floats
+    slip_uncertainty_m: Floats
+    reliable_until_s: Floats
     accuracy_rad: float
 
     @property
@@ -84,14 +83,14 @@ def certify_rows(
 
     `accuracy_rad` is the error up to which a peak counts as reliable, as in ``certify``.
     """
-    encoded = _encoded(motions)
+    sides = _encoded(motions)
     bases = np.array([row(encode_base(one.problem.block)) for one in bodies], BASE)[body]
     params = np.array([row(one.params) for one in bodies], PARAMS)[body]
-    first = _run(params, encoded.x, encoded.z, bases)
+    first = _run(Rows(params, *sides[:2], bases, sides[2]))
     finer = np.array([row(one.checked) for one in bodies], PARAMS)[body]
     finer["gravity_m_s2"] *= 1.0 + rounding(first.counts["steps"])
     finer["time_scale_s"] = _time_scale_s(bodies, body, finer["gravity_m_s2"])
-    other = _run(finer, encoded.x, encoded.z, bases)
+    other = _run(Rows(finer, *sides[:2], bases, sides[2]))
     a, b = first.results, other.results
     turned = SAFETY * np.abs(np.abs(b["peak_theta_rad"]) - np.abs(a["peak_theta_rad"]))
     slid = SAFETY * np.abs(b["peak_slip_m"] - a["peak_slip_m"])
@@ -102,17 +101,10 @@ def certify_rows(
     return CertifiedRows(bodies, body, first, other, turned, slid, until, accuracy_rad)
 
 
-class _Encoded(NamedTuple):
-    """Motions row by row; `samples` keeps alive what the kernel knows by its address."""
-
-    x: Records
-    z: Records
-    samples: list[NDArray[np.float64]]
-
-
-def _encoded(motions: Sequence[Motions]) -> _Encoded:
+def _encoded(motions: Sequence[Motions]) -> tuple[Records, Records, tuple[Floats, ...]]:
+    """Motions along x and z row by row, and the samples that the kernel knows by their address."""
     known: dict[int, tuple[object, ...]] = {}
-    samples: list[NDArray[np.float64]] = []
+    samples: list[Floats] = []
 
     def values(motion: Excitation) -> tuple[object, ...]:
         if id(motion) not in known:
@@ -122,16 +114,16 @@ def _encoded(motions: Sequence[Motions]) -> _Encoded:
         return known[id(motion)]
 
     sides = [np.array([values(pair[k]) for pair in motions], MOTION_PARAMS) for k in (0, 1)]
-    return _Encoded(sides[0], sides[1], samples)
+    return sides[0], sides[1], tuple(samples)
 
 
-def _run(params: Records, x: Records, z: Records, bases: Records) -> Out:
-    out = Out.of(params.size)
-    run_rows(params, x, z, bases, 0, params.size, out)
+def _run(rows: Rows) -> Out:
+    out = Out.of(rows.params.size)
+    run_rows(rows, out, 0, rows.params.size)
     return out
 
 
-def _time_scale_s(bodies: Sequence[Body], body: NDArray[np.int64], gravity_m_s2: Array) -> Array:
+def _time_scale_s(bodies: Sequence[Body], body: NDArray[np.int64], gravity_m_s2: Floats) -> Floats:
     """1/p of each row's faster outer corner, s, to the last bit as `Block.p_rad_s` has it."""
     p = np.zeros(body.size)
     mass = np.array([one.problem.block.mass_kg for one in bodies])[body]

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.kernel.layout import EVENT_ROW
-from analytic.kernel.records import Counts, EventRow, Floats, Params, Records, Results, State
+from analytic.kernel.records import Counts, Floats, Params, Records, Results, State
 from analytic.solution import KINDS, OUTCOMES, Doubts, Event, EventKind, Interval, Outcome, Validity, Work
 
 LEFT_BY: Final = ("", "the statue slides on its support", "contact is lost", "the pedestal itself tips")
@@ -25,23 +25,9 @@ def _optional(value: float) -> float | None:
 
 
 def _event(given: tuple[Any, ...]) -> Event:
-    event = EventRow(*given)
-    return Event(
-        time_s=event.time_s,
-        kind=KINDS[event.kind],
-        pivot=event.pivot if event.pivot >= 0 else None,
-        facet=event.facet,
-        slide=event.slide,
-        theta_rad=event.theta_rad,
-        theta_rate_before_rad_s=event.theta_rate_before_rad_s,
-        theta_rate_after_rad_s=event.theta_rate_after_rad_s,
-        slip_m=event.slip_m,
-        slip_rate_before_m_s=event.slip_rate_before_m_s,
-        slip_rate_after_m_s=event.slip_rate_after_m_s,
-        energy_j=event.energy_j,
-        feasible_states=event.feasible_states,
-        residual=event.residual,
-    )
+    """The event of a row of the kernel's table, whose fields are in the same order."""
+    time_s, kind, pivot, *rest = given
+    return Event(time_s, KINDS[kind], pivot if pivot >= 0 else None, *rest)
 
 
 @final

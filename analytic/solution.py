@@ -6,11 +6,6 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import final
 
-import numpy as np
-from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]
-
 
 class Outcome(StrEnum):
     """How a run ended."""
@@ -24,16 +19,7 @@ class Outcome(StrEnum):
     UNDECIDED = "undecided"
 
 
-OUTCOMES = (
-    Outcome.UNDECIDED,
-    Outcome.STANDS,
-    Outcome.OVERTURNED_LEFT,
-    Outcome.OVERTURNED_RIGHT,
-    Outcome.TOUCHES_WALL,
-    Outcome.LIFT_OFF,
-    Outcome.FRICTION_PARADOX,
-    Outcome.UNDECIDED,
-)
+OUTCOMES = (Outcome.UNDECIDED, *Outcome)
 """Outcome of each of the kernel's codes."""
 
 
@@ -55,20 +41,8 @@ class EventKind(StrEnum):
     END = "end"
 
 
-KINDS = (
-    EventKind.END,
-    EventKind.UPLIFT,
-    EventKind.SLIP_ONSET,
-    EventKind.STICK_ONSET,
-    EventKind.IMPACT,
-    EventKind.BREAK,
-    EventKind.OVERTURN,
-    EventKind.WALL,
-    EventKind.LIFT_OFF,
-    EventKind.PARADOX,
-    EventKind.START,
-    EventKind.END,
-)
+_START, *_BETWEEN, _END = EventKind
+KINDS = (_END, *_BETWEEN, _START, _END)
 """Event of each of the kernel's codes."""
 
 

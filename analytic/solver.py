@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from struct import Struct
-from typing import Final, NamedTuple, Self, Unpack
+from typing import Final, NamedTuple, TypeVar, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +19,7 @@ from analytic.problem import DEFAULT_OPTIONS, Keywords, Options, Problem, stated
 from analytic.results import Solution, solution_of
 
 run: Final = Entry("analytic.kernel.entries", "run")
+Record = TypeVar("Record", State, Results, Counts, Output)
 ALONE: Final = (0, 0, 0, 0, 0, 1, 0, 0, 0)
 """Arguments after a task that is run as it stands."""
 
@@ -38,12 +38,22 @@ def _offset(*names: str) -> int:
     return place
 
 
-_PARAMS, _STATE, _RESULTS = _offset("params"), _offset("state"), _offset("results")
-_BASE, _OUTPUT = _offset("base"), _offset("output")
-_COUNTS, _EVENTS, _SAMPLES = _offset("counts"), _offset("counts", "events"), _offset("output", "next_sample")
-_MOTION_X, _MOTION_Z = _offset("motion_x", "params"), _offset("motion_z", "params")
-_PACKING: Final = {each: packing(each) for each in (Params, MotionParams, Base, Output, State, Results, Counts)}
-_INTEGER: Final = Struct("q")
+_WRITTEN: Final = (
+    _offset("params"),
+    _offset("motion_x", "params"),
+    _offset("motion_z", "params"),
+    _offset("base"),
+    _offset("output"),
+)
+"""Where what a run reads stands in its task."""
+_LEFT: Final = {
+    State: _offset("state"),
+    Results: _offset("results"),
+    Counts: _offset("counts"),
+    Output: _offset("output"),
+}
+"""Where what it leaves behind stands."""
+_PACKING: Final = {each: packing(each) for each in (Params, MotionParams, Base, *_LEFT)}
 
 
 class Prepared(NamedTuple):
@@ -57,53 +67,13 @@ class Prepared(NamedTuple):
     owners: tuple[object, ...]
     """Whose numbers motions and base name by address: kept alive."""
 
-    @classmethod
-    def of(
-        cls,
-        params: Params,
-        motions: tuple[MotionParams, MotionParams],
-        base: Base,
-        instants: int,
-        event_rows: int,
-        *owners: object,
-    ) -> Self:
-        """A task with its parameters written, and room for so many instants and events."""
-        memory = bytearray(TASK.itemsize)
-        history, events = np.zeros((5, instants)), np.zeros(event_rows, EVENT_ROW)
-        output = Output(history.ctypes.data, max(instants - 1, 0), 0, events.ctypes.data, event_rows)
-        places = (_PARAMS, params), (_MOTION_X, motions[0]), (_MOTION_Z, motions[1]), (_BASE, base), (_OUTPUT, output)
-        for place, record in places:
-            _PACKING[type(record)].pack_into(memory, place, *vars(record).values())
-        return cls(memory, history, events, owners)
-
     def run(self) -> None:
         """Run the task."""
         run(address(self.memory), *ALONE)
 
-    @property
-    def state(self) -> State:
-        """The state that the run ended in."""
-        return State(*_PACKING[State].unpack_from(self.memory, _STATE))
-
-    @property
-    def results(self) -> Results:
-        """What the run left behind."""
-        return Results(*_PACKING[Results].unpack_from(self.memory, _RESULTS))
-
-    @property
-    def counts(self) -> Counts:
-        """How often what happened."""
-        return Counts(*_PACKING[Counts].unpack_from(self.memory, _COUNTS))
-
-    @property
-    def n_samples(self) -> int:
-        """Output samples written."""
-        return int(_INTEGER.unpack_from(self.memory, _SAMPLES)[0])
-
-    @property
-    def n_events(self) -> int:
-        """Events of the run, whether or not the table had room for them."""
-        return int(_INTEGER.unpack_from(self.memory, _EVENTS)[0])
+    def read(self, record: type[Record]) -> Record:
+        """One of the records that the run left behind."""
+        return record(*_PACKING[record].unpack_from(self.memory, _LEFT[record]))
 
 
 FIRST_EVENTS: Final = 256
@@ -113,23 +83,25 @@ WHOLE: Final = 1.0 + 1e-12
 
 
 def prepare(problem: Problem, params: Params, event_rows: int) -> Prepared:
-    """Everything that one run reads and writes, freshly allocated."""
+    """Everything that one run reads and writes, freshly allocated, its parameters written."""
     x, times_x, samples_x = encode_motion(problem.motion_x)
     z, times_z, samples_z = encode_motion(problem.motion_z)
     dt = params.output_step_s
     instants = math.floor(params.duration_s / dt * WHOLE) + 2 if dt > 0.0 else 0
-    base = encode_base(problem.block)
-    return Prepared.of(
-        params, (x, z), base, instants, event_rows, problem.block, times_x, times_z, samples_x, samples_z
-    )
+    memory = bytearray(TASK.itemsize)
+    history, events = np.zeros((5, instants)), np.zeros(event_rows, EVENT_ROW)
+    output = Output(history.ctypes.data, max(instants - 1, 0), 0, events.ctypes.data, event_rows)
+    for place, record in zip(_WRITTEN, (params, x, z, encode_base(problem.block), output), strict=True):
+        _PACKING[type(record)].pack_into(memory, place, *vars(record).values())
+    return Prepared(memory, history, events, (problem.block, times_x, times_z, samples_x, samples_z))
 
 
 def _read(params: Params, finished: Prepared) -> Solution:
     """The solution that a finished task holds; its arrays are read-only."""
-    history, events = finished.history, finished.events
-    history.setflags(write=False)
-    written = history[:, : finished.n_samples], events[: finished.n_events]
-    return solution_of(params, finished.state, finished.results, finished.counts, *written)
+    counts, n_samples = finished.read(Counts), finished.read(Output).next_sample
+    finished.history.setflags(write=False)
+    written = finished.history[:, :n_samples], finished.events[: counts.events]
+    return solution_of(params, finished.read(State), finished.read(Results), counts, *written)
 
 
 def solve(problem: Problem, options: Options = DEFAULT_OPTIONS) -> Solution:
@@ -137,8 +109,9 @@ def solve(problem: Problem, options: Options = DEFAULT_OPTIONS) -> Solution:
     params = encode(problem, options)
     task = prepare(problem, params, FIRST_EVENTS if options.events else 0)
     task.run()
-    if options.events and task.n_events > FIRST_EVENTS:
-        task = prepare(problem, params, task.n_events)
+    most = task.read(Counts).events
+    if options.events and most > FIRST_EVENTS:
+        task = prepare(problem, params, most)
         task.run()
     return _read(params, task)
 

@@ -259,17 +259,10 @@ def _work(rows: Rows, out: Out, size: int, threads: int, progress: Progress | bo
     _run_pieces(rows, out, pieces, threads, lambda done: on_progress(done, size))
 
 
-def _one_piece(rows: Rows, out: Out, start: int, stop: int) -> None:
-    run_rows(rows.params, rows.motion_x, rows.motion_z, rows.bases, start, stop, out)
-
-
-def run_rows(
-    params: Records, motion_x: Records, motion_z: Records, bases: Records, start: int, stop: int, out: Out
-) -> None:
+def run_rows(rows: Rows, out: Out, start: int, stop: int) -> None:
     """Run the rows start to stop − 1 for their outcome, in memory of their own; no history and no events are kept."""
-    tables = [table.ctypes.data for table in (params, motion_x, motion_z, bases)]
     task = bytearray(TASK.itemsize)
-    run(address(task), *tables, start, stop, *(table.ctypes.data for table in out))
+    run(address(task), *(table.ctypes.data for table in rows[:4]), start, stop, *(table.ctypes.data for table in out))
 
 
 def _silent(done: int, total: int) -> None:
@@ -288,7 +281,7 @@ def _run_pieces(
     rows: Rows, out: Out, pieces: list[tuple[int, int]], threads: int, on_done: Callable[[int], None]
 ) -> None:
     with ThreadPoolExecutor(threads) as pool:
-        waiting = {pool.submit(partial(_one_piece, rows, out, start, stop)): stop - start for start, stop in pieces}
+        waiting = {pool.submit(partial(run_rows, rows, out, start, stop)): stop - start for start, stop in pieces}
         done = 0
         for future in as_completed(waiting):
             future.result()

@@ -6,13 +6,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshes.errors import MeshError
-from meshes.mesh import RawMesh, weld
-
-Array = NDArray[np.float64]
-Faces = NDArray[np.int64]
+from meshes.mesh import Array, Faces, RawMesh, weld
 
 WIDER: Final = 3.0
 """Area under the body over that of the whole body above, from which the lowest layer is a floor.

@@ -7,16 +7,12 @@ from math import cos, radians, sin
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshes.attached import attached_floor, cut_below
 from meshes.hole_filling import triangulated
-from meshes.mesh import RawMesh
+from meshes.mesh import Array, Faces, RawMesh
 from meshes.orientation import area_vector
 from meshes.topology import rims
-
-Array = NDArray[np.float64]
-Faces = NDArray[np.int64]
 
 WALL_COVERS: Final = 0.7
 """Share of a body's outline seen against a direction that its outermost plane covers where it may be a wall; figures: 0.45."""

@@ -22,10 +22,8 @@ from meshes import coacd_alone
 from meshes.collision import thinned
 from meshes.decimation import simplified
 from meshes.errors import MeshError
-from meshes.mesh import RawMesh, manifold
+from meshes.mesh import Array, RawMesh, manifold
 from meshes.solid import Solid
-
-Array = NDArray[np.float64]
 
 COARSE_FACES: Final = 3000
 """Triangles given to the search: its time grows with them, its parts hardly change (20-fold slower at 21 000)."""
@@ -106,7 +104,7 @@ def decompose(
     points = [np.array(piece.to_mesh64().vert_properties[:, :3]) for piece in inside if not piece.is_empty()]
     if not points:
         raise MeshError("convex parts of the statue", "an empty decomposition")
-    parts = tuple(thinned(corners, None, max_vertices)[0] for corners in points)
+    parts = tuple(thinned(corners, max_vertices)[0] for corners in points)
     return Parts(parts, *_misfit(solid, parts))
 
 

@@ -4,16 +4,11 @@ from __future__ import annotations
 
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from meshes.attached import Floor, attached_floor
 from meshes.beside import attached_beside
 from meshes.errors import MeshError
+from meshes.mesh import Array, Faces
 from meshes.self_intersection import crossings, pinched, wrongly_sided
-
-Array = NDArray[np.float64]
-Faces = NDArray[np.int64]
 
 MOST_PINCHED: Final = 0.05
 """Share of the area beyond a pinch from which it is a second body; slivers that a Boolean union leaves have 0.2 %."""

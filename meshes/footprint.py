@@ -1,7 +1,6 @@
 """The part of a body that really touches its support: polygon, corner distances at any azimuth, feet and base profile.
 
-Heights are kept: a base is never planed flat here. Azimuths are directions in the body's own frame, in degrees
-counter-clockwise
+Heights are kept: a base is never planed flat here. Azimuths are directions in the body's own frame, in degrees counter-clockwise
 from x seen from above: the direction towards which the body would topple.
 """
 
@@ -11,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshes.errors import MeshError
-
-Array = NDArray[np.float64]
+from meshes.mesh import Array
 
 
 def convex_hull(points: Array) -> Array:
@@ -140,8 +138,7 @@ def reach_m(polygon_m: Array, azimuth_deg: ArrayLike) -> Array:
 def slenderness_rose_rad(polygon_m: Array, centroid_height_m: float, azimuth_deg: ArrayLike) -> Array:
     """Angle α (n,) = atan(b/h) by which the body must turn towards each azimuth before it falls by itself.
 
-    The body turns about the side of the polygon that its support line touches, whose distance is b (docs/model.md,
-    section 1);
+    The body turns about the side of the polygon that its support line touches, whose distance is b (docs/model.md, section 1);
     the height of that vertex above the base plane is left out (it is at most the contact tolerance).
     """
     return np.arctan2(corner_m(polygon_m, azimuth_deg), centroid_height_m)

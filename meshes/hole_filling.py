@@ -6,17 +6,13 @@ from dataclasses import dataclass
 from statistics import NormalDist
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshes.errors import MeshError
-from meshes.mesh import RawMesh
+from meshes.mesh import Array, Faces, RawMesh
 from meshes.orientation import area_vector
 from meshes.outline import fit_outline
 from meshes.solid import CONTACT_TOLERANCE_M
 from meshes.topology import EdgeCount, Indices, rims
-
-Array = NDArray[np.float64]
-Faces = NDArray[np.int64]
 
 BASE_LEVEL = 0.25
 """The open base lies within this share of the height from the lowest point."""
@@ -33,8 +29,7 @@ CLEAR_OF_CONTACT = 1.05
 class BaseClosed:
     """What closing the base did.
 
-    Vertices of the rim, its raggedness in z, its noise, how far fitting moved the outline of the new base, and how
-    many scanned
+    Vertices of the rim, its raggedness in z, its noise, how far fitting moved the outline of the new base, and how many scanned
     vertices below the base plane were lifted to it, at most by how much.
     """
 
@@ -64,11 +59,9 @@ def base_rim(mesh: RawMesh) -> Indices | None:
 def close_base(mesh: RawMesh, rim: Indices) -> BaseClosed:
     """The body let down from its ragged rim, straight, to the base plane, and closed there.
 
-    The base plane passes through the rim's lowest points less what the scan's own noise puts below it; the outline on
-    that
-    plane is fitted to the rim (meshes/outline.py). Only scanned vertices below the base plane are moved, up to it,
-    and in a noisy
-    scan to just above the contact tolerance, so that the fitted outline and not the widest noise is what touches.
+    The base plane passes through the rim's lowest points less what the scan's own noise puts below it; the outline on that plane
+    is fitted to the rim (meshes/outline.py). Only scanned vertices below the base plane are moved, up to it, and in a noisy scan
+    to just above the contact tolerance, so that the fitted outline and not the widest noise is what touches.
     """
     points = mesh.vertices[rim]
     outline = fit_outline(points[:, :2])
@@ -96,9 +89,8 @@ def close_base(mesh: RawMesh, rim: Indices) -> BaseClosed:
 def _base_level(z: Array, rim_z: Array, noise_m: float) -> float:
     """Height of the base plane: the lowest point, raised by the depth that the lowest of n points has from noise alone.
 
-    n counts the rim's points within four standard deviations of its lowest; the lowest of n normal deviations lies
-    about
-    Φ⁻¹(1 - 1/n) of them below zero. Never above a body that is lower than its rim by more than that.
+    n counts the rim's points within four standard deviations of its lowest; the lowest of n normal deviations lies about Φ⁻¹(1 -
+    1/n) of them below zero. Never above a body that is lower than its rim by more than that.
     """
     lowest = float(z.min())
     count = int((rim_z < rim_z.min() + 4.0 * noise_m).sum())

@@ -8,17 +8,13 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshes.errors import MeshError
 from meshes.gltf_size import must_be_bounded
-from meshes.mesh import RawMesh, weld
+from meshes.mesh import Array, Faces, RawMesh, weld
 from meshes.orientation import turn_axis
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, mass_properties, solid_from_mesh, turn_about_z
 from meshes.topology import EdgeCount, parts
-
-Array = NDArray[np.float64]
-Faces = NDArray[np.int64]
 
 FORMATS = (".ply", ".obj", ".stl", ".glb", ".gltf")
 UNIT_M = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "km": 1000.0, "in": 0.0254, "ft": 0.3048}
@@ -173,8 +169,7 @@ def load_solid(
 ) -> Solid:
     """The solid of a clean mesh file, turned by `azimuth_deg` about the vertical (counter-clockwise from above).
 
-    Nothing is repaired: a mesh with holes, with edges of more than two faces, of several bodies, inside out, or that
-    does not
+    Nothing is repaired: a mesh with holes, with edges of more than two faces, of several bodies, inside out, or that does not
     stand raises MeshError with what to do.
     """
     _must_be_there(Path(path))

@@ -7,17 +7,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshes.errors import MeshError
-from meshes.mesh import RawMesh, double_areas
+from meshes.mesh import Array, RawMesh, double_areas
 from meshes.solid import mass_properties
 from meshes.topology import rims
 
 if TYPE_CHECKING:
     from scipy.spatial import ConvexHull
 
-Array = NDArray[np.float64]
 
 BASE_RIM_SHARE = 0.02
 """A rim counts as the open base of a scan from this share of the largest face of the bounding box."""

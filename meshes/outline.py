@@ -1,8 +1,7 @@
 """The outline of a base from a noisy rim: straight sides fitted where the rim is straight to within its own noise.
 
-The widest of many noisy points lies some standard deviations outside the true edge; a footprint made of such points
-would be
-too large on every side. Fitted sides are not.
+The widest of many noisy points lies some standard deviations outside the true edge; a footprint made of such points would be too
+large on every side. Fitted sides are not.
 """
 
 from __future__ import annotations
@@ -12,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from meshes.mesh import Array
+
 Indices = NDArray[np.int64]
 
 NORMAL_MEDIAN = 0.6745
@@ -58,11 +58,9 @@ def fit_outline(rim_m: Array) -> Outline:
 def _noise(rim: Array, extent: float) -> float:
     """Standard deviation across the rim, the largest over lags up to a small share of the extent.
 
-    At each lag it follows from how the height of a point over the chord of its two neighbours at that lag changes
-    from one to
-    the next: for independent noise a height has variance 1.5 σ² and the next one covariance -σ², so their difference
-    5 σ²;
-    steady curvature drops out. Scanners smooth their noise over a few millimetres, which only the longer lags see past.
+    At each lag it follows from how the height of a point over the chord of its two neighbours at that lag changes from one to the
+    next: for independent noise a height has variance 1.5 σ² and the next one covariance -σ², so their difference 5 σ²; steady
+    curvature drops out. Scanners smooth their noise over a few millimetres, which only the longer lags see past.
     """
     edge = float(np.median(np.linalg.norm(np.roll(rim, -1, axis=0) - rim, axis=1)))
     longest = min(max(1, int(LAG_SHARE * extent / max(edge, 1e-300))), len(rim) // 12)

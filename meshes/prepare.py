@@ -36,11 +36,9 @@ from meshes.topology import EdgeCount
 class Limits:
     """How far a repair may go before it is refused; each is a choice that the caller may change knowingly.
 
-    `debris_area` is the largest share of the main part's area that is debris; `hole_share` the widest hole and
-    `ragged_share`
-    the raggedness of the base's rim, as shares of the height; `branching_share` and `crossing_share` shares of the
-    edges and
-    faces; `volume_rel` the volume removed as debris and invented under the base and over holes.
+    `debris_area` is the largest share of the main part's area that is debris; `hole_share` the widest hole and `ragged_share` the
+    raggedness of the base's rim, as shares of the height; `branching_share` and `crossing_share` shares of the edges and faces;
+    `volume_rel` the volume removed as debris and invented under the base and over holes.
     """
 
     debris_area: float = 0.02

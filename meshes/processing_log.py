@@ -82,8 +82,7 @@ class ProcessingLog:
 def measure(mesh: RawMesh) -> MassProperties:
     """Mass properties of a mesh that may still have holes: as if each were closed by a cone to the middle of all rims.
 
-    Each face makes a tetrahedron with that middle; their exact moments are summed some faces at a time, so that a
-    scan of
+    Each face makes a tetrahedron with that middle; their exact moments are summed some faces at a time, so that a scan of
     millions of faces stays small in memory.
     """
     open_rims = rims(mesh.faces)

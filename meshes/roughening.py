@@ -5,16 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshes import footprint as base
 from meshes.errors import MeshError
+from meshes.mesh import Array, Faces
 from meshes.solid import Solid
 from meshes.survey import with_mass
 from meshes.topology import Edges
-
-Array = NDArray[np.float64]
-Faces = NDArray[np.int64]
 
 
 def ragged(solid: Solid, depth_m: float, *, spacing_m: float, seed: int) -> Solid:

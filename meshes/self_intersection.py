@@ -8,11 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.mesh import double_areas
+from meshes.mesh import Array, Faces, double_areas
 from meshes.topology import Edges
-
-Array = NDArray[np.float64]
-Faces = NDArray[np.int64]
 
 CHUNK = 20_000
 """Faces looked at in one go."""

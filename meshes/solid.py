@@ -12,13 +12,10 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshes import footprint as base
 from meshes.errors import MeshError
-
-Array = NDArray[np.float64]
-Faces = NDArray[np.int64]
+from meshes.mesh import Array, Faces
 
 CONTACT_TOLERANCE_M = 1e-3
 """How far above the base plane a vertex still counts as touching: the flatness that a good photogrammetric scan
@@ -38,10 +35,8 @@ class MassProperties:
 class Solid:
     """A rigid statue in the statue frame; arrays are read-only float64 (faces int64).
 
-    `vertices_m` (n, 3), `faces` (m, 3) outward by the right-hand rule, `inertia_kg_m2` (3, 3) about the centroid in
-    the statue
-    frame's axes, `footprint_m` (k, 3) the mesh's own touching vertices as a convex polygon, counter-clockwise seen
-    from above,
+    `vertices_m` (n, 3), `faces` (m, 3) outward by the right-hand rule, `inertia_kg_m2` (3, 3) about the centroid in the statue
+    frame's axes, `footprint_m` (k, 3) the mesh's own touching vertices as a convex polygon, counter-clockwise seen from above,
     `contact_tolerance_m` the height up to which a vertex counted as touching.
     """
 

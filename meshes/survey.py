@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshes import footprint as base
 from meshes.errors import MeshError
+from meshes.mesh import Array, Faces
 from meshes.solid import Solid, mass_properties
-
-Array = NDArray[np.float64]
-Faces = NDArray[np.int64]
 
 AGREES_REL = 5e-3
 """A survey's number and the mesh's agree within this relative difference."""
@@ -22,8 +19,7 @@ def with_mass(solid: Solid, mass_kg: float, centroid_m: Array, inertia_kg_m2: Ar
     """The same surface with other mass properties; `centroid_m` (3,) in the solid's present frame, inertia about it
     (3, 3).
 
-    The frame moves so that its origin is again below the centroid. Raises MeshError for a mass or tensor that no body
-    has, or a
+    The frame moves so that its origin is again below the centroid. Raises MeshError for a mass or tensor that no body has, or a
     centroid outside the base.
     """
     moments = np.linalg.eigvalsh(inertia_kg_m2)
@@ -91,8 +87,7 @@ def adjusted(
     """The statue as it would be if a survey were off by these shares, or with its base planed or its products of
     inertia left out.
 
-    `centroid_rel` raises the centroid, `base_rel` widens every horizontal distance of the surface, `inertia_rel`
-    grows the tensor
+    `centroid_rel` raises the centroid, `base_rel` widens every horizontal distance of the surface, `inertia_rel` grows the tensor
     about the centroid; mass is kept throughout. Raises MeshError for shares that leave nothing.
     """
     if min(centroid_rel, base_rel, inertia_rel) <= -1.0:

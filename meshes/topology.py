@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Faces = NDArray[np.int64]
+from meshes.mesh import Faces
+
 Indices = NDArray[np.int64]
 
 
@@ -15,9 +16,8 @@ Indices = NDArray[np.int64]
 class Edges:
     """Undirected edges of a mesh: the half-edges sorted so that those of one edge are neighbours.
 
-    `start` and `end` (3m,) are the half-edges' vertices, `face` (3m,) their faces, `first` (e,) the first half-edge
-    of each
-    edge and `faces_at` (e,) how many faces meet there.
+    `start` and `end` (3m,) are the half-edges' vertices, `face` (3m,) their faces, `first` (e,) the first half-edge of each edge
+    and `faces_at` (e,) how many faces meet there.
     """
 
     start: Indices

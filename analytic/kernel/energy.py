@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic.kernel.codes import OVERTURNED_LEFT, OVERTURNED_RIGHT, STANDS, TOUCHES_WALL
+from analytic.kernel import codes
 from analytic.kernel.compiler import jit
 from analytic.kernel.dynamics import place, vertex
 from analytic.kernel.impact import impact
@@ -75,9 +75,9 @@ def _ahead(task: Task, pivot: int, side: int, theta: float, energy: float) -> tu
             return UNKNOWN, 0.0
     if wall < params.overturn_rad:
         _reach(task, side * wall)
-        return TOUCHES_WALL, 0.0
+        return codes.TOUCHES_WALL, 0.0
     _reach(task, side * params.overturn_rad)
-    return (OVERTURNED_RIGHT if side > 0 else OVERTURNED_LEFT), 0.0
+    return (codes.OVERTURNED_RIGHT if side > 0 else codes.OVERTURNED_LEFT), 0.0
 
 
 @jit
@@ -87,21 +87,7 @@ def _landing(task: Task, pivot: int, facet: int, speed: float) -> tuple[int, flo
     side = 1 if pivot == facet + 1 else -1
     xo, z, _ = corner(task, facet, side)
     xn, _, _ = corner(task, facet, -side)
-    after, moved, _ = impact(
-        params.mass_kg,
-        params.pedestal_mass_kg,
-        params.inertia_kg_m2,
-        xn,
-        xo,
-        z,
-        speed,
-        0.0,
-        params.restitution,
-        params.momentum_at_impact,
-        params.floor_static,
-        params.floor_kinetic,
-        params.has_pedestal,
-    )
+    after, moved, _ = impact(params, xn, xo, z, speed, 0.0, params.floor_static, params.floor_kinetic)
     return (facet if side > 0 else facet + 1), after, moved == 0.0
 
 
@@ -145,7 +131,7 @@ def _follow(task: Task) -> int:
         xr, _, _ = corner(task, facet, 1)
         xl, _, _ = corner(task, facet, -1)
         if xr < 0.0 < xl and 0.5 * j * omega * omega <= SPENT * m * g * radius:
-            return STANDS
+            return codes.STANDS
     return EXHAUSTED
 
 
@@ -155,7 +141,7 @@ def decide(task: Task) -> bool:
     state = task.state
     if state.slide != 0 or task.counts.impacts < state.followed:
         return False
-    outcome = STANDS if state.pivot < 0 else _follow(task)
+    outcome = codes.STANDS if state.pivot < 0 else _follow(task)
     if outcome == EXHAUSTED:
         state.followed = task.counts.impacts + NEXT_IMPACTS
     if outcome in (EXHAUSTED, UNKNOWN):

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Final
+
 from analytic.kernel.integrator import run_one
-from analytic.kernel.memory import (
-    base_row,
-    counts_row,
-    motion_row,
-    params_row,
-    results_row,
-    set_row,
-    state_row,
-    task_row,
-)
+from analytic.kernel.layout import BASE, COUNTS, MOTION_PARAMS, PARAMS, RESULTS, STATE, TASK
+from analytic.kernel.memory import row_at, set_row
+from analytic.kernel.records import Base, Counts, MotionParams, Params, Results, State, Task
 from analytic.kernel.track import sample_end
+
+task_row: Final[Callable[[int, int], Task]] = row_at(TASK)
+params_row: Final[Callable[[int, int], Params]] = row_at(PARAMS)
+motion_row: Final[Callable[[int, int], MotionParams]] = row_at(MOTION_PARAMS)
+base_row: Final[Callable[[int, int], Base]] = row_at(BASE)
+state_row: Final[Callable[[int, int], State]] = row_at(STATE)
+results_row: Final[Callable[[int, int], Results]] = row_at(RESULTS)
+counts_row: Final[Callable[[int, int], Counts]] = row_at(COUNTS)
 
 
 def run(

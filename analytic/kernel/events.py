@@ -5,17 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from analytic.kernel.codes import (
-    AT_LIMIT,
-    AT_WALL,
-    IMPACT,
-    LOST_CONTACT,
-    NO_EVENT,
-    NO_SOLUTION,
-    SLIP_ONSET,
-    STICK_ONSET,
-    UPLIFT,
-)
+from analytic.kernel import codes
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.joint_state import falling, lift_margin, slip_rate_zeros, stick_margin, theta_rate_zeros
 from analytic.kernel.memory import load_double, set_term, term
@@ -58,7 +48,7 @@ def _search(task: Task, n: int, h: float, lo: int, kind: int, side: int, best: F
     if x >= best.fraction:
         return FirstEvent(best.fraction, best.kind, best.side, level, best.residual)
     residual = terms
-    if kind != IMPACT and kind != STICK_ONSET:
+    if kind != codes.IMPACT and kind != codes.STICK_ONSET:
         residual = remainder(task.series.event, n, x) / terms if terms > 0.0 else 0.0
     return FirstEvent(x, kind, side, level, residual)
 
@@ -123,10 +113,10 @@ def _rotation(task: Task, n: int, h: float, rest: float, best: FirstEvent) -> Fi
             lo = 0
             if series.event[0] == 0.0:
                 lo = 1 if series.theta_rate[0] != 0.0 else 1 + theta_rate_zeros(task, n)
-            best = _search(task, n, h, lo, IMPACT, j, best)
+            best = _search(task, n, h, lo, codes.IMPACT, j, best)
         elif not _clear(series.theta, h, -side, side * task.params.overturn_rad, rest):
             _measure(task, series.theta, n, -side, side * task.params.overturn_rad)
-            best = _search(task, n, h, 0, AT_LIMIT, side, best)
+            best = _search(task, n, h, 0, codes.AT_LIMIT, side, best)
     return best
 
 
@@ -156,16 +146,16 @@ def _contact(task: Task, n: int, h: float, bounds: Bounds, best: FirstEvent) -> 
     if state.pivot < 0:
         if task.motion_z.degree > 0 or series.gravity[0] <= 0.0:
             _measure(task, series.gravity, n, 1.0, 0.0)
-            return _search(task, n, h, 0, LOST_CONTACT, 0, best)
+            return _search(task, n, h, 0, codes.LOST_CONTACT, 0, best)
         return best
     if not _clear(series.pivot_normal, h, 1.0, 0.0, bounds.pivot_normal) and not falling(task):
         _measure(task, series.pivot_normal, n - 1, 1.0, 0.0)
-        best = _search(task, n - 1, h, 0, LOST_CONTACT, 0, best)
+        best = _search(task, n - 1, h, 0, codes.LOST_CONTACT, 0, best)
     if task.params.has_pedestal and not _clear(series.floor_normal, h, 1.0, 0.0, bounds.floor_normal):
         _measure(task, series.floor_normal, n - 1, 1.0, 0.0)
-        best = _search(task, n - 1, h, 0, LOST_CONTACT, 1, best)
+        best = _search(task, n - 1, h, 0, codes.LOST_CONTACT, 1, best)
     if state.slide != 0 and not _solvable(task, n):
-        best = _search(task, n - 1, h, 0, NO_SOLUTION, 0, best)
+        best = _search(task, n - 1, h, 0, codes.NO_SOLUTION, 0, best)
     return best
 
 
@@ -175,7 +165,7 @@ def _uplift(task: Task, n: int, h: float, best: FirstEvent) -> FirstEvent:
     for side in (1, -1):
         scale = lift_margin(task, side, n - 1)
         lo = leading(task.series.event, n - 1, scale, task.params.time_scale_s) if task.state.fresh else 0
-        best = _search(task, n - 1, h, lo, UPLIFT, side, best)
+        best = _search(task, n - 1, h, lo, codes.UPLIFT, side, best)
     return best
 
 
@@ -187,7 +177,7 @@ def _friction(task: Task, n: int, h: float, bounds: Bounds, best: FirstEvent) ->
         if not _clear(series.slip_rate, h, state.slide, 0.0, bounds.friction):
             lo = slip_rate_zeros(task, state.pivot, n) if series.slip_rate[0] == 0.0 else 0
             _measure(task, series.slip_rate, n, state.slide, 0.0)
-            best = _search(task, n, h, lo, STICK_ONSET, state.slide, best)
+            best = _search(task, n, h, lo, codes.STICK_ONSET, state.slide, best)
         return best
     rest = (
         math.inf
@@ -200,7 +190,7 @@ def _friction(task: Task, n: int, h: float, bounds: Bounds, best: FirstEvent) ->
             continue
         scale = stick_margin(task, side, n - 1)
         lo = leading(series.event, n - 1, scale, params.time_scale_s) if state.fresh else 0
-        best = _search(task, n - 1, h, lo, SLIP_ONSET, side, best)
+        best = _search(task, n - 1, h, lo, codes.SLIP_ONSET, side, best)
     return best
 
 
@@ -208,7 +198,7 @@ def _friction(task: Task, n: int, h: float, bounds: Bounds, best: FirstEvent) ->
 def first_event(task: Task, n: int, h: float) -> FirstEvent:
     """The first event within the step of length h whose coefficients stand in the workspace."""
     state, series = task.state, task.series
-    best = FirstEvent(NO_ROOT, NO_EVENT, 0, 0, 0.0)
+    best = FirstEvent(NO_ROOT, codes.NO_EVENT, 0, 0, 0.0)
     bounds = Bounds(0.0, 0.0, 0.0, 0.0)
     if state.pivot < 0:
         best = _uplift(task, n, h, best)
@@ -223,5 +213,5 @@ def first_event(task: Task, n: int, h: float) -> FirstEvent:
     side = task.params.wall_side
     if side != 0 and state.pivot >= 0 and not _clear(series.theta, h, -side, side * task.params.wall_rad, bounds.theta):
         _measure(task, series.theta, n, -side, side * task.params.wall_rad)
-        best = _search(task, n, h, 0, AT_WALL, side, best)
+        best = _search(task, n, h, 0, codes.AT_WALL, side, best)
     return best

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from analytic.kernel.codes import COSINE, HARMONIC, NONE, RECTANGULAR, RICKER, SAMPLED
+from analytic.kernel import codes
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.elementary import sine_cosine
 from analytic.kernel.memory import load_double, set_term, term
@@ -19,11 +19,11 @@ from analytic.kernel.records import INVERSE, TERMS, Floats, Motion, Task
 def next_break_s(motion: Motion) -> float:
     """Time of the motion's next break, s; infinite after the last."""
     params, passed = motion.params, motion.breaks_passed
-    if params.kind == SAMPLED:
+    if params.kind == codes.SAMPLED:
         return load_double(params.times, passed) if passed < params.n_samples else math.inf
-    if params.kind == HARMONIC:
+    if params.kind == codes.HARMONIC:
         return params.ramp_s if passed == 0 and params.ramp_s > 0.0 else math.inf
-    if params.kind == NONE or passed > 1:
+    if params.kind == codes.NONE or passed > 1:
         return math.inf
     return params.start_s if passed == 0 else params.end_s
 
@@ -32,16 +32,16 @@ def next_break_s(motion: Motion) -> float:
 def is_jump(motion: Motion) -> bool:
     """Whether the acceleration itself may jump at the break that was passed last: inside a record only its slope does."""
     kind, passed = motion.params.kind, motion.breaks_passed
-    return kind != HARMONIC and (kind != SAMPLED or passed == 1 or passed == motion.params.n_samples)
+    return kind != codes.HARMONIC and (kind != codes.SAMPLED or passed == 1 or passed == motion.params.n_samples)
 
 
 @inlined
 def is_over(motion: Motion) -> bool:
     """Whether the motion is exactly zero from now on."""
     kind = motion.params.kind
-    if kind == SAMPLED:
+    if kind == codes.SAMPLED:
         return motion.breaks_passed >= motion.params.n_samples
-    return kind == NONE or (kind != HARMONIC and motion.breaks_passed >= 2)
+    return kind == codes.NONE or (kind != codes.HARMONIC and motion.breaks_passed >= 2)
 
 
 @inlined
@@ -104,29 +104,29 @@ def coefficients(motion: Motion, row: Floats, time: float, n: int) -> int:
     Beyond the degree the row is zero: records and rectangles never write there, and a pulse clears it.
     """
     params, kind = motion.params, motion.params.kind
-    if kind == SAMPLED:
+    if kind == codes.SAMPLED:
         start, first, slope = segment(motion)
         row[0], row[1] = first + slope * (time - start), slope
         return 1
-    if kind == NONE:
+    if kind == codes.NONE:
         row[0] = 0.0
         return 0
-    if kind != HARMONIC and motion.breaks_passed != 1:  # before a pulse or after it
+    if kind != codes.HARMONIC and motion.breaks_passed != 1:  # before a pulse or after it
         row[:] = 0.0
         return 0
-    if kind == RECTANGULAR:
+    if kind == codes.RECTANGULAR:
         row[0] = params.amplitude_m_s2
         return 0
     since = time - params.start_s
-    if kind == RICKER:
+    if kind == codes.RICKER:
         middle = 0.5 * (params.end_s - params.start_s)
         _ricker(row, n, params.amplitude_m_s2, params.omega_rad_s, since - middle)
         return n
     sine, cosine = sine_cosine(params.omega_rad_s * since + params.phase_rad)
-    if kind == COSINE:
+    if kind == codes.COSINE:
         sine, cosine = cosine, -sine
     _oscillation(motion, row, n, sine, cosine)
-    if kind == HARMONIC and motion.breaks_passed == 0 and params.ramp_s > 0.0:  # times t/ramp
+    if kind == codes.HARMONIC and motion.breaks_passed == 0 and params.ramp_s > 0.0:  # times t/ramp
         for k in range(n, 0, -1):
             row[k] = (row[k] * since + row[k - 1]) / params.ramp_s
         row[0] = row[0] * since / params.ramp_s

@@ -7,6 +7,7 @@ the whole keeps its horizontal momentum but for the floor's friction, and X of e
 from __future__ import annotations
 
 from analytic.kernel.compiler import jit
+from analytic.kernel.records import Params
 
 
 @jit
@@ -50,29 +51,18 @@ def both_corners(
 
 @jit
 def impact(
-    m: float,
-    base: float,
-    jg: float,
-    xn: float,
-    xo: float,
-    z: float,
-    omega: float,
-    rate: float,
-    ratio: float,
-    momentum: bool,
-    mu: float,
-    mu_k: float,
-    has_base: bool,
+    params: Params, xn: float, xo: float, z: float, omega: float, rate: float, mu: float, mu_k: float
 ) -> tuple[float, float, float]:
     """θ̇⁺ in rad/s, u̇⁺ in m/s and the vertical impulse P_n in N s at a change of pivot.
 
     xn, xo: horizontal distance from the new and the old corner to the centroid, m; z: its height above both, m; omega, rate:
-    θ̇⁻ and u̇⁻; ratio: prescribed θ̇⁺/θ̇⁻, negative for angular momentum; momentum: whether the pedestal takes its momentum;
-    mu: μ_s if the pedestal was stuck, μ_k if it was sliding.
+    θ̇⁻ and u̇⁻; mu: μ_s if the pedestal was stuck, μ_k if it was sliding.
     """
+    m, ratio = params.mass_kg, params.restitution
+    jg = params.inertia_kg_m2
     jn, jc = jg + m * (z * z + xn * xn), jg + m * (z * z + xn * xo)
-    total = m + base
-    if not has_base or not momentum:
+    total = m + params.pedestal_mass_kg
+    if not params.has_pedestal or not params.momentum_at_impact:
         after = ratio * omega if ratio >= 0.0 else omega * (jc / jn)
         if after * omega < 0.0:
             after = 0.0

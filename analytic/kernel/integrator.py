@@ -7,26 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from analytic.kernel.codes import (
-    AT_LIMIT,
-    AT_WALL,
-    BEGIN,
-    BREAK,
-    FINISH,
-    FRICTION_PARADOX,
-    IMPACT,
-    LIFT_OFF,
-    LOST_CONTACT,
-    NO_EVENT,
-    NO_SOLUTION,
-    OVERTURNED_LEFT,
-    OVERTURNED_RIGHT,
-    RUNNING,
-    STANDS,
-    STICK_ONSET,
-    TOUCHES_WALL,
-    UNDECIDED,
-)
+from analytic.kernel import codes
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.dynamics import expand
 from analytic.kernel.elementary import coarse_root
@@ -103,30 +84,30 @@ def _share(left: float, terms: float) -> float:
 def _handle(task: Task, kind: int, side: int, residual: float) -> None:
     """What happens at an event; residual: as first_event gives it."""
     state, results = task.state, task.results
-    if kind == IMPACT:
+    if kind == codes.IMPACT:
         angle = load_double(task.base.facets, side)
         residual = _share(state.theta_rad - angle, residual + abs(angle))
-    elif kind == STICK_ONSET:
+    elif kind == codes.STICK_ONSET:
         residual = _share(state.slip_rate_m_s, residual)
     results.event_residual = max(results.event_residual, residual)
-    if kind == IMPACT:
+    if kind == codes.IMPACT:
         land(task, side, residual)
-    elif kind == STICK_ONSET:
+    elif kind == codes.STICK_ONSET:
         before = state.slip_rate_m_s
         state.slip_rate_m_s = 0.0
         change_state(task, kind, state.theta_rate_rad_s, before, state.pivot < 0, 0.0, residual)
-    elif kind == AT_LIMIT:
+    elif kind == codes.AT_LIMIT:
         results.overturn_time_s = state.time_s
-        state.outcome = OVERTURNED_RIGHT if side > 0 else OVERTURNED_LEFT
-    elif kind == AT_WALL:
-        state.outcome = TOUCHES_WALL
-    elif kind == LOST_CONTACT:
-        state.outcome = LIFT_OFF
-    elif kind == NO_SOLUTION:
-        state.outcome = FRICTION_PARADOX
+        state.outcome = codes.OVERTURNED_RIGHT if side > 0 else codes.OVERTURNED_LEFT
+    elif kind == codes.AT_WALL:
+        state.outcome = codes.TOUCHES_WALL
+    elif kind == codes.LOST_CONTACT:
+        state.outcome = codes.LIFT_OFF
+    elif kind == codes.NO_SOLUTION:
+        state.outcome = codes.FRICTION_PARADOX
     else:
         change_state(task, kind, state.theta_rate_rad_s, state.slip_rate_m_s, state.pivot < 0, 0.0, residual)
-    if kind in (AT_LIMIT, AT_WALL, LOST_CONTACT, NO_SOLUTION):
+    if kind in (codes.AT_LIMIT, codes.AT_WALL, codes.LOST_CONTACT, codes.NO_SOLUTION):
         note_event(task, kind, state.theta_rate_rad_s, state.slip_rate_m_s, 0.0, 0, residual)
 
 
@@ -180,7 +161,7 @@ def _pass_breaks(task: Task) -> bool:
 def _finish(task: Task) -> None:
     """The ending of a run that reached its duration."""
     state, series = task.state, task.series
-    state.outcome = STANDS
+    state.outcome = codes.STANDS
     if state.pivot < 0:
         return
     state.followed = 0  # the last time to ask
@@ -191,7 +172,7 @@ def _finish(task: Task) -> None:
     leans_right = state.pivot == task.base.n_facets and series.pivot_x[0] > 0.0
     leans_left = state.pivot == 0 and series.pivot_x[0] < 0.0
     if leans_right or leans_left:
-        state.outcome = UNDECIDED
+        state.outcome = codes.UNDECIDED
 
 
 @jit
@@ -205,20 +186,20 @@ def _step(task: Task) -> None:
     kind = first.kind
     if first.level >= TANGENT_LEVEL:
         counts.tangents += 1
-    tau = h if kind == NO_EVENT else first.fraction * h
-    until = limit if kind == NO_EVENT and h == room else state.time_s + tau
+    tau = h if kind == codes.NO_EVENT else first.fraction * h
+    until = limit if kind == codes.NO_EVENT and h == room else state.time_s + tau
     advance(task, n, tau, until)
     if params.keep_validity:
         note_step(task, n, tau)
     counts.stalled = counts.stalled + 1 if until <= state.time_s else 0
     state.time_s = until
     state.fresh, state.floor_loaded = False, False
-    if kind != NO_EVENT:
+    if kind != codes.NO_EVENT:
         _handle(task, kind, first.side, first.residual)
-    if state.outcome == RUNNING and state.time_s >= limit and _pass_breaks(task):
-        change_state(task, BREAK, state.theta_rate_rad_s, state.slip_rate_m_s, state.pivot < 0, 0.0, 0.0)
+    if state.outcome == codes.RUNNING and state.time_s >= limit and _pass_breaks(task):
+        change_state(task, codes.BREAK, state.theta_rate_rad_s, state.slip_rate_m_s, state.pivot < 0, 0.0, 0.0)
     if counts.stalled > MAX_STALL or counts.steps > MAX_STEPS:
-        state.outcome = UNDECIDED
+        state.outcome = codes.UNDECIDED
         counts.given_up = 1
 
 
@@ -234,8 +215,8 @@ def run_one(task: Task) -> None:
     state, params = task.state, task.params
     _begin(task)
     _pass_breaks(task)
-    change_state(task, BEGIN, state.theta_rate_rad_s, state.slip_rate_m_s, state.pivot < 0, 0.0, 0.0)
-    while state.outcome == RUNNING:
+    change_state(task, codes.BEGIN, state.theta_rate_rad_s, state.slip_rate_m_s, state.pivot < 0, 0.0, 0.0)
+    while state.outcome == codes.RUNNING:
         if state.pivot < 0 and state.slide == 0 and (params.skip_rest if _has_moved(task) else params.skip_start):
             skip_quiet(task)
             look_ahead(task)
@@ -243,6 +224,6 @@ def run_one(task: Task) -> None:
             return
         if state.time_s < params.duration_s:
             _step(task)
-        if state.outcome == RUNNING and state.time_s >= params.duration_s:
+        if state.outcome == codes.RUNNING and state.time_s >= params.duration_s:
             _finish(task)
-            note_event(task, FINISH, state.theta_rate_rad_s, state.slip_rate_m_s, 0.0, 0, 0.0)
+            note_event(task, codes.FINISH, state.theta_rate_rad_s, state.slip_rate_m_s, 0.0, 0, 0.0)

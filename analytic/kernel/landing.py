@@ -47,21 +47,7 @@ def land(task: Task, facet: int, residual: float) -> None:
     omega, rate, stuck = state.theta_rate_rad_s, state.slip_rate_m_s, state.slide == 0
     mu = params.floor_static if stuck else params.floor_kinetic
     mu_k = mu if params.choice == STATIC_IMPACT else params.floor_kinetic
-    after, moved, normal = impact(
-        m,
-        params.pedestal_mass_kg,
-        params.inertia_kg_m2,
-        xn,
-        xo,
-        z,
-        omega,
-        rate,
-        params.restitution,
-        params.momentum_at_impact,
-        mu,
-        mu_k,
-        params.has_pedestal,
-    )
+    after, moved, normal = impact(params, xn, xo, z, omega, rate, mu, mu_k)
     state.theta_rad, state.facet = load_double(task.base.facets, facet), facet
     # Noted as they are: what is dropped below is a sequence of such impacts, no single one that stops the statue at once.
     pushed, pressed, moved_by = m * ((moved - rate) + z * (after - omega)), normal, moved - rate
@@ -72,10 +58,8 @@ def land(task: Task, facet: int, residual: float) -> None:
         if params.has_pedestal and params.momentum_at_impact and not stuck:
             after, moved, _ = both_corners(m, total, xo, z, omega, rate, mu, mu_k)
     if max(abs(after) * z, abs(moved)) <= STILL * params.gravity_m_s2 * params.time_scale_s:
-        after, moved = (
-            0.0,
-            0.0,
-        )  # where each stick onset lifts the statue, whose landing pushes the pedestal again, for ever
+        # where each stick onset lifts the statue, whose landing pushes the pedestal again, for ever
+        after, moved = 0.0, 0.0
     state.theta_rate_rad_s, state.slip_rate_m_s = after, moved
     counts.impacts += 1
     change = kinetic_energy(m, total, jn, z, after, moved) - kinetic_energy(m, total, jo, z, omega, rate)

@@ -15,8 +15,8 @@ from numba import from_dtype, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from analytic.kernel.layout import BASE, COUNTS, EVENT_ROW, MOTION_PARAMS, PARAMS, RESULTS, STATE, TASK
-from analytic.kernel.records import Base, Counts, EventRow, Floats, MotionParams, Params, Results, State, Task
+from analytic.kernel.layout import EVENT_ROW
+from analytic.kernel.records import EventRow, Floats
 
 
 def _pointer(context: Any, builder: Any, address: Any, i: Any) -> Any:
@@ -109,13 +109,6 @@ def row_at(record: np.dtype[np.void]) -> Any:
 load_double: Callable[[int, int], float] = _intrinsic(_load)
 store_double: Callable[[int, int, float], None] = _intrinsic(_store)
 event_row: Callable[[int, int], EventRow] = row_at(EVENT_ROW)
-task_row: Callable[[int, int], Task] = row_at(TASK)
-params_row: Callable[[int, int], Params] = row_at(PARAMS)
-motion_row: Callable[[int, int], MotionParams] = row_at(MOTION_PARAMS)
-base_row: Callable[[int, int], Base] = row_at(BASE)
-state_row: Callable[[int, int], State] = row_at(STATE)
-results_row: Callable[[int, int], Results] = row_at(RESULTS)
-counts_row: Callable[[int, int], Counts] = row_at(COUNTS)
 set_row: Callable[[Any, Any], None] = _intrinsic(_set_row)
 term: Callable[[Floats, int], float] = _intrinsic(_term)
 set_term: Callable[[Floats, int, float], None] = _intrinsic(_set_term)

@@ -2,7 +2,7 @@
 
 Each class below is two things: what `mypy` and the interpreter know (a dataclass), and, through `analytic.kernel.layout`, the
 same fields one after another in memory (a numpy record), which the compiler turns into plain loads and stores at known places.
-A field is a float, an int, a bool, another record or a `Terms`.
+A field is a float, an int, a bool, another record, or an array of a stated shape.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ TERMS: Final = MAX_ORDER + 2
 # The constant term has no inverse: 1 fills its place.
 INVERSE: Final[Floats] = 1.0 / np.maximum(np.arange(MAX_ORDER + 3), 1)
 """1/k, for the k-th term of a series."""
-Terms = Annotated[Floats, "TERMS doubles"]
+Terms = Annotated[Floats, (TERMS,)]
 """Coefficients of powers of the time since the start of a step, from the constant one on, (TERMS,)."""
 
 

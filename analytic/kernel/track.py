@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from analytic.kernel.codes import BREAK, LIFT_OFF, LOST_CONTACT, NO_SOLUTION
+from analytic.kernel import codes
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.joint_state import choose
 from analytic.kernel.memory import event_row, set_term, store_double, term
@@ -161,6 +161,6 @@ def change_state(
         if ending != 0:
             state.outcome = ending
             note_event(task, kind, omega, rate, energy, feasible, residual)
-            kind = LOST_CONTACT if ending == LIFT_OFF else NO_SOLUTION
-    if kind != BREAK or pivot != state.pivot or slide != state.slide:
+            kind = codes.LOST_CONTACT if ending == codes.LIFT_OFF else codes.NO_SOLUTION
+    if kind != codes.BREAK or pivot != state.pivot or slide != state.slide:
         note_event(task, kind, omega, rate, energy, feasible, residual)

@@ -111,10 +111,10 @@ def _run(run: Records, memory: Records, part: Mapping[str, Floats], size: int) -
     """The records and the last attitudes (size, 4) of a piece of the sweep."""
     runs, memories = np.repeat(run, size), np.repeat(memory, size)
     for name, values in part.items():
-        if name == "scale":
-            memories["motion"][:, :, 0] *= values[:, None]
-        elif name == "vertical_scale":
-            memories["motion"][:, 2, 0] *= values
+        if name in ("scale", "vertical_scale"):
+            scaled = memories["motions"]["params"][:, 0 if name == "scale" else 2 :]
+            scaled["amplitude_m_s2"] *= values[:, None]
+            scaled["scale"] *= values[:, None]
         elif name == "friction":
             runs["friction_static"], runs["friction_kinetic"] = values, values
         else:

@@ -6,12 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import final
 
-import numpy as np
-from numpy.typing import NDArray
-
-from analytic.rotation import rotation_matrices
-
-Floats = NDArray[np.float64]
+from analytic.rotation import Floats, rotation_matrices
 
 
 class Outcome(StrEnum):
@@ -23,14 +18,7 @@ class Outcome(StrEnum):
     UNDECIDED = "undecided"
 
 
-OUTCOMES = (
-    Outcome.UNDECIDED,
-    Outcome.STANDS,
-    Outcome.OVERTURNED,
-    Outcome.FRICTION_PARADOX,
-    Outcome.UNDECIDED,
-    Outcome.UNDECIDED,
-)
+OUTCOMES = (Outcome.UNDECIDED, *Outcome, Outcome.UNDECIDED)
 """Outcome of each of the kernel's codes."""
 
 
@@ -127,7 +115,7 @@ class Work:
 class Solution:
     """A run: n samples at the output step and at the end, in the table's frame; angular velocity in the body's.
 
-    The quaternion (w, x, y, z) turns the body's frame into the table's. tilt_axis is the body's axis at the end. Residuals are
+    The quaternion (w, x, y, z) turns the body's frame into the table's. Residuals are
     relative: of the balance of energy to m g times the body's radius, of momentum and of the cones to what the impact exchanged.
     least_friction is the largest over the steps of the least coefficient that sticking needed (0 if nothing stuck).
     """
@@ -141,7 +129,6 @@ class Solution:
     """(n, vertices)."""
     outcome: Outcome
     end_s: float
-    tilt_axis: tuple[float, float, float]
     peak_tilt_rad: float
     events: tuple[Event, ...]
     intervals: tuple[Interval, ...]

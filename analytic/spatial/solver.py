@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple, final
 
 import numpy as np
 
 from analytic.block import positive
+from analytic.certainty import FINER, within
 from analytic.encode import encode_motion
-from analytic.kernel.records import Records
+from analytic.kernel.layout import row
+from analytic.kernel.records import MotionParams, Records
 from analytic.machine_code import Entry
 from analytic.motion import Excitation, ZeroExcitation
 from analytic.rotation import rotation_matrices
@@ -38,32 +41,28 @@ STILL_M_S: Final = 1e-11
 """Slowest sliding; where the local error is larger, ten times that: a slower velocity has no direction but that of the error."""
 SETTLE_M: Final = 1e-14
 """A rebound lower than this, or than the tolerance, is dropped."""
-ADDRESSES: Final = "times", "samples", "history", "event_table", "interval_table"
+ADDRESSES: Final = "history", "event_table", "interval_table"
 """Where a memory keeps the address of each array of a task, in the task's order."""
 FIRST_EVENTS: Final = 256
 GAVE_UP: Final = 5
 
 
 class Task(NamedTuple):
-    """What one run reads and writes: record and memory (1,), the motions' samples, history, tables of events and intervals."""
+    """What one run reads and writes: record and memory (1,), history, tables of events and intervals; motions keep alive the
+    samples that the memory knows by their address."""
 
     run: Records
     memory: Records
-    times: Floats
-    samples: Floats
     history: Floats
     events: Floats
     intervals: Floats
+    motions: Sequence[tuple[MotionParams, Floats, Floats]]
 
 
 def prepare(problem: Problem, tolerance: float, dt_out_s: float | None, step_cap_s: float, rows: int) -> Task:
     """Everything that one run reads and writes, freshly allocated."""
     body, n = problem.body, len(problem.body.vertices_m)
     motions = [encode_motion(each) for each in (problem.motion_x, problem.motion_y, problem.motion_z)]
-    numbers = [
-        (1.0 if times.size else p.amplitude_m_s2, p.omega_rad_s, p.phase_rad, p.ramp_s, p.start_s, p.end_s)
-        for p, times, _ in motions
-    ]
     instants = math.floor(problem.duration_s / dt_out_s * (1.0 + 1e-12)) + 2 if dt_out_s else 1
     least = body.mass_kg * problem.gravity_m_s2 * body.radius_m
     values = dict.fromkeys(Run.__dataclass_fields__, 0) | {
@@ -91,19 +90,17 @@ def prepare(problem: Problem, tolerance: float, dt_out_s: float | None, step_cap
     memory["vertices"], memory["y"][0, :13] = n, problem.start
     memory["inertia"], memory["inverse"] = body.inertia_kg_m2, np.linalg.inv(body.inertia_kg_m2)
     memory["about"][0, :n], memory["at"][0, :n] = body.inverse_about, body.vertices_m
-    memory["motion"], memory["kinds"] = numbers, [p.kind for p, _, _ in motions]
-    memory["first"] = np.cumsum([0, *(times.size for _, times, _ in motions)])
+    memory["motions"]["params"] = [row(params) for params, _, _ in motions]
     task = Task(
         record,
         memory,
-        np.concatenate([times for _, times, _ in motions]),
-        np.concatenate([samples for _, _, samples in motions]),
         np.zeros((instants, STATE - 1)),
         np.zeros((rows, EVENT_HEAD + 3 * n)),
         np.zeros((rows, INTERVAL_HEAD + n)),
+        motions,
     )
     # Addresses, not arrays: a record's layout must not depend on the length of a motion or a history.
-    for name, array in zip(ADDRESSES, task[2:], strict=True):
+    for name, array in zip(ADDRESSES, task[2:5], strict=True):
         memory[name] = array.ctypes.data
     memory["instants"], memory["rows"] = instants, rows
     return task
@@ -178,7 +175,6 @@ def read(problem: Problem, task: Task) -> Solution:
     turn = turn / np.linalg.norm(turn, axis=1, keepdims=True) if len(turn) else turn
     gap = history[:, 3:4] + np.einsum("tj,vj->tv", rotation_matrices(turn)[:, 2], problem.body.vertices_m)
     table = task.events[: int(record["events"])]
-    axis = rotation_matrices(state[None, 3:7])[0][:, 2]
     return Solution(
         t_s=history[:, 0],
         position_m=history[:, 1:4],
@@ -188,7 +184,6 @@ def read(problem: Problem, task: Task) -> Solution:
         gap_m=gap,
         outcome=OUTCOMES[int(record["outcome"])],
         end_s=float(record["time_s"]),
-        tilt_axis=(float(axis[0]), float(axis[1]), float(axis[2])),
         peak_tilt_rad=float(record["peak_tilt_rad"]),
         events=tuple(_event(row, n) for row in table),
         intervals=_intervals(task.intervals[: int(record["intervals"])], float(record["time_s"])),
@@ -230,9 +225,6 @@ def _intervals(table: Floats, end_s: float) -> tuple[Interval, ...]:
     )
 
 
-SAFETY: Final = 3.0
-"""The stated uncertainty is this many times the largest difference between the runs."""
-FINER: Final = 1e-2
 FINEST: Final = 1e-15
 """No local error below rounding is asked."""
 CAP_S: Final = 0.01
@@ -270,18 +262,11 @@ def certify(
         solve(problem, tolerance=tolerance, dt_out_s=dt_out_s, step_cap_s=shorter, events=False),
     )
     size = min(len(each.t_s) for each in (first, *others)) - 1
-    turned, moved = np.zeros(size), np.zeros(size)
-    for other in others:
-        turned = np.maximum(turned, attitude_difference_rad(first, other, size))
-        moved = np.maximum(moved, np.linalg.norm(first.position_m[:size] - other.position_m[:size], axis=1))
-    turned, moved = SAFETY * turned, SAFETY * moved
-    bad = np.flatnonzero((turned > accuracy) | (moved > accuracy))
-    reliable = int(bad[0]) if bad.size else size
-    until = float(first.t_s[max(reliable - 1, 0)]) if bad.size else min(each.end_s for each in (first, *others))
-    sure = all(other.outcome is first.outcome for other in others)
-    return Certified(
-        first, float(turned[:reliable].max(initial=0.0)), float(moved[:reliable].max(initial=0.0)), until, sure
-    )
+    turned = np.stack([attitude_difference_rad(first, other, size) for other in others])
+    moved = np.stack([first.position_m[:size] - other.position_m[:size] for other in others])
+    differences = turned, np.linalg.norm(moved, axis=2)
+    said = within(first.t_s, min(each.end_s for each in (first, *others)), differences, (accuracy, accuracy))
+    return Certified(first, *said, all(other.outcome is first.outcome for other in others))
 
 
 def attitude_difference_rad(a: Solution, b: Solution, size: int) -> Floats:

@@ -29,6 +29,7 @@ from analytic import (
 from analytic.certified_rows import body_of, certify_rows
 from analytic.constants import GRAVITY_M_S2
 from analytic.encode import encode
+from analytic.kernel.records import Counts, State
 from analytic.problem import Options, Problem
 from analytic.solver import Prepared, prepare
 from harness.bench.timing import Cost, cost, costs
@@ -208,7 +209,7 @@ def taylor() -> tuple[list[Entry], list[SolverRow]]:
 
         def kernel(task: Prepared = task) -> Answer:
             task.run()
-            return np.array([task.state.theta_rad]), task.counts.steps
+            return np.array([task.read(State).theta_rad]), task.read(Counts).steps
 
         entries.append(Entry("analytic, kernel alone", tolerance, kernel))
         assert isinstance(FORCED.motion, Harmonic)

@@ -10,17 +10,7 @@ import math
 from typing import Final
 
 from analytic.kernel.compiler import inlined, jit
-from analytic.spatial.kernel.codes import (
-    EDGE_PIVOT,
-    EDGE_SLIDE,
-    EDGE_STICK,
-    FLAT_PIVOT,
-    FLAT_REST,
-    FLAT_SLIDE,
-    FLIGHT,
-    VERTEX_SLIDE,
-    VERTEX_STICK,
-)
+from analytic.spatial.kernel import codes
 from analytic.spatial.kernel.contact import (
     UNLIMITED,
     Rows,
@@ -48,9 +38,11 @@ ANOTHER: Final = 1e-6
 @inlined
 def _parts(m: Memory, rows: Rows, mode: int, a: int, b: int, i: int) -> bool:
     """Whether vertex i takes part in a mode."""
-    if mode in (FLAT_REST, FLAT_PIVOT, FLAT_SLIDE):
+    if mode in (codes.FLAT_REST, codes.FLAT_PIVOT, codes.FLAT_SLIDE):
         return True
-    return mode != FLIGHT and (i == a or (i == b and mode in (EDGE_STICK, EDGE_PIVOT, EDGE_SLIDE)))
+    return mode != codes.FLIGHT and (
+        i == a or (i == b and mode in (codes.EDGE_STICK, codes.EDGE_PIVOT, codes.EDGE_SLIDE))
+    )
 
 
 @jit
@@ -64,16 +56,16 @@ def _signs_hold(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, sign: 
             return False
         if lift < -zero:
             return False
-    if mode == EDGE_STICK:
+    if mode == codes.EDGE_STICK:
         return m.stick_limit[a] >= UNLIMITED or edge_margin(m, rows, a, b) >= 0.0
-    limited = mode in (VERTEX_STICK, EDGE_PIVOT, FLAT_PIVOT) and m.stick_limit[a] < UNLIMITED
+    limited = mode in (codes.VERTEX_STICK, codes.EDGE_PIVOT, codes.FLAT_PIVOT) and m.stick_limit[a] < UNLIMITED
     if limited and tangent(m, rows, a) > m.stick_limit[a] * normal(m, rows, a):
         return False
     # A vertex that slides already may be slowed down; one that begins to must move against its friction.
-    if mode == EDGE_PIVOT and m.known[b] == 0:
+    if mode == codes.EDGE_PIVOT and m.known[b] == 0:
         return sign * dot(along_across(m, rows, a, b)[1], response(m, b)) >= -zero
     j = m.touch[0] if m.touch[0] != a else m.touch[1]
-    if mode == FLAT_PIVOT and m.known[j] == 0:
+    if mode == codes.FLAT_PIVOT and m.known[j] == 0:
         return sign * dot(along_across(m, rows, a, j)[1], response(m, j)) >= -zero
     return True
 
@@ -100,17 +92,17 @@ def _possible(
         i = m.touch[k]
         if m.known[i] != 0:
             m.slide[i, 0], m.slide[i, 1] = m.heading[i, 0], m.heading[i, 1]
-    if mode == FLAT_REST:
+    if mode == codes.FLAT_REST:
         if impulse:
             moving, spin = field, vector(m.y, 10)
             return stops_all(s, m, rows, moving, spin)
         return rests(s, m, rows, field)
-    if mode == FLAT_PIVOT:
+    if mode == codes.FLAT_PIVOT:
         pivot_directions(s, m, rows, a, sign)
         ok = solve_flat(s, m, rows, mode, a)
-    elif mode in (FLAT_SLIDE, EDGE_SLIDE, VERTEX_SLIDE):
+    elif mode in (codes.FLAT_SLIDE, codes.EDGE_SLIDE, codes.VERTEX_SLIDE):
         ok = find_directions(s, m, rows, mode, a, b, size)
-    elif mode == FLIGHT:
+    elif mode == codes.FLIGHT:
         ok = True
     else:
         ok = solve_columns(s, m, columns(m, rows, mode, a, b, sign))
@@ -122,30 +114,35 @@ def _candidates(s: Run, mode: int) -> int:
     """How many candidates of a mode the vertices that touch give."""
     n = s.touching
     flat, pairs = n > 2, n if n > 2 else n - 1
-    if s.friction_kinetic >= UNLIMITED and mode not in (FLAT_REST, EDGE_STICK, VERTEX_STICK, FLIGHT):
+    if s.friction_kinetic >= UNLIMITED and mode not in (
+        codes.FLAT_REST,
+        codes.EDGE_STICK,
+        codes.VERTEX_STICK,
+        codes.FLIGHT,
+    ):
         return 0
-    if mode in (FLAT_REST, FLAT_SLIDE):
+    if mode in (codes.FLAT_REST, codes.FLAT_SLIDE):
         return 1 if flat else 0
-    if mode == FLAT_PIVOT:
+    if mode == codes.FLAT_PIVOT:
         return 2 * n if flat else 0
-    if mode in (VERTEX_STICK, VERTEX_SLIDE):
+    if mode in (codes.VERTEX_STICK, codes.VERTEX_SLIDE):
         return n
-    if mode == FLIGHT:
+    if mode == codes.FLIGHT:
         return 1
-    return 4 * pairs if mode == EDGE_PIVOT else pairs
+    return 4 * pairs if mode == codes.EDGE_PIVOT else pairs
 
 
 @jit
 def _candidate(s: Run, m: Memory, mode: int, c: int) -> tuple[int, int, float]:
     """Candidate c of a mode: its vertices a and b, and the sign of the yaw about a."""
     n = s.touching
-    if mode in (FLAT_REST, FLAT_SLIDE, FLIGHT):
+    if mode in (codes.FLAT_REST, codes.FLAT_SLIDE, codes.FLIGHT):
         return -1, -1, 0.0
-    if mode == FLAT_PIVOT:
+    if mode == codes.FLAT_PIVOT:
         return m.touch[c // 2], -1, 1.0 - 2.0 * (c % 2)
-    if mode in (VERTEX_STICK, VERTEX_SLIDE):
+    if mode in (codes.VERTEX_STICK, codes.VERTEX_SLIDE):
         return m.touch[c], -1, 0.0
-    if mode == EDGE_PIVOT:
+    if mode == codes.EDGE_PIVOT:
         k, swap = c // 4, c // 2 % 2
         return m.touch[(k + swap) % n], m.touch[(k + 1 - swap) % n], 1.0 - 2.0 * (c % 2)
     return m.touch[c], m.touch[(c + 1) % n], 0.0
@@ -164,18 +161,18 @@ def _turns(m: Memory, rows: Rows, a: int, b: int, sign: float) -> bool:
 @jit
 def _may(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, sign: float) -> bool:
     """Whether the velocities allow a candidate: what sticks in it must not slide."""
-    if mode == FLAT_REST:
+    if mode == codes.FLAT_REST:
         slides = 0
         for k in range(s.touching):
             slides += m.known[m.touch[k]]
         return bool(slides == 0)
-    if mode == EDGE_STICK:
+    if mode == codes.EDGE_STICK:
         return bool(m.known[a] == 0 and m.known[b] == 0)
-    if mode == VERTEX_STICK:
+    if mode == codes.VERTEX_STICK:
         return bool(m.known[a] == 0)
-    if mode == EDGE_PIVOT:
+    if mode == codes.EDGE_PIVOT:
         return m.known[a] == 0 and _turns(m, rows, a, b, sign)
-    if mode == FLAT_PIVOT:
+    if mode == codes.FLAT_PIVOT:
         return m.known[a] == 0 and _turns(m, rows, a, m.touch[0] if m.touch[0] != a else m.touch[1], sign)
     return True
 
@@ -196,9 +193,9 @@ def choose(s: Run, m: Memory, rows: Rows, field: Vector, impulse: bool, size: fl
     field: g_e in the table's frame; with impulses the centroid's velocity in the body's frame. size: of the responses. Where
     events are noted all candidates are tried, and `ties` counts the choices that another motion could have followed.
     """
-    some, tie, chosen, a0, b0, sign0 = False, False, FLIGHT, -1, -1, 0.0
+    some, tie, chosen, a0, b0, sign0 = False, False, codes.FLIGHT, -1, -1, 0.0
     reach = math.sqrt(m.at[0, 0] ** 2 + m.at[0, 1] ** 2 + m.at[0, 2] ** 2)
-    for mode in range(FLIGHT + 1):
+    for mode in range(codes.FLIGHT + 1):
         for c in range(_candidates(s, mode)):
             a, b, sign = _candidate(s, m, mode, c)
             if not _may(s, m, rows, mode, a, b, sign):
@@ -210,7 +207,7 @@ def choose(s: Run, m: Memory, rows: Rows, field: Vector, impulse: bool, size: fl
             else:
                 some, chosen, a0, b0, sign0 = True, mode, a, b, sign
                 m.chosen[:] = m.response
-                if mode == FLAT_REST and not impulse:
+                if mode == codes.FLAT_REST and not impulse:
                     # No forces were solved for: at rest they undo the field.
                     put(m.chosen, 0, to_body(rows, times(-1.0, field)))
                 if not s.keep_events:

@@ -11,12 +11,7 @@ from typing import Final
 
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.records import Floats
-from analytic.spatial.kernel.codes import (
-    EDGE_PIVOT,
-    EDGE_SLIDE,
-    EDGE_STICK,
-    VERTEX_SLIDE,
-)
+from analytic.spatial.kernel import codes
 from analytic.spatial.kernel.records import Memory, Run
 from analytic.spatial.kernel.vectors import (
     Vector,
@@ -133,21 +128,21 @@ def sliding_push(m: Memory, rows: Rows, i: int) -> Vector:
 @jit
 def columns(m: Memory, rows: Rows, mode: int, a: int, b: int, sign: float) -> int:
     """Set the columns of a mode of one or two vertices; their number."""
-    if mode in (VERTEX_SLIDE, EDGE_SLIDE):
+    if mode in (codes.VERTEX_SLIDE, codes.EDGE_SLIDE):
         set_column(m, 0, a, sliding_push(m, rows, a), rows[2])
-        if mode == VERTEX_SLIDE:
+        if mode == codes.VERTEX_SLIDE:
             return 1
         set_column(m, 1, b, sliding_push(m, rows, b), rows[2])
         return 2
     for k in range(3):
         set_column(m, k, a, rows[k], rows[k])
-    if mode == EDGE_STICK:
+    if mode == codes.EDGE_STICK:
         across = along_across(m, rows, a, b)[1]
         # Of the forces along the edge only the sum is known: all of it is put at a.
         set_column(m, 3, b, across, across)
         set_column(m, 4, b, rows[2], rows[2])
         return 5
-    if mode == EDGE_PIVOT:
+    if mode == codes.EDGE_PIVOT:
         across = along_across(m, rows, a, b)[1]
         set_column(m, 3, b, minus(rows[2], times(sign * m.slide_limit[b], across)), rows[2])
         return 4

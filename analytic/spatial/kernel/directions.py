@@ -251,4 +251,4 @@ def find_directions(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, si
         if m.known[a] + m.known[b] == 0:
             return two_directions(s, m, rows, a, b, size, zero)
         return one_direction(s, m, rows, mode, a, b, a if m.known[a] == 0 else b, zero)
-    return solve_columns(s, m, columns(m, rows, mode, a, b, 0.0)) and dot(rows[2], rows[2]) > 0.0
+    return solve_columns(s, m, columns(m, rows, mode, a, b, 0.0))

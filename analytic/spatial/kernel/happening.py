@@ -6,18 +6,7 @@ import math
 from typing import Final
 
 from analytic.kernel.compiler import jit
-from analytic.spatial.kernel.codes import (
-    GAVE_UP,
-    OVERTURN,
-    OVERTURNED,
-    SLIP_ONSET,
-    STICK_ONSET,
-    UPLIFT,
-    WATCH_GAP,
-    WATCH_NORMAL,
-    WATCH_SPEED,
-    WATCH_TILT,
-)
+from analytic.spatial.kernel import codes
 from analytic.spatial.kernel.contact import vertex_velocities
 from analytic.spatial.kernel.impact import collide, decide
 from analytic.spatial.kernel.records import Memory, Run
@@ -37,27 +26,27 @@ def happen(s: Run, m: Memory) -> None:
     gap, first, kind = -1, -1, -1
     for k in range(count):
         if m.watch[k] + m.offset[k] <= 0.0:
-            if m.watch_kind[k] == WATCH_TILT:
-                s.outcome = OVERTURNED
-                note_event(s, m, OVERTURN, -1, 0.0, 0.0)
+            if m.watch_kind[k] == codes.WATCH_TILT:
+                s.outcome = codes.OVERTURNED
+                note_event(s, m, codes.OVERTURN, -1, 0.0, 0.0)
                 return
-            if m.watch_kind[k] == WATCH_GAP and gap < 0:
+            if m.watch_kind[k] == codes.WATCH_GAP and gap < 0:
                 gap = m.watch_vertex[k]
             if first < 0:
                 first, kind = m.watch_vertex[k], m.watch_kind[k]
     s.stalled = s.stalled + 1 if s.time_s - s.event_s < 10.0 * SAME_INSTANT_S else 0
     s.event_s = s.time_s
     if s.stalled > STALLED:
-        s.outcome = GAVE_UP
+        s.outcome = codes.GAVE_UP
         return
     # An impact goes first: it changes the velocities and forces from which the other functions have their signs.
     if gap >= 0:
         collide(s, m, gap)
-    elif kind == WATCH_SPEED:
+    elif kind == codes.WATCH_SPEED:
         _stop(s, m, first)
     elif kind >= 0:
         succeed(s, m)
-        note_event(s, m, UPLIFT if kind == WATCH_NORMAL else SLIP_ONSET, first, 0.0, 0.0)
+        note_event(s, m, codes.UPLIFT if kind == codes.WATCH_NORMAL else codes.SLIP_ONSET, first, 0.0, 0.0)
     else:
         s.fresh = True
     audit(s, m, s.start_j)
@@ -75,4 +64,4 @@ def _stop(s: Run, m: Memory, vertex: int) -> None:
         s.fresh = True
         return
     decide(s, m)
-    note_event(s, m, STICK_ONSET, vertex, 0.0, 0.0)
+    note_event(s, m, codes.STICK_ONSET, vertex, 0.0, 0.0)

@@ -6,15 +6,7 @@ import math
 
 from analytic.kernel.compiler import jit
 from analytic.kernel.records import Floats
-from analytic.spatial.kernel.codes import (
-    EDGE_PIVOT,
-    EDGE_STICK,
-    FLAT_PIVOT,
-    FLAT_REST,
-    FLIGHT,
-    VERTEX_SLIDE,
-    VERTEX_STICK,
-)
+from analytic.spatial.kernel import codes
 from analytic.spatial.kernel.contact import along_across, set_column, solve_columns, vertex_velocities
 from analytic.spatial.kernel.rates import touches_flat
 from analytic.spatial.kernel.records import Memory, Run
@@ -45,7 +37,7 @@ def vertex_place(m: Memory, y: Floats, i: int) -> Vector:
 def hold_place(s: Run, m: Memory, y: Floats) -> None:
     """Turn and shift the body so that what touches is on the floor, and what sticks is where it stuck."""
     still = (0.0, 0.0, 0.0)
-    if s.mode == FLIGHT or s.mode == VERTEX_STICK or s.mode == VERTEX_SLIDE:
+    if s.mode == codes.FLIGHT or s.mode == codes.VERTEX_STICK or s.mode == codes.VERTEX_SLIDE:
         turn(y, still)
     elif touches_flat(s.mode):
         i, j, k = m.touch[0], m.touch[1], m.touch[2]
@@ -59,15 +51,15 @@ def hold_place(s: Run, m: Memory, y: Floats) -> None:
     else:
         d = to_table(axes(y), minus(row3(m.at, s.b), row3(m.at, s.a)))
         wanted = (d[0], d[1], 0.0)
-        if s.mode == EDGE_STICK:
+        if s.mode == codes.EDGE_STICK:
             wanted = (m.anchor[s.b, 0] - m.anchor[s.a, 0], m.anchor[s.b, 1] - m.anchor[s.a, 1], 0.0)
         turn(y, times(1.0 / (length(d) * length(wanted)), cross(d, wanted)))
-    if s.mode == FLIGHT:
+    if s.mode == codes.FLIGHT:
         return
-    i = s.a if not touches_flat(s.mode) or s.mode == FLAT_PIVOT else m.touch[0]
+    i = s.a if not touches_flat(s.mode) or s.mode == codes.FLAT_PIVOT else m.touch[0]
     x = vertex_place(m, y, i)
     y[2] -= x[2]
-    if s.mode in (VERTEX_STICK, EDGE_STICK, EDGE_PIVOT, FLAT_PIVOT):
+    if s.mode in (codes.VERTEX_STICK, codes.EDGE_STICK, codes.EDGE_PIVOT, codes.FLAT_PIVOT):
         y[0] += m.anchor[i, 0] - x[0]
         y[1] += m.anchor[i, 1] - x[1]
 
@@ -77,8 +69,8 @@ def _stop(s: Run, m: Memory, y: Floats, turning: bool) -> None:
     """Take away the velocities that the mode does not have by impulses where it holds them; that of turning too where asked."""
     rows, n = axes(y), 0
     vertex_velocities(s, m, y)
-    a, b = s.a if not touches_flat(s.mode) or s.mode == FLAT_PIVOT else m.touch[0], s.b
-    for c in range(0 if s.mode in (VERTEX_STICK, EDGE_STICK, EDGE_PIVOT, FLAT_PIVOT) else 2, 3):
+    a, b = s.a if not touches_flat(s.mode) or s.mode == codes.FLAT_PIVOT else m.touch[0], s.b
+    for c in range(0 if s.mode in (codes.VERTEX_STICK, codes.EDGE_STICK, codes.EDGE_PIVOT, codes.FLAT_PIVOT) else 2, 3):
         set_column(m, n, a, rows[c], rows[c])
         n += 1
     if touches_flat(s.mode):
@@ -91,7 +83,7 @@ def _stop(s: Run, m: Memory, y: Floats, turning: bool) -> None:
         for k in (start + third, start + 2 * third):
             set_column(m, n, m.touch[k % s.touching], rows[2], rows[2])
             n += 1
-    elif s.mode not in (VERTEX_STICK, VERTEX_SLIDE):
+    elif s.mode not in (codes.VERTEX_STICK, codes.VERTEX_SLIDE):
         set_column(m, n, b, rows[2], rows[2])
         n += 1
     if turning:
@@ -106,13 +98,13 @@ def _stop(s: Run, m: Memory, y: Floats, turning: bool) -> None:
 @jit
 def hold_velocity(s: Run, m: Memory, y: Floats) -> None:
     """Take away the velocities that the mode does not have: what that costs in energy is of second order in what is taken."""
-    if s.mode == FLIGHT:
+    if s.mode == codes.FLIGHT:
         return
-    if s.mode == FLAT_REST:
+    if s.mode == codes.FLAT_REST:
         y[7:13] = 0.0
         return
-    _stop(s, m, y, s.mode == EDGE_STICK)
-    if s.mode in (EDGE_PIVOT, FLAT_PIVOT) and s.sign * dot(axes(y)[2], vector(y, 10)) < 0.0:
+    _stop(s, m, y, s.mode == codes.EDGE_STICK)
+    if s.mode in (codes.EDGE_PIVOT, codes.FLAT_PIVOT) and s.sign * dot(axes(y)[2], vector(y, 10)) < 0.0:
         # What was taken has turned it round, or it did turn the other way: what turns from rest must not.
         _stop(s, m, y, True)
 

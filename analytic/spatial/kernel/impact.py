@@ -6,18 +6,8 @@ import math
 from typing import Final
 
 from analytic.kernel.compiler import jit
+from analytic.spatial.kernel import codes
 from analytic.spatial.kernel.choose import choose
-from analytic.spatial.kernel.codes import (
-    EDGE_PIVOT,
-    EDGE_SLIDE,
-    EDGE_STICK,
-    FLAT_REST,
-    FLAT_SLIDE,
-    FLIGHT,
-    IMPACT,
-    NO_MODE,
-    SETTLED,
-)
 from analytic.spatial.kernel.contact import UNLIMITED, free_accelerations, least_normal, vertex_velocities
 from analytic.spatial.kernel.holding import hold_level, hold_place, hold_velocity, set_touch, take_heading, vertex_place
 from analytic.spatial.kernel.motion import field
@@ -96,7 +86,7 @@ def decide(s: Run, m: Memory) -> None:
     """Choose the mode of the vertices that are down, and put the state into it."""
     for _ in range(CHOICES):
         if not _choose_slowly(s, m):
-            s.outcome = NO_MODE
+            s.outcome = codes.NO_MODE
             return
         enter(s, m)
         if _presses(s, m):
@@ -120,7 +110,7 @@ def _presses(s: Run, m: Memory) -> bool:
 
     On a base of three vertices nearly in a line what is taken from slow velocities gives them other directions.
     """
-    if s.mode not in (FLAT_SLIDE, EDGE_SLIDE):
+    if s.mode not in (codes.FLAT_SLIDE, codes.EDGE_SLIDE):
         return True
     s.slow = False
     rows = axes(m.y)
@@ -146,11 +136,11 @@ def _drop_rebounds(s: Run, m: Memory) -> None:
 def enter(s: Run, m: Memory) -> None:
     """Put the state into the mode just chosen: what does not take part is free, what sticks has its place."""
     if not touches_flat(s.mode):
-        if s.mode != FLIGHT and s.touching > 1:
+        if s.mode != codes.FLIGHT and s.touching > 1:
             _drop_rebounds(s, m)
         for i in range(m.vertices):
-            part = i == s.a or (i == s.b and s.mode in (EDGE_STICK, EDGE_PIVOT, EDGE_SLIDE))
-            m.down[i] = 1 if part and s.mode != FLIGHT else 0
+            part = i == s.a or (i == s.b and s.mode in (codes.EDGE_STICK, codes.EDGE_PIVOT, codes.EDGE_SLIDE))
+            m.down[i] = 1 if part and s.mode != codes.FLIGHT else 0
         set_touch(s, m)
     for k in range(s.touching):
         i = m.touch[k]
@@ -176,11 +166,11 @@ def collide(s: Run, m: Memory, vertex: int) -> None:
     v0, w0 = vector(m.y, 7), vector(m.y, 10)
     possible, returns = strike(s, m, rows, size)
     if not possible:
-        s.outcome = NO_MODE
+        s.outcome = codes.NO_MODE
         return
     cone = _worst_cone(s, m)
     m.impulse[:] = 0.0
-    if s.mode == FLAT_REST and not returns:
+    if s.mode == codes.FLAT_REST and not returns:
         m.y[7:13] = 0.0
     else:
         put(m.y, 7, plus(v0, to_table(rows, vector(m.response, 0))))
@@ -199,7 +189,7 @@ def collide(s: Run, m: Memory, vertex: int) -> None:
     s.impact_loss_j += loss
     s.cone_residual = max(s.cone_residual, cone)
     decide(s, m)
-    note_event(s, m, SETTLED if settled else IMPACT, vertex, loss, cone)
+    note_event(s, m, codes.SETTLED if settled else codes.IMPACT, vertex, loss, cone)
     m.impulse[:] = 0.0
 
 
@@ -224,7 +214,7 @@ def _audit_momentum(s: Run, m: Memory, v0: Vector, w0: Vector, total: Vector, mo
 @jit
 def _worst_cone(s: Run, m: Memory) -> float:
     """By how much impulses leave their cones, relative to their sum, an edge's split as friction allows."""
-    if s.mode == FLIGHT or s.friction_static >= UNLIMITED:
+    if s.mode == codes.FLIGHT or s.friction_static >= UNLIMITED:
         return 0.0
     rows, total, worst = axes(m.y), 0.0, 0.0
     for k in range(s.touching):
@@ -232,7 +222,9 @@ def _worst_cone(s: Run, m: Memory) -> float:
         f = to_table(rows, row3(m.force, i))
         total += abs(f[2])
         t = math.sqrt(f[0] * f[0] + f[1] * f[1])
-        worst = max(worst, -f[2], t - max(m.stick_limit[i], m.slide_limit[i]) * f[2] if s.mode != EDGE_STICK else -f[2])
+        worst = max(
+            worst, -f[2], t - max(m.stick_limit[i], m.slide_limit[i]) * f[2] if s.mode != codes.EDGE_STICK else -f[2]
+        )
     return worst / total if total > 0.0 else 0.0
 
 

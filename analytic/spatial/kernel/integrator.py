@@ -9,21 +9,12 @@ from typing import Final
 from analytic.kernel.codes import HARMONIC, NONE, SAMPLED
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.memory import load_double, row_at
-from analytic.spatial.kernel.codes import (
-    BREAK,
-    END,
-    FLAT_REST,
-    GAVE_UP,
-    RUNNING,
-    STANDS,
-    START,
-    UNDECIDED,
-)
+from analytic.spatial.kernel import codes
 from analytic.spatial.kernel.contact import vertex_velocities
 from analytic.spatial.kernel.happening import happen
 from analytic.spatial.kernel.holding import hold_place, hold_velocity, take_heading, vertex_place
 from analytic.spatial.kernel.impact import collide, decide
-from analytic.spatial.kernel.motion import field, is_over, pass_breaks
+from analytic.spatial.kernel.motion import all_over, field, pass_breaks
 from analytic.spatial.kernel.rates import kinetic_energy, rates
 from analytic.spatial.kernel.records import MEMORY, MOST, RUN, STATE, Memory, Run
 from analytic.spatial.kernel.rest import rests
@@ -153,7 +144,7 @@ def write_samples(s: Run, m: Memory, h: float) -> None:
 def step(s: Run, m: Memory) -> None:
     """One step, up to its first event at most."""
     if s.steps + s.rejected >= MOST:
-        s.outcome = GAVE_UP
+        s.outcome = codes.GAVE_UP
         return
     if s.fresh:
         s.slow = False
@@ -181,7 +172,7 @@ def step(s: Run, m: Memory) -> None:
             break
         s.rejected += 1
         if h <= SHORTEST:
-            s.outcome = GAVE_UP
+            s.outcome = codes.GAVE_UP
             return
         h *= max(SHRINK, SAFETY * size**-exponent) if size < math.inf else SHRINK
     s.steps += 1
@@ -207,7 +198,7 @@ def step(s: Run, m: Memory) -> None:
 @jit
 def begin(s: Run, m: Memory) -> None:
     """The mode at t = 0: an impact first where a vertex that touches moves down."""
-    s.time_s, s.outcome, s.fresh, s.stalled, s.event_s = 0.0, RUNNING, True, 0, -1.0
+    s.time_s, s.outcome, s.fresh, s.stalled, s.event_s = 0.0, codes.RUNNING, True, 0, -1.0
     pass_breaks(s, m)
     down, rows = False, axes(m.y)
     s.touching = m.vertices
@@ -225,7 +216,7 @@ def begin(s: Run, m: Memory) -> None:
         collide(s, m, -1)
     else:
         decide(s, m)
-        note_event(s, m, START, -1, 0.0, 0.0)
+        note_event(s, m, codes.START, -1, 0.0, 0.0)
     note_peak(s, m.y)
 
 
@@ -233,30 +224,30 @@ def begin(s: Run, m: Memory) -> None:
 def run_one(s: Run, m: Memory) -> None:
     """Run to the end; the state is the last one."""
     begin(s, m)
-    while s.outcome == RUNNING and s.time_s < s.duration_s:
-        if s.mode == FLAT_REST:
-            if s.output_step_s == 0.0 and is_over(m) and rests(s, m, axes(m.y), field(s, m, s.time_s)):
+    while s.outcome == codes.RUNNING and s.time_s < s.duration_s:
+        if s.mode == codes.FLAT_REST:
+            if s.output_step_s == 0.0 and all_over(m) and rests(s, m, axes(m.y), field(s, m, s.time_s)):
                 break
             hold(s, m)
         else:
             step(s, m)
-        if s.outcome == RUNNING and s.time_s >= s.limit_s and s.time_s < s.duration_s:
+        if s.outcome == codes.RUNNING and s.time_s >= s.limit_s and s.time_s < s.duration_s:
             jump = False
             for axis in range(3):
-                kind, passed = m.kinds[axis], m.passed[axis]
-                last = m.first[axis + 1] - m.first[axis]
+                motion = m.motions[axis]
+                kind, passed, last = motion.params.kind, motion.breaks_passed, motion.params.n_samples
                 jump = jump or (kind not in (NONE, HARMONIC, SAMPLED)) or (kind == SAMPLED and passed in (0, last - 1))
             pass_breaks(s, m)
             if jump:
                 mode = s.mode
                 decide(s, m)
                 if mode != s.mode:
-                    note_event(s, m, BREAK, -1, 0.0, 0.0)
+                    note_event(s, m, codes.BREAK, -1, 0.0, 0.0)
     audit(s, m, s.start_j)
-    if s.outcome == RUNNING:
+    if s.outcome == codes.RUNNING:
         up = axes(m.y)[2][2]
-        s.outcome = STANDS if s.mode == FLAT_REST or up > s.stands_cos else UNDECIDED
-    note_event(s, m, END, -1, 0.0, 0.0)
+        s.outcome = codes.STANDS if s.mode == codes.FLAT_REST or up > s.stands_cos else codes.UNDECIDED
+    note_event(s, m, codes.END, -1, 0.0, 0.0)
     if s.output_step_s > 0.0:
         if s.samples > 0 and s.time_s - load_double(m.history, (s.samples - 1) * (STATE - 1)) <= 1e-9 * s.output_step_s:
             s.samples -= 1

@@ -7,22 +7,12 @@ from typing import Final
 
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.records import Floats
+from analytic.spatial.kernel import codes
 from analytic.spatial.kernel.choose import pivot_directions
-from analytic.spatial.kernel.codes import (
-    EDGE_SLIDE,
-    EDGE_STICK,
-    FLAT_PIVOT,
-    FLAT_REST,
-    FLAT_SLIDE,
-    FLIGHT,
-    VERTEX_SLIDE,
-    VERTEX_STICK,
-)
 from analytic.spatial.kernel.contact import Rows, clear, columns, free_accelerations, solve_columns
 from analytic.spatial.kernel.flat import solve_flat
 from analytic.spatial.kernel.motion import field
 from analytic.spatial.kernel.records import LOST, WORK, Memory, Run
-from analytic.spatial.kernel.rest import spread_rest
 from analytic.spatial.kernel.vectors import (
     Vector,
     apply,
@@ -47,7 +37,7 @@ SHIFT: Final = 4.0
 @inlined
 def touches_flat(mode: int) -> bool:
     """Whether a facet lies on the floor."""
-    return mode in (FLAT_REST, FLAT_PIVOT, FLAT_SLIDE)
+    return mode in (codes.FLAT_REST, codes.FLAT_PIVOT, codes.FLAT_SLIDE)
 
 
 @jit
@@ -75,22 +65,19 @@ def set_slides(s: Run, m: Memory, y: Floats, rows: Rows) -> None:
 
 @jit
 def contact_forces(s: Run, m: Memory, y: Floats, rows: Rows, g: Vector) -> bool:
-    """Write the contact forces and the response of the present mode; False where its equations have no solution."""
+    """Write the contact forces and the response of the present mode of motion; False where its equations have no solution."""
     clear(s, m)
     m.response[:] = 0.0
-    if s.mode == FLIGHT:
-        return True
-    if s.mode == FLAT_REST:
-        spread_rest(s, m, rows, g)
+    if s.mode == codes.FLIGHT:
         return True
     free_accelerations(s, m, y, g)
-    if s.mode == FLAT_PIVOT:
+    if s.mode == codes.FLAT_PIVOT:
         pivot_directions(s, m, rows, s.a, s.sign)
         return solve_flat(s, m, rows, s.mode, s.a)
-    if s.mode == FLAT_SLIDE:
+    if s.mode == codes.FLAT_SLIDE:
         set_slides(s, m, y, rows)
         return solve_flat(s, m, rows, s.mode, -1)
-    if s.mode == EDGE_SLIDE or s.mode == VERTEX_SLIDE:
+    if s.mode == codes.EDGE_SLIDE or s.mode == codes.VERTEX_SLIDE:
         set_slides(s, m, y, rows)
     return solve_columns(s, m, columns(m, rows, s.mode, s.a, s.b, s.sign))
 
@@ -101,18 +88,18 @@ def rates(s: Run, m: Memory, y: Floats, t: float, out: Floats) -> None:
     rows, spin, v = axes(y), vector(y, 10), vector(y, 7)
     g = field(s, m, t)
     lost = 0.0
-    if s.mode == FLAT_REST:
+    if s.mode == codes.FLAT_REST:
         out[:] = 0.0
         return
     momentum = cross(apply(m.inertia, spin), spin)
-    if s.mode == FLIGHT:
+    if s.mode == codes.FLIGHT:
         accel, alpha = g, apply(m.inverse, momentum)
-    elif s.mode == VERTEX_STICK or s.mode == EDGE_STICK:
+    elif s.mode == codes.VERTEX_STICK or s.mode == codes.EDGE_STICK:
         arm = row3(m.at, s.a)
         down = to_body(rows, g)
         # About the fixed vertex O, r from it to the centroid −arm: I_O ω̇ + ω × I_O ω = m r × g_e.
         turn = times(s.mass_kg, cross(down, arm))
-        if s.mode == VERTEX_STICK:
+        if s.mode == codes.VERTEX_STICK:
             about = minus(momentum, times(s.mass_kg, cross(spin, cross(arm, cross(spin, arm)))))
             alpha = apply(m.about[s.a], plus(turn, about))
         else:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, Final, get_type_hints
+from typing import Annotated, Final
 
-import numpy as np
-
-from analytic.kernel.records import Floats, Ints
+from analytic.kernel.layout import layout
+from analytic.kernel.records import Floats, Ints, Motion
 
 STATE: Final = 15
 """Items of a state: place of the centroid (3), quaternion w, x, y, z (4), velocity (3), angular velocity in the body's frame (3),
@@ -107,18 +106,8 @@ class Memory:
     """Inverse of the inertia about each vertex."""
     at: Triples
     """Vertices from the centroid, body's frame."""
-    motion: Annotated[Floats, (3, 6)]
-    """Of each axis' motion: amplitude (of a record: what its samples are multiplied by), angular frequency, phase, ramp, start,
-    end."""
-    kinds: Annotated[Ints, (3,)]
-    first: Annotated[Ints, (4,)]
-    """Where each axis' samples begin."""
-    passed: Annotated[Ints, (3,)]
-    """Breaks passed."""
-    times: int
-    """Address of the samples' times, and"""
-    samples: int
-    """of their accelerations."""
+    motions: Annotated[tuple[Motion, Motion, Motion], (3,)]
+    """Of the floor along x, y and z."""
     y: State
     """The state at the start of a step,"""
     y1: State
@@ -202,21 +191,6 @@ class Memory:
     """Address of rows of 2 + n."""
     rows: int
     """Rows of either table."""
-
-
-_SCALARS: Final[dict[Any, Any]] = {float: np.float64, int: np.int64, bool: np.bool_}
-
-
-def layout(record: type) -> np.dtype[np.void]:
-    """The numpy record with the fields of one of these classes, each where a C compiler would put it."""
-    fields: list[tuple[Any, ...]] = []
-    for name, hint in get_type_hints(record, include_extras=True).items():
-        if hint in _SCALARS:
-            fields.append((name, _SCALARS[hint]))
-        else:
-            item = np.int64 if hint.__origin__ is Ints else np.float64
-            fields.append((name, item, hint.__metadata__[0]))
-    return np.dtype(fields, align=True)
 
 
 RUN: Final = layout(Run)

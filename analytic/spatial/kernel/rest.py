@@ -13,7 +13,7 @@ from typing import Final
 from analytic.kernel.compiler import jit
 from analytic.kernel.records import Floats
 from analytic.spatial.kernel.contact import UNLIMITED, Rows, eliminate, respond
-from analytic.spatial.kernel.flat import load_all, place
+from analytic.spatial.kernel.flat import place
 from analytic.spatial.kernel.records import Memory, Run
 from analytic.spatial.kernel.vectors import Vector, apply, cross, dot, plus, row3, times, to_body, to_table
 
@@ -50,37 +50,6 @@ def rests(s: Run, m: Memory, rows: Rows, field: Vector) -> bool:
     for k in range(s.touching):
         inside = inside and edge_distance(s, m, rows, k, x, y) >= 0.0
     return inside
-
-
-@jit
-def spread_rest(s: Run, m: Memory, rows: Rows, field: Vector) -> None:
-    """Write the forces at rest: the normal force as equal springs would split it, friction in proportion."""
-    x, y, v, _ = thrust(s, m, rows, field)
-    load_all(s, m)
-    for _ in range(4 + 2 * s.touching):
-        for r in range(3):
-            for c in range(3):
-                total = 0.0
-                for k in range(s.touching):
-                    i = m.touch[k]
-                    if m.loaded[i] != 0:
-                        total += place(m, rows, i, r) * place(m, rows, i, c)
-                m.matrix[r, c] = total
-            m.matrix[r, 3] = v if r == 0 else v * (x if r == 1 else y)
-        if not eliminate(m.matrix, 3):
-            break
-        changed = False
-        for k in range(s.touching):
-            i = m.touch[k]
-            n = m.matrix[0, 3] + m.matrix[1, 3] * place(m, rows, i, 1) + m.matrix[2, 3] * place(m, rows, i, 2)
-            f = to_body(rows, (-field[0] / -field[2] * n, -field[1] / -field[2] * n, n))
-            if m.loaded[i] == 0:
-                f = (0.0, 0.0, 0.0)
-            m.force[i, 0], m.force[i, 1], m.force[i, 2] = f
-            now = 1 if n >= 0.0 else 0
-            changed, m.loaded[i] = changed or m.loaded[i] != now, now
-        if not changed:
-            break
 
 
 @jit

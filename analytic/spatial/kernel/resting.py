@@ -7,7 +7,7 @@ from typing import Final
 
 from analytic.kernel.codes import NONE, RECTANGULAR, SAMPLED
 from analytic.kernel.compiler import jit
-from analytic.spatial.kernel.codes import EDGE_STICK, FLAT_REST, SLIP_ONSET, UPLIFT
+from analytic.spatial.kernel import codes
 from analytic.spatial.kernel.contact import UNLIMITED, edge_friction
 from analytic.spatial.kernel.motion import field
 from analytic.spatial.kernel.rates import contact_forces
@@ -25,11 +25,11 @@ TWO_PI: Final = 2.0 * math.pi
 @jit
 def needed(s: Run, m: Memory) -> None:
     """Keep the largest of the least friction that sticking needs."""
-    if s.mode == FLAT_REST:
+    if s.mode == codes.FLAT_REST:
         # All feet stick together: the resultant of field and weight is what friction must hold.
         g = field(s, m, s.time_s)
         least = math.sqrt(g[0] * g[0] + g[1] * g[1]) / -g[2] if g[2] < 0.0 else math.inf
-    elif s.mode == EDGE_STICK:
+    elif s.mode == codes.EDGE_STICK:
         rows = axes(m.y)
         contact_forces(s, m, m.y, rows, field(s, m, s.time_s))
         least = edge_friction(m, rows, s.a, s.b)
@@ -89,8 +89,9 @@ def _rest_step_s(m: Memory) -> float:
     """How finely a rest is looked through: between a record's samples all limits are convex, and their ends tell."""
     longest = math.inf
     for axis in range(3):
-        if m.kinds[axis] not in (NONE, SAMPLED, RECTANGULAR):
-            longest = min(longest, TWO_PI / m.motion[axis, 1] / REST_STEPS)
+        motion = m.motions[axis]
+        if motion.params.kind not in (NONE, SAMPLED, RECTANGULAR):
+            longest = min(longest, TWO_PI / motion.params.omega_rad_s / REST_STEPS)
     return longest
 
 
@@ -121,4 +122,4 @@ def hold(s: Run, m: Memory) -> None:
         g = field(s, m, s.time_s)
         slips = s.friction_static < UNLIMITED and math.sqrt(g[0] ** 2 + g[1] ** 2) > s.friction_static * -g[2]
         succeed(s, m)
-        note_event(s, m, SLIP_ONSET if slips else UPLIFT, -1, 0.0, 0.0)
+        note_event(s, m, codes.SLIP_ONSET if slips else codes.UPLIFT, -1, 0.0, 0.0)

@@ -8,14 +8,7 @@ from typing import Final
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.memory import store_double
 from analytic.kernel.records import Floats
-from analytic.spatial.kernel.codes import (
-    EDGE_PIVOT,
-    EDGE_STICK,
-    FLAT_PIVOT,
-    FLAT_REST,
-    FLIGHT,
-    VERTEX_STICK,
-)
+from analytic.spatial.kernel import codes
 from analytic.spatial.kernel.rates import kinetic_energy
 from analytic.spatial.kernel.records import EVENT_HEAD, INTERVAL_HEAD, LOST, STATE, WORK, Memory, Run
 
@@ -36,11 +29,11 @@ def sample(s: Run, m: Memory, time: float, y: Floats) -> None:
 
 @jit
 def _vertex_state(s: Run, m: Memory, i: int) -> float:
-    if m.down[i] == 0 or s.mode == FLIGHT:
+    if m.down[i] == 0 or s.mode == codes.FLIGHT:
         return FREE
-    if s.mode in (FLAT_REST, EDGE_STICK, VERTEX_STICK):
+    if s.mode in (codes.FLAT_REST, codes.EDGE_STICK, codes.VERTEX_STICK):
         return STICKS
-    return STICKS if s.mode in (FLAT_PIVOT, EDGE_PIVOT) and i == s.a else SLIDES
+    return STICKS if s.mode in (codes.FLAT_PIVOT, codes.EDGE_PIVOT) and i == s.a else SLIDES
 
 
 @jit

@@ -1,4 +1,4 @@
-"""What ends a mode: functions that are positive while it lasts."""
+"""What ends a mode of motion: functions that are positive while it lasts (of rest: `resting.rest_margin`)."""
 
 from __future__ import annotations
 
@@ -7,29 +7,14 @@ from typing import Final
 
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.records import Floats
-from analytic.spatial.kernel.codes import (
-    EDGE_PIVOT,
-    EDGE_SLIDE,
-    EDGE_STICK,
-    FLAT_PIVOT,
-    FLAT_REST,
-    FLIGHT,
-    VERTEX_SLIDE,
-    VERTEX_STICK,
-    WATCH_FRICTION,
-    WATCH_GAP,
-    WATCH_NORMAL,
-    WATCH_SPEED,
-    WATCH_TILT,
-)
+from analytic.spatial.kernel import codes
 from analytic.spatial.kernel.contact import UNLIMITED, Rows, edge_margin, normal, tangent
 from analytic.spatial.kernel.flat import flat_margin
 from analytic.spatial.kernel.holding import vertex_place
 from analytic.spatial.kernel.motion import field
 from analytic.spatial.kernel.rates import contact_forces, touches_flat
 from analytic.spatial.kernel.records import Memory, Run
-from analytic.spatial.kernel.rest import edge_distance, thrust
-from analytic.spatial.kernel.vectors import Vector, axes, cross, dot, plus, row3, to_table, vector
+from analytic.spatial.kernel.vectors import axes, cross, dot, plus, row3, to_table, vector
 
 ROUNDED_M: Final = 2e-15
 """Rounding of a gap, the difference of heights of some metres."""
@@ -51,66 +36,58 @@ def heading_speed(m: Memory, y: Floats, rows: Rows, i: int) -> float:
 
 
 @jit
-def _watch_flat(s: Run, m: Memory, y: Floats, rows: Rows, g: Vector, n: int, ok: bool) -> int:
-    if s.mode == FLAT_REST:
-        px, py, v, h = thrust(s, m, rows, g)
-        for k in range(s.touching):
-            n = _note(m, n, WATCH_NORMAL, m.touch[k], edge_distance(s, m, rows, k, px, py) * v)
+def _watch_flat(s: Run, m: Memory, y: Floats, rows: Rows, n: int, ok: bool) -> int:
+    if s.mode == codes.FLAT_PIVOT:
+        n = _note(m, n, codes.WATCH_SPEED, -1, s.sign * dot(rows[2], vector(y, 10)))
         if s.friction_static < UNLIMITED:
-            n = _note(m, n, WATCH_FRICTION, -1, s.friction_static * v - h)
-        return n
-    if s.mode == FLAT_PIVOT:
-        n = _note(m, n, WATCH_SPEED, -1, s.sign * dot(rows[2], vector(y, 10)))
-        if s.friction_static < UNLIMITED:
-            n = _note(m, n, WATCH_FRICTION, s.a, s.friction_static * normal(m, rows, s.a) - tangent(m, rows, s.a))
+            n = _note(m, n, codes.WATCH_FRICTION, s.a, s.friction_static * normal(m, rows, s.a) - tangent(m, rows, s.a))
     else:
         for k in range(s.touching):
-            n = _note(m, n, WATCH_SPEED, m.touch[k], heading_speed(m, y, rows, m.touch[k]))
-    return _note(m, n, WATCH_NORMAL, -1, flat_margin(s, m, ok))
+            n = _note(m, n, codes.WATCH_SPEED, m.touch[k], heading_speed(m, y, rows, m.touch[k]))
+    return _note(m, n, codes.WATCH_NORMAL, -1, flat_margin(s, m, ok))
 
 
 @jit
 def watch(s: Run, m: Memory, y: Floats, t: float) -> int:
     """Write the mode's event functions at a state; their number."""
     rows, n = axes(y), 0
-    n = _note(m, n, WATCH_TILT, -1, rows[2][2] - s.overturn_cos)
+    n = _note(m, n, codes.WATCH_TILT, -1, rows[2][2] - s.overturn_cos)
     for i in range(m.vertices):
         # Only a vertex in the air can come down: the gap of one that touches is rounding, of either sign.
         if m.down[i] == 0:
-            n = _note(m, n, WATCH_GAP, i, vertex_place(m, y, i)[2])
-    if s.mode == FLIGHT:
+            n = _note(m, n, codes.WATCH_GAP, i, vertex_place(m, y, i)[2])
+    if s.mode == codes.FLIGHT:
         return n
-    g = field(s, m, t)
-    ok = contact_forces(s, m, y, rows, g)
+    ok = contact_forces(s, m, y, rows, field(s, m, t))
     if touches_flat(s.mode):
-        return _watch_flat(s, m, y, rows, g, n, ok)
+        return _watch_flat(s, m, y, rows, n, ok)
     a, b = s.a, s.b
-    two = s.mode != VERTEX_STICK and s.mode != VERTEX_SLIDE
-    n = _note(m, n, WATCH_NORMAL, a, normal(m, rows, a))
+    two = s.mode != codes.VERTEX_STICK and s.mode != codes.VERTEX_SLIDE
+    n = _note(m, n, codes.WATCH_NORMAL, a, normal(m, rows, a))
     if two:
-        n = _note(m, n, WATCH_NORMAL, b, normal(m, rows, b))
-    if s.mode == EDGE_PIVOT:
-        n = _note(m, n, WATCH_SPEED, b, s.sign * dot(rows[2], vector(y, 10)))
-    if s.mode == EDGE_SLIDE or s.mode == VERTEX_SLIDE:
-        n = _note(m, n, WATCH_SPEED, a, heading_speed(m, y, rows, a))
+        n = _note(m, n, codes.WATCH_NORMAL, b, normal(m, rows, b))
+    if s.mode == codes.EDGE_PIVOT:
+        n = _note(m, n, codes.WATCH_SPEED, b, s.sign * dot(rows[2], vector(y, 10)))
+    if s.mode == codes.EDGE_SLIDE or s.mode == codes.VERTEX_SLIDE:
+        n = _note(m, n, codes.WATCH_SPEED, a, heading_speed(m, y, rows, a))
         if two:
-            n = _note(m, n, WATCH_SPEED, b, heading_speed(m, y, rows, b))
+            n = _note(m, n, codes.WATCH_SPEED, b, heading_speed(m, y, rows, b))
     elif s.friction_static < UNLIMITED:
-        if s.mode == EDGE_STICK:
-            n = _note(m, n, WATCH_FRICTION, -1, edge_margin(m, rows, a, b))
+        if s.mode == codes.EDGE_STICK:
+            n = _note(m, n, codes.WATCH_FRICTION, -1, edge_margin(m, rows, a, b))
         else:
-            n = _note(m, n, WATCH_FRICTION, a, s.friction_static * normal(m, rows, a) - tangent(m, rows, a))
+            n = _note(m, n, codes.WATCH_FRICTION, a, s.friction_static * normal(m, rows, a) - tangent(m, rows, a))
     return n
 
 
 @inlined
 def clearance(s: Run, kind: int) -> float:
     """What a function must exceed before its sign counts: less is rounding of the event that began the mode."""
-    if kind == WATCH_GAP:
+    if kind == codes.WATCH_GAP:
         return ROUNDED_M
-    if kind == WATCH_SPEED:
+    if kind == codes.WATCH_SPEED:
         return s.still_m_s
-    return ROUNDED * s.mass_kg * s.gravity_m_s2 if kind != WATCH_TILT else 0.0
+    return ROUNDED * s.mass_kg * s.gravity_m_s2 if kind != codes.WATCH_TILT else 0.0
 
 
 @jit

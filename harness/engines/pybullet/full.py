@@ -60,7 +60,7 @@ def full_shape(scene: Scene, wish: Literal["needed", "hull", "parts"] = "needed"
 @lru_cache(maxsize=CACHED_STATUES)
 def _hull(statue: Statue) -> tuple[Array, ...]:
     # Moving the faces makes corners anew: more of them than there were.
-    return tuple(thinned(points, None, HULL_VERTICES)[0] for points in _drawn_inside((feet.hull_vertices(statue),)))
+    return tuple(thinned(points, HULL_VERTICES)[0] for points in _drawn_inside((feet.hull_vertices(statue),)))
 
 
 @lru_cache(maxsize=CACHED_STATUES)
