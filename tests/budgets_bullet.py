@@ -159,10 +159,11 @@ OTHER_HEADING_RAD = 1e-5
 """A scene turned in Bullet's world, at 0.25 ms, no vertex sliding alone: solver iterations end elsewhere (2e-7 rad measured)."""
 
 SLIDES_OTHERWISE_M = 1e-3
-"""What another heading moves at least where a pedestal slides askew: 1.8 mm of 55 mm measured."""
+"""What other axes move at least where a pedestal slides askew to Bullet's: 3.1 mm of 55 mm measured."""
 
-LINE_RAD = 2e-3
-"""Direction of a block's path that slides flat as Coulomb has it: on its line but for what the first steps' contacts leave."""
+LINE_RAD = 2e-5
+"""Direction of a block's path that slides flat as Coulomb has it: on its line but for what the first steps' contacts leave
+(4e-6 rad measured)."""
 
 OFF_LINE_RAD = 0.1
 """The same of one whose corners have other effective masses along Bullet's x and y: 0.16 rad measured at twice the depth."""

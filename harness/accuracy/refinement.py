@@ -125,7 +125,10 @@ class _Climb:
             )
         # Whether a slightly stronger motion moves less than the target until then, or finer steps would change little.
         answer = self._response(until_s)
-        return answer is None or answer.whole or answer.until_s >= until_s or self.answers >= RESPONSES
+        met = answer is None or (
+            (answer.whole or answer.until_s >= until_s) and answer.largest.share_of(self.target) <= 1.0
+        )
+        return met or self.answers >= RESPONSES
 
     @property
     def promised(self) -> bool:
@@ -182,9 +185,14 @@ class _Climb:
         messages, until_s = [], min(held_s)
         if until_s < best.end_s:
             messages.append(_why_not_whole(best, last, until_s, self.target.rotation_rad))
-        elif error.share_of(self.target) > 1.0:
+        elif error.rotation_rad > self.target.rotation_rad:
             messages.append(
                 f"the target of {self.target.rotation_rad:g} rad is below what the engine's contact resolves"
+            )
+        if error.slip_m > self.target.slip_m * max(1.0, error.rotation_rad / self.target.rotation_rad):
+            messages.append(
+                f"the slip is bounded by {error.slip_m:.2g} m only, not by its target of {self.target.slip_m:.2g} m: a run "
+                "that checks this one slips otherwise, and turns the same"
             )
         return best.with_uncertainty(error.rotation_rad, error.slip_m, until_s, *messages)
 

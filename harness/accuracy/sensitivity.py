@@ -6,6 +6,7 @@ to err by, shows what the scene makes of such an error: it does not take part in
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Final
 
@@ -37,7 +38,8 @@ def response(
     """How far `run` (made with `settings`) and a run under a motion stronger by `expected_error_rad` / rad are apart; the run.
 
     A scene that turns the statue by as much as its motion changes (1 rad for all of it) makes of this share just the expected
-    error. None where the other run fails. Raises `EngineFailure` as the engine does.
+    error. They part where their rotations do: what a slip is moved by is stated, however much, as it may turn nothing.
+    None where the other run fails. Raises `EngineFailure` as the engine does.
     """
     history = run.history
 
@@ -50,4 +52,4 @@ def response(
     other = engine.simulate(stronger(scene, expected_error_rad), other_settings, RunOptions(stop=parted))
     if other.outcome.failed or history is None:
         return None
-    return spread(other, run, target, target), other
+    return spread(other, run, target, replace(target, slip_m=math.inf)), other

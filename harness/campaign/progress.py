@@ -60,10 +60,8 @@ class ProgressMessages:
     def now(self, words: str) -> None:
         """Tell what is at work from now on."""
         words = printable(words)
-        self._now = (words, time.monotonic())
-        if self._bar is not None:
-            self._bar.update(self._bar.task_ids[0], description=words)
-        elif self._lines:
+        self.later(words)
+        if self._lines:
             self.say(words)
 
     def compiling(self, done: int, total: int) -> None:
@@ -74,13 +72,13 @@ class ProgressMessages:
         words = f"compiling the analytic model, {done} of {total} functions"
         if done == total:
             words, self._before = self._before, None
-        self._now = (words, self._now[1])
+        self.later(words, self._now[1])
+
+    def later(self, words: str, since_s: float | None = None) -> None:
+        """What the spinner shows, and a reminder tells from now on, without a line now."""
+        self._now = (words, time.monotonic() if since_s is None else since_s)
         if self._bar is not None:
             self._bar.update(self._bar.task_ids[0], description=words)
-
-    def later(self, words: str) -> None:
-        """What a reminder tells from now on, without a word now."""
-        self._now = (words, time.monotonic())
 
     def say(self, words: str) -> None:
         """Tell this once."""

@@ -30,6 +30,10 @@ _WANTED: Mapping[str, str] = {
 }
 
 
+TYPE_NAME: Final = re.compile(
+    r"float|int|str|bool|(list|tuple)(\[.*\])?|function-.*|lax-or-strict.*|constrained-.*|literal\[.*|[A-Z]\w*(\[.*\])?"
+)
+"""What pydantic puts into a location beside keys: the branch of a union."""
 UNKNOWN: Final = "extra_forbidden"
 """Pydantic's word for a key that its table does not have."""
 
@@ -175,18 +179,10 @@ def _resolve(
             candidates = tagged
         elif isinstance(part, int):
             path.append(str(part))
-        elif last and not _is_type_name(part):
+        elif last and not TYPE_NAME.fullmatch(part):
             owner = candidates[0] if len(candidates) == 1 else None
             path.append(part)
     return tuple(path), owner
-
-
-def _is_type_name(part: str) -> bool:
-    return bool(
-        re.fullmatch(
-            r"(float|int|str|bool|constrained-.*|literal\[.*|function-.*|lax-or-strict.*|tuple.*|list.*|[A-Z]\w*)", part
-        )
-    )
 
 
 def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:

@@ -16,7 +16,7 @@ from pydantic import ConfigDict, Field, JsonValue, TypeAdapter, ValidationError
 from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import ErrorDetails
 
-from harness.input.mistakes import Contradiction, got_of, wanted_of
+from harness.input.mistakes import TYPE_NAME, Contradiction, got_of, wanted_of
 from harness.model.errors import InputError, Mistake
 from harness.model.run import OMITTED, SCHEMA_VERSION, to_plain
 
@@ -24,11 +24,6 @@ REWRITE: Final = "write the result anew with this version"
 SCHEMAS: Final = Path(__file__).resolve().parent / "schemas"
 MOST_MISTAKES: Final = 10
 """Mistakes told of one record: more say nothing that these do not."""
-TYPE_NAME: Final = re.compile(
-    r"function-.*|lax-or-strict.*|constrained-.*|literal\[.*|float|int|str|bool|[A-Z]\w*(\[.*\])?"
-)
-"""What pydantic puts into a location beside keys: the branch of a union."""
-
 LONE: Final = re.compile("[\ud800-\udfff]")
 Plain = dict[str, JsonValue]
 """What stands in a file of JSON."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Final
 
@@ -72,32 +72,39 @@ def _flips(trial: Trial, variant: Variant, answer: CaseRun) -> bool:
     return bool(abs(margin) <= COVERAGE * uncertainty)
 
 
-def probability(trial: Trial, choice: Choice, answers: Answers, samples: int) -> float | None:
-    """Share of the nominal and perturbed runs that overturn, over those that say whether it fell; None: none does."""
-    outcomes = [answers[trial.name, choice.variant(trial, k)].outcome for k in range(samples + 1)]
-    known = [outcome.fell for outcome in outcomes if outcome.fell is not None]
-    return sum(known) / len(known) if known else None
+@dataclass(frozen=True, eq=False)
+class Answered:
+    """One model's answers to all tests: what was chosen of the unknown inputs, every run, perturbed `samples` of each test."""
+
+    model: Model
+    choice: Choice
+    answers: Answers
+    samples: int
+
+    def run(self, trial: Trial, sample: int = 0) -> CaseRun:
+        """The nominal run of a test, or a perturbed one."""
+        return self.answers[trial.name, self.choice.variant(trial, sample)]
+
+    def probability(self, trial: Trial) -> float | None:
+        """Share of the nominal and perturbed runs that overturn, over those that say whether it fell; None: none does."""
+        falls = [self.run(trial, k).outcome.fell for k in range(self.samples + 1)]
+        known = [fell for fell in falls if fell is not None]
+        return sum(known) / len(known) if known else None
 
 
 def score_model(
-    trials: Sequence[Trial],
-    scored: Sequence[Trial],
-    choice: Choice,
-    answers: Answers,
-    intensities: Mapping[str, Intensity],
-    samples: int,
+    trials: Sequence[Trial], scored: Sequence[Trial], answered: Answered, intensities: Mapping[str, Intensity]
 ) -> ModelScores:
     """All scores of one model on the `scored` tests; curves are over all `trials`."""
-    nominal = {trial.name: answers[trial.name, choice.variant(trial)] for trial in trials}
-    cases = {trial.name: case_of(trial, choice.variant(trial), nominal[trial.name]) for trial in scored}
-    chances = {trial.name: probability(trial, choice, answers, samples) for trial in scored}
-    sure = {trial: chance for trial in scored if (chance := chances[trial.name]) is not None}
+    cases = {trial.name: case_of(trial, answered.choice.variant(trial), answered.run(trial)) for trial in scored}
+    sure = {trial: chance for trial in scored if (chance := answered.probability(trial)) is not None}
     seen = [trial.fell for trial in sure]
-    drawn = curves(trials, intensities, lambda trial: nominal[trial.name].outcome.fell)
+    drawn = curves(trials, intensities, lambda trial: answered.run(trial).outcome.fell)
+    samples = answered.samples
     return ModelScores(
         tests=len(scored),
-        failed=sum(nominal[trial.name].outcome.failed for trial in scored),
-        fitted=fitted(trials, choice),
+        failed=sum(answered.run(trial).outcome.failed for trial in scored),
+        fitted=fitted(trials, answered.choice),
         outcomes=score_outcomes(list(cases.values())),
         by_probability=_of_falls([p >= LIKELIER for p in sure.values()], seen) if samples else None,
         probability=replace(score_probabilities(list(sure.values()), seen), samples=samples),
@@ -214,18 +221,13 @@ def _intensity_and_fall(
     return [intensities[trial.name].pgv_m_s for trial in trials], [trial.fell for trial in trials]
 
 
-def score_pairs(
-    trials: Sequence[Trial],
-    models: Sequence[Model],
-    choices: Mapping[str, Choice],
-    answers: Mapping[str, Answers],
-) -> list[PairScores]:
+def score_pairs(trials: Sequence[Trial], answered: Sequence[Answered]) -> list[PairScores]:
     """One entry for each two models, the later of the two against the earlier, over the tests that both answered.
 
     The verdicts take a numerical error that is not stated as zero. No histories are kept of a validation's runs: verdicts rest on
     the peaks and the times at which they are reached.
     """
-    rows = {model.name: [_row(trial, model, choices, answers) for trial in trials] for model in models}
+    rows = {item.model.name: [_row(trial, item) for trial in trials] for item in answered}
     pairs = []
     for b, a in itertools.combinations(rows, 2):
         scores = score_sets([*rows[b], *rows[a]], reference=b)[a]
@@ -236,6 +238,5 @@ def score_pairs(
     return pairs
 
 
-def _row(trial: Trial, model: Model, choices: Mapping[str, Choice], answers: Mapping[str, Answers]) -> KeyedRow:
-    run = answers[model.name][trial.name, choices[model.name].variant(trial)]
-    return KeyedRow(number=trial.row, engine=model.name, reason="", varied={}, run=run, key=None)
+def _row(trial: Trial, item: Answered) -> KeyedRow:
+    return KeyedRow(number=trial.row, engine=item.model.name, reason="", varied={}, run=item.run(trial), key=None)

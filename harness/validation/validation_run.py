@@ -30,11 +30,11 @@ from harness.records.validation import (
     TestRow,
     ValidationRecord,
 )
-from harness.validation.fit import Answers, Choice, choose
+from harness.validation.fit import Answers, choose
 from harness.validation.jobs import BATCH, BATCH_OTHERWISE, Model, parse_model, task_of
 from harness.validation.motions import Intensity
 from harness.validation.scenes import Variant, intensity_of, settings
-from harness.validation.scoring import curves, probability, score_baseline, score_model, score_pairs
+from harness.validation.scoring import Answered, curves, score_baseline, score_model, score_pairs
 from harness.validation.table import UNKNOWN, Trial, read_table
 
 MOST_SETTINGS: Final = 64
@@ -134,26 +134,23 @@ class Runs:
 
 
 @dataclass(frozen=True, eq=False)
-class Answered:
-    """One model: what was fitted, its runs, and those that are only counted, at inputs that were not chosen."""
+class Computed(Answered):
+    """One model's answers with its runs in the store, and with those that are only counted, at inputs that were not chosen."""
 
-    model: Model
-    choice: Choice
     runs: Runs
-    answers: Answers
     counted: Runs
 
 
 def _answered(
     model: Model, trials: Sequence[Trial], runs: Runs, counted: Runs, *, samples: int, fit_share: str
-) -> Answered:
+) -> Computed:
     """Fit the model on its share, then run every test as given and in its draws."""
     choice = choose([trial for trial in trials if trial.share == fit_share] if _unknown(trials) else [], counted)
     answers = runs([(trial, choice.variant(trial, k)) for trial in trials for k in range(samples + 1)])
-    return Answered(model, choice, runs, answers, counted)
+    return Computed(model, choice, answers, samples, runs, counted)
 
 
-def _unexplained(trials: Sequence[Trial], answered: Sequence[Answered]) -> list[str]:
+def _unexplained(trials: Sequence[Trial], answered: Sequence[Computed]) -> list[str]:
     """Tests whose outcome no model gives: not as fitted, in no draw, and at no other value of what the table does not know."""
     odd = {trial.name: trial for trial in trials}
 
@@ -194,12 +191,12 @@ def _intensities(trials: Sequence[Trial]) -> dict[str, Intensity]:
 
 def _record(
     trials: Sequence[Trial],
-    answered: Sequence[Answered],
+    answered: Sequence[Computed],
     intensities: Mapping[str, Intensity],
     asked: Mapping[str, Any],
 ) -> ValidationRecord:
     """Everything that a page shows of a validation; `asked` are the fields that are known without a run."""
-    samples, fit_share = asked["samples"], asked["fit_share"].name
+    fit_share = asked["fit_share"].name
     taught = [trial for trial in trials if trial.share == fit_share]
     scored = [trial for trial in trials if trial.share != fit_share]
     # Where all tests belong to the share they are scored on what they were fitted on, each threshold on all others.
@@ -211,20 +208,18 @@ def _record(
             accuracy_rad=item.model.accuracy_rad,
             dt_s=item.model.dt_s,
             histories=_histories(trials, item),
-            **vars(score_model(trials, scored, item.choice, item.answers, intensities, samples)),
+            **vars(score_model(trials, scored, item, intensities)),
         )
         for item in answered
     }
-    choices = {item.model.name: item.choice for item in answered}
-    answers = {item.model.name: item.answers for item in answered}
     return ValidationRecord(
         unfitted=[] if taught else asked["unknown"],
         seconds=0.0,
         models=models,
-        pairs=score_pairs(trials, [item.model for item in answered], choices, answers),
+        pairs=score_pairs(trials, answered),
         observed=curves(trials, intensities, lambda trial: trial.fell),
         baseline=score_baseline(apart, scored, intensities),
-        rows=_rows(trials, choices, answers, intensities, samples),
+        rows=_rows(trials, answered, intensities),
         **asked,
     )
 
@@ -233,7 +228,7 @@ def _unknown(trials: Sequence[Trial]) -> set[str]:
     return {name for name, values in UNKNOWN.items() for trial in trials if len(getattr(trial, values)) > 1}
 
 
-def _histories(trials: Sequence[Trial], item: Answered) -> list[MeasuredHistory]:
+def _histories(trials: Sequence[Trial], item: Computed) -> list[MeasuredHistory]:
     """Scores against each measured history, which is a history like any other, up to where the run's own error is stated."""
     histories = []
     for trial in trials:
@@ -247,13 +242,7 @@ def _histories(trials: Sequence[Trial], item: Answered) -> list[MeasuredHistory]
     return histories
 
 
-def _rows(
-    trials: Sequence[Trial],
-    choices: Mapping[str, Choice],
-    answers: Mapping[str, Answers],
-    intensities: Mapping[str, Intensity],
-    samples: int,
-) -> list[TestRow]:
+def _rows(trials: Sequence[Trial], answered: Sequence[Answered], intensities: Mapping[str, Intensity]) -> list[TestRow]:
     return [
         TestRow(
             test=trial.name,
@@ -262,10 +251,8 @@ def _rows(
             observed=trial.observed,
             pga_g=intensities[trial.name].pga_g,
             pgv_m_s=intensities[trial.name].pgv_m_s,
-            predicted={
-                name: str(known[trial.name, choices[name].variant(trial)].outcome) for name, known in answers.items()
-            },
-            probability={name: probability(trial, choices[name], known, samples) for name, known in answers.items()},
+            predicted={item.model.name: str(item.run(trial).outcome) for item in answered},
+            probability={item.model.name: item.probability(trial) for item in answered},
         )
         for trial in trials
     ]

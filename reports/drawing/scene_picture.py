@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-import numpy as np
 from jinja2 import Template
 from markupsafe import Markup
 
-from harness.records.scene import SceneRecord, WallRecord
+from harness.records.scene import SceneRecord
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.kinematics import section
 from reports.pages.assets import environment
-from reports.text.numbers import given, length
 
 WIDTH: Final = 460.0
 HEIGHT: Final = 440.0
@@ -38,8 +36,10 @@ def scene_svg(scene: SceneRecord, axes: Collection[str] = (), mesh: Path | None 
         half = 0.5 * pedestal.width_m
         boxes = {"left": centre - half, "right": centre + half}
         left, right = min(left, centre - half), max(right, centre + half)
-    wall_x = _wall_x(wall, shape.corner_left_m, shape.corner_right_m)
-    if wall_x is not None:
+    wall_x = None
+    if wall is not None:
+        beyond = wall.distance_m
+        wall_x = shape.corner_right_m + beyond if wall.side == "right" else -shape.corner_left_m - beyond
         left, right = min(left, wall_x), max(right, wall_x)
     top = lift + float(outline[:, 1].max())
     scale = min(
@@ -54,38 +54,7 @@ def scene_svg(scene: SceneRecord, axes: Collection[str] = (), mesh: Path | None 
         return round(HEIGHT - MARGIN["bottom"] - scale * value, 2)
 
     drawn = template.render(
-        width=WIDTH, height=HEIGHT, x=x, z=z, path=_path(outline, x, z, lift), lift=lift, top=top, left=left, right=right,
-        statue=scene.statue, pedestal=pedestal, box=boxes, wall=wall, wall_x=wall_x, axes=axes, description=describe(scene),
+        width=WIDTH, height=HEIGHT, x=x, z=z, outline=outline.tolist(), lift=lift, top=top, left=left, right=right,
+        statue=scene.statue, pedestal=pedestal, box=boxes, wall=wall, wall_x=wall_x, axes=axes,
     )  # fmt: skip
     return Markup(drawn)
-
-
-def describe(scene: SceneRecord) -> str:
-    """The picture in words, for those who cannot see it."""
-    statue, pedestal, wall = scene.statue, scene.pedestal, scene.wall
-    text = (
-        f"A statue of {given(statue.mass_kg, 'kg')}, {length(statue.height_m)} high, its centroid "
-        f"{length(statue.centroid_height_m)} above its base, {length(statue.corner_left_m)} from the left corner and "
-        f"{length(statue.corner_right_m)} from the right corner"
-    )
-    if pedestal is None:
-        text += ", stands on the floor"
-    else:
-        text += (
-            f", stands on a pedestal of {given(pedestal.mass_kg, 'kg')}, {length(pedestal.width_m)} wide and "
-            f"{length(pedestal.height_m)} high"
-        )
-    if wall is not None:
-        text += f"; a wall stands {length(wall.distance_m)} to the {wall.side} of its base"
-    return text + "."
-
-
-def _wall_x(wall: WallRecord | None, b_l: float, b_r: float) -> float | None:
-    if wall is None:
-        return None
-    return b_r + wall.distance_m if wall.side == "right" else -b_l - wall.distance_m
-
-
-def _path(outline: np.ndarray[Any, np.dtype[np.float64]], x: Any, z: Any, lift: float) -> str:
-    points: Sequence[str] = [f"{x(px)} {z(lift + pz)}" for px, pz in outline.tolist()]
-    return "M" + " L".join(points) + " Z"

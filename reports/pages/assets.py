@@ -22,6 +22,7 @@ from harness.model.terminal import printable_lines
 from harness.records.assess import percent
 from meshes import array_cache
 from reports.charts.static_svg import still
+from reports.text.language import ENGLISH
 from reports.text.numbers import angle, digits, given, heading, label, length, plain, short, unit
 
 TEMPLATES: Final = Path(__file__).resolve().parents[1] / "templates"
@@ -157,6 +158,7 @@ def environment() -> Environment:
     # What a table's cell is written with stands in its template: numbers as people read them.
     templates.filters |= {each.__name__: each for each in (angle, digits, given, heading, label, plain, short, unit)}
     templates.filters |= {
+        "listed": ENGLISH.listed,
         "metres": length,
         "percent": percent,
         "script_json": json_for_script,

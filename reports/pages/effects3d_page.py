@@ -21,13 +21,6 @@ from reports.text.wording import Verdict
 
 NEAR: Final = 0.05
 """Amplitudes within this share of each other count as the same: a survey's errors move them as much."""
-GROUPS: Final = {
-    "components": "more components of the motion",
-    "base": "the base as it is",
-    "inertia": "the full tensor of inertia",
-    "uncertainty": "what a survey does not know",
-    "numerical": "numerical error",
-}
 LEAVES_RAD: Final = 1e-3
 ROSE_WORDS: Final = (
     "Least peak acceleration of the floor that overturns the statue, by direction of shaking, in every model."
@@ -49,7 +42,6 @@ def context(folder: Path, record: EffectsRecord) -> dict[str, object]:
         "chips": [chip(name, engines) for name in engines],
         "picture": scene_svg(record.scene),
         "directions": source and directions(record, source),
-        "scene_title": record.scene.title,
         "rose": rose(record).svg(ROSE_WORDS),
         "keys": [{"name": item.name, "colour": item.colour} for item in curves(record)],
         "engines": engines,
@@ -58,17 +50,12 @@ def context(folder: Path, record: EffectsRecord) -> dict[str, object]:
         "falls": falls(record),
         "changes": changes(record).svg(CHANGES_WORDS, style="min-width: 700px"),
         "effect_engines": list(dict.fromkeys(item.engine for item in record.effects)),
-        "groups": GROUPS,
         "change": _change,
         "solid": record.solid_engine,
-        "share": f"{100.0 * record.study.share:g}",
         "replay": replay,
-        "replay_words": replay_words(record),
-        "summary": record.summary.sentence,
-        "resolution": f"{100.0 * record.study.search.resolution:g}",
-        "most": f"{record.study.search.most_g:g}",
+        "chosen": record.replay,
+        "replay_ends": record.replay and [f"{end.sentence} ({name})" for name, end in record.replay.outcomes.items()],
         "command": f"rockcheck study {shlex.quote(record.file)}",
-        "replay_command": "" if record.replay is None else record.replay.command,
     }
 
 
@@ -220,15 +207,3 @@ def falls(record: EffectsRecord) -> dict[float, str]:
     """To which side it falls in three dimensions, by direction."""
     rows = record.amplitudes(record.solid_engine, BASELINE)
     return {row.azimuth_deg: row.outcome.removeprefix("overturned_") for row in rows}
-
-
-def replay_words(record: EffectsRecord) -> str:
-    """What the replay shows."""
-    chosen = record.replay
-    if not chosen:
-        return ""
-    each = ENGLISH.listed(f"{outcome.sentence} ({name})" for name, outcome in chosen.outcomes.items())
-    return (
-        f"Shaken towards {chosen.azimuth_deg:g}° with {unit(chosen.peak_g, 'g')}, where the motion turns most about the"
-        f" vertical: {each}. The statue is turned so that the floor shakes along x."
-    )

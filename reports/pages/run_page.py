@@ -6,7 +6,6 @@ import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from harness.model.scene import Initial
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.witness import sentences
 from reports.charts.histories import histories_figure, pattern_words
@@ -17,7 +16,6 @@ from reports.pages.assets import source_text, three_js
 from reports.source import RunSource, source_of
 from reports.text.glossary import score_rows
 from reports.text.limits import fall_sentence, limit_rows, plan_rows, skipped_rows, weighed
-from reports.text.numbers import short, unit
 from reports.text.wording import run_verdict
 
 
@@ -30,7 +28,6 @@ def context(folder: Path, record: RunRecord) -> dict[str, object]:
         "verdict": run_verdict(source),
         "chips": [chip(name, names, run) for name, run in source.runs.items()],
         "picture": scene_svg(source.scene, record.motion.accel_m_s2, source.mesh),
-        "start": None if record.scene.initial == Initial() else start_words(record.scene.initial),
         "motion_words": asked if isinstance(asked, dict) else {},
         "patterns": [
             {"words": words, "name": name, "colour": PATTERN_LOOKS[name][0]}
@@ -63,38 +60,15 @@ def replay_values(source: RunSource) -> dict[str, object]:
     names = list(source.histories)
     solid = default_model(source)
     ghost = "analytic" if "analytic" in names and solid != "analytic" else ""
-    shape = (
-        "the statue's own mesh"
-        if source.mesh is not None
-        else "a block with the statue's silhouette (the scene has no mesh)"
-    )
-    caption = (
-        f"Drawn: {shape}, moved by each model's recorded rotation and slip, seen from the moving floor; the arrow is the "
-        "floor's acceleration, the grid is 25 cm. Drag to turn; a click into the histories sets the time here."
-    )
     return {
         "names": names,
         "solid": solid,
         "ghost": ghost,
-        "caption": caption,
+        "own_mesh": source.mesh is not None,
         "data": replay_payload(source),
         "library": three_js(),
         "script": source_text("replay.js"),
     }
-
-
-def start_words(start: Initial) -> str:
-    """How the statue begins: rotation and rate in the plane, or the centroid's place and velocities in space."""
-    pose = start.pose
-    if pose is None:
-        return f"{unit(start.theta_rad, 'rad')}, {unit(start.theta_rate_rad_s, 'rad/s')}"
-    parts = (
-        (pose.position_m, "m"),
-        (pose.quaternion_wxyz, "(w first)"),
-        (pose.velocity_m_s, "m/s"),
-        (pose.angular_velocity_rad_s, "rad/s"),
-    )
-    return "; ".join(f"({', '.join(short(value) for value in values)}) {name}" for values, name in parts)
 
 
 def command(source: RunSource) -> str:

@@ -49,7 +49,6 @@ MOST_WARNINGS: Final = 30
 ROSE_WORDS: Final = "Least amplitude that overturns the statue, by direction"
 NUMBER: Final = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 """A number inside a warning: runs differ in it while the warning is the same."""
-MARKS: Final = {"holds": "✓", "does not hold": "✕", "holds for some": "◐", "not tested": "–"}
 
 
 def context(folder: Path, record: StudyRecord) -> dict[str, object]:
@@ -60,17 +59,11 @@ def context(folder: Path, record: StudyRecord) -> dict[str, object]:
     return {
         "verdict": study_verdict(record, models, cases),
         "picture": scene_svg(record.scene),
-        "scene_title": record.scene.title,
         "vary": [(label(key), ", ".join(_shown(value) for value in values)) for key, values in record.vary.items()],
         "models": models,
-        "marks": MARKS,
-        "claim_models": list(dict.fromkeys(item.model for item in record.claims or ())),
         "matrix": matrix(models, cases, keys) if len(cases) <= MOST_MATRIX_ROWS else None,
         "matrix_keys": [heading(key) for key in keys],
         "legend": [*SYMBOLS.values(), FAILED, NOT_SENT],
-        "over_all": [
-            (f"{name} and {item.reference}", f"{item.sentence}.") for name, item in (record.scores or {}).items()
-        ],
         "panels": panel_data(record.panels) if record.panels else None,
         "panel_stills": [
             panels_picture(group, next(iter(group[0].curves)), WIDE, PANEL_POINTS).svg()
@@ -79,11 +72,8 @@ def context(folder: Path, record: StudyRecord) -> dict[str, object]:
         "pedestal_effect": pedestal_effect(record, models, cases),
         "charts": charts,
         "rose": None if rose is None else rose.svg(ROSE_WORDS),
-        "has_map": any(name.startswith("map") for name, _, _ in charts),
-        "summary": record.summary.sentence,
         "reasons": Counter(row.reason for row in record.rows).most_common(),
         "notes": weighed([*study_warnings(record.rows), *record.notes]),
-        "usage": "" if record.usage is None else record.usage.sentence,
         "engine_seconds": [(name, unit(value, "s")) for name, value in record.engine_seconds.items()],
         "command": f"rockcheck study {shlex.quote(record.file)}",
         "panel_script": source_text("panels.js"),

@@ -10,7 +10,7 @@ from typing import Any, Final
 from harness.records.tosses import PoseErrors, Quartiles, TossesRecord, TossModel
 from reports.charts.figure import curve
 from reports.charts.palette import look
-from reports.text.numbers import digits, short, unit
+from reports.text.numbers import digits, unit
 from reports.text.wording import Verdict
 
 QUARTILES = ("median", "low", "high")
@@ -29,7 +29,6 @@ def context(folder: Path, record: TossesRecord) -> dict[str, object]:
         "verdict": tosses_verdict(record),
         "names": list(models),
         "errors": _spread,
-        "fitted": {name: fitted_words(item) for name, item in models.items()},
         "shares": (len(record.fitted_on), record.count - len(record.fitted_on)),
         "raised": {key: unit(value, "m") for key, value in vars(record.raised_m).items()},
         "charts": [
@@ -67,20 +66,6 @@ def tosses_verdict(record: TossesRecord) -> Verdict:
 
 def _spread(item: Quartiles, name: str) -> str:
     return f"{unit(item.median, name)} ({digits(item.low)} to {digits(item.high)})"
-
-
-def fitted_words(item: TossModel) -> str:
-    """The coefficients with which a model came nearest to the fitted share, and what others missed by."""
-    friction = ", ".join(f"{key}: {_missed(value)}" for key, value in item.missed_m.by_friction.items())
-    text = f"friction {short(item.friction)}, restitution {short(item.restitution)} (plastic: {friction}"
-    bouncing = {key: value for key, value in item.missed_m.by_restitution.items() if float(key) > 0.0}
-    if not bouncing:
-        return f"{text}; plastic impacts only)"
-    return f"{text}; restitution " + ", ".join(f"{key}: {_missed(value)}" for key, value in bouncing.items()) + ")"
-
-
-def _missed(value_m: float | None) -> str:
-    return "most could not be computed" if value_m is None else f"{1e3 * value_m:.1f} mm"
 
 
 def chart(models: Mapping[str, TossModel], kind: str) -> dict[str, Any]:

@@ -3,27 +3,18 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Final
 
-from harness.records.scores import Interval, Scores
+from harness.records.scores import Interval
 from harness.records.scores import Verdict as Verdicts
-from harness.records.validation import BaselineRecord, Fitted, PairScores, ValidationRecord
+from harness.records.validation import BaselineRecord, ValidationRecord
 from harness.validation.words import SWAPPED, share
 from reports.charts.validation_figures import BASELINE, charts
 from reports.text.language import ENGLISH
-from reports.text.numbers import digits, short, unit
+from reports.text.numbers import unit
 from reports.text.study_rows import FAILED, SYMBOLS
 from reports.text.wording import Verdict
-
-SCORES: Final = (
-    ("accuracy", "right"),
-    ("precision", "of those predicted to fall, fell"),
-    ("recall", "of those that fell, predicted"),
-    ("f1", "F1"),
-    ("matthews", "Matthews' correlation"),
-)
 
 
 def context(_folder: Path, record: ValidationRecord) -> dict[str, object]:
@@ -33,17 +24,13 @@ def context(_folder: Path, record: ValidationRecord) -> dict[str, object]:
         "title": f"Validation against {record.tests} measured tests",
         "verdict": validation_verdict(record),
         "names": [*models, BASELINE],
-        "kinds": SCORES,
         "share": share,
-        "pairs": pair_sentences(record.pairs),
+        "verdicts": list(Verdicts),
         "unstated": sorted({name for pair in record.pairs for name in pair.unstated}),
         "charts": charts(record),
-        "fitted": {name: _fitted(item.fitted) for name, item in models.items()},
         "symbols": SYMBOLS,
         "failed": FAILED,
-        "histories": [
-            (name, item.test, _history(item.scores)) for name, scores in models.items() for item in scores.histories
-        ],
+        "histories": [(name, item) for name, scores in models.items() for item in scores.histories],
         "command": command(record),
     }
 
@@ -107,31 +94,6 @@ def _best(known: Mapping[str, Interval]) -> str:
     return f"{every} right equally often, in {100 * most:.0f} % of the tests that they decide"
 
 
-def pair_sentences(pairs: Sequence[PairScores]) -> list[tuple[str, str]]:
-    """For each two models, how often they give the same outcome and the shares of the verdicts."""
-    sentences = []
-    for pair in pairs:
-        same = pair.outcomes.side_accuracy
-        text = f"the same outcome in {share(same)} of {pair.cases} tests; " if same else ""
-        text += "; ".join(f"{each.value}: {100 * pair.verdicts.get(each, 0.0):.0f} %" for each in Verdicts) + "."
-        if pair.flips:
-            text += f" In {pair.flips} the outcome flips within the numerical error."
-        sentences.append((f"{pair.a} and {pair.b}", text))
-    return sentences
-
-
-def _fitted(fitted: Fitted) -> str:
-    if not fitted.tests:
-        return "nothing was fitted"
-    parts = [f"on {fitted.tests} tests"]
-    if fitted.friction is not None:
-        parts.append(f"friction {short(fitted.friction)}")
-    parts += [f"{Path(body).name}: {short(float(angle))}°" for body, angle in fitted.azimuth_deg.items()]
-    for words, values in (("contact tolerance", fitted.contact_tolerance_m), ("worn by", fitted.inset_m)):
-        parts += [f"{Path(body).name}: {words} {unit(value, 'm')}" for body, value in values.items()]
-    return f"{', '.join(parts)}; {fitted.runs} runs"
-
-
 def command(record: ValidationRecord) -> str:
     """The command that repeats the validation, with every option that is not at its default."""
     parts = [f"rockcheck validate {shlex.quote(record.experiments)}", *(f"-e {name}" for name in record.models)]
@@ -139,15 +101,3 @@ def command(record: ValidationRecord) -> str:
     parts += [f"--seed {record.seed}"] if record.seed else []
     name = record.fit_share.name
     return " ".join([*parts, f"--fit-share {name}"] if name != "fit" else parts)
-
-
-def _history(scores: Scores | None) -> str:
-    """One computed history beside the measured one: numbers first, then why they differ."""
-    if scores is None:
-        return "no history was computed"
-    parts = [f"up to {unit(scores.compared_until_s, 's')}: {digits(scores.rms_theta_rad)} rad apart (root mean square)"]
-    if scores.peak_ratio is not None:
-        parts.append(f"largest rotation {digits(scores.peak_ratio)} times the measured one")
-    if scores.combined is not None:
-        parts.append(f"magnitude error {digits(scores.magnitude)}, phase error {digits(scores.phase)}")
-    return f"{', '.join(parts)}. {scores.verdict_sentence}"

@@ -190,8 +190,10 @@ def test_a_validation_says_how_to_repeat_it_and_how_far_histories_are_apart(tmp_
     record = validation(invented_records.write_validation(tmp_path))
     shown = context(tmp_path, replace(record, samples=3, seed=7))
     assert shown["command"] == "rockcheck validate invented.csv -e analytic -e pymunk --samples 3 --seed 7"
-    assert "largest rotation 0.5" in shown["histories"][0][2]
-    assert "magnitude error -0.5" in shown["histories"][0][2].replace("−", "-")
+    page = write_report(tmp_path).read_text(encoding="utf-8")
+    told = page.partition("<h3>Measured histories</h3>")[2].partition("</dl>")[0].replace("−", "-")
+    assert "largest rotation 0.5" in told
+    assert "magnitude error -0.5" in told
 
 
 def test_settings_of_one_engine_look_different() -> None:

@@ -106,9 +106,8 @@ class Bullet3D(Engine):
         return (replace(verification, expected_error_rad=min(expected, level.expected_error_rad)),)
 
     def sensitivity_settings(self, scene: Scene, settings: Settings) -> Settings:
-        """The same level under another heading: what friction does there is Bullet's own."""
-        level = own_settings(self.name, BulletSettings, settings)
-        return replace(level, turn_rad=mirror.other_heading(scene, level))
+        """The same level with Bullet's axes otherwise: what friction does then is Bullet's own."""
+        return mirror.other_axes(scene, own_settings(self.name, BulletSettings, settings))
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` when pybullet cannot finish it."""
@@ -147,8 +146,9 @@ def _levels(scene: Scene) -> tuple[BulletSettings, ...]:
     expected = ON_FLOOR_RAD if scene.pedestal is None else ON_PEDESTAL_RAD
     *stepped, last = expected if scene.planar else ACROSS_RAD
     most_iterations = MOST_ITERATIONS_ALONE if scene.pedestal is None else MOST_ITERATIONS
-    halving = (BulletSettings(dt_s, error_rad) for dt_s, error_rad in zip(STEPS_S, stepped, strict=True))
-    return (*halving, BulletSettings(STEPS_S[-1], last, residual=0.0, iterations=most_iterations))
+    axes = mirror.axes(scene)
+    halving = (BulletSettings(dt_s, error_rad, axes=axes) for dt_s, error_rad in zip(STEPS_S, stepped, strict=True))
+    return (*halving, BulletSettings(STEPS_S[-1], last, residual=0.0, iterations=most_iterations, axes=axes))
 
 
 def _validity(extra: Mapping[str, Array], setup: Setup, phases: RunPhases) -> dict[str, Any]:

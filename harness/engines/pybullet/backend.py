@@ -8,11 +8,12 @@ from typing import Final
 
 import pybullet
 
+from harness.engines.event_stepping.interventions import Ledger
 from harness.engines.event_stepping.rows import ALONE, Row, Vector, bodies
 from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.step_state import StepState
 from harness.engines.pybullet.gyroscopic import Gyroscope
-from harness.engines.pybullet.heading import puller, reader
+from harness.engines.pybullet.heading import IN_LINE_RAD, SlidingLine, puller, reader
 from harness.engines.pybullet.world import World
 
 GRIP: Final = 0.5
@@ -27,6 +28,10 @@ NARROWER: Final = 256.0
 """how many times too wide it may be."""
 RESTING_M_S: Final = 1e-3
 """Velocity, m/s and rad/s, below which statue and pedestal rest: one that rocks is slower for a hundredth of a half-cycle."""
+AXES_TURNED: Final = "axes_turned"
+"""Kind of steps solved again with Bullet's axes along what slid in them, and"""
+MOST_TURNS: Final = 3
+"""how often one is at most."""
 
 
 class BulletBackend:
@@ -41,7 +46,9 @@ class BulletBackend:
     def __init__(self, world: World, step_s: float, grip_limit: float | None = None) -> None:
         self.world, self.step_s, self.grip_limit = world, step_s, grip_limit
         self.read, self.pull = reader(world), puller(world)
-        self.gyroscope = Gyroscope(world)
+        self.gyroscope, self.ledger = Gyroscope(world), Ledger()
+        self.sliding = SlidingLine(world, step_s) if world.follows else None
+        self.row = self.read()
         self.runs = not self.gyroscope.moments
         self.set_length, self.set_floor_friction = world.solver.set_length, world.set_floor_friction
         self.move_table = world.move_table
@@ -51,6 +58,7 @@ class BulletBackend:
 
     def place(self, row: Row) -> None:
         """Put both bodies into the state of a row."""
+        self.row = row
         statue, pedestal = bodies(row)
         self.world.place(self.world.statue, statue)
         if pedestal is not None and self.world.pedestal is not None:
@@ -58,6 +66,7 @@ class BulletBackend:
 
     def foresee(self, state: StepState, kick_s: float, length_s: float) -> None:
         """What Bullet's gyroscopic torque misses in the next step; after an impact the change of velocities is not known yet."""
+        self.ledger = state.record.ledger
         if self.gyroscope.moments is None:
             return
         record, change = state.record, (0.0, 0.0, 0.0)
@@ -69,7 +78,20 @@ class BulletBackend:
         self.gyroscope.foresee(state.row, change, kick_s - state.kick_s, length_s, record.ledger)
 
     def advance(self, gravity: Vector) -> Row:
-        """Bullet's own step under a gravity, and the row after it."""
+        """Bullet's own step under a gravity, and the row after it; again with its axes along what slides after it."""
+        before, row = self.row, self._stepped(gravity)
+        for _ in range(MOST_TURNS):
+            askew_rad = 0.0 if self.sliding is None else self.sliding.askew_rad(row)
+            if abs(askew_rad) <= IN_LINE_RAD:
+                break
+            self.world.turn(-askew_rad)
+            self.ledger.of(AXES_TURNED).steps_again += 1
+            self.place(before)
+            row = self._stepped(gravity)
+        self.row = row
+        return row
+
+    def _stepped(self, gravity: Vector) -> Row:
         self.pull(*gravity, self.world.client)
         self.gyroscope.act()
         pybullet.stepSimulation(self.world.client)

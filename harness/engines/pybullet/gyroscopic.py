@@ -28,7 +28,7 @@ class Gyroscope:
     """The torque that the next step lacks: `foresee` it from the rows, `act` before each solution of the step."""
 
     def __init__(self, world: World) -> None:
-        self.body, self.client, self.heading = world.statue, world.client, world.heading
+        self.world, self.body, self.client = world, world.statue, world.client
         # What turns in the plane alone turns about a principal axis: nothing is missing.
         self.moments: Vector | None = None if world.in_plane else world.moments
         self.torque: Vector | None = None
@@ -60,5 +60,6 @@ class Gyroscope:
     def act(self) -> None:
         """Add the torque foreseen to the step that follows: Bullet forgets it with that."""
         if self.torque is not None:
-            torque = self.torque if self.heading is None else self.heading.vector(self.torque)
+            heading = self.world.heading
+            torque = self.torque if heading is None else heading.vector(self.torque)
             writing.twist(self.body, torque, self.client)

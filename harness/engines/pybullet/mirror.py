@@ -9,7 +9,8 @@ step from the impulses of the last, and their friction, a pyramid along the slid
 from __future__ import annotations
 
 import math
-from typing import Final
+from dataclasses import replace
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,13 +32,22 @@ def halves(scene: Scene) -> bool:
     return scene.table == "frame" and asymmetry(scene) is None
 
 
-def other_heading(scene: Scene, settings: BulletSettings) -> float:
-    """Heading beside that of `settings`, rad: none other where what slides does so along one line, as the scene mirrors itself or
-    its pedestal is shaken in the plane alone.
+def axes(scene: Scene) -> Literal["along", "fixed"]:
+    """Whether Bullet's axes follow what slides: not where that does so along one of them, as a scene mirrors itself or its
+    pedestal is shaken in the plane alone.
     """
-    # There friction is Coulomb's under the scene's own heading, and not under another one, which would tell of itself alone.
-    along = scene.pedestal is not None and scene.base_excitation.y.peak_m_s2 == 0.0
-    return settings.turn_rad if along or asymmetry(scene) is None else TURN_RAD - settings.turn_rad
+    in_line = scene.pedestal is not None and scene.base_excitation.y.peak_m_s2 == 0.0
+    return "fixed" if in_line or asymmetry(scene) is None else "along"
+
+
+def other_axes(scene: Scene, settings: BulletSettings) -> BulletSettings:
+    """Bullet's axes otherwise than with `settings`, where something slides askew."""
+    if axes(scene) == "fixed":
+        return settings
+    if scene.pedestal is None:
+        return replace(settings, axes="fixed", turn_rad=TURN_RAD - settings.turn_rad)
+    # A pedestal slides as one: askew to its sides its feet would each lean another way and yaw it, as along them they do not.
+    return replace(settings, axes="along" if settings.axes == "fixed" else "fixed")
 
 
 def halved(feet_m: Array) -> Array:

@@ -43,7 +43,8 @@ class World:
 
     def __init__(self, settings: BulletSettings, *, mirrored: bool = False, in_plane: bool = False) -> None:
         self.settings, self.mirrored, self.in_plane = settings, mirrored, mirrored or in_plane
-        self.heading = Heading.of(settings.turn_rad)
+        self.turn_rad, self.heading = settings.turn_rad, Heading.of(settings.turn_rad)
+        self.follows = settings.axes == "along"
         self.client = client.take()
         self.solver = Solver(settings, self.client, mirrored=mirrored)
         self.floor = -1
@@ -52,7 +53,8 @@ class World:
         self.statue = -1
         self.radius_m = settings.foot_radius_m
         self.edges, self.feet_over, self.reach = False, True, settings.reach
-        self.moments = STILL
+        self.moments, self.feet_m, self.pedestal_half_m = STILL, np.zeros((0, 3)), 0.0
+        self.table: tuple[Vector, Vector] = (STILL, STILL)
         self._homes: dict[int, Vector] = {}
 
     def __enter__(self) -> Self:
@@ -148,6 +150,7 @@ class World:
         if pedestal is None:
             return
         p, centre_m = pedestal
+        self.pedestal_half_m = p.centroid_height_m
         squares = np.array([p.width_m**2, p.depth_m**2, p.height_m**2])
         moments = p.mass_kg / 12.0 * (np.sum(squares) - squares)
         if self.in_plane:
@@ -185,7 +188,7 @@ class World:
     ) -> None:
         mass, moments, feet_m, convex_m, state = statue
         self.moments = (float(moments[0]), float(moments[1]), float(moments[2]))
-        radius = self.radius_m
+        radius, self.feet_m = self.radius_m, feet_m
         if convex_m is not None:
             there = np.zeros(len(feet_m), dtype=bool) if beside is None else beside
             groups = [feet_m[~there], feet_m[there]]
@@ -239,6 +242,13 @@ class World:
         """Put a body into a state."""
         writing.place(body, state if self.heading is None else self.heading.body(state), self.client)
 
+    def turn(self, by_rad: float) -> None:
+        """Turn the scene's axes in Bullet's world by so much more; the bodies that move are then to be placed again."""
+        self.turn_rad += by_rad
+        self.heading = Heading.of(self.turn_rad)
+        if self.wall is not None or self.table[1] != STILL:
+            self.move_table(*self.table)
+
     def set_reach(self, reach: float) -> None:
         """The gap, in radii of the body, up to which vertices are contacts. Contacts are made anew: Bullet keeps it with each."""
         self.reach = reach
@@ -254,6 +264,7 @@ class World:
 
     def move_table(self, displacement_m: Vector, velocity_m_s: Vector) -> None:
         """Put floor and wall to where the table is, with its velocity."""
+        self.table = (displacement_m, velocity_m_s)
         for body, (x, y, z) in self._homes.items():
             there = (x + displacement_m[0], y + displacement_m[1], z + displacement_m[2])
             self.place(body, Body(there, UPRIGHT, velocity_m_s, STILL))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
@@ -24,29 +25,24 @@ def load(source: Source, *, base_dir: Path, where: str, key: str) -> tuple[Serie
     """The processed history, and what the reader said of it; InputError names `key` of `where`, or the file and its line."""
     path = paths.resolve(source.file, base_dir=base_dir, where=where, key=f"{key}.file")
     record = read_record(path, unit=source.unit, layout=source.layout)
-    series = _chosen(record, source, where, key)
+    if source.azimuth_deg is not None:
+        others: list[Channel] = []
+        series = turned(record, source.azimuth_deg, where=where, key=key)
+    else:
+        used = channel_named(record, source.column, where=where, key=key)
+        others = [channel for channel in record.channels if channel is not used]
+        series = aligned(record)[used.name]
     try:
-        return _processed(series, record, source), _concerning(record, source, where, key)
+        return _processed(series, record, source), _concerning(record, source, others)
     except ProcessError as error:
         raise mistake(where, key, f"a step that {path.name} can take", str(error)) from error
 
 
-def _chosen(record: RecordFile, source: Source, where: str, key: str) -> Series:
-    if source.azimuth_deg is not None:
-        return turned(record, source.azimuth_deg, where=where, key=key)
-    channel = channel_named(record, source.column, where=where, key=key)
-    return aligned(record)[channel.name]
-
-
-def _concerning(record: RecordFile, source: Source, where: str, key: str) -> tuple[str, ...]:
-    """What the reader said of the channel that is used and of the whole file; of every channel where two are turned."""
+def _concerning(record: RecordFile, source: Source, others: Sequence[Channel]) -> tuple[str, ...]:
+    """What the reader said of the whole file and of its channels but the `others`, which are not used."""
     cured = source.baseline != "none" or source.bandpass_hz is not None
-    warnings = tuple(said for said in record.warnings if not (cured and DRIFTS in said))
-    if source.azimuth_deg is not None:
-        return warnings
-    used = channel_named(record, source.column, where=where, key=key).name
-    others = tuple(f"{channel.name}: " for channel in record.channels if channel.name != used)
-    return tuple(said for said in warnings if not said.startswith(others))
+    unused = tuple(f"{channel.name}: " for channel in others)
+    return tuple(said for said in record.warnings if not (cured and DRIFTS in said) and not said.startswith(unused))
 
 
 def _shaped(series: Series, source: Source) -> Series:

@@ -13,16 +13,10 @@ from harness.comparison.statistics.outcomes import FELL
 from harness.model.history import Outcome
 from harness.records.study import CaseRun
 from harness.validation.fit import DESIGN, Choice, choose, design
+from harness.validation.jobs import parse_model
 from harness.validation.motions import Intensity
 from harness.validation.scenes import GRAVITY_M_S2, Variant
-from harness.validation.scoring import (
-    by_intensity,
-    case_of,
-    curves,
-    probability,
-    score_baseline,
-    score_model,
-)
+from harness.validation.scoring import Answered, by_intensity, case_of, curves, score_baseline, score_model
 from harness.validation.table import Trial, read_table
 from tests import doubles
 from tests.harness.validation.experiments import write_experiments
@@ -70,13 +64,13 @@ def test_probability_is_the_share_of_runs_that_fall_and_failures_do_not_count() 
     one = trial("t", True)
     outcomes = [answer(True), answer(False), answer(True), answer(True), answer(True, outcome=Outcome.CRASHED)]
     answers = {(one.name, Variant(sample=k)): outcome for k, outcome in enumerate(outcomes)}
-    choice = Choice(0, {}, 0, None)
-    assert probability(one, choice, answers, 4) == 0.75
+    model, choice = parse_model("analytic"), Choice(0, {}, 0, None)
+    assert Answered(model, choice, answers, 4).probability(one) == 0.75
     outcomes[1] = answer(True, outcome=Outcome.UNDECIDED)
     answers = {(one.name, Variant(sample=k)): outcome for k, outcome in enumerate(outcomes)}
-    assert probability(one, choice, answers, 4) == 1.0
+    assert Answered(model, choice, answers, 4).probability(one) == 1.0
     crashed = {(one.name, Variant()): answer(True, outcome=Outcome.CRASHED)}
-    assert probability(one, choice, crashed, 0) is None
+    assert Answered(model, choice, crashed, 0).probability(one) is None
 
 
 @pytest.mark.parametrize(
@@ -124,7 +118,7 @@ def test_a_model_is_scored_whole() -> None:
     for k, each in enumerate(trials):
         answers[each.name, Variant()] = answer(k >= 5)
         answers[each.name, Variant(sample=1)] = answer(k >= 6)
-    found = score_model(trials, trials, Choice(0, {}, 0, None), answers, shaking, 1)
+    found = score_model(trials, trials, Answered(parse_model("analytic"), Choice(0, {}, 0, None), answers, 1), shaking)
     assert found.outcomes.accuracy is not None
     assert found.outcomes.accuracy.value == pytest.approx(11 / 12)
     assert found.outcomes.confusion["stands"]["overturned_right"] == 1
