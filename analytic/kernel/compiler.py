@@ -1,4 +1,4 @@
-"""One place for the compiler's options, with types kept; where compiled code is kept is `analytic._cache`.
+"""One place for the compiler's options, with types kept; what is compiled is kept by `analytic.machine_code`.
 
 By itself the compiler optimises each function with all that it calls, and makes it native, before what calls it is compiled: a
 function at the bottom of ten is worked through ten times. Here a function that others call is only lowered; it is optimised and
@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache, cached_property, update_wrapper
-from pathlib import Path
 from typing import Any, ClassVar, Final, Generic, ParamSpec, TypeVar
 
 import llvmlite.binding as llvm
@@ -17,8 +16,6 @@ import numba
 from numba.core.ccallback import CFunc
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 from numba.core.registry import CPUTarget, cpu_target
-
-from analytic._cache import home_of
 
 FUSED: Final = {"contract"}
 """Of all liberties only the fused a·b + c, rounded once where the processor has it. A mirrored run keeps its bits, and so does
@@ -113,17 +110,9 @@ class Inner(Generic[P, R]):
 
     @cached_property
     def _made(self) -> Callable[P, R]:
-        """As the interpreter calls it."""
-        config: Any = numba.config
-        theirs = config.CACHE_DIR
-        place = theirs or home_of(Path(self._function.__code__.co_filename).resolve().parent)
-        # numba reads the folder when it is handed a function; the setting is the user's, and is put back.
-        config.CACHE_DIR = str(place or "")
-        try:
-            make: Any = numba.njit
-            compiled: Callable[P, R] = make(cache=bool(place), **OPTIONS)(self._function)
-        finally:
-            config.CACHE_DIR = theirs
+        """As the interpreter calls it, which only tests and measurements do: compiled by each process."""
+        make: Any = numba.njit
+        compiled: Callable[P, R] = make(**OPTIONS)(self._function)
         return compiled
 
     @property
@@ -165,7 +154,7 @@ def _signature(function: Callable[..., None]) -> Any:
 
 
 def jit(function: Callable[P, R]) -> Inner[P, R]:
-    """Compile a function: cached on disk, without the interpreter's lock, IEEE division, sums in the order written."""
+    """Compile a function: without the interpreter's lock, IEEE division, sums in the order written."""
     return Inner(function, forceinline=False)
 
 

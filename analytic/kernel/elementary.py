@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any, Final
+from typing import Final
 
-from numba import types
-from numba.extending import intrinsic
+import numpy as np
 
 from analytic.kernel.compiler import inlined
 
@@ -60,29 +58,6 @@ def sine_cosine(angle: float) -> tuple[float, float]:
     return sine, cosine
 
 
-def _bits(typing_context: Any, x: Any) -> Any:
-    """The 64 bits of a double."""
-
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.bitcast(arguments[0], context.get_value_type(types.int64))
-
-    return types.int64(types.float64), code
-
-
-def _double(typing_context: Any, bits: Any) -> Any:
-    """The double of 64 bits."""
-
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.bitcast(arguments[0], context.get_value_type(types.float64))
-
-    return types.float64(types.int64), code
-
-
-_compiled_bits: Any = intrinsic(_bits)
-_compiled_double: Any = intrinsic(_double)
-bits_of: Callable[[float], int] = _compiled_bits
-double_of: Callable[[int], float] = _compiled_double
-
 MANTISSA: Final = (1 << 52) - 1
 ONE: Final = 1023 << 52
 
@@ -90,11 +65,11 @@ ONE: Final = 1023 << 52
 @inlined
 def coarse_root(x: float, inverse: float) -> float:
     """x^inverse of a positive x that is a normal number, 0 < inverse ≤ 1/2, to 1 part in 10 000: enough for a step's length."""
-    bits = bits_of(x)
-    f = double_of((bits & MANTISSA) | ONE) - 1.0
+    bits = np.float64(x).view(np.int64)
+    f = np.int64((bits & MANTISSA) | ONE).view(np.float64) - 1.0
     log2 = float((bits >> 52) - 1023) + f * (1.4384 + f * (-0.6777 + f * (0.3218 - 0.0826 * f)))
     y = log2 * inverse
     whole = (y + TO_WHOLE) - TO_WHOLE
     g = y - whole
     power = 1.0 + g * (0.69315 + g * (0.24023 + g * (0.0558 + 0.0096 * g)))
-    return power * double_of((int(whole) + 1023) << 52)
+    return float(power * np.int64((int(whole) + 1023) << 52).view(np.float64))

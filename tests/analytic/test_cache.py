@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -101,37 +99,6 @@ def test_where_nothing_can_be_written_nothing_is_cached(sources: Path, monkeypat
     assert _cache.folder(sources) is None
 
 
-def small_package(package: Path) -> None:
-    """A copy with one small compiled function beside a kernel that takes half a minute."""
-    shutil.copytree(ROOT / "analytic", package, ignore=shutil.ignore_patterns("__pycache__"))
-    small = "from analytic.kernel.compiler import jit\n\n@jit\ndef twice(x):\n    return 2.0 * x\n"
-    (package / "kernel" / "small.py").write_text(small)
-
-
-def test_a_cache_removed_under_a_running_process_does_no_harm(tmp_path: Path) -> None:
-    """The compiler of one process finds its folder gone between import and first call."""
-    code = """
-import shutil, analytic._cache as c, analytic.kernel.small
-shutil.rmtree(c.home_of())
-print(analytic.kernel.small.twice(2.0))
-assert any(c.home_of().iterdir()), "it was written again"
-"""
-    small_package(tmp_path / "analytic")
-    told = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert told.returncode == 0, told.stderr
-    assert told.stdout.strip() == "4.0"
-
-
-PLANT = """
-import os, pickle, sys
-class Plant:
-    def __reduce__(self):
-        return os.mkdir, (sys.argv[2],)
-with open(sys.argv[1], "wb") as file:
-    pickle.dump(Plant(), file)
-"""
-
-
 def planted(kind: str, tmp_path: Path, wanted: Path) -> None:
     """A folder where the cache would stand that someone else could have put there, or could write into."""
     wanted.parent.mkdir(parents=True, exist_ok=True)
@@ -179,33 +146,3 @@ def test_a_folder_that_can_be_replaced_is_not_used(
     assert chosen is not None
     assert chosen.parent.parent == tmp_path / "cache"
     assert chosen.stat().st_mode & 0o777 == 0o700
-
-
-@NEEDS_ROOT
-def test_what_another_user_planted_is_never_unpickled(tmp_path: Path) -> None:
-    """An index file of another user's, in the temporary folder where the compiler's cache would look for it, is not read."""
-    code = """
-import pathlib, sys
-import analytic._cache as c
-c.homes = lambda sources: iter([pathlib.Path(sys.argv[1])])
-import analytic.kernel.small
-print(c.home_of(), analytic.kernel.small.twice(2.0))
-"""
-    package = tmp_path / "analytic"
-    small_package(package)
-    home = tmp_path / "planted"
-
-    def run() -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-W", "ignore", "-c", code, str(home)]
-        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-
-    assert run().returncode == 0
-    indices = list(home.rglob("*.nbi"))
-    assert indices, "the compiler keeps an index"
-    for index in indices:
-        subprocess.run([sys.executable, "-c", PLANT, str(index), str(tmp_path / "it_ran")], check=True)
-    for path in (home, *home.rglob("*")):
-        os.chown(path, 12345, 12345)
-    told = run()
-    assert told.stdout.strip() == "None 4.0", told.stderr
-    assert not (tmp_path / "it_ran").exists()

@@ -247,10 +247,9 @@ def _leave(s: Run, m: Memory) -> None:
 def _settle(s: Run, m: Memory) -> bool:
     """Bring to rest what leaves the floor too slowly for its rebound to be seen; True if that was done."""
     vertex_velocities(s, m, m.y)
-    rows, fastest, lift = axes(m.y), 0.0, 0.0
+    rows, fastest = axes(m.y), 0.0
     for k in range(s.touching):
-        u = row3(m.u, m.touch[k])
-        fastest, lift = max(fastest, length(u)), max(lift, abs(dot(rows[2], u)))
+        fastest = max(fastest, length(row3(m.u, m.touch[k])))
     if s.touching > 2 and fastest <= s.settle_m_s and rests(s, m, rows, field(s, m, s.time_s)):
         m.y[7:13] = 0.0
         s.settled += 1
