@@ -109,17 +109,7 @@ def ensemble(
     threads: None for all cores; the result does not depend on it. progress: a callback, or True for a bar. keywords: those of
     ``simulate`` that decide an outcome. Raises AnalyticInputError for unknown names and numbers that cannot be run.
     """
-    unknown = sorted(set(sweep) - set(SWEEPABLE))
-    if unknown or not sweep:
-        raise AnalyticInputError(
-            f"sweep: some of {', '.join(SWEEPABLE)} are wanted, {', '.join(unknown) or 'none'} came."
-        )
-    columns = {name: np.asarray(values, dtype=np.float64) for name, values in sweep.items()}
-    shape = np.broadcast_shapes(*(values.shape for values in columns.values()))
-    flat = {name: np.broadcast_to(values, shape).ravel() for name, values in columns.items()}
-    wrong = [name for name, values in flat.items() if not np.isfinite(values).all()]
-    if wrong:
-        raise AnalyticInputError(f"sweep: finite numbers are wanted in {', '.join(wrong)}.")
+    shape, flat = flattened(sweep, SWEEPABLE)
     strange = sorted(set(keywords) - _KEYWORDS)
     if strange:
         raise AnalyticInputError(f"ensemble: keywords of simulate are wanted, {', '.join(strange)} came.")
@@ -143,6 +133,24 @@ def ensemble(
         impacts=shaped(out.counts["impacts"]),
         steps=shaped(out.counts["steps"]),
     )
+
+
+def flattened(
+    sweep: Mapping[str, ArrayLike], known: tuple[str, ...]
+) -> tuple[tuple[int, ...], dict[str, NDArray[np.float64]]]:
+    """The shape of a sweep, and each of its arrays, by its name, broadcast to it and flat.
+
+    Raises AnalyticInputError for other names than those known, for none, and for numbers that are not finite.
+    """
+    unknown = sorted(set(sweep) - set(known))
+    if unknown or not sweep:
+        raise AnalyticInputError(f"sweep: some of {', '.join(known)} are wanted, {', '.join(unknown) or 'none'} came.")
+    columns = {name: np.asarray(values, dtype=np.float64) for name, values in sweep.items()}
+    wrong = [name for name, values in columns.items() if not np.isfinite(values).all()]
+    if wrong:
+        raise AnalyticInputError(f"sweep: finite numbers are wanted in {', '.join(wrong)}.")
+    shape = np.broadcast_shapes(*(values.shape for values in columns.values()))
+    return shape, {name: np.broadcast_to(values, shape).ravel() for name, values in columns.items()}
 
 
 class Rows(NamedTuple):
