@@ -167,3 +167,6 @@ LINE_RAD = 2e-5
 
 OFF_LINE_RAD = 0.1
 """The same of one whose corners have other effective masses along Bullet's x and y: 0.16 rad measured at twice the depth."""
+PAST_REST_M, PAST_REST_RAD = 2e-4, 5e-4
+"""A pedestal that turns aside past rest, at 1 to 0.25 ms over 1.5 s: measured 8e-5 m and 2.1e-4 rad; 4.7e-3 m and 5e-3 rad where
+it counts as at rest because a step can stop it."""

@@ -58,7 +58,7 @@ def compare(
     history_a, history_b = _history(a), _history(b)
     if history_a is None or history_b is None:
         none = events.NO_EXCURSIONS
-        return _scores(a, b, sides, None, (_peak_alone(a), _peak_alone(b)), (none, none), None, math.inf)
+        return _scores(a, b, sides, None, (_peak_alone(a), _peak_alone(b)), (none, none), None, until)
     both = _paired(history_a, history_b, a, b, names)
     within = both.until(until)
     peaks = pointwise.peak(history_a, within.end_s), pointwise.peak(history_b, within.end_s)
@@ -109,10 +109,6 @@ def _paired(history_a: History, history_b: History, a: Run | History, b: Run | H
 def _rests(answer: Run | History) -> bool:
     """Whether the run was ended early because nothing moves any more, so that its last value holds."""
     return isinstance(answer, Run) and answer.outcome is Outcome.STANDS
-
-
-def _finite(time_s: float) -> float | None:
-    return time_s if math.isfinite(time_s) else None
 
 
 def _peaks(a: pointwise.Peak, b: pointwise.Peak) -> Peaks:
@@ -166,7 +162,7 @@ def _scores(
     return Scores(
         a=sides[0].name,
         b=sides[1].name,
-        horizon_s=_finite(min(side.until_s for side in sides)),
+        horizon_s=until_s if math.isfinite(until_s) else None,
         together_tolerance_rad=TOGETHER_RAD,
         compared_from_s=None,
         compared_until_s=None,

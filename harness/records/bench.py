@@ -125,11 +125,6 @@ class Coverage:
         """Whether the errors of rotation and slip stay within the statement while it holds."""
         return self.stated is not None and self.stated.rotation_holds and self.stated.slip_holds
 
-    @property
-    def met_whole(self) -> bool:
-        """Whether the target is met to the end of the run."""
-        return self.stated is not None and self.stated.share >= 1.0 and self.stated.stated_rad <= self.target_rad
-
 
 @dataclass(frozen=True)
 class Covered:

@@ -83,7 +83,7 @@ def _refined(choice: Choice, asked: _Asked) -> Choice:
         before = choice
         choice = _with_friction(choice, asked)
         for name in ("tolerance", "inset", "azimuth"):
-            choice = _by_body(choice, name, asked)
+            choice = _input_by_body(choice, name, asked)
         if choice == before:
             break
     return choice
@@ -91,20 +91,8 @@ def _refined(choice: Choice, asked: _Asked) -> Choice:
 
 def _designed(choice: Choice, asked: _Asked) -> list[Choice]:
     """A choice for each friction, in which every body has its best of the joint settings of its own inputs."""
-    settings = {
-        body: design({name: max(_count(trial, name) for trial in group) for name in OF_BODY})
-        for body, group in asked.bodies.items()
-    }
-    choices = []
-    for k in range(max(len(trial.frictions) for trial in asked.trials)):
-        each = replace(choice, friction=k)
-        for body, group in asked.bodies.items():
-            values = [each.with_body(body, **setting) for setting in settings[body]]
-            if len(values) > 1:
-                asked.know(values, group)
-                each = max(values, key=lambda value, group=group: asked.right(value, group))  # type: ignore[misc]
-        choices.append(each)
-    return choices
+    settings = {body: design(counts) for body, counts in asked.counts.items()}
+    return [_by_body(replace(choice, friction=k), settings, asked) for k in range(asked.frictions)]
 
 
 def design(counts: Mapping[str, int]) -> list[dict[str, int]]:
@@ -129,15 +117,22 @@ class _Asked:
             body: list(group)
             for body, group in itertools.groupby(sorted(trials, key=lambda trial: trial.body), lambda trial: trial.body)
         }
+        self.counts = {
+            body: {name: max(_count(trial, name) for trial in group) for name in OF_BODY}
+            for body, group in self.bodies.items()
+        }
+        self.frictions = max(len(trial.frictions) for trial in trials)
 
     @property
     def runs(self) -> int:
         """Runs that the fit has asked for."""
         return len(self._seen)
 
-    def know(self, choices: Sequence[Choice], trials: Sequence[Trial]) -> None:
-        """Run these choices of these tests at once, so that all workers have something to do."""
+    def best(self, choices: Sequence[Choice], trials: Sequence[Trial]) -> Choice:
+        """The choice with which most of these tests come out as observed, the first of equals."""
+        # All at once, so that all workers have something to do.
         self._answers([(trial, choice.variant(trial)) for choice in choices for trial in trials])
+        return max(choices, key=lambda choice: self.right(choice, trials))
 
     def right(self, choice: Choice, trials: Sequence[Trial]) -> int:
         """How many of these tests come out as observed."""
@@ -152,24 +147,23 @@ class _Asked:
 
 def _with_friction(choice: Choice, asked: _Asked) -> Choice:
     """The common friction with which, each body's azimuth at its best, most tests are right."""
-    values = [replace(choice, friction=k) for k in range(max(len(trial.frictions) for trial in asked.trials))]
-    if len(values) == 1:
+    if asked.frictions == 1:
         return choice
-    turned = [_by_body(value, "azimuth", asked) for value in values]
-    return max(turned, key=lambda value: asked.right(value, asked.trials))
+    turned = [_input_by_body(replace(choice, friction=k), "azimuth", asked) for k in range(asked.frictions)]
+    return asked.best(turned, asked.trials)
 
 
-def _by_body(choice: Choice, name: str, asked: _Asked) -> Choice:
+def _input_by_body(choice: Choice, name: str, asked: _Asked) -> Choice:
     """Each body's best value of one input, the others held."""
-    options = {
-        body: [choice.with_body(body, **{name: k}) for k in range(max(_count(trial, name) for trial in group))]
-        for body, group in asked.bodies.items()
-    }
-    for body, values in options.items():
+    return _by_body(choice, {body: [{name: k} for k in range(n[name])] for body, n in asked.counts.items()}, asked)
+
+
+def _by_body(choice: Choice, settings: Mapping[str, Sequence[Mapping[str, int]]], asked: _Asked) -> Choice:
+    """The choice with each body's best of its settings; one body's say nothing of another's tests."""
+    for body, group in asked.bodies.items():
+        values = [choice.with_body(body, **setting) for setting in settings[body]]
         if len(values) > 1:
-            asked.know(values, asked.bodies[body])
-            best = max(values, key=lambda value, body=body: asked.right(value, asked.bodies[body]))  # type: ignore[misc]
-            choice = choice.with_body(body, **{name: getattr(best.bodies[body], name)})
+            choice = asked.best(values, group)
     return choice
 
 

@@ -31,22 +31,16 @@ def design_figures(
         return []
     figures = []
     for model in models if len(conditions) <= MOST_PLACES else ():
-        peak = _value_map(model, conditions, axes, _peak_rad, "rad")
+        peak = _value_map(
+            model, conditions, axes, lambda run: abs(run.peak_theta_rad) if run.outcome == "stands" else np.nan, "rad"
+        )
         if peak is not None:
             figures.append((f"{model}: largest rotation where the statue stands", {**peak, "data": peak["data"][:1]}))
     for model in models:
-        slip = _value_map(model, conditions, axes, _slip_mm, "mm")
+        slip = _value_map(model, conditions, axes, lambda run: 1000.0 * run.peak_slip_m, "mm")
         if slip is not None:
             figures.append((f"{model}: largest displacement of the pedestal; ✕ where the pedestal would tip", slip))
     return figures
-
-
-def _peak_rad(run: CaseRun) -> float:
-    return abs(run.peak_theta_rad) if run.outcome == "stands" else np.nan
-
-
-def _slip_mm(run: CaseRun) -> float:
-    return 1000.0 * run.peak_slip_m
 
 
 def best_designs(models: Sequence[str], conditions: Sequence[Condition], axes: tuple[str, str] | None) -> list[str]:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from markupsafe import Markup
-
 from harness.assess.by_model import MODEL
 from harness.assess.sensitivity import LEAST_DRAWS
 from harness.assess.words import CLEAR, advice, reserve, room
@@ -15,7 +13,6 @@ from harness.model.scene import Uncertain
 from harness.records.assess import (
     AssessRecord,
     ClearanceByModel,
-    ClearanceRecord,
     FragilityRecord,
     Index,
     ProbabilityDifference,
@@ -39,6 +36,9 @@ TICKS: Final = [0.25, 0.5, 1.0, 2.0, 4.0]
 
 def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
     """Everything that the assess template shows."""
+    clearance = record.clearance
+    room_words = None if clearance is None else room(clearance)
+    plan = None if clearance is None else probable_plan(clearance, CLEAR)
     return {
         "verdict": assess_verdict(record),
         "inputs": [(item, _said(item, record.assumed)) for item in record.uncertainty],
@@ -47,9 +47,9 @@ def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
         "chart": None if record.fragility is None else _chart(record.fragility),
         "advice": [] if record.options is None else advice(record.options),
         "planar": record.options is not None and record.options.model == MODEL,
-        "room": None if record.clearance is None else room(record.clearance),
-        "plan": _plan(record),
-        "clearance": [] if record.clearance is None else _clearance(record.clearance),
+        "room": room_words,
+        "plan": plan and plan_svg(record.scene, plan, str(room_words), ENGLISH),
+        "clearance": [_clearance(*each) for each in (clearance.answered.items() if clearance else ())],
     }
 
 
@@ -97,27 +97,14 @@ def _said(item: Uncertain, assumed: bool) -> str:
     return given.source if assumed else f"as assumed: {given.source}"
 
 
-def _plan(record: AssessRecord) -> Markup | None:
-    if record.clearance is None or (plan := probable_plan(record.clearance, CLEAR)) is None:
-        return None
-    return plan_svg(record.scene, plan, room(record.clearance), ENGLISH)
-
-
-def _clearance(item: ClearanceRecord) -> list[dict[str, object]]:
-    """For each model a table by direction: quantiles of the outline's way, and of its top's and the pedestal's at one share."""
-    return [{"name": name, "heads": _heads(answer), "rows": _rooms(answer)} for name, answer in item.answered.items()]
-
-
-def _heads(item: ClearanceByModel) -> list[str]:
-    outline = [f"outline, {percent(share)} of 100" for share in item.share]
-    return [*outline, *(f"{part}, {percent(CLEAR)} of 100" for part in ("top", "pedestal"))]
-
-
-def _rooms(item: ClearanceByModel) -> list[tuple[str, list[str]]]:
+def _clearance(name: str, item: ClearanceByModel) -> tuple[str, list[str], list[tuple[str, list[str]]]]:
+    """A model's table by direction, its heads first: quantiles of the outline's way, and at one share of top and pedestal."""
     at = list(item.share).index(CLEAR)
+    heads = [f"outline, {percent(share)} of 100" for share in item.share]
+    heads += [f"{part}, {percent(CLEAR)} of 100" for part in ("top", "pedestal")]
     columns = zip(*item.outline_m, item.top_m[at], item.pedestal_m[at], strict=True)
-    cells = ([f"{value:.3f} m".replace(" ", "\u00a0") for value in row] for row in columns)
-    return [(_towards(angle), row) for angle, row in zip(item.direction_deg, cells, strict=True)]
+    cells = ([f"{value:.3f}\u00a0m" for value in row] for row in columns)
+    return name, heads, [(_towards(angle), row) for angle, row in zip(item.direction_deg, cells, strict=True)]
 
 
 def _towards(angle_deg: float) -> str:

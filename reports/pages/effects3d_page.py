@@ -43,11 +43,14 @@ def context(folder: Path, record: EffectsRecord) -> dict[str, object]:
         "picture": scene_svg(record.scene),
         "directions": source and directions(record, source),
         "rose": rose(record).svg(ROSE_WORDS),
-        "keys": [{"name": item.name, "colour": item.colour} for item in curves(record)],
+        "keys": curves(record),
         "engines": engines,
         "peaks": {name: {row.azimuth_deg: row.peak_g for row in record.amplitudes(name, BASELINE)} for name in engines},
         "band_at": {row.azimuth_deg: row for row in record.bands},
-        "falls": falls(record),
+        "falls": {
+            row.azimuth_deg: row.outcome.removeprefix("overturned_")
+            for row in record.amplitudes(record.solid_engine, BASELINE)
+        },
         "changes": changes(record).svg(CHANGES_WORDS, style="min-width: 700px"),
         "effect_engines": list(dict.fromkeys(item.engine for item in record.effects)),
         "change": _change,
@@ -201,9 +204,3 @@ def _leaving(record: EffectsRecord, engine: str) -> list[str]:
         f" {len(leaving)} of {len(mine)} directions, by up to {unit(tilt, 'rad', 2)}; it stays turned by up to"
         f" {unit(yaw, 'rad', 2)} and moved by up to {unit(1000.0 * walked, 'mm', 2)}."
     ]
-
-
-def falls(record: EffectsRecord) -> dict[float, str]:
-    """To which side it falls in three dimensions, by direction."""
-    rows = record.amplitudes(record.solid_engine, BASELINE)
-    return {row.azimuth_deg: row.outcome.removeprefix("overturned_") for row in rows}

@@ -117,7 +117,9 @@ def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Co
     points += [] if record.table is None else [record.table.sentence]
     same, total = sum(item[2] for item in pairs), sum(item[3] for item in pairs)
     if record.headline:
-        return Verdict(_claims_headline(record.headline), "differ", [*_claim_points(record), *points])
+        sentences = {item.claim: item.sentence for item in record.claims or ()}
+        claims = [f"({claim}) {sentences[claim]}: {verdict}." for claim, verdict in record.headline.items()]
+        return Verdict(_claims_headline(record.headline), "differ", [*claims, *points])
     if not pairs:
         ends = [family(run.outcome) for model in models for _, run in runs_of(cases, model)]
         return Verdict(_falls(models, cases), tone_of_study(ends), points)
@@ -164,11 +166,6 @@ def _claims_headline(headline: Mapping[str, str]) -> str:
     }
     parts = [f"{ENGLISH.listed(names)} {words[verdict]}" for verdict, names in groups.items()]
     return f"The paper's claims: {'; '.join(parts)}"
-
-
-def _claim_points(record: StudyRecord) -> list[str]:
-    sentences = {item.claim: item.sentence for item in record.claims or ()}
-    return [f"({claim}) {sentences[claim]}: {verdict}." for claim, verdict in (record.headline or {}).items()]
 
 
 def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str]) -> list[dict[str, Any]]:

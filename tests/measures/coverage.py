@@ -60,7 +60,12 @@ def coverage(engine: Engine, accuracy_rad: float, seeds: Sequence[int], levels: 
         if run.history is None or truth.history is None:
             continue
         row = Coverage(engine.name, seed, accuracy_rad, statement(run, truth), cpu_s)
-        yield replace(row, levels=tuple(_levels(engine, scene, truth))) if levels and row.met_whole else row
+        yield replace(row, levels=tuple(_levels(engine, scene, truth))) if levels and met_whole(row) else row
+
+
+def met_whole(row: Coverage) -> bool:
+    """Whether the target is met to the end of the run."""
+    return row.stated is not None and row.stated.share >= 1.0 and row.stated.stated_rad <= row.target_rad
 
 
 def truth_of(engine: Engine, scene: Scene, run: Run, until_s: float, finest_s: float = 0.0) -> Run:

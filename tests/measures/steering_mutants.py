@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from harness import engines
@@ -109,7 +109,9 @@ LAYER: Final[Mapping[str, Change]] = {
     **_turns(_E + "writing:RowWriter.write", Columns(7, 9, 11, 20)),
     "turned the other way": {_E + "step_state:StepState.turn": lambda own: lambda self, seconds: own(self, -seconds)},
     "limits of friction × 1.1": {_E + "stepper:Stepper.__init__": _limits},
-    "limit × 1.1 in the test alone": {_E + "stepper:SATURATED": lambda own: LIMIT * own},
+    "limit × 1.1 in the test alone": {
+        _E + "settings:EVENTS": lambda own: replace(own, saturated=LIMIT * own.saturated)
+    },
     "release as static": {
         _E + "stepper:Stepper._slip_onset": _static,
         _E + "stepper:Stepper.let_loose": lambda _: lambda self, friction, gravity, before: self.backend.read(),

@@ -174,7 +174,9 @@ def _stick_onset(state: StepState, pull: float, kinetic: float) -> int:
     ax = (vx - before[0] + stepper.table_before[0]) / last_s
     ay = (vy - before[1] + stepper.table_before[1]) / last_s
     slowing = -(vx * ax + vy * ay) / speed
-    if slowing > events.least_share * kinetic:
+    # Kinetic friction stops nothing that goes past rest: what turns aside slides on, unless less than it is needed.
+    past_m_s = abs(vx * ay - vy * ax) / max(math.hypot(ax, ay), events.least_share * kinetic)
+    if slowing > events.least_share * kinetic and past_m_s <= events.past_rest * kinetic * step_s:
         stick_onset_s = state.kick_s + speed / slowing
         if stick_onset_s <= 0.5 * (state.t_s + state.next_s):
             state.stick_onset(stick_onset_s)

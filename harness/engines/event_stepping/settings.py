@@ -92,6 +92,9 @@ class EventSettings:
     # Stick onset and slip onset of the pedestal.
     least_share: float = 0.1
     """Share of kinetic friction's deceleration below which a change of the pedestal's velocity is the solver's remainder."""
+    past_rest: float = 0.1
+    """A pedestal whose velocity, going on in a straight line, passes rest by more than this share of what kinetic friction takes
+    in a step does not come to rest."""
     sticks_below: float = 0.3
     """Share of a step's loss of velocity that may be left of it when the pedestal counts as stuck."""
     saturated: float = 0.998

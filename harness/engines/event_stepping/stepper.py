@@ -14,6 +14,8 @@ from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.writing import RowWriter
 from harness.model.scene import Scene
 
+LEAST_M_S: Final = 1e-12
+"""Below this a velocity does not change."""
 REVERSAL: Final = "friction_reversal"
 """Kind of what is written where the pedestal's velocity passed zero, and static friction may hold."""
 
@@ -26,14 +28,14 @@ class Stepper:
         self.writer = RowWriter(backend, scene)
         contact, pedestal = scene.contact, scene.pedestal
         self.static, self.kinetic = contact.floor_static, contact.floor_kinetic
+        self.kinetic_m_s = self.kinetic * scene.gravity_m_s2 * schedule.step_s
         self.switches = pedestal is not None and self.static != self.kinetic
         self.masses = (scene.statue.mass_kg, 0.0 if pedestal is None else pedestal.mass_kg)
         freely_rad = 0.0 if pedestal is None else 2.0 * scene.gravity_m_s2 / pedestal.height_m * schedule.step_s**2
         self.tipped_rad = max(self.events.tipped_rad, self.events.tipped * freely_rad)
         # Whole steps that ask for nothing between them are made at once.
         self.runs = backend.runs and not (schedule.moving or self.switches)
-        self.stuck = True
-        self.just_slipped = False
+        self.stuck, self.just_slipped, self.past_m_s = True, False, 0.0
         self.table_place: Vector = (0.0, 0.0, 0.0)
         self.table_rate: Vector = (0.0, 0.0, 0.0)
         self.table_before = self.table_rate
@@ -56,6 +58,8 @@ class Stepper:
             self.just_slipped = (
                 not self.stuck and self._speed(before, self.table_before) < self.events.sticks_below * taken_m_s
             )
+            return row
+        if self._goes_past_rest(before, row):
             return row
         if self._sticks(before, row) and not self._saturated(self.kinetic, pull, before, row):
             self._hold(self.static)
@@ -133,3 +137,14 @@ class Stepper:
     def _reversed(self, before: Row, row: Row) -> bool:
         x, y = self.table_rate[0], self.table_rate[1]
         return (before[20] - x) * (row[20] - x) + (before[21] - y) * (row[21] - y) < 0.0
+
+    def _goes_past_rest(self, before: Row, row: Row) -> bool:
+        """Whether in this step or the one before the velocity went along a line that passes rest, as it does in space.
+
+        Kinetic friction stops nothing that turns aside where more is needed to hold it; a step's own solution does, as within
+        its length it takes all of a small velocity.
+        """
+        x, y = self.table_rate[0], self.table_rate[1]
+        u, v, a, b = before[20] - x, before[21] - y, row[20] - before[20], row[21] - before[21]
+        before_m_s, self.past_m_s = self.past_m_s, abs(u * b - v * a) / max(math.hypot(a, b), LEAST_M_S)
+        return max(before_m_s, self.past_m_s) > self.events.past_rest * self.kinetic_m_s

@@ -25,12 +25,8 @@ DEFAULT_DURATION_S: Final = 25.0
 """With the envelope below, 11 s of strong shaking: Eurocode 8 asks for 10 s at least (3.2.3.1.2)."""
 
 _CONTROL_S: Final = np.geomspace(0.045, 2.4, 200)  # 2 % apart: wider, the spectrum dips between them
-_AIM, _SOFTER_AIM, _HARD_PASSES = (
-    0.05,
-    0.075,
-    12,
-)  # misfit at the control periods that ends matching, at first and later
-_FFT_PASSES, _PASSES = 8, 30
+_AIM, _SOFTER_AIM = 0.05, 0.075  # misfit at the control periods that ends matching, at first and later
+_FFT_PASSES, _HARD_PASSES, _PASSES = 8, 12, 30
 _RELAX = 0.5  # share of the missing response asked of one pass, since peaks move to other times
 _WIDTH = 3.0  # wavelets 2.5 times as long as the paper's 1.178: narrow dips of the spectrum need a narrow band
 _RIDGE = 0.02  # neighbouring oscillators ask nearly the same: without damping the amounts grow without bound
@@ -39,10 +35,7 @@ _DECAYED = 0.05
 _LOWEST_HZ = 0.15  # an artificial motion has no energy below
 _DRIFT_HZ, _DRIFT_PAD = 0.12, 1.5  # and zeros around it, in its periods
 _EDGE = 0.02  # share of the duration that fades in and out
-_NEGLIGIBLE_WAVELET, _NEGLIGIBLE_RESPONSE = (
-    3.2,
-    9.0,
-)  # exponents' root and value: below 1e-4, and corrected by later passes
+_NEGLIGIBLE_WAVELET, _NEGLIGIBLE_RESPONSE = 3.2, 9.0  # exponents' root and value: below 1e-4, mended by later passes
 
 
 class NoMatchError(ValueError):
