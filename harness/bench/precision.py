@@ -21,6 +21,7 @@ from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.bench import LEVEL, TARGET, PrecisionRow
+from harness.records.witness import PLAIN
 
 TARGET_RAD: Final = 1e-3
 DEFAULTS: Final = "tests.measures.engine_defaults"
@@ -31,11 +32,6 @@ REPEATS: Final = 15
 """Turns in which levels are timed: after a long one caches are cold, and a short one needs more turns to show its least time."""
 BUDGET_S: Final = 0.1
 """Processor time of one level after which no further turn is begun: what is compared are ratios of whole numbers and more."""
-
-
-PLAIN: Final = ":plain"
-"""How the names of engines end that locate no events: they are not asked what a target takes, as they refine until they give up.
-"""
 NOTHING: Final = Cost(0.0, 0.0, 0)
 """Of what was not run."""
 
@@ -89,6 +85,7 @@ def _levels(base: PrecisionRow, scene: Scene, engine: Engine, exact: Run | None,
     tried = _tried(engine, scene, quick)
     good = [(settings, run, once) for settings, run, once in tried if isinstance(run, Run)]
     judge = exact or (good[-1][1] if good else None)
+    # An engine as it comes is not asked what a target takes: it refines until it gives up.
     refines = judge is not None and not engine.capabilities.certifies and not engine.name.endswith(PLAIN)
     refine = partial(run_to_accuracy, engine, scene, TARGET_RAD, RunOptions())
     asked, once = timed(partial(_answered, refine)) if refines else (None, NOTHING)

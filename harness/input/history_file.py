@@ -59,7 +59,8 @@ def read_history(path: Path) -> History:
     begin with # are comments. Rates that are not given are differences. Half a unit of the last digit written, in the file's own
     unit, is the history's resolution. Raises `InputError` naming file, line and column.
     """
-    table = _table(path, _text(path))
+    wanted = "a CSV file with a header line and at least one row"
+    table = _table(path, decoded(read_bytes(path, "a history", MOST_BYTES), str(path), wanted))
     meant = _meant(path, table.names)
     numbers = _numbers(path, table)
     columns = {name: numbers[:, index] * factor for index, (name, factor) in enumerate(meant)}
@@ -108,11 +109,6 @@ def gaps(history: History) -> list[tuple[float, float]]:
     moved |= np.maximum(np.abs(history.theta_rad[:-1]), np.abs(history.theta_rad[1:])) > GAP_RAD
     long_steps = np.flatnonzero((step > GAP_STEPS * float(np.median(step))) & moved)
     return [(float(history.t_s[i]), float(history.t_s[i + 1])) for i in long_steps]
-
-
-def _text(path: Path) -> str:
-    wanted = "a CSV file with a header line and at least one row"
-    return decoded(read_bytes(path, "a history", MOST_BYTES), str(path), wanted)
 
 
 def _table(path: Path, text: str) -> _Table:

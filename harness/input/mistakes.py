@@ -158,14 +158,12 @@ def _resolve(
     named = False  # whether the next part is a name that the user gave in a table of tables
     for number, part in enumerate(location):
         last = number == len(location) - 1
-        field = next(
-            (m.model_fields[part] for m in candidates if isinstance(part, str) and part in m.model_fields), None
-        )
-        if field is not None:
-            owner = next(m for m in candidates if part in m.model_fields)
+        table = next((each for each in candidates if part in each.model_fields), None)
+        if table is not None:
+            owner = table
             path.append(str(part))
-            inner = list(_tables_in(field.annotation))
-            candidates, named = inner or candidates, get_origin(field.annotation) is dict
+            kind = table.model_fields[str(part)].annotation
+            candidates, named = list(_tables_in(kind)) or candidates, get_origin(kind) is dict
             continue
         if named:
             path += str(part).split(".")

@@ -16,7 +16,7 @@ from harness.engines.base import EngineFailure
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
-from harness.records.scores import ROBUST, Scores
+from harness.records.scores import ROBUST, Evidence, Scores
 
 LEAST: Final = 1e-9
 """Share of the inertia's trace, or of the base's width, below which products or a skewed base are rounding."""
@@ -60,16 +60,16 @@ TAKEN_AWAY: Final[Mapping[str, Callable[[Scene], Scene | None]]] = {
 
 
 def with_reasons(scene: Scene, runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, Scores]:
-    """The scores of pairs; of each planar and 3D answer whose rotations differ robustly, told which of `TAKEN_AWAY` is why."""
+    """The scores of pairs; of each planar and 3D answer that differ robustly, told which of `TAKEN_AWAY` is why."""
     again: dict[str, dict[str, Run]] = {}
     judged = dict(scores)
     for pair, each in scores.items():
         sides = {engines.load(name).capabilities.dimensions: name for name in (each.a, each.b)}
-        if each.verdict in ROBUST and each.evidence.differs_in == "rotation" and set(sides) == {2, 3}:
+        if each.verdict in ROBUST and each.evidence.differs_in and set(sides) == {2, 3}:
             plane, space = runs[sides[2]], runs[sides[3]]
             if space.engine not in again:
                 again[space.engine] = _without_each(scene, space)
-            reason = _reason(plane, space, again[space.engine], each.evidence.limit_rad)
+            reason = _reason(plane, space, again[space.engine], each.evidence)
             judged[pair] = replace(each, verdict_sentence=each.verdict_sentence + reason)
     return judged
 
@@ -85,19 +85,27 @@ def _end_s(run: Run) -> float:
     return min(run.bounded_until_s, run.end_s)
 
 
-def _reason(plane: Run, space: Run, again: Mapping[str, Run], limit_rad: float) -> str:
+def _reason(plane: Run, space: Run, again: Mapping[str, Run], evidence: Evidence) -> str:
+    slips = evidence.differs_in == "slip"
+    limit = evidence.slip_limit_m if slips else evidence.limit_rad
     until_s = min(_end_s(plane), _end_s(space))
-    with_all = errors(plane, space, until_s)[0]
-    apart = {what: errors(plane, run, until_s)[0] for what, run in again.items()}
-    known = {what: value for what, value in apart.items() if math.isfinite(value)}
+
+    def apart(run: Run) -> float:
+        return errors(plane, run, until_s)[1 if slips else 0]
+
+    def text(value: float) -> str:
+        return f"{1e3 * value:.2g} mm" if slips else f"{value:.2g} rad"
+
+    with_all = apart(space)
+    known = {what: value for what, run in again.items() if math.isfinite(value := apart(run))}
     if not (math.isfinite(with_all) and known):
         return ""
-    each = ", ".join(f"{value:.2g} rad without {what}" for what, value in known.items())
-    measured = f"up to {until_s:.3g} s they are {with_all:.2g} rad apart, {each}"
+    each = ", ".join(f"{text(value)} without {what}" for what, value in known.items())
+    measured = f"up to {until_s:.3g} s {'their slips' if slips else 'they'} are {text(with_all)} apart, {each}"
     least = min(known, key=lambda what: known[what])
-    if known[least] > max(limit_rad, REMAINDER * with_all):
+    if known[least] > max(limit, REMAINDER * with_all):
         return f" They differ by more than any one thing that the plane leaves out: {measured}."
-    mostly = "" if known[least] <= limit_rad else "mostly "
+    mostly = "" if known[least] <= limit else "mostly "
     return f" They differ {mostly}because of {least}, which the plane leaves out: {measured}."
 
 
