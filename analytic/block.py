@@ -123,7 +123,7 @@ class Block:
     def p_rad_s(self, side: int, gravity_m_s2: float = GRAVITY_M_S2) -> float:
         """Frequency parameter p = √(m g R/J) about the outer corner on that side, rad/s."""
         radius_m = self.radius_m(side)
-        return math.sqrt(self.mass_kg * gravity_m_s2 * radius_m / (self.inertia_kg_m2 + self.mass_kg * radius_m**2))
+        return math.sqrt(self.mass_kg * gravity_m_s2 * radius_m / self.inertia_corner_kg_m2(side))
 
     def mirrored(self) -> Self:
         """The same statue with left and right exchanged."""
@@ -184,14 +184,14 @@ class Form:
 
     def __post_init__(self) -> None:
         """Check the choices."""
-        if self.friction_normal not in ("dynamic", "static"):
-            raise AnalyticInputError(f"friction_normal: dynamic or static is wanted, {self.friction_normal!r} came.")
-        if self.pedestal_at_impact not in ("momentum", "unchanged"):
-            raise AnalyticInputError(
-                f"pedestal_at_impact: momentum or unchanged is wanted, {self.pedestal_at_impact!r} came."
-            )
-        if self.choice not in CHOICES:
-            raise AnalyticInputError(f"choice: {', '.join(CHOICES)} is wanted, {self.choice!r} came.")
+        known = {
+            "friction_normal": ("dynamic", "static"),
+            "pedestal_at_impact": ("momentum", "unchanged"),
+            "choice": CHOICES,
+        }
+        for name, words in known.items():
+            if getattr(self, name) not in words:
+                raise AnalyticInputError(f"{name}: {' or '.join(words)} is wanted, {getattr(self, name)!r} came.")
         if self.restitution is not None and not 0.0 <= self.restitution <= 1.0:
             raise AnalyticInputError(f"restitution: a ratio from 0 to 1 is wanted, {self.restitution!r} came.")
 

@@ -23,37 +23,13 @@ import math
 from dataclasses import dataclass
 from typing import final
 
+from analytic.block import positive
 from analytic.constants import GRAVITY_M_S2
 from analytic.errors import AnalyticInputError
 
-__all__ = [
-    "HarmonicSlip",
-    "RollingCylinder",
-    "Similarity",
-    "first_impact_rate_rad_s",
-    "frequency_parameter_rad_s",
-    "harmonic_first_slip",
-    "harmonic_steady_slip_range_m",
-    "housner_ratio",
-    "peak_after_impact_rad",
-    "quarter_period_linear_s",
-    "quarter_period_s",
-    "rectangle_ratio",
-    "rectangular_pulse_slip_m",
-    "rectangular_pulse_threshold",
-    "rolling_cylinder",
-    "similarity",
-]
-
-
-def _positive(**values: float) -> None:
-    for name, value in values.items():
-        if not (math.isfinite(value) and value > 0.0):
-            raise AnalyticInputError(f"{name}: wanted a finite number above 0, got {value!r}; give it in SI units")
-
 
 def _tilt(theta0_rad: float, alpha_rad: float) -> None:
-    _positive(theta0_rad=theta0_rad, alpha_rad=alpha_rad)
+    positive(theta0_rad=theta0_rad, alpha_rad=alpha_rad)
     if not theta0_rad < alpha_rad < 0.5 * math.pi:
         raise AnalyticInputError(
             f"wanted 0 < theta0_rad < alpha_rad < π/2, got {theta0_rad!r} and {alpha_rad!r}; beyond α the block falls outwards"
@@ -67,14 +43,14 @@ def frequency_parameter_rad_s(
     mass_kg: float, radius_m: float, inertia_kg_m2: float, gravity_m_s2: float = GRAVITY_M_S2
 ) -> float:
     """p = √(m g R / J), J about the pivot = inertia_kg_m2 + m R² (Housner 1963, eq. 3)."""
-    _positive(mass_kg=mass_kg, radius_m=radius_m, inertia_kg_m2=inertia_kg_m2, gravity_m_s2=gravity_m_s2)
+    positive(mass_kg=mass_kg, radius_m=radius_m, inertia_kg_m2=inertia_kg_m2, gravity_m_s2=gravity_m_s2)
     return math.sqrt(mass_kg * gravity_m_s2 * radius_m / (inertia_kg_m2 + mass_kg * radius_m**2))
 
 
 def quarter_period_linear_s(theta0_rad: float, alpha_rad: float, p_rad_s: float) -> float:
     """Time from rest at θ₀ to the impact, slender block: (1/p) acosh(1/(1 − θ₀/α)) (Housner 1963, eq. 5)."""
     _tilt(theta0_rad, alpha_rad)
-    _positive(p_rad_s=p_rad_s)
+    positive(p_rad_s=p_rad_s)
     return math.acosh(1.0 / (1.0 - theta0_rad / alpha_rad)) / p_rad_s
 
 
@@ -87,7 +63,7 @@ def quarter_period_s(theta0_rad: float, alpha_rad: float, p_rad_s: float) -> flo
     from scipy.special import elliprf
 
     _tilt(theta0_rad, alpha_rad)
-    _positive(p_rad_s=p_rad_s)
+    positive(p_rad_s=p_rad_s)
     complement = math.sin(0.5 * (alpha_rad - theta0_rad))
     tangent = math.sqrt(math.sin(0.5 * theta0_rad) * math.sin(alpha_rad - 0.5 * theta0_rad))
     amplitude = math.atan2(tangent, math.cos(0.5 * alpha_rad) * complement)
@@ -98,13 +74,13 @@ def quarter_period_s(theta0_rad: float, alpha_rad: float, p_rad_s: float) -> flo
 def first_impact_rate_rad_s(theta0_rad: float, alpha_rad: float, p_rad_s: float) -> float:
     """|θ̇| just before the impact that follows rest at θ₀: p √(2[cos(α−θ₀) − cos α]), by energy."""
     _tilt(theta0_rad, alpha_rad)
-    _positive(p_rad_s=p_rad_s)
+    positive(p_rad_s=p_rad_s)
     return 2.0 * p_rad_s * math.sqrt(math.sin(0.5 * theta0_rad) * math.sin(alpha_rad - 0.5 * theta0_rad))
 
 
 def peak_after_impact_rad(rate_rad_s: float, alpha_rad: float, p_rad_s: float) -> float:
     """|θ| reached after leaving the support at |θ̇|: cos(α − θ) = cos α + θ̇²/2p²; inf if it goes past α (overturns)."""
-    _positive(alpha_rad=alpha_rad, p_rad_s=p_rad_s)
+    positive(alpha_rad=alpha_rad, p_rad_s=p_rad_s)
     level = math.cos(alpha_rad) + 0.5 * (rate_rad_s / p_rad_s) ** 2
     return math.inf if level >= 1.0 else alpha_rad - math.acos(level)
 
@@ -114,14 +90,14 @@ def housner_ratio(mass_kg: float, inertia_kg_m2: float, height_m: float, b_old_m
 
     For unequal corners it differs in the two directions; at or below 0 the block does not rock on.
     """
-    _positive(mass_kg=mass_kg, inertia_kg_m2=inertia_kg_m2, height_m=height_m, b_old_m=b_old_m, b_new_m=b_new_m)
+    positive(mass_kg=mass_kg, inertia_kg_m2=inertia_kg_m2, height_m=height_m, b_old_m=b_old_m, b_new_m=b_new_m)
     crossed = inertia_kg_m2 + mass_kg * (height_m**2 - b_old_m * b_new_m)
     return crossed / (inertia_kg_m2 + mass_kg * (height_m**2 + b_new_m**2))
 
 
 def rectangle_ratio(alpha_rad: float) -> float:
     """Housner's ratio of a homogeneous rectangle, 1 − 1.5 sin²α (Housner 1963, eq. 8, as a ratio of rates)."""
-    _positive(alpha_rad=alpha_rad)
+    positive(alpha_rad=alpha_rad)
     return 1.0 - 1.5 * math.sin(alpha_rad) ** 2
 
 
@@ -133,7 +109,7 @@ def rectangular_pulse_threshold(p_t_d: float) -> float:
 
     At the pulse's end the linearised block must be on its unstable manifold, θ + θ̇/p = α.
     """
-    _positive(p_t_d=p_t_d)
+    positive(p_t_d=p_t_d)
     return -1.0 / math.expm1(-p_t_d)
 
 
@@ -144,7 +120,7 @@ def rectangular_pulse_slip_m(
     accel_m_s2: float, duration_s: float, friction: float, gravity_m_s2: float = GRAVITY_M_S2
 ) -> float:
     """Total slip of a rigid block under one rectangular pulse: ½ (A − μg) t_d² A/(μg), 0 if A ≤ μg (Newmark 1965)."""
-    _positive(accel_m_s2=accel_m_s2, duration_s=duration_s, friction=friction, gravity_m_s2=gravity_m_s2)
+    positive(accel_m_s2=accel_m_s2, duration_s=duration_s, friction=friction, gravity_m_s2=gravity_m_s2)
     limit = friction * gravity_m_s2
     return 0.5 * max(accel_m_s2 - limit, 0.0) * duration_s**2 * accel_m_s2 / limit
 
@@ -169,7 +145,7 @@ def harmonic_first_slip(
     """
     from scipy.optimize import brentq
 
-    _positive(
+    positive(
         accel_m_s2=accel_m_s2, frequency_hz=frequency_hz, static=static, kinetic=kinetic, gravity_m_s2=gravity_m_s2
     )
     if kinetic > static:
@@ -195,7 +171,7 @@ def harmonic_steady_slip_range_m(
 
     Raises AnalyticInputError above η = 1/√(1 + π²/4) = 0.5370, where the block sticks twice a cycle (Den Hartog 1931).
     """
-    _positive(accel_m_s2=accel_m_s2, frequency_hz=frequency_hz, kinetic=kinetic, gravity_m_s2=gravity_m_s2)
+    positive(accel_m_s2=accel_m_s2, frequency_hz=frequency_hz, kinetic=kinetic, gravity_m_s2=gravity_m_s2)
     eta, bound = kinetic * gravity_m_s2 / accel_m_s2, 1.0 / math.hypot(1.0, 0.5 * math.pi)
     if eta > bound:
         raise AnalyticInputError(f"wanted μ_k g/A ≤ {bound:.4f}, got {eta:.4f}; the block sticks during each cycle")
@@ -225,7 +201,7 @@ def similarity(length_factor: float) -> Similarity:
 
     A statue λ times larger under the same accelerations stretched by √λ in time follows the same rotations.
     """
-    _positive(length_factor=length_factor)
+    positive(length_factor=length_factor)
     root = math.sqrt(length_factor)
     return Similarity(length_factor, root, 1.0 / root, 1.0 / root, root, 1.0, length_factor**3, length_factor**5)
 
@@ -265,7 +241,7 @@ def rolling_cylinder(
     Ω² [I₁ sinβ cosβ − I₃ sinβ (h sinβ − ρ)/a + m ρ (h cosβ + a sinβ)] = m g (a cosβ − h sinβ).
     For h = ρ = 0 it is Ω² = 4g/(a sinβ).
     """
-    _positive(radius_m=radius_m, half_height_m=half_height_m, tilt_rad=tilt_rad, gravity_m_s2=gravity_m_s2)
+    positive(radius_m=radius_m, half_height_m=half_height_m, tilt_rad=tilt_rad, gravity_m_s2=gravity_m_s2)
     a, h, rho, g = radius_m, half_height_m, path_radius_m, gravity_m_s2
     sin, cos = math.sin(tilt_rad), math.cos(tilt_rad)
     transverse, axial = (3.0 * a * a + 4.0 * h * h) / 12.0, 0.5 * a * a  # per unit mass

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, Final, NamedTuple, Self, Unpack, final
 
 import numpy as np
@@ -109,17 +108,7 @@ def ensemble(
     threads: None for all cores; the result does not depend on it. progress: a callback, or True for a bar. keywords: those of
     ``simulate`` that decide an outcome. Raises AnalyticInputError for unknown names and numbers that cannot be run.
     """
-    unknown = sorted(set(sweep) - set(SWEEPABLE))
-    if unknown or not sweep:
-        raise AnalyticInputError(
-            f"sweep: some of {', '.join(SWEEPABLE)} are wanted, {', '.join(unknown) or 'none'} came."
-        )
-    columns = {name: np.asarray(values, dtype=np.float64) for name, values in sweep.items()}
-    shape = np.broadcast_shapes(*(values.shape for values in columns.values()))
-    flat = {name: np.broadcast_to(values, shape).ravel() for name, values in columns.items()}
-    wrong = [name for name, values in flat.items() if not np.isfinite(values).all()]
-    if wrong:
-        raise AnalyticInputError(f"sweep: finite numbers are wanted in {', '.join(wrong)}.")
+    shape, flat = flattened(sweep, SWEEPABLE)
     strange = sorted(set(keywords) - _KEYWORDS)
     if strange:
         raise AnalyticInputError(f"ensemble: keywords of simulate are wanted, {', '.join(strange)} came.")
@@ -143,6 +132,24 @@ def ensemble(
         impacts=shaped(out.counts["impacts"]),
         steps=shaped(out.counts["steps"]),
     )
+
+
+def flattened(
+    sweep: Mapping[str, ArrayLike], known: tuple[str, ...]
+) -> tuple[tuple[int, ...], dict[str, NDArray[np.float64]]]:
+    """The shape of a sweep, and each of its arrays, by its name, broadcast to it and flat.
+
+    Raises AnalyticInputError for other names than those known, for none, and for numbers that are not finite.
+    """
+    unknown = sorted(set(sweep) - set(known))
+    if unknown or not sweep:
+        raise AnalyticInputError(f"sweep: some of {', '.join(known)} are wanted, {', '.join(unknown) or 'none'} came.")
+    columns = {name: np.asarray(values, dtype=np.float64) for name, values in sweep.items()}
+    wrong = [name for name, values in columns.items() if not np.isfinite(values).all()]
+    if wrong:
+        raise AnalyticInputError(f"sweep: finite numbers are wanted in {', '.join(wrong)}.")
+    shape = np.broadcast_shapes(*(values.shape for values in columns.values()))
+    return shape, {name: np.broadcast_to(values, shape).ravel() for name, values in columns.items()}
 
 
 class Rows(NamedTuple):
@@ -251,39 +258,25 @@ def _check(params: Records, corners_x: Floats, xs: Records) -> None:
 def _work(rows: Rows, out: Out, size: int, threads: int, progress: Progress | bool) -> None:
     """Share the rows among threads; each row's result depends on nothing but the row."""
     step = max(1, -(-size // (threads * CHUNKS_PER_THREAD)))
-    pieces = [(start, min(start + step, size)) for start in range(0, size, step)]
-    if progress is True:
-        _with_bar(rows, out, pieces, threads, size)
-        return
-    on_progress = progress if callable(progress) else _silent
-    _run_pieces(rows, out, pieces, threads, lambda done: on_progress(done, size))
+    with ThreadPoolExecutor(threads) as pool:
+        waiting = {
+            pool.submit(run_rows, rows, out, start, min(start + step, size)): min(step, size - start)
+            for start in range(0, size, step)
+        }
+        ended: Iterable[Future[None]] = as_completed(waiting)
+        if progress is True:
+            from rich.progress import track
+
+            ended = track(ended, "runs", total=len(waiting))
+        done = 0
+        for future in ended:
+            future.result()
+            done += waiting[future]
+            if callable(progress):
+                progress(done, size)
 
 
 def run_rows(rows: Rows, out: Out, start: int, stop: int) -> None:
     """Run the rows start to stop − 1 for their outcome, in memory of their own; no history and no events are kept."""
     task = bytearray(TASK.itemsize)
     run(address(task), *(table.ctypes.data for table in rows[:4]), start, stop, *(table.ctypes.data for table in out))
-
-
-def _silent(done: int, total: int) -> None:
-    return
-
-
-def _with_bar(rows: Rows, out: Out, pieces: list[tuple[int, int]], threads: int, size: int) -> None:
-    from rich.progress import Progress as Bar
-
-    with Bar() as bar:
-        line = bar.add_task("runs", total=size)
-        _run_pieces(rows, out, pieces, threads, lambda done: bar.update(line, completed=done))
-
-
-def _run_pieces(
-    rows: Rows, out: Out, pieces: list[tuple[int, int]], threads: int, on_done: Callable[[int], None]
-) -> None:
-    with ThreadPoolExecutor(threads) as pool:
-        waiting = {pool.submit(partial(run_rows, rows, out, start, stop)): stop - start for start, stop in pieces}
-        done = 0
-        for future in as_completed(waiting):
-            future.result()
-            done += waiting[future]
-            on_done(done)

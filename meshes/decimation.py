@@ -8,7 +8,7 @@ import numpy as np
 
 from meshes.errors import MeshError
 from meshes.hole_filling import close_pinches
-from meshes.mesh import Faces, RawMesh, drop_unused, weld
+from meshes.mesh import Faces, RawMesh, drop_unused, unique_rows, weld
 from meshes.processing_log import Change, change, measure
 from meshes.repair import open_branches
 from meshes.topology import EdgeCount
@@ -113,5 +113,5 @@ def _sound(mesh: RawMesh) -> RawMesh | None:
 
 def _unfolded(faces: Faces) -> Faces:
     """The faces without those that lie on another one with the same three vertices."""
-    _, number, count = np.unique(np.sort(faces, axis=1), axis=0, return_inverse=True, return_counts=True)
-    return np.asarray(faces[count[number.ravel()] == 1])
+    number = unique_rows(np.sort(faces, axis=1))[1]
+    return np.asarray(faces[np.bincount(number)[number] == 1])

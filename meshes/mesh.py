@@ -52,6 +52,15 @@ def double_areas(vertices: Array, faces: Faces) -> Array:
     return np.cross(vertices[faces[:, 1]] - first, vertices[faces[:, 2]] - first)
 
 
+def unique_rows(rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Of the different rows (n, k) the first place of each, and the number (n,) of each row among them."""
+    order = np.lexsort(rows.T)
+    new = np.r_[True, (np.diff(rows[order], axis=0) != 0).any(axis=1)]
+    number = np.empty(len(order), dtype=np.int64)
+    number[order] = np.cumsum(new) - 1
+    return order[new], number
+
+
 def weld(mesh: RawMesh) -> RawMesh:
     """Coincident vertices (within 1e-9 of the extent: texture seams, STL corners) made one, degenerate and unused
     parts dropped."""
@@ -59,12 +68,8 @@ def weld(mesh: RawMesh) -> RawMesh:
     if extent == 0.0:
         raise MeshError("a surface", "all vertices in one place", "export it again", place=mesh.source)
     keys = np.round((mesh.vertices - mesh.vertices.min(axis=0)) / (1e-9 * extent)).astype(np.int64)
-    order = np.lexsort(keys.T)
-    new = np.r_[True, (np.diff(keys[order], axis=0) != 0).any(axis=1)]
-    first = np.minimum.reduceat(order, np.flatnonzero(new))
-    faces = np.empty(len(order), dtype=np.int64)
-    faces[order] = first[np.cumsum(new) - 1]
-    faces = faces[mesh.faces]
+    first, number = unique_rows(keys)
+    faces = first[number][mesh.faces]
     proper = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
     if not proper.any():
         raise MeshError("a surface", "only faces without an area", "export it again", place=mesh.source)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes.errors import MeshError
-from meshes.mesh import RawMesh, double_areas, drop_unused, manifold
+from meshes.mesh import RawMesh, double_areas, drop_unused, manifold, unique_rows
 from meshes.processing_log import Change, change, measure
 from meshes.topology import EdgeCount, Edges, parts, wound_alike
 
@@ -20,13 +20,10 @@ Part = tuple[NDArray[np.float64], NDArray[np.int64]]
 
 def drop_duplicates(mesh: RawMesh) -> Mended:
     """Faces over the same three vertices made one."""
-    key = np.sort(mesh.faces, axis=1)
-    order = np.lexsort(key.T)
-    new = np.r_[True, (np.diff(key[order], axis=0) != 0).any(axis=1)]
-    if new.all():
-        return mesh, None
-    unique = np.sort(order[new])
+    unique = np.sort(unique_rows(np.sort(mesh.faces, axis=1))[0])
     removed = len(mesh.faces) - len(unique)
+    if not removed:
+        return mesh, None
     return mesh.with_faces(mesh.faces[unique]), Change("duplicates", f"{removed} repeated faces removed", removed)
 
 

@@ -16,6 +16,7 @@ from analytic.kernel.impact import impact
 from analytic.kernel.joint_state import corner
 from analytic.kernel.memory import load_double
 from analytic.kernel.records import Task
+from analytic.kernel.track import note_peak
 
 UNKNOWN: Final = 0
 """Energy alone does not decide here."""
@@ -50,15 +51,11 @@ def _sticks(task: Task, j: float, energy: float, reach: float, lowest: float, ra
 
 
 @jit
-def _reach(task: Task, theta: float) -> None:
-    """Note a rotation that will be reached, at a time after this one that is not computed."""
-    if abs(theta) > abs(task.results.peak_theta_rad):
-        task.results.peak_theta_rad, task.results.peak_time_s = theta, task.state.time_s
-
-
-@jit
 def _ahead(task: Task, pivot: int, side: int, theta: float, energy: float) -> tuple[int, float]:
-    """Outcome of moving to a side where no facet lies ahead, UNKNOWN with angle 0 to turn back, 1 to integrate."""
+    """Outcome of moving to a side where no facet lies ahead, UNKNOWN with angle 0 to turn back, 1 to integrate.
+
+    A rotation that will be reached is noted at this time: when it will be is not computed.
+    """
     params = task.params
     x, z = vertex(task, pivot)
     weight = params.mass_kg * params.gravity_m_s2 * math.sqrt(x * x + z * z)
@@ -71,12 +68,12 @@ def _ahead(task: Task, pivot: int, side: int, theta: float, energy: float) -> tu
         if abs(margin) < NEAR_TIE:
             return UNKNOWN, 1.0
         if margin < 0.0:
-            _reach(task, side * (balance - math.acos(max(energy / weight, -1.0))))
+            note_peak(task, side * (balance - math.acos(max(energy / weight, -1.0))), task.state.time_s)
             return UNKNOWN, 0.0
     if wall < params.overturn_rad:
-        _reach(task, side * wall)
+        note_peak(task, side * wall, task.state.time_s)
         return codes.TOUCHES_WALL, 0.0
-    _reach(task, side * params.overturn_rad)
+    note_peak(task, side * params.overturn_rad, task.state.time_s)
     return (codes.OVERTURNED_RIGHT if side > 0 else codes.OVERTURNED_LEFT), 0.0
 
 
@@ -116,8 +113,6 @@ def _follow(task: Task) -> int:
                 return outcome
             side = -side
         facet = pivot if side > 0 else pivot - 1
-        if facet < 0 or facet >= last:
-            return UNKNOWN
         x, z, _ = corner(task, facet, 1 if pivot == facet + 1 else -1)
         if x * series.pivot_x[0] < 0.0 or not _sticks(
             task, j, energy, max(abs(x), abs(series.pivot_x[0])), min(z, series.pivot_z[0]), radius

@@ -26,7 +26,8 @@ def _crossing(task: Task, row: Floats, n: int, tau: float, sign: float) -> float
 
 
 @inlined
-def _note_peak(task: Task, theta: float, time: float) -> None:
+def note_peak(task: Task, theta: float, time: float) -> None:
+    """Keep the largest rotation and its time."""
     if abs(theta) > abs(task.results.peak_theta_rad):
         task.results.peak_theta_rad, task.results.peak_time_s = theta, time
 
@@ -123,8 +124,8 @@ def advance(task: Task, n: int, tau: float, until: float) -> None:
     reach = max(abs(series.theta[0]), abs(theta)) + tau * max(abs(before), abs(omega))
     if before * omega < 0.0 and reach > abs(results.peak_theta_rad):
         at = _crossing(task, series.theta_rate, n, tau, 1.0 if before > 0.0 else -1.0)
-        _note_peak(task, value(series.theta, n, at), state.time_s + at)
-    _note_peak(task, theta, until)
+        note_peak(task, value(series.theta, n, at), state.time_s + at)
+    note_peak(task, theta, until)
     _note_balance(task, n, tau)
 
 

@@ -20,6 +20,7 @@ from analytic.spatial.kernel.records import MOST
 from analytic.spatial.problem import Problem
 from analytic.spatial.solution import OUTCOMES
 from analytic.spatial.solver import prepare, run_all
+from analytic.sweep import flattened
 
 SWEEPABLE: Final = ("scale", "vertical_scale", "heading_rad", "friction")
 """What a sweep may vary: factors of all motions and of the vertical one, the body's heading (turned to the left, so that
@@ -68,16 +69,9 @@ def outcomes(
     threads: None for all cores; the result does not depend on it. most_steps: after which a run is given up.
     Raises AnalyticInputError for unknown names and numbers that cannot be run.
     """
-    unknown = sorted(set(sweep) - set(SWEEPABLE))
-    if unknown or not sweep:
-        came = ", ".join(unknown) or "none"
-        raise AnalyticInputError(f"sweep: some of {', '.join(SWEEPABLE)} are wanted, {came} came.")
-    given = {name: np.asarray(values, dtype=np.float64) for name, values in sweep.items()}
-    wrong = [name for name, values in given.items() if not np.isfinite(values).all()]
-    if wrong or (given.get("friction", np.zeros(1)) < 0.0).any():
-        raise AnalyticInputError(f"sweep: finite numbers, and no negative friction, are wanted ({', '.join(wrong)}).")
-    shape = np.broadcast_shapes(*(values.shape for values in given.values()))
-    flat = {name: np.broadcast_to(values, shape).ravel() for name, values in given.items()}
+    shape, flat = flattened(sweep, SWEEPABLE)
+    if (flat.get("friction", np.zeros(1)) < 0.0).any():
+        raise AnalyticInputError("sweep: no negative friction is wanted.")
     size = math.prod(shape)
     task = prepare(problem, tolerance, None, math.inf, 0)
     workers = threads or os.cpu_count() or 1
