@@ -9,7 +9,6 @@ from typing import Final
 
 import numpy as np
 from markupsafe import Markup
-from scipy.spatial.transform import Rotation
 
 from harness.records.effects3d import BASELINE, Band, Effect, EffectsRecord
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
@@ -172,6 +171,9 @@ def scan_figure(record: EffectsRecord, source: RunSource) -> Figure | None:
     }
     if source.mesh is None or record.replay is None or not peaks:
         return None
+    # A fifth of a second that every other page would pay for.
+    from scipy.spatial.transform import Rotation
+
     turn = Rotation.from_euler("z", record.replay.azimuth_deg, degrees=True)
     vertices, faces = read_mesh(source.mesh)
     footprint = turn.apply(np.asarray(source.scene.statue.footprint_m))

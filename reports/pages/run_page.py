@@ -15,7 +15,7 @@ from reports.drawing.scene_picture import scene_svg
 from reports.pages.assets import source_text, three_js
 from reports.source import RunSource, source_of
 from reports.text.glossary import score_rows
-from reports.text.limits import fall_sentence, limit_rows, plan_rows, skipped_rows, weighed
+from reports.text.limits import fall_times, limit_rows, plan_rows, skipped_rows, weighed
 from reports.text.wording import run_verdict
 
 
@@ -40,7 +40,7 @@ def context(folder: Path, record: RunRecord) -> dict[str, object]:
         "score_rows": score_rows(record.scores),
         "witness": sentences(record.witness or {}),
         "validity": limit_rows(source),
-        "fall": fall_sentence(source),
+        "fall": fall_times(source),
         "plan": plan_rows(record.plan),
         "skipped": skipped_rows(source.runs),
         "notes": weighed([*record.warnings, *record.notes]) if record.warnings or record.notes else {},

@@ -88,18 +88,10 @@ def before_fall(run: EngineRunRecord, history: History | None) -> dict[str, floa
     return rows
 
 
-def fall_sentence(source: RunSource) -> str:
-    """What to make of the limits of models whose statue overturns; nothing when none does."""
+def fall_times(source: RunSource) -> str:
+    """When the statue passes its balance point for good, by model; nothing where none overturns."""
     falls = {name: run.no_return_time_s for name, run in source.runs.items() if run.no_return_time_s is not None}
-    if not falls:
-        return ""
-    times = ENGLISH.listed(f"{short(time_s, 3)} s ({name})" for name, time_s in falls.items())
-    return (
-        f"The outcome is decided once the statue passes its balance point for good, at {times}. The runs go on until the body "
-        "lies, or falls past its support's edge: forces, energy gained, turn, slip, flight and penetration may be those of that "
-        "fall alone and then say nothing of the rocking before it. Where a history follows them, their values until that moment "
-        "stand beside."
-    )
+    return ENGLISH.listed(f"{short(time_s, 3)} s ({name})" for name, time_s in falls.items()) if falls else ""
 
 
 def plan_rows(plan: Iterable[Step]) -> list[tuple[bool, str, str, str]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import tracemalloc
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -126,6 +127,15 @@ def test_a_run_imports_its_own_engine_only(name: str) -> None:
     loaded = modules(RUN.format(name=name))
     assert loaded & HEAVY == NEEDED[name]
     assert len(loaded) <= budgets.MODULES_OF_RUN[name]
+
+
+def test_a_page_of_one_model_imports_no_geometry_of_space(root: Path, tmp_path: Path) -> None:
+    scene, out = root / "scenes" / "free_rocking.toml", tmp_path / "run"
+    words = ["rockcheck", "run", str(scene), "-e", "analytic", "-q", "--out", str(out)]
+    code = f"sys.argv = {words!r}\nfrom reports.cli import main\ntry:\n    main()\nexcept SystemExit:\n    out = sys.stdout"
+    loaded = modules(code)
+    assert (out / "report.html").is_file()
+    assert not loaded & {"scipy.spatial", "trimesh", "numba", "pybullet", "pymunk", "mujoco"}
 
 
 def test_a_fallen_statue_is_not_integrated_and_changes_nothing() -> None:

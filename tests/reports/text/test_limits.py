@@ -13,7 +13,7 @@ from harness.model.interventions import Intervention
 from harness.records.run import EngineRunRecord
 from harness.statics.plan import Step
 from reports.source import run_source
-from reports.text.limits import before_fall, fall_sentence, interventions_row, limit_rows, plan_rows, skipped_rows
+from reports.text.limits import before_fall, fall_times, interventions_row, limit_rows, plan_rows, skipped_rows
 from tests.reports.invented_run import invented_history, invented_run, write_invented
 
 VALIDITY = {"yaw_rad": 0.9, "statue_slip_m": 0.02, "energy_gained_j": 9.6, "touching_vertices": 12}
@@ -40,8 +40,8 @@ def test_before_the_fall_stands_what_the_history_says(fallen: tuple[EngineRunRec
 
 def test_only_models_that_fall_are_spoken_of(tmp_path: Path) -> None:
     stands, falls = (run_source(write_invented(tmp_path / str(k), disagree=bool(k))) for k in (0, 1))
-    assert fall_sentence(stands) == ""
-    said = fall_sentence(falls)
+    assert fall_times(stands) == ""
+    said = fall_times(falls)
     assert "(pybullet)" in said
     assert "(analytic)" not in said
     assert set(limit_rows(falls)) == {"analytic", "pymunk", "pybullet"}
