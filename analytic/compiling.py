@@ -7,20 +7,11 @@ from typing import Final
 
 OnCompile = Callable[[int, int], None]
 """Called as functions are compiled: how many are begun and how many there are, at the end as many as there are."""
-_listeners: Final[list[OnCompile]] = []
-
-
-def listen(on_compile: OnCompile) -> None:
-    """Have it called whenever code has to be compiled."""
-    _listeners.append(on_compile)
-
-
-def unlisten(on_compile: OnCompile) -> None:
-    """Have it called no more."""
-    _listeners.remove(on_compile)
+listeners: Final[list[OnCompile]] = []
+"""Called whenever code has to be compiled: whoever wants to hear of it adds itself, and takes itself away."""
 
 
 def say(done: int, total: int) -> None:
     """Call them all."""
-    for each in _listeners:
+    for each in listeners:
         each(done, total)

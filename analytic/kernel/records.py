@@ -46,9 +46,9 @@ class Params:
     dynamic_normal: bool
     """Friction follows N of section 2 of the model; otherwise M g_e."""
     momentum_at_impact: bool
+    """The pedestal takes its momentum at an impact; otherwise its velocity is unchanged."""
     choice: int
     """One of the choices of `analytic.kernel.codes`."""
-    """The pedestal takes its momentum at an impact; otherwise its velocity is unchanged."""
     theta0_rad: float
     theta_rate0_rad_s: float
     duration_s: float

@@ -36,9 +36,9 @@ class ProgressMessages:
         self._before: str | None = None
 
     def __enter__(self) -> ProgressMessages:
-        from analytic.compiling import listen  # not for help
+        from analytic.compiling import listeners  # not for help
 
-        listen(self.compiling)
+        listeners.append(self.compiling)
         if self._lines:
             Thread(target=self._remind, daemon=True).start()
         elif self._bar is not None:
@@ -46,9 +46,9 @@ class ProgressMessages:
         return self
 
     def __exit__(self, *details: Any) -> None:
-        from analytic.compiling import unlisten
+        from analytic.compiling import listeners
 
-        unlisten(self.compiling)
+        listeners.remove(self.compiling)
         self._done.set()
         if self._bar is not None:
             self._bar.stop()

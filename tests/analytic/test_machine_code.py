@@ -129,11 +129,11 @@ def test_whoever_listens_hears_that_it_compiles(tiny: Callable[[], machine_code.
     def hear(done: int, total: int) -> None:
         said.append((done, total))
 
-    compiling.listen(hear)
+    compiling.listeners.append(hear)
     try:
         powers(tiny())
     finally:
-        compiling.unlisten(hear)
+        compiling.listeners.remove(hear)
     assert said
     assert said[-1][0] == said[-1][1] > 0
     assert [done == total for done, total in said].count(True) == 1, "it ends once"
@@ -155,7 +155,7 @@ HEARING = """
 import sys
 import numpy as np
 from analytic import compiling, machine_code
-compiling.listen(lambda done, total: print("compiled"))
+compiling.listeners.append(lambda done, total: print("compiled"))
 machine_code.Entry(sys.argv[1], "powers")(np.zeros(3).ctypes.data, 3)
 """
 
