@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from analytic import Friction, Harmonic, Pedestal
+from analytic.kernel.records import State
 from tests import budgets_bench as budgets
 from tests.measures import analytic_model as bench
 from tests.measures import start
@@ -79,7 +80,7 @@ def test_work_and_error_of_the_kernel(case: bench.Case, tolerance: float) -> Non
 def test_the_kernel_alone_is_the_same_run() -> None:
     task = bench.packed(bench.FORCED, 1e-10)
     task.run()
-    assert task.state.theta_rad == bench.FORCED.ours(1e-10).theta_rad[-1]
+    assert task.read(State).theta_rad == bench.FORCED.ours(1e-10).theta_rad[-1]
 
 
 def test_work_of_an_overturning_map() -> None:
