@@ -127,13 +127,13 @@ def _sentence(verdict: Verdict, a: Side, b: Side, facts: Facts, left: Side | Non
     open_ = a.uncertainty_rad is None and b.uncertainty_rad is None
     joint = "twice what digits and samples leave open" if open_ else "twice their joint numerical error"
     if verdict is Verdict.AGREE:
-        text = f"{names} agree within their numerical error: at most {_rad(facts.rotation.largest)} apart, less than {joint} "
-        text += f"({_rad(facts.rotation.limit)})"
+        text = f"{names} agree within their numerical error: at most {rad_text(facts.rotation.largest)} apart, less than {joint} "
+        text += f"({rad_text(facts.rotation.limit)})"
         if facts.slip.largest > ROUNDING:
-            text += f", their slips {_mm(facts.slip.largest)} ({_mm(facts.slip.limit)})"
+            text += f", their slips {mm_text(facts.slip.largest)} ({mm_text(facts.slip.limit)})"
     elif verdict in (Verdict.MODEL, Verdict.PLANE):
         slips = facts.differs_in == "slip"
-        limit = _mm(facts.slip.limit) if slips else _rad(facts.rotation.limit)
+        limit = mm_text(facts.slip.limit) if slips else rad_text(facts.rotation.limit)
         apart = f"{'their slips ' if slips else ''}more than {joint} ({limit}) apart"
         if open_ and verdict is Verdict.MODEL:
             return _unstated(a, b, facts)
@@ -168,8 +168,8 @@ def _sentence(verdict: Verdict, a: Side, b: Side, facts: Facts, left: Side | Non
 def _unstated(a: Side, b: Side, facts: Facts) -> str:
     """Two answers of which neither states an error: what is known is that they part by more than their own digits leave open."""
     slips = facts.differs_in == "slip"
-    what, size = ("slips", _mm(facts.slip.largest)) if slips else ("rotations", _rad(facts.rotation.largest))
-    limit = _mm(facts.slip.limit) if slips else _rad(facts.rotation.limit)
+    what, size = ("slips", mm_text(facts.slip.largest)) if slips else ("rotations", rad_text(facts.rotation.largest))
+    limit = mm_text(facts.slip.limit) if slips else rad_text(facts.rotation.limit)
     return (
         f"{a.name} and {b.name} differ: their {what} are up to {size} apart, more than rounding and their files leave open"
         f" ({limit}). {UNSTATED}: their models differ only if it is smaller.{_digits(a, b)}"
@@ -179,7 +179,8 @@ def _unstated(a: Side, b: Side, facts: Facts) -> str:
 def _digits(a: Side, b: Side) -> str:
     """Where the digits of a file leave more open than rounding: by how much."""
     parts = [
-        f"{side.name} to {_rad(side.resolution_rad)}" + (f" and {_mm(side.resolution_m)}" if side.resolution_m else "")
+        f"{side.name} to {rad_text(side.resolution_rad)}"
+        + (f" and {mm_text(side.resolution_m)}" if side.resolution_m else "")
         for side in (a, b)
         if max(side.resolution_rad, side.resolution_m) > ROUNDING
     ]
@@ -195,11 +196,13 @@ def _before(a: Side, b: Side, until_s: float) -> str:
     return f", while both numerical errors are bounded (until {until_s:.4g} s)"
 
 
-def _rad(value: float) -> str:
+def rad_text(value: float) -> str:
+    """A rotation, rad, in a sentence."""
     return f"{value:.2g} rad"
 
 
-def _mm(value_m: float) -> str:
+def mm_text(value_m: float) -> str:
+    """A length, m, in a sentence."""
     return f"{1e3 * value_m:.2g} mm"
 
 

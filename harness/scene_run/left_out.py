@@ -12,6 +12,7 @@ import numpy as np
 from analytic.excitation import ZeroExcitation
 from harness import engines
 from harness.comparison.distance import errors
+from harness.comparison.verdict import mm_text, rad_text
 from harness.engines.base import EngineFailure
 from harness.model.options import RunOptions
 from harness.model.run import Run
@@ -87,14 +88,11 @@ def _end_s(run: Run) -> float:
 
 def _reason(plane: Run, space: Run, again: Mapping[str, Run], evidence: Evidence) -> str:
     slips = evidence.differs_in == "slip"
-    limit = evidence.slip_limit_m if slips else evidence.limit_rad
+    limit, text = (evidence.slip_limit_m, mm_text) if slips else (evidence.limit_rad, rad_text)
     until_s = min(_end_s(plane), _end_s(space))
 
     def apart(run: Run) -> float:
         return errors(plane, run, until_s)[1 if slips else 0]
-
-    def text(value: float) -> str:
-        return f"{1e3 * value:.2g} mm" if slips else f"{value:.2g} rad"
 
     with_all = apart(space)
     known = {what: value for what, run in again.items() if math.isfinite(value := apart(run))}
