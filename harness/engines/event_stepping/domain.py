@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 LEFT_M: Final = 1e-4
 """Slip of the statue on its support, or gap under it, that counts: without either, steps of 4 ms leave some 1e-5 m."""
 LEFT_RAD: Final = 1e-3
-"""Tilt of the pedestal that counts; events are located up to less than this (`loop.TIPPED_RAD`)."""
+"""Tilt of the pedestal that counts; events are located up to less than this (`EventSettings.tipped_rad`)."""
 SLIDES_M_S: Final = 1e-3
 """Slower than this the statue's slip goes on as a solver's remainder does: less than 1e-5 m/s at rest."""
 

@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
 
 from harness.engines.event_stepping.rows import advanced
 from harness.engines.event_stepping.step_state import StepState
 from harness.engines.event_stepping.touch import ContactGaps
-
-STILL: Final = 5e-3
-"""Share of the least speed of a foot that comes down which a correction may leave in one that stands: a sound run, ended at its
-first event, left 4e-7 m/s of 5e-8 (scene 786044 of `space_scene`)."""
 
 
 def locate_event(
@@ -56,7 +51,7 @@ def locate_event(
         at_contact = [(*there[:7], *row[7:13], *there[13:]) for row in (before, state.row)]
         owed, left = touch.foot_speeds_m_s(before, at_contact, floor.table_place[2], floor.table_rate[2])
         # What a foot that stands moves at all the same is the solver's: of so little no correction tells its sense.
-        floor.writer.ledger.of("turn_on").compare(owed, max(left - STILL * touch.least_m_s, 0.0))
+        floor.writer.ledger.of("turn_on").compare(owed, max(left - events.still * touch.least_m_s, 0.0))
     contact_s = until()
     if abs(contact_s) > room:
         # What came down no longer does.

@@ -105,9 +105,7 @@ def _touched(state: StepState, scene: Scene, touch: ContactGaps, watch: Watch) -
     if contact_s == math.inf or state.t_s + min(contact_s, soonest) > state.next_s:
         if stepper.backend.near is False:
             return MOST_FREE
-        return (
-            min(max(int(soonest / step_s - state.events.ahead), 1), MOST_FREE) if soonest < math.inf else RESTING_FREE
-        )
+        return _free(state, soonest / step_s)
     contact_time = ContactTimeEstimate(state, touch, foot)
     if min(contact_s, contact_time()) > state.events.later * (state.next_s - state.t_s):
         return 1
@@ -139,7 +137,7 @@ def _imposed(state: StepState, scene: Scene, touch: ContactGaps, watch: Watch, s
     contact_s = math.inf if state.jolted else _upright(state, touch, watch)
     sure = min(soonest, contact_s)
     if contact_s == math.inf or state.t_s + sure > state.next_s:
-        return min(max(int(sure / step_s - state.events.ahead), 1), MOST_FREE) if sure < math.inf else RESTING_FREE
+        return _free(state, sure / step_s)
 
     def impose() -> None:
         lean = axis_of(state.row, watch.axis)[0] - watch.rest[0]
@@ -161,12 +159,12 @@ def _stick_onset(state: StepState, pull: float, kinetic: float) -> int:
     `pull` bounds its deceleration, `kinetic` is kinetic friction's, m/s².
     """
     stepper, row, record, step_s = state.stepper, state.row, state.record, state.step_s
-    events = state.events
+    least_m_s2 = state.events.least_share * kinetic
     before = record.flat[-2 * len(row) + 20 : -2 * len(row) + 22]
     vx, vy = row[20] - stepper.table_rate[0], row[21] - stepper.table_rate[1]
     speed = math.hypot(vx, vy)
     unseen = MOST_FREE if stepper.backend.near is False else 0
-    if speed <= events.least_share * kinetic * step_s:
+    if speed <= least_m_s2 * step_s:
         return unseen or RESTING_FREE
     last_s = record.kick_s[-1] - record.kick_s[-2]
     if last_s <= 0.0 or state.jolted:
@@ -175,13 +173,17 @@ def _stick_onset(state: StepState, pull: float, kinetic: float) -> int:
     ay = (vy - before[1] + stepper.table_before[1]) / last_s
     slowing = -(vx * ax + vy * ay) / speed
     # Kinetic friction stops nothing that goes past rest: what turns aside slides on, unless less than it is needed.
-    past_m_s = abs(vx * ay - vy * ax) / max(math.hypot(ax, ay), events.least_share * kinetic)
-    if slowing > events.least_share * kinetic and past_m_s <= events.past_rest * kinetic * step_s:
+    if slowing > least_m_s2 and not stepper.passes_rest((vx, vy), (ax * last_s, ay * last_s)):
         stick_onset_s = state.kick_s + speed / slowing
         if stick_onset_s <= 0.5 * (state.t_s + state.next_s):
             state.stick_onset(stick_onset_s)
             return 0
-    return unseen or min(max(int(speed / (pull * step_s) - events.ahead), 1), MOST_FREE)
+    return unseen or _free(state, speed / (pull * step_s))
+
+
+def _free(state: StepState, steps: float) -> int:
+    """Whole steps that may be taken at once where an event comes no sooner than in so many, or never."""
+    return min(max(int(steps - state.events.ahead), 1), MOST_FREE) if steps < math.inf else RESTING_FREE
 
 
 class Still:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from harness.engines.contact.coulomb import SLIP_ONSET
+from harness.engines.contact.friction import Pair
 from harness.engines.event_stepping import settings
 from harness.engines.event_stepping.backend import Backend
 from harness.engines.event_stepping.rows import Row, Vector
@@ -35,7 +36,7 @@ class Stepper:
         self.tipped_rad = max(self.events.tipped_rad, self.events.tipped * freely_rad)
         # Whole steps that ask for nothing between them are made at once.
         self.runs = backend.runs and not (schedule.moving or self.switches)
-        self.stuck, self.just_slipped, self.past_m_s = True, False, 0.0
+        self.stuck, self.just_slipped, self.past_rest = True, False, False
         self.table_place: Vector = (0.0, 0.0, 0.0)
         self.table_rate: Vector = (0.0, 0.0, 0.0)
         self.table_before = self.table_rate
@@ -145,6 +146,12 @@ class Stepper:
         its length it takes all of a small velocity.
         """
         x, y = self.table_rate[0], self.table_rate[1]
-        u, v, a, b = before[20] - x, before[21] - y, row[20] - before[20], row[21] - before[21]
-        before_m_s, self.past_m_s = self.past_m_s, abs(u * b - v * a) / max(math.hypot(a, b), LEAST_M_S)
-        return max(before_m_s, self.past_m_s) > self.events.past_rest * self.kinetic_m_s
+        change = row[20] - before[20], row[21] - before[21]
+        one_before, self.past_rest = self.past_rest, self.passes_rest((before[20] - x, before[21] - y), change)
+        return one_before or self.past_rest
+
+    def passes_rest(self, velocity_m_s: Pair, change_m_s: Pair) -> bool:
+        """Whether the pedestal's velocity, going on along the line of its change, passes rest and does not come to it."""
+        (u, v), (a, b) = velocity_m_s, change_m_s
+        past_m_s = abs(u * b - v * a) / max(math.hypot(a, b), LEAST_M_S)
+        return past_m_s > self.events.past_rest * self.kinetic_m_s

@@ -36,7 +36,6 @@ LEVELS: Final = ((1e-3, 1e-2), (5e-4, 5e-3), (2.5e-4, 2.5e-3), (1e-4, 1e-3), (5e
 """(step in s, error in rad reached where tuned): the paper's four cases with a pedestal, first second."""
 STIFF_STEPS: Final = 2.0
 """The contact's time constant in steps: MuJoCo's least."""
-UPRIGHT: Final = (0.0, 0.0, 1.0)
 RESOLUTION_STEPS: Final = 8.0
 """A soft contact settles by about g·(time constant)²: rotation within this many of it over the base's width is rest."""
 

@@ -13,7 +13,7 @@ from harness.engines.contact.frame import greatest_pull_m_s2, step_count
 from harness.engines.event_stepping import loop
 from harness.engines.event_stepping.loop import MOST_FREE
 from harness.engines.event_stepping.rest_spell import RestSpells
-from harness.engines.event_stepping.rows import Body, Row
+from harness.engines.event_stepping.rows import Body, Row, Vector
 from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.step_state import StepState
@@ -50,6 +50,11 @@ class Setup:
     start: Body
     mirrored: bool = False
     in_plane: bool = False
+
+    @property
+    def axis(self) -> Vector:
+        """The statue's vertical axis in its principal frame."""
+        return _vector(self.axes[2])
 
     @property
     def flat(self) -> Setup:
@@ -142,7 +147,7 @@ def _watch(scene: Scene, level: BulletSettings, setup: Setup, options: RunOption
         p = scene.pedestal
         half = (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m)
         edges = EdgeWatch(setup.hull_m, half, LOOK_AHEAD_STEPS * level.dt_s, greatest_pull_m_s2(scene))
-    axis, rest = _vector(setup.axes[2]), _vector(setup.rest.rotation[:, 2])
+    axis, rest = setup.axis, _vector(setup.rest.rotation[:, 2])
     limits = LimitsOfRest.of(scene) if options.allows("quiet_rest") and _may_be_skipped(scene, setup) else None
     return Watch(
         axis=axis,
@@ -249,5 +254,5 @@ def _skipped(
     return tuple(said)
 
 
-def _vector(values: Array) -> tuple[float, float, float]:
+def _vector(values: Array) -> Vector:
     return float(values[0]), float(values[1]), float(values[2])

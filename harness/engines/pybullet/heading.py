@@ -65,7 +65,7 @@ class Heading:
     def row(self, row: Row) -> Row:
         """The row of one or two bodies, turned."""
         turned: Row = ()
-        for k in range(0, len(row), 13):
+        for k in range(0, len(row), ALONE):
             body = self.body(Body(row[k : k + 3], row[k + 3 : k + 7], row[k + 7 : k + 10], row[k + 10 : k + 13]))  # type: ignore[arg-type]
             turned += (*body.place_m, *body.turn, *body.velocity_m_s, *body.rate_rad_s)
         return turned

@@ -121,8 +121,7 @@ def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, options: Ru
     from harness.engines.pybullet.edge import EdgeWatch
     from harness.engines.pybullet.full import full_shape
 
-    axis = (float(setup.axes[2, 0]), float(setup.axes[2, 1]), float(setup.axes[2, 2]))
-    watch = Watch(axis, stop=options.stop, ends_fallen=options.allows("stop_at_overturn"))
+    watch = Watch(setup.axis, stop=options.stop, ends_fallen=options.allows("stop_at_overturn"))
     p = scene.pedestal
     if p is None:
         return _stepped(scene, settings, setup, None, watch), None

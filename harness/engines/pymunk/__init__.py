@@ -153,17 +153,18 @@ def _integrated(scene: Scene, own: MunkSettings, options: RunOptions) -> tuple[S
     """Samples of a run, and the number of its first step."""
     from harness.engines.pymunk import world
     from harness.engines.pymunk.backend import ChipmunkBackend
-    from harness.engines.pymunk.support import base_vertices
+    from harness.engines.pymunk.support import SupportVertex
 
     count = step_count(scene.duration_s, own.dt_s)
     first = _first_step(scene, own, options, count)
     schedule = Schedule(scene, own.dt_s, first, count)
-    backend = ChipmunkBackend(world.build(scene, own), own, scene)
+    support = SupportVertex(scene, own)
+    backend = ChipmunkBackend(world.build(scene, own), own, support)
     state = StepState(Stepper(backend, scene, schedule), backend.read(), first, first * own.dt_s, even=True)
     end_s = scene.base_excitation.end_s
     touch = None
     if _located(scene):
-        x, z = base_vertices(scene).T
+        x, z = np.array(support.points).T
         # A vertex is felt at its depth: there its gap is none.
         feet_m = np.column_stack([x, np.zeros(x.size), z + own.depth_m])
         half_m = None if scene.pedestal is None else 0.5 * scene.pedestal.height_m

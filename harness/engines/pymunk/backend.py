@@ -20,7 +20,6 @@ from harness.engines.pymunk.native import State
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.support import STILL, SupportVertex
 from harness.engines.pymunk.world import World
-from harness.model.scene import Scene
 
 if TYPE_CHECKING:
     from harness.engines.event_stepping.step_log import StepLog
@@ -40,12 +39,12 @@ ONE_STEP: Final = 1e-9
 
 
 class ChipmunkBackend:
-    """One of Chipmunk's spaces (`harness.engines.event_stepping.backend.Backend`); with `scene` the statue is kept in contact."""
+    """One of Chipmunk's spaces (`harness.engines.event_stepping.backend.Backend`); a `support` keeps the statue in contact."""
 
-    def __init__(self, world: World, settings: MunkSettings, scene: Scene | None = None) -> None:
+    def __init__(self, world: World, settings: MunkSettings, support: SupportVertex | None = None) -> None:
         self.world, self.settings, self.step_s = world, settings, settings.dt_s
         self.space, self.bodies = native.space_of(world.space), world.movers
-        self.support = None if scene is None else SupportVertex(scene, settings)
+        self.support = support
         self.floor: State | None = None
         self.floor_m_s = (0.0, 0.0)
         # What a step must be told of the one before is known here.

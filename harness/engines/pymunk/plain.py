@@ -118,5 +118,5 @@ def _integrate(scene: Scene, settings: MunkSettings, options: RunOptions) -> Ste
 
     schedule = Schedule(scene, settings.dt_s, 0, step_count(scene.duration_s, settings.dt_s))
     watch = Watch(stop=options.stop, ends_fallen=options.allows("stop_at_overturn"))
-    # Without the scene the backend holds nothing: it is Chipmunk's own step, read.
+    # Without a support the backend holds nothing: it is Chipmunk's own step, read.
     return plain_steps(ChipmunkBackend(world.build(scene, settings), settings), schedule, watch)
