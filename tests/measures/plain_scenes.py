@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from harness import engines
+from harness.accuracy import outlook
 from harness.accuracy.horizon import horizon_of
 from harness.accuracy.simulation import simulate
 from harness.comparison.distance import error_rad
@@ -103,13 +104,16 @@ def _beside(scene: Scene, name: str) -> tuple[dict[str, Statement], Beside]:
     apart = error_rad(located, plain, until_s)
     choice = None if apart <= joint else choice_between(scene, located, plain, until_s)
     words = "" if choice is None else f"at {choice.at_s:.4g} s, {choice.words}"
-    beside = Beside(until_s, _known_s(scene, located, until_s), apart, joint, limits, words)
+    beside = Beside(until_s, _known_s(scene, located, plain, until_s), apart, joint, limits, words)
     return {name: statement(located, truth), plain.engine: stated}, beside
 
 
-def _known_s(scene: Scene, located: Run, until_s: float) -> float:
+def _known_s(scene: Scene, located: Run, plain: Run, until_s: float) -> float:
     """Until when the scene can be predicted at all; not looked for where it is bounded to the end, or past all return."""
-    last_s = min(located.end_s, located.no_return_time_s or located.end_s)
+    last_s = outlook.last_s(located)
+    if plain.outcome is located.outcome:
+        # Nothing is stated of a fall past its instant of no return, which each knows but for its error: the earlier ends both.
+        last_s = min(last_s, outlook.last_s(plain))
     if until_s >= last_s - LEAST_S:
         return last_s
     engine = engines.load(located.engine)
