@@ -27,7 +27,7 @@ from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
-FINER: Final = 0.45
+VERIFICATION_STEP_SHARE: Final = 0.45
 """Step of a verification run over its level's: steps that are parts of each other begin at the same instants, and err alike."""
 
 

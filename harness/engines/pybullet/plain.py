@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, ClassVar, Final, final
 
 import numpy as np
 
-from harness.engines.base import FINER, Engine, Settings, near, own_settings
+from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings, near, own_settings
 from harness.engines.contact.frame import greatest_pull_m_s2, step_count
 from harness.engines.contact.friction import floor_friction
 from harness.engines.contact.reduce import Report, reduce_trajectory
@@ -33,8 +33,8 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 
 if TYPE_CHECKING:
-    from harness.engines.pybullet.course import Setup
     from harness.engines.pybullet.full import FullShape
+    from harness.engines.pybullet.run_phases import Setup
     from harness.engines.pybullet.world import World
 
 LEVELS: Final = (
@@ -77,7 +77,7 @@ class PlainBullet3D(Engine):
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[BulletSettings, ...]:
         """Less than half the step, with the bodies added in the other order."""
         own = own_settings(self.name, BulletSettings, settings)
-        finer = _settings(scene, FINER * own.dt_s, FINER * own.expected_error_rad)
+        finer = _settings(scene, VERIFICATION_STEP_SHARE * own.dt_s, VERIFICATION_STEP_SHARE * own.expected_error_rad)
         return (replace(finer, reversed_bodies=not own.reversed_bodies),)
 
     def step_cost(self, scene: Scene) -> float:
@@ -90,12 +90,12 @@ class PlainBullet3D(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where pybullet refuses it, or where it would have to be steered."""
-        from harness.engines.pybullet import course
+        from harness.engines.pybullet import run_phases
 
         own = own_settings(self.name, BulletSettings, settings)
         refuse_steering(scene, self.name)
         begin = time.perf_counter()
-        setup = course.prepare(scene)
+        setup = run_phases.prepare(scene)
         record, full = _integrate(scene, own, setup, options)
         path = trajectory(scene, record, setup.axes, own.dt_s)
         report = Report(
@@ -147,7 +147,7 @@ def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, options: Ru
 def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullShape | None, watch: Watch) -> StepLog:
     """One world from the scene's start to its end, to overturning, or to where the pedestal's edge can be met."""
     from harness.engines.pybullet.backend import BulletBackend
-    from harness.engines.pybullet.course import build
+    from harness.engines.pybullet.run_phases import build
     from harness.engines.pybullet.world import World
 
     schedule = Schedule(scene, settings.dt_s, 0, step_count(scene.duration_s, settings.dt_s))
