@@ -54,7 +54,6 @@ class PlainMunk2D(Engine):
         Munk2D.capabilities, moving_table=False, skips=frozenset({"no_history", "stop_at_overturn"})
     )
     order: ClassVar[float] = 1.0
-    step_cost: ClassVar[float] = 4.0
 
     missing = Munk2D.missing
 
@@ -78,6 +77,10 @@ class PlainMunk2D(Engine):
                 expected_error_rad=VERIFICATION_STEP_SHARE * own.expected_error_rad,
             ),
         )
+
+    def step_cost(self, scene: Scene) -> float:
+        """Of 21 invented, random and wide scenes 0.7 to 4.1: iterations, which need not be as many while events are located."""
+        return 4.0
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it, or where it would have to be steered."""
