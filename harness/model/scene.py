@@ -19,6 +19,7 @@ from harness.model.shown import Shown, new_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from pydantic import JsonValue
 
     from meshes import Solid
 
@@ -226,7 +227,7 @@ class Scene(Shown):
     table: Literal["frame", "moving"] = "frame"
     output_dt_s: float = 0.001
     source: Path | None = None
-    given: Mapping[str, Any] = field(default_factory=dict)
+    given: Mapping[str, JsonValue] = field(default_factory=dict)
     notes: Sequence[str] = ()
     uncertainty: Sequence[Uncertain] = ()
 
