@@ -93,6 +93,16 @@ class Pedestal:
         """Height of its centroid above the floor."""
         return 0.5 * self.height_m
 
+    @property
+    def inertia_kg_m2(self) -> float:
+        """Moment of inertia about its centroid, for a rotation in the rocking plane."""
+        return self.mass_kg * (self.width_m**2 + self.height_m**2) / 12.0
+
+    @property
+    def half_m(self) -> tuple[float, float, float]:
+        """Half its width, depth and height."""
+        return 0.5 * self.width_m, 0.5 * self.depth_m, 0.5 * self.height_m
+
 
 @dataclass(frozen=True)
 class Contact:

@@ -21,8 +21,7 @@ class RowWriter:
         statue, pedestal = scene.statue, scene.pedestal
         self.inertias = [(statue.mass_kg, statue.inertia_kg_m2)]
         if pedestal is not None:
-            squares = pedestal.width_m**2 + pedestal.height_m**2
-            self.inertias.append((pedestal.mass_kg, pedestal.mass_kg * squares / 12.0))
+            self.inertias.append((pedestal.mass_kg, pedestal.inertia_kg_m2))
 
     def write(self, kind: str, before: Row, after: Row) -> None:
         """Change both bodies from the row that they have, `before`."""
