@@ -27,8 +27,7 @@ from harness.engines.event_stepping.step_state import StepState
 from harness.engines.event_stepping.stepper import Stepper
 from harness.engines.event_stepping.watch import Watch
 from harness.engines.pybullet import run_phases, shapes
-from harness.engines.pybullet.backend import BulletBackend
-from harness.engines.pybullet.heading import reader
+from harness.engines.pybullet.backend import BulletBackend, reader
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
 from harness.model.history import History

@@ -15,7 +15,7 @@ from harness.engines.event_stepping.rest_spell import STILL_M_S
 from harness.engines.event_stepping.rows import ALONE, Row, axis_of
 from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.step_log import StepLog
-from harness.engines.event_stepping.step_state import StepState
+from harness.engines.event_stepping.step_state import ContactTime, HalfCycle, StepState
 from harness.engines.event_stepping.watch import LOOK_STEPS, Watch
 from harness.model.scene import Scene
 
@@ -111,14 +111,14 @@ def _touched(state: StepState, scene: Scene, gaps: ContactGaps, watch: Watch) ->
     return 0
 
 
-def _locate_impact(state: StepState, gaps: ContactGaps, contact_time: ContactTimeEstimate) -> None:
+def _locate_impact(state: StepState, gaps: ContactGaps, contact_time: ContactTime) -> None:
     """A foot that comes down, and the half-cycle that begins with its impact."""
     locate_event(state, gaps, contact_time, state.impact, contact_time.speeds)
     if state.jolted:
         state.half_cycle = micro_rocking.after_impact(state, gaps)
 
 
-def _followed(state: StepState, gaps: ContactGaps, half_cycle: micro_rocking.HalfCycle) -> bool:
+def _followed(state: StepState, gaps: ContactGaps, half_cycle: HalfCycle) -> bool:
     """Whether a part of a short half-cycle, or its impact, was made; if not it is no short one any more."""
     due = micro_rocking.follow(state, half_cycle)
     if due is None:

@@ -2,24 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from harness.engines.event_stepping.contact_gaps import ContactGaps
 from harness.engines.event_stepping.contact_time import ContactTimeEstimate
-from harness.engines.event_stepping.step_state import StepState
-
-
-@dataclass(slots=True)
-class HalfCycle:
-    """A half-cycle since the impact at `start_s` that left a foot rising: the length of its parts, s, and whether it is known
-    yet.
-    """
-
-    contact_time: ContactTimeEstimate
-    start_s: float
-    part_s: float
-    known: bool = False
-    parts: int = 0
+from harness.engines.event_stepping.step_state import HalfCycle, StepState
 
 
 def after_impact(state: StepState, gaps: ContactGaps) -> HalfCycle | None:
