@@ -18,7 +18,7 @@ from analytic.solver import simulate
 
 BASE_ACCURACY_RAD: Final = 1e-12
 """Accuracy of the run that is given back; its local error is 1e-15 rad."""
-FINER: Final = 1e-2
+SECOND_RUN_SHARE: Final = 1e-2
 """The second run asks for this share of the accuracy, hence for another order and other steps."""
 CAP: Final = 0.7
 """The third run's steps are at most half of this, in time constants 1/p: below the free steps of every order used."""
@@ -74,9 +74,9 @@ def certify(
     gravity = scene.get("gravity_m_s2", GRAVITY_M_S2)
     cap = min(step_cap_s, longest_step_s(block, gravity))
     quick = scene | {"events": False, "validity": False}
-    checks: tuple[tuple[float, float], ...] = ((base * FINER, step_cap_s), (base, 0.5 * cap))
+    checks: tuple[tuple[float, float], ...] = ((base * SECOND_RUN_SHARE, step_cap_s), (base, 0.5 * cap))
     if scene.get("dt_s", 0.0) is None:
-        scene, checks = {"events": False} | scene, ((base * FINER, 0.5 * cap),)
+        scene, checks = {"events": False} | scene, ((base * SECOND_RUN_SHARE, 0.5 * cap),)
     first = simulate(block, motion_x, motion_z, accuracy_rad=base, step_cap_s=step_cap_s, **scene)
     quick = quick | {"gravity_m_s2": gravity * (1.0 + rounding(first.work.steps))}
     others = tuple(

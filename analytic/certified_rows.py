@@ -9,7 +9,7 @@ from typing import NamedTuple, final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.certainty import FINER, PARTED, SAFETY, Certified, certified, longest_step_s, rounding
+from analytic.certainty import PARTED, SAFETY, SECOND_RUN_SHARE, Certified, certified, longest_step_s, rounding
 from analytic.encode import encode, encode_base, encode_motion
 from analytic.excitation import Excitation
 from analytic.kernel.layout import BASE, MOTION_PARAMS, PARAMS, row
@@ -35,7 +35,7 @@ def body_of(problem: Problem, accuracy_rad: float) -> Body:
     """Encode a problem for runs of that accuracy; its motion is left out."""
     first = Options(accuracy_rad=accuracy_rad, dt_s=None, events=False)
     cap_s = 0.5 * longest_step_s(problem.block, problem.gravity_m_s2)
-    finer = replace(first, accuracy_rad=accuracy_rad * FINER, step_cap_s=cap_s, validity=False)
+    finer = replace(first, accuracy_rad=accuracy_rad * SECOND_RUN_SHARE, step_cap_s=cap_s, validity=False)
     return Body(problem, encode(problem, first), encode(problem, finer))
 
 

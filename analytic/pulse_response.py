@@ -174,7 +174,7 @@ def overturning_ranges(
 ) -> tuple[tuple[float, float, int], ...]:
     """Ranges of A/(gα) below `highest` that overturn: (from, to, impacts before overturning), ends to rounding.
 
-    The number of impacts tells the modes apart: 1 swings once and falls to the other side, 0 falls at once. Ranges
+    The number of impacts tells the modes apart: 1 rocks once and falls to the other side, 0 falls at once. Ranges
     narrower than `resolution` can be missed. A range still open at `highest` ends with inf.
     """
     if not (highest > 1.0 and 0.0 < resolution < 1.0):

@@ -32,7 +32,7 @@ CONCAVITY: Final = 0.05
 MAX_PARTS: Final = 32
 MAX_VERTICES: Final = 64
 LONGEST_S: Final = 300.0
-"""Longest wait for a decomposition: twenty times the dearest of the table (docs/meshes.md)."""
+"""Longest wait for a decomposition: twenty times the costliest of the table (docs/meshes.md)."""
 FORM: Final = 1
 """Number of what `decompose` does: raised when the same mesh would give other parts, so that kept ones are not taken."""
 

@@ -113,7 +113,7 @@ def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     state = Prepared(mesh, ProcessingLog(mesh.source))
     must_have_thickness(mesh)
     must_be_of_a_statue_s_size(mesh, wanted.unit)
-    state = _mended(state, wanted)
+    state = _repaired(state, wanted)
     state = _stood_up(state, wanted)
     rotation = state.rotation
     state = _scaled(state, wanted, suffix)
@@ -130,7 +130,7 @@ def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     return replace(state, rotation=rotation)
 
 
-def _mended(state: Prepared, wanted: Wanted) -> Prepared:
+def _repaired(state: Prepared, wanted: Wanted) -> Prepared:
     """Duplicates, debris, several bodies, branching edges and orientation put right, in this order."""
     limits = wanted.limits
     for step in (

@@ -13,12 +13,12 @@ from meshes.mesh import RawMesh, double_areas, drop_unused, manifold, unique_row
 from meshes.processing_log import Change, change, measure
 from meshes.topology import EdgeCount, Edges, parts, wound_alike
 
-Mended = tuple[RawMesh, Change | None]
+Repaired = tuple[RawMesh, Change | None]
 Part = tuple[NDArray[np.float64], NDArray[np.int64]]
 """Vertices (n, 3) and outward triangles (m, 3) of a closed surface."""
 
 
-def drop_duplicates(mesh: RawMesh) -> Mended:
+def drop_duplicates(mesh: RawMesh) -> Repaired:
     """Faces over the same three vertices made one."""
     unique = np.sort(unique_rows(np.sort(mesh.faces, axis=1))[0])
     removed = len(mesh.faces) - len(unique)
@@ -27,7 +27,7 @@ def drop_duplicates(mesh: RawMesh) -> Mended:
     return mesh.with_faces(mesh.faces[unique]), Change("duplicates", f"{removed} repeated faces removed", removed)
 
 
-def drop_debris(mesh: RawMesh, largest_share: float) -> Mended:
+def drop_debris(mesh: RawMesh, largest_share: float) -> Repaired:
     """Separate parts with less than `largest_share` of the largest part's area removed."""
     number = parts(mesh.faces)
     areas = np.bincount(number, weights=0.5 * np.linalg.norm(double_areas(mesh.vertices, mesh.faces), axis=1))
@@ -41,7 +41,7 @@ def drop_debris(mesh: RawMesh, largest_share: float) -> Mended:
     return cleaned, change("debris", what, count, measure(mesh), measure(cleaned))
 
 
-def open_branches(mesh: RawMesh, largest_share: float) -> Mended:
+def open_branches(mesh: RawMesh, largest_share: float) -> Repaired:
     """At edges with more than two faces those that stick out removed, else all, to be closed as holes.
 
     Raises MeshError if they are too many.
@@ -71,7 +71,7 @@ def open_branches(mesh: RawMesh, largest_share: float) -> Mended:
     return opened, Change("non-manifold", what, len(bad))
 
 
-def wind_alike(mesh: RawMesh) -> Mended:
+def wind_alike(mesh: RawMesh) -> Repaired:
     """Neighbouring faces given one sense."""
     if EdgeCount.of(mesh.faces).misoriented == 0:
         return mesh, None
@@ -80,7 +80,7 @@ def wind_alike(mesh: RawMesh) -> Mended:
     return RawMesh(mesh.vertices, faces, mesh.source), Change("orientation", what, turned)
 
 
-def turn_outward(mesh: RawMesh) -> Mended:
+def turn_outward(mesh: RawMesh) -> Repaired:
     """A surface that is inside out turned, its holes thought closed."""
     if measure(mesh).volume_m3 >= 0.0:
         return mesh, None
@@ -88,7 +88,7 @@ def turn_outward(mesh: RawMesh) -> Mended:
     return turned, Change("orientation", "inside out: all faces turned outward", len(mesh.faces))
 
 
-def join_bodies(mesh: RawMesh) -> Mended:
+def join_bodies(mesh: RawMesh) -> Repaired:
     """Several large closed parts that overlap joined into one body; raises MeshError for parts that stay apart."""
     number = parts(mesh.faces)
     count = int(number.max()) + 1

@@ -43,7 +43,7 @@ def mesh_inspect(
         ),
     ] = None,
 ) -> None:
-    """Say what a scan is, what would be mended, and what statue comes out; write nothing but the picture asked for."""
+    """Say what a scan is, what would be repaired, and what statue comes out; write nothing but the picture asked for."""
     from harness.mesh_cli import inspect
 
     if picture is not None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import graphlib
 import shutil
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
+import grimp
 import pytest
 
 VIOLATIONS = {
@@ -60,3 +62,20 @@ def test_a_violation_is_caught(copy: Path, rule: str) -> None:
     assert done.returncode != 0, done.stdout
     broken = [text for text in done.stdout.splitlines() if text.startswith(f"{rule} BROKEN")]
     assert broken, done.stdout
+
+
+def sorted_modules(imports: dict[str, set[str]]) -> tuple[str, ...]:
+    """Modules after all that they import. Raises `graphlib.CycleError` for those that import each other."""
+    return tuple(graphlib.TopologicalSorter(imports).static_order())
+
+
+def test_no_module_imports_one_that_imports_it() -> None:
+    """Imports for types alone count too."""
+    graph = grimp.build_graph("analytic", "meshes", "harness", "reports", cache_dir=None)
+    imports = {module: graph.find_modules_directly_imported_by(module) for module in graph.modules}
+    assert len(sorted_modules(imports)) > len(VIOLATIONS)
+
+
+def test_a_circle_is_seen() -> None:
+    with pytest.raises(graphlib.CycleError):
+        sorted_modules({"a": {"b"}, "b": {"c"}, "c": {"a"}})

@@ -33,6 +33,8 @@ NAMES = {
     "stance": "orientation",
     "crumbs": "debris",
     "mending": "repair",
+    "mended": "repaired",
+    "course": "run_phases",
 }
 """Parts of a name, and what the thing is called instead."""
 SAYING = {"tell": "on_progress", "told": "messages, sentences or on_progress", "telling": "messages"}
@@ -62,7 +64,9 @@ PROSE = {
     r"\b[Rr]ungs?\b": "level",
     r"\b[Rr]attl(e|es|ed|ing)\b": "micro-rocking",
     r"\b[Cc]rumbs?\b": "debris",
-    r"\bdear to\b": "costly to",
+    r"\bdear(er|est)?\b": "costly",
+    r"\b[Ll]adders?\b": "levels",
+    r"\b[Pp]robes?\b": "verification run",
     r"\bbare loops?\b": "baseline loop",
 }
 """Patterns of sentences, and what to write instead."""

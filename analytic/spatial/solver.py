@@ -10,7 +10,7 @@ from typing import Any, Final, NamedTuple, final
 import numpy as np
 
 from analytic.block import positive
-from analytic.certainty import FINER, within
+from analytic.certainty import SECOND_RUN_SHARE, within
 from analytic.encode import encode_motion
 from analytic.kernel.layout import row
 from analytic.kernel.records import MotionParams, Records
@@ -255,7 +255,7 @@ def certify(
 
     accuracy: error, in rad and m, up to which the history counts as reliable.
     """
-    finer, shorter = max(FINER * tolerance, FINEST), min(CAP_S, 0.5 * step_cap_s)
+    finer, shorter = max(SECOND_RUN_SHARE * tolerance, FINEST), min(CAP_S, 0.5 * step_cap_s)
     first = solve(problem, tolerance=tolerance, dt_out_s=dt_out_s, step_cap_s=step_cap_s)
     others = (
         solve(problem, tolerance=finer, dt_out_s=dt_out_s, step_cap_s=step_cap_s, events=False),

@@ -17,7 +17,7 @@ from typing import Final
 from harness.accuracy.outlook import MOST_ORDER, beyond, hopeless, last_s
 from harness.accuracy.sensitivity import PARTED, response
 from harness.accuracy.spread import CLEAR, NONE, Error, Spread, factor, plain_from_s, plain_share, spread, target_of
-from harness.engines.base import FINER, Engine, Settings
+from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
@@ -200,7 +200,7 @@ class _Climb:
         """What a run's settings are expected to err by, more where its events are left; without a pedestal nothing slips."""
         rotation = FLOOR_SHARE * float(run.settings.get("expected_error_rad", 0.0))
         if self._leaves(run):
-            rotation *= plain_share(1.0, FINER)
+            rotation *= plain_share(1.0, VERIFICATION_STEP_SHARE)
         height_m = 0.0 if self.scene.pedestal is None else self.scene.statue.centroid_height_m
         return Error(rotation, rotation * height_m)
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:  # a run of the model alone has no campaign
 CLEARANCE_DRAWS: Final = 1000
 """Draws run with their histories: the 95 % quantile then rests on 50 of them, the 99 % one on 10."""
 STEP_S: Final = 0.01
-"""Between two looks at the history: a swing of 3 Hz is then caught within (6π · 0.01)²/8 = 0.4 % of its peak."""
+"""Between two looks at the history: a rotation of 3 Hz is then caught within (6π · 0.01)²/8 = 0.4 % of its peak."""
 SHARES: Final = (0.50, 0.95, 0.99)
 """Of the draws that stand, this share stays within a clearance; told where at least one draw lies beyond."""
 LEAST_DRAWS: Final = 20

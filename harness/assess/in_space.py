@@ -34,7 +34,7 @@ CLEARANCE_RUNS: Final = 100
 """Standing draws that are run with their histories: some 0.1 s each for a record of 40 s; 99 of 100 then stay within the second
 largest."""
 HISTORY_STEP_S: Final = 0.02
-"""Between two looks: a swing of 1 Hz, fast for what is as large as a statue, is caught within (2π · 0.02)²/8 = 0.2 % of its peak.
+"""Between two looks: a rotation of 1 Hz, fast for a statue, is caught within (2π · 0.02)²/8 = 0.2 % of its peak.
 Each look costs a step."""
 OUTCOME_TOLERANCE: Final = 1e-7
 """Local error: that of the runs for their outcome."""

@@ -19,7 +19,7 @@ AROUND_DEG: Final = tuple(22.5 * k for k in range(16))
 PARTS: Final = ("outline", "top", "pedestal")
 """What is followed; the rows of every reach."""
 LOOKS: Final = 4000
-"""Most samples of a history that are looked at: 0.01 s apart in one of 40 s, where a swing of 3 Hz loses 0.4 % of its peak."""
+"""Most samples of a history that are looked at: 0.01 s apart in one of 40 s, where a rotation of 3 Hz loses 0.4 % of its peak."""
 
 
 def reach_m(scene: Scene, theta_rad: Array, slip_m: Array, extra: Mapping[str, Array]) -> Array:

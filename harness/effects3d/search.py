@@ -23,7 +23,7 @@ from harness.statics.rest import limit_of_rest_m_s2
 from meshes.footprint import reach_m
 
 EXACT: Final = "spatial"
-FINER: Final = LEVELS[1][0]
+SECOND_TOLERANCE: Final = LEVELS[1][0]
 """A thousandth of the local error at which outcomes are asked (`analytic.spatial.outcomes.TOLERANCE`)."""
 MOST_STEPS: Final = 50_000
 """A run of more is given up, and told: rocking takes some hundreds of steps, a slide that creeps a million."""
@@ -205,7 +205,7 @@ class SpaceOutcomes:
         """Why an amplitude between `below` (stands) and `above` (overturns) is in doubt; empty where it is not."""
         if self.unanswered:
             return f"{len(self.unanswered)} of its runs ended without an outcome"
-        again = (above is None or self.overturning(above, FINER) is not None) and (
-            below == 0.0 or self.overturning(below, FINER) is None
+        again = (above is None or self.overturning(above, SECOND_TOLERANCE) is not None) and (
+            below == 0.0 or self.overturning(below, SECOND_TOLERANCE) is None
         )
         return "" if again and not self.unanswered else "its outcomes change with a smaller local error"

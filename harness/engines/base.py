@@ -27,7 +27,7 @@ from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
-FINER: Final = 0.45
+VERIFICATION_STEP_SHARE: Final = 0.45
 """Step of a verification run over its level's: steps that are parts of each other begin at the same instants, and err alike."""
 
 
@@ -89,8 +89,6 @@ class Engine(ABC):
     capabilities: ClassVar[Capabilities]
     order: ClassVar[float]
     """Declared order of convergence of the rotation in `dt_s`, before the first impact."""
-    step_cost: ClassVar[float] = 1.0
-    """Processor time of a step of an engine as it comes over that of the same engine with events located, at most."""
     agreements: ClassVar[int] = 2
     """Comparisons of a run with the next finer one that must hold in a row before an accuracy counts as reached: one where errors
     are shown to fall evenly with the step (`python -m tests.measures.coverage`), two where runs may agree by chance."""
@@ -116,6 +114,10 @@ class Engine(ABC):
         there too.
         """
         return settings
+
+    def step_cost(self, scene: Scene) -> float:
+        """Processor time of a step of an engine as it comes over that of the same engine with events located, at most."""
+        return 1.0
 
     def awaited(self) -> str:
         """What a run in a process of its own, from which nothing is heard, is at."""

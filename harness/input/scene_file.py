@@ -91,7 +91,7 @@ def resolve(
         source=path,
         given=content or {},
         notes=tuple(notes),
-        uncertainty=uncertain_inputs(model),
+        uncertainty=uncertain_inputs(model, model.uncertainty),
     )
 
 

@@ -214,7 +214,7 @@ class SceneFile(Table):
             raise Contradiction("initial.position_m", "no [wall] beside a pose in space", "both")
         if self.wall is not None and self.statue.mesh is None and self.statue.height_m is None:
             raise Contradiction("statue.height_m", "a number beside a wall: what touches it is the top", "nothing")
-        uncertain_inputs(self)
+        uncertain_inputs(self, self.uncertainty)
         return self
 
 

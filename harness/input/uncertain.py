@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, get_args
+from typing import Annotated, Any, Final, Literal, get_args
 
 from pydantic import BaseModel, Field
 
@@ -12,9 +12,6 @@ from harness.input.mistakes import Contradiction, Table
 from harness.model.assumed import ASSUMPTIONS, assumption
 from harness.model.errors import nearest
 from harness.model.scene import Uncertain
-
-if TYPE_CHECKING:
-    from harness.input.tables import SceneFile
 
 JOINT: Final = {"contact.floor": "contact.floor_static"}
 """Keys that stand for several numbers moved by one factor, and the number that their median is told by."""
@@ -60,10 +57,10 @@ class Assumed(_Spread):
 Distribution = Annotated[Lognormal | Normal | Uniform | Assumed, Field(discriminator="kind")]
 
 
-def uncertain_inputs(model: SceneFile) -> tuple[Uncertain, ...]:
-    """What `[uncertainty]` says, each with the scene's own value. Raises `Contradiction` for a key without a number."""
+def uncertain_inputs(model: BaseModel, spreads: Mapping[str, Distribution]) -> tuple[Uncertain, ...]:
+    """What `[uncertainty]` says, each with the scene file's own value. Raises `Contradiction` for a key without a number."""
     inputs: list[Uncertain] = []
-    for key, spread in model.uncertainty.items():
+    for key, spread in spreads.items():
         before, other = [item.key for item in inputs], spread.correlated_with
         if (other is None) != (spread.rho is None):
             raise Contradiction(f'uncertainty."{key}"', "correlated_with and rho together", "one of them")
@@ -82,7 +79,7 @@ def _moves(key: str) -> set[str]:
     return {"contact.floor_static", "contact.floor_kinetic"} if key == "contact.floor" else {key}
 
 
-def _uncertain(model: SceneFile, key: str, spread: Lognormal | Normal | Uniform | Assumed) -> Uncertain:
+def _uncertain(model: BaseModel, key: str, spread: Lognormal | Normal | Uniform | Assumed) -> Uncertain:
     value = FACTORS.get(key, _number(model, JOINT.get(key, key)))
     place = f'uncertainty."{key}"'
     if value is None or key.startswith("uncertainty"):

@@ -8,7 +8,11 @@ from typing import Final, Literal
 
 from harness.records.base import Record
 
-LEVEL, TARGET, DEFAULT, OTHER_PROJECT = "ladder", "accuracy", "default", "peer"
+Group = Literal["level", "accuracy", "default", "other project"]
+LEVEL: Final = "level"
+TARGET: Final = "accuracy"
+DEFAULT: Final = "default"
+OTHER_PROJECT: Final = "other project"
 """Groups of rows: a level, what the target takes, the engine's own defaults, another project's settings."""
 TOGETHER: Final = "all together"
 """The skip of a row that has them all."""
@@ -23,7 +27,7 @@ class PrecisionRow:
 
     engine: str
     scene: str
-    group: str
+    group: Group
     label: str
     block: bool = True
     reference: str = "analytic"

@@ -7,7 +7,7 @@ from typing import Final
 
 from harness.records.scores import ROBUST, Scores
 
-FINER: Final = 4.0
+CONFIRMATION_FACTOR: Final = 4.0
 """The finer run's target is this many times smaller: some two halvings of the step."""
 SURE: Final = 30.0
 """A difference of this many times its limit is no luck of two runs that agree: none was off by more than twelve times what it

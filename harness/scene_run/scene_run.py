@@ -25,7 +25,7 @@ from harness.records.run import EngineRunRecord, HorizonRecord, RunRecord
 from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores
 from harness.records.witness import Witness
-from harness.scene_run.confirmation import FINER, doubted
+from harness.scene_run.confirmation import CONFIRMATION_FACTOR, doubted
 from harness.scene_run.convention import with_conventions
 from harness.scene_run.left_out import with_reasons
 from harness.statics.plan import Step, plan
@@ -182,7 +182,7 @@ def _give_up(waiting: Iterable[Future[Run]]) -> None:
 
 def _finer_rad(target: RunTarget) -> float:
     """The accuracy of a run that is made again before models are said to differ."""
-    return (target.accuracy_rad or DEFAULT_ACCURACY_RAD) / FINER
+    return (target.accuracy_rad or DEFAULT_ACCURACY_RAD) / CONFIRMATION_FACTOR
 
 
 def _finer_runs(

@@ -24,7 +24,8 @@ from harness.records.witness import LEAST_S, PLAIN, Judged, Witness
 from harness.scene_run.convention import choice_between
 
 BUDGET: Final = 3.0
-"""A witness costs at most so many times what the run beside it cost, in steps of that run's engine."""
+"""A witness costs at most so many times what the run beside it cost, in steps of that run's engine: counts, as times would make
+what is said a matter of the machine."""
 TARGET_RAD: Final = 5e-3
 """Nothing is confirmed from where the plain engine's own error is above this: a twentieth of a slender statue's balance angle."""
 
@@ -50,7 +51,7 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
         return Witness(
             name, 0.0, None, None, f"{own.engine} bounds its numerical error nowhere: there is nothing to confirm"
         )
-    steps = BUDGET * own.work.get("steps_of_all_runs", own.steps) / engine.step_cost
+    steps = BUDGET * own.work.get("steps_of_all_runs", own.steps) / engine.step_cost(scene)
     settings, finer, until_s = _affordable(engine, scene, wanted_s, steps)
     short = scene.but(duration_s=until_s)
     with_history = RunOptions(skips=options.skips, history=True)
@@ -118,8 +119,8 @@ def _in_the_plane(scene: Scene, engine: Engine, runs: Mapping[str, Run]) -> str:
 def _why_no_further(own: Run, plain: Run, bounded_s: float, reached_s: float, wanted_s: float) -> str:
     if own.end_s - min(bounded_s, wanted_s) <= LEAST_S:
         return ""
-    if reached_s < wanted_s:
-        return f"{BUDGET:g} times the run's own cost reach to {reached_s:.4g} s"
     if bounded_s < min(plain.end_s, reached_s):
         return f"its own error is not bounded by {TARGET_RAD:g} rad from {bounded_s:.4g} s on"
+    if reached_s < wanted_s:
+        return f"{BUDGET:g} times the run's own cost reach to {reached_s:.4g} s"
     return f"the numerical error of {own.engine} is not bounded beyond {wanted_s:.4g} s"

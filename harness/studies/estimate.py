@@ -14,7 +14,7 @@ from harness.studies.file import StudyFile
 from harness.studies.witnessed import SHARE
 
 WITH_HISTORY: Final = 10.0
-"""By how much a history makes an analytic run dearer; to contact engines it makes no difference."""
+"""By how much a history makes an analytic run costlier; to contact engines it makes no difference."""
 BOUNDARY: Final = 4.0
 """Points of an adaptive map along the line on which the outcome changes, in points along both axes."""
 SHORTEST_LIMIT_S: Final = 600.0

@@ -6,19 +6,27 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from harness.records.bench import BenchRecord, PrecisionRow, ScalingRow
+from harness.records.bench import (
+    DEFAULT,
+    LEVEL,
+    OTHER_PROJECT,
+    TARGET,
+    BenchRecord,
+    PrecisionRow,
+    ScalingRow,
+)
 from reports.charts import Json
 from reports.charts.figure import BELOW, LOG, axis, curve, figure, level, stroke
 from reports.charts.palette import INK, MUTED, look
 from reports.text.numbers import digits, heading, unit
 from reports.text.wording import Verdict
 
-SYMBOLS: Final = {"ladder": "circle", "accuracy": "star", "default": "square-open", "peer": "diamond-open"}
+SYMBOLS: Final = {LEVEL: "circle", TARGET: "star", DEFAULT: "square-open", OTHER_PROJECT: "diamond-open"}
 WORDS: Final = {
-    "ladder": "",
-    "accuracy": "to the target",
-    "default": "own defaults",
-    "peer": "another project's settings",
+    LEVEL: "",
+    TARGET: "to the target",
+    DEFAULT: "own defaults",
+    OTHER_PROJECT: "another project's settings",
 }
 
 SIGNS: Final = {"duration_s": "circle", "mesh_vertices": "square", "runs": "diamond", "workers": "triangle-up"}
@@ -97,7 +105,7 @@ def precision_figure(scene: str, rows: Sequence[PrecisionRow], target_rad: float
             data.append(
                 curve(
                     [row.cpu_s for row in mine], [row.error_rad for row in mine], stroke(style) | {"width": 1.6},
-                    mode="lines+markers" if group == "ladder" else "markers", marker=marker,
+                    mode="lines+markers" if group == LEVEL else "markers", marker=marker,
                     name=f"{engine} {WORDS[group]}".strip(), text=[row.label for row in mine],
                     hovertemplate=f"{engine}, %{{text}}: %{{y:.2e}} rad in %{{x:.3g}} s<extra></extra>",
                 )

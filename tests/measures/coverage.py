@@ -28,7 +28,7 @@ from harness.model.run import Run
 from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue
 from harness.records.bench import Coverage, Level, Statement
 
-FINER: Final = 5.0
+REFERENCE_STEP_DIVISOR: Final = 5.0
 """The run that stands for the truth has a step this many times finer than the finest of the target's own two."""
 FINEST_S: Final = 2.5e-4
 """Step of the finest level that is compared: the share of what it takes is clear by then, and finer ones take the most."""
@@ -72,7 +72,7 @@ def truth_of(engine: Engine, scene: Scene, run: Run, until_s: float, finest_s: f
     """A much finer run of the same engine up to a time, its step not below the finest; of one that certifies, its finest."""
     if engine.capabilities.certifies:
         return engine.simulate(scene, engine.refinement_levels(scene)[-1], RunOptions())
-    settings = engine.settings_for_dt(scene, max(float(run.settings["dt_s"]) / FINER, finest_s))
+    settings = engine.settings_for_dt(scene, max(float(run.settings["dt_s"]) / REFERENCE_STEP_DIVISOR, finest_s))
     return engine.simulate(scene, settings, RunOptions(stop=lambda t_s, _: t_s > until_s))
 
 

@@ -90,7 +90,7 @@ MUNK: Final[Mapping[str, Change]] = {
 }
 BULLET: Final[Mapping[str, Change]] = {
     **LAYER,
-    "events located at all": {_B + "course:touch_of": _always(None)},
+    "events located at all": {_B + "run_phases:gaps_of": _always(None)},
     "anchors let go where friction nears its limit": {_B + "backend:BulletBackend._look_at_grip": _always(None)},
     "reach of contacts follows the turning": {
         _B + "backend:NARROWER": _number(1e9),

@@ -24,7 +24,7 @@ from tests.measures.pages import renew, table
 
 HALF: Final = RunOptions()
 WHOLE: Final = RunOptions(skips=frozenset(SKIPS) - {"mirror"})
-FINER: Final = 3.0
+REFERENCE_STEP_DIVISOR: Final = 3.0
 """How many times finer than the finest level's the step of a scan's reference is."""
 ACROSS: Final = "a scan, or motion across the plane"
 
@@ -43,7 +43,9 @@ def reference(scene: Scene, exact: bool) -> Run:
     """The analytic model's finest run, or one of pybullet's own with a finer step than any level's."""
     engine = load("analytic" if exact else "pybullet")
     finest = engine.refinement_levels(scene)[-1]
-    return engine.simulate(scene, finest if exact else engine.settings_for_dt(scene, finest.dt_s / FINER), HALF)
+    return engine.simulate(
+        scene, finest if exact else engine.settings_for_dt(scene, finest.dt_s / REFERENCE_STEP_DIVISOR), HALF
+    )
 
 
 def errors_rad(scene: Scene, truth: Run) -> list[float]:

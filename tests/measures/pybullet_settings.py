@@ -26,9 +26,8 @@ from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.step_state import StepState
 from harness.engines.event_stepping.stepper import Stepper
 from harness.engines.event_stepping.watch import Watch
-from harness.engines.pybullet import course, shapes
-from harness.engines.pybullet.backend import BulletBackend
-from harness.engines.pybullet.heading import reader
+from harness.engines.pybullet import run_phases, shapes
+from harness.engines.pybullet.backend import BulletBackend, reader
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
 from harness.model.history import History
@@ -39,13 +38,13 @@ from tests.measures.pages import renew_tables
 from tests.measures.pages import table as page_table
 
 Array = NDArray[np.float64]
-Build = Callable[[World, Scene, course.Setup], None]
+Build = Callable[[World, Scene, run_phases.Setup], None]
 Cells = list[str]
 
 CHOSEN: Final = BulletSettings(dt_s=2.5e-4, expected_error_rad=4e-5)
 
 
-def _ours(world: World, scene: Scene, setup: course.Setup) -> None:
+def _ours(world: World, scene: Scene, setup: run_phases.Setup) -> None:
     statue = (scene.statue.mass_kg, setup.moments, setup.feet_m, None, setup.start)
     pedestal = None if scene.pedestal is None else (scene.pedestal, scene.statue.base_centre_m)
     world.build(scene.contact, pedestal, None, statue)
@@ -54,7 +53,7 @@ def _ours(world: World, scene: Scene, setup: course.Setup) -> None:
 def _other(statue_box: bool, pedestal_shape: str) -> Build:
     """The statue as a box or on feet, on a pedestal that is a plain box or has feet of its own under a box."""
 
-    def build(world: World, scene: Scene, setup: course.Setup) -> None:
+    def build(world: World, scene: Scene, setup: run_phases.Setup) -> None:
         _ours(world, scene, setup)
         client, radius = world.client, world.settings.foot_radius_m
         # Points that are sought anew in each step are no place to come back to.
@@ -97,10 +96,10 @@ def _box_moments(p: Pedestal) -> Array:
 
 def measure(scene: Scene, level: BulletSettings, build: Build = _ours, *, half: bool = False) -> tuple[StepLog, float]:
     """Samples of a run with the given bodies, or with half of ours, and processor time per step, µs."""
-    setup = course.prepare(scene).halved if half else course.prepare(scene)
+    setup = run_phases.prepare(scene).halved if half else run_phases.prepare(scene)
     schedule = Schedule(scene, level.dt_s, 0, round(scene.duration_s / level.dt_s))
-    touch = course.touch_of(scene, setup, level) if level.events else None
-    watch = Watch(axis=(0.0, 0.0, 1.0), rest=(0.0, 0.0, 1.0), quiet_from=None, impose=False, touch=touch)
+    gaps = run_phases.gaps_of(scene, setup, level) if level.events else None
+    watch = Watch(axis=(0.0, 0.0, 1.0), rest=(0.0, 0.0, 1.0), quiet_from=None, impose=False, gaps=gaps)
     with World(level, mirrored=half) as world:
         build(world, scene, setup)
         start = time.process_time()
@@ -113,7 +112,7 @@ def measure(scene: Scene, level: BulletSettings, build: Build = _ours, *, half: 
 
 def bare_us(scene: Scene, level: BulletSettings, *, half: bool) -> float:
     """Processor time per whole step, µs, of nothing but gravity, step and read-outs kept in a list, with the same bodies."""
-    setup = course.prepare(scene).halved if half else course.prepare(scene)
+    setup = run_phases.prepare(scene).halved if half else run_phases.prepare(scene)
     schedule = Schedule(scene, level.dt_s, 0, round(scene.duration_s / level.dt_s))
     rows = []
     set_gravity, step = pybullet.setGravity, pybullet.stepSimulation

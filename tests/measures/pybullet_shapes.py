@@ -17,7 +17,7 @@ import pybullet
 
 from analytic.constants import GRAVITY_M_S2
 from harness.engines import load
-from harness.engines.pybullet import course
+from harness.engines.pybullet import run_phases
 from harness.engines.pybullet.full import full_shape
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
@@ -117,7 +117,7 @@ def _parting(one: Run, other: Run) -> str:
 def step_us(scene: Scene, kind: Literal["feet", "hull", "parts"]) -> float:
     """Processor time of a bare step at rest on the pedestal, µs, best of several: on feet alone, or with hull or parts too."""
     still = scene.but(initial=Initial())
-    setup, statue = course.prepare(still), still.statue
+    setup, statue = run_phases.prepare(still), still.statue
     centroid = np.array([0.0, 0.0, statue.centroid_height_m])
     bodies = None if kind == "feet" else full_shape(still, kind).turned(centroid, setup.axes)
     pedestal = None if still.pedestal is None else (still.pedestal, statue.base_centre_m)

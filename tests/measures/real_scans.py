@@ -18,8 +18,8 @@ import trimesh
 from harness import engines
 from harness.bench.standard_scenes import MESHES, record, scene_of
 from harness.engines.event_stepping.schedule import Schedule
-from harness.engines.pybullet.course import Setup, prepare, quiet_start_s
-from harness.engines.pybullet.heading import reader
+from harness.engines.pybullet.backend import reader
+from harness.engines.pybullet.run_phases import Setup, prepare, quiet_start_s
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
 from harness.model.errors import InputError

@@ -22,7 +22,7 @@ from harness.records.bench import (
 )
 from tests.measures.goals import COST_SHARE, OVERHEAD, Goal, goals, main
 
-ROW = PrecisionRow("pymunk", "easy", "ladder", "", error_rad=1e-4, real_time_factor=300.0)
+ROW = PrecisionRow("pymunk", "easy", "level", "", error_rad=1e-4, real_time_factor=300.0)
 CHOICE = Choice("pymunk", 3, 3, 0.4, 1.0, 0.4, "easy", 2.9)
 SKIP = SkipRow("all together", "pymunk", 6, 1.0, 2.5)
 OURS = SolverRow("block", "analytic", 1e-9, error_rad=1e-10, seconds=1e-3)

@@ -27,7 +27,7 @@ FIRST_SEED: Final = 30_000
 SCENES: Final[Mapping[str, int]] = {"analytic": 100, "pymunk": 100, "pybullet": 100, "mujoco": 20}
 """Scenes by engine; few of mujoco, a step of which takes some ten times pybullet's."""
 STEP_S: Final = 1e-3
-FINER: Final = 0.25
+REFERENCE_STEP_SHARE: Final = 0.25
 """Step of the run that tells how far the engine's own error goes where a skip parts two runs, over theirs, and"""
 PARTED_RAD: Final = 1e-5
 """from what difference on it is asked."""
@@ -66,7 +66,7 @@ def effects(engine: Engine, seeds: Sequence[int]) -> Iterator[Effect]:
             on, off = with_all[options.history], _run(engine, scene, options)
             apart, own = difference(on, off), None
             if apart > PARTED_RAD and not engine.capabilities.certifies:
-                own = difference(off, _run(engine, scene, options, FINER * STEP_S))
+                own = difference(off, _run(engine, scene, options, REFERENCE_STEP_SHARE * STEP_S))
             yield Effect(engine.name, skip, seed, apart, own, (on.outcome.value, off.outcome.value))
 
 

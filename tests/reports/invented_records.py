@@ -132,7 +132,7 @@ def bench_rows() -> list[PrecisionRow]:
     rows = []
     for scene in ("free_rocking", "harmonic_floor", "harmonic_pedestal"):
         for engine, cost, error in (("pymunk", 4e-6, 0.4), ("pybullet", 16e-6, 0.6)):
-            base = PrecisionRow(engine, scene, "ladder", "")
+            base = PrecisionRow(engine, scene, "level", "")
             for k, dt in enumerate((4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)):
                 seconds = cost * 10.0 / dt
                 row = replace(base, label=f"level {k}", dt_s=dt, error_rad=error * dt, wall_s=seconds, cpu_s=seconds)

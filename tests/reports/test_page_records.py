@@ -146,7 +146,7 @@ def test_the_front_holds_what_nothing_beats() -> None:
     rows = invented_records.bench_rows()
     front = [row for row in rows if on_front(row, rows)]
     assert {row.engine for row in front} == {"pymunk"}
-    assert all(row.group == "ladder" for row in front)
+    assert all(row.group == "level" for row in front)
 
 
 def test_a_bench_names_who_meets_the_target_and_keeps_failures(tmp_path: Path) -> None:

@@ -7,13 +7,20 @@ are solved there, and the places go on with these. An engine that moves places f
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from harness.engines.event_stepping.rows import Row, Vector
+from harness.engines.event_stepping.step_log import StepLog
 
-if TYPE_CHECKING:
-    from harness.engines.event_stepping.step_log import StepLog
-    from harness.engines.event_stepping.step_state import StepState
+
+class Instant(Protocol):
+    """Where a run is when a step begins (`step_state.StepState`): as much of it as an engine is told."""
+
+    t_s: float
+    kick_s: float
+    row: Row
+    jolted: bool
+    record: StepLog
 
 
 class Backend(Protocol):
@@ -39,7 +46,7 @@ class Backend(Protocol):
     def set_length(self, length_s: float) -> None:
         """Length of the steps that follow, s."""
 
-    def foresee(self, state: StepState, kick_s: float, length_s: float) -> None:
+    def foresee(self, state: Instant, kick_s: float, length_s: float) -> None:
         """Be told of the next step: it begins at `state`, is so long, s, and takes velocities to `kick_s`."""
 
     def advance(self, gravity: Vector) -> Row:

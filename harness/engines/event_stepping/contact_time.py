@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import math
 
+from harness.engines.event_stepping.contact_gaps import ContactGaps
 from harness.engines.event_stepping.rows import Row
 from harness.engines.event_stepping.step_state import StepState
-from harness.engines.event_stepping.touch import ContactGaps
 
 
 class ContactTimeEstimate:
@@ -16,9 +16,9 @@ class ContactTimeEstimate:
     Where velocities are not older than places, the foot comes with its present one.
     """
 
-    def __init__(self, state: StepState, touch: ContactGaps, foot: int) -> None:
+    def __init__(self, state: StepState, gaps: ContactGaps, foot: int) -> None:
         """Begin with what the last two samples show, unless an impact or a stick onset lies between them."""
-        self.state, self.touch, self.foot = state, touch, foot
+        self.state, self.gaps, self.foot = state, gaps, foot
         self.gained_m_s2 = 0.0
         self.row, self.seen = state.row, self._height(state.row)
         self.kick_s, self.closing_m_s = state.kick_s, self.seen[1]
@@ -30,11 +30,11 @@ class ContactTimeEstimate:
         state = self.state
         gap, closing = self._look()
         if state.kick_s >= state.t_s:
-            return gap / closing if closing > self.touch.falling_m_s(state.row) else math.inf
+            return gap / closing if closing > self.gaps.falling_m_s(state.row) else math.inf
         gained = self._gathers(closing)
         now = closing + gained * (state.t_s - state.kick_s)
         if gained <= 0.0:
-            return gap / now if now > self.touch.least_m_s else math.inf
+            return gap / now if now > self.gaps.least_m_s else math.inf
         # The first t with gap = now t + gained t²/2.
         return (math.sqrt(now * now + 2.0 * gained * max(gap, 0.0)) - now) / gained
 
@@ -42,7 +42,7 @@ class ContactTimeEstimate:
         """Time, s, until it would be down at its present speed, and that speed when it is down over the present one (≥ 1)."""
         gap, closing = self._look()
         contact_s = self()
-        if contact_s == math.inf or closing <= self.touch.least_m_s:
+        if contact_s == math.inf or closing <= self.gaps.least_m_s:
             return contact_s, 1.0
         then = closing + self._gathers(closing) * (self.state.t_s + contact_s - self.state.kick_s)
         return gap / closing, max(then / closing, 1.0)
@@ -58,14 +58,14 @@ class ContactTimeEstimate:
         return gap, closing
 
     def _gain(self, before_m_s: float, before_s: float) -> None:
-        most = float(self.touch.bounds[self.foot])
+        most = float(self.gaps.bounds[self.foot])
         self.gained_m_s2 = min(max((self.closing_m_s - before_m_s) / (self.kick_s - before_s), -most), most)
 
     def _gathers(self, closing_m_s: float) -> float:
         row = self.state.row
-        turning = self.touch.base_m * math.hypot(row[10], row[11])
+        turning = self.gaps.base_m * math.hypot(row[10], row[11])
         return self.gained_m_s2 if abs(closing_m_s) >= self.state.events.least_turning * turning else 0.0
 
     def _height(self, row: Row) -> tuple[float, float]:
         stepper = self.state.stepper
-        return self.touch.height(self.foot, row, stepper.table_place[2], stepper.table_rate[2])
+        return self.gaps.height(self.foot, row, stepper.table_place[2], stepper.table_rate[2])

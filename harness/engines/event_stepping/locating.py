@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from harness.engines.event_stepping.contact_gaps import ContactGaps
 from harness.engines.event_stepping.rows import advanced
 from harness.engines.event_stepping.step_state import StepState
-from harness.engines.event_stepping.touch import ContactGaps
 
 
 def locate_event(
     state: StepState,
-    touch: ContactGaps,
+    gaps: ContactGaps,
     until: Callable[[], float],
     act: Callable[[], None],
     speeds: Callable[[], tuple[float, float]] | None = None,
@@ -25,7 +25,7 @@ def locate_event(
     contact_s = until()
     for _ in range(events.most_approaches):
         # A gap is closed at the speed that closes it within the step, whatever its length: before short steps there must be none.
-        state.lower(touch.drift_m(state.row, floor.table_place[2]))
+        state.lower(gaps.drift_m(state.row, floor.table_place[2]))
         if contact_s <= events.far * step_s:
             break
         end = min(state.t_s + events.approach * contact_s, state.next_s - events.aside * step_s)
@@ -44,14 +44,14 @@ def locate_event(
         state.coast(-back)
     forward, state.t_s, instant = contact_s + back - events.short * room, there_s - room, max(there_s, state.kick_s)
     state.kick(events.short * room, instant)
-    if touch.stands(state.row, floor.table_place[2], floor.table_rate[2]):
+    if gaps.stands(state.row, floor.table_place[2], floor.table_rate[2]):
         # The velocities stand square to the arm of the standing foot at the places before that step: both turn on together.
         before, there = state.row, advanced(state.row, room)
         state.turn(room)
         at_contact = [(*there[:7], *row[7:13], *there[13:]) for row in (before, state.row)]
-        owed, left = touch.foot_speeds_m_s(before, at_contact, floor.table_place[2], floor.table_rate[2])
+        owed, left = gaps.foot_speeds_m_s(before, at_contact, floor.table_place[2], floor.table_rate[2])
         # What a foot that stands moves at all the same is the solver's: of so little no correction tells its sense.
-        floor.writer.ledger.of("turn_on").compare(owed, max(left - events.still * touch.least_m_s, 0.0))
+        floor.writer.ledger.of("turn_on").compare(owed, max(left - events.still * gaps.least_m_s, 0.0))
     contact_s = until()
     if abs(contact_s) > room:
         # What came down no longer does.
@@ -60,5 +60,5 @@ def locate_event(
         state.jolt(state.row)
         return
     state.coast(contact_s)
-    state.lower(touch.drift_m(state.row, floor.table_place[2], within_s=events.together * step_s))
+    state.lower(gaps.drift_m(state.row, floor.table_place[2], within_s=events.together * step_s))
     act()

@@ -8,14 +8,14 @@ from typing import Final
 from harness.engines.contact.frame import greatest_pull_m_s2
 from harness.engines.contact.spatial import fallen
 from harness.engines.event_stepping import imposing, micro_rocking
+from harness.engines.event_stepping.contact_gaps import ContactGaps
 from harness.engines.event_stepping.contact_time import ContactTimeEstimate
 from harness.engines.event_stepping.locating import locate_event
 from harness.engines.event_stepping.rest_spell import STILL_M_S
 from harness.engines.event_stepping.rows import ALONE, Row, axis_of
 from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.step_log import StepLog
-from harness.engines.event_stepping.step_state import StepState
-from harness.engines.event_stepping.touch import ContactGaps
+from harness.engines.event_stepping.step_state import ContactTime, HalfCycle, StepState
 from harness.engines.event_stepping.watch import LOOK_STEPS, Watch
 from harness.model.scene import Scene
 
@@ -62,12 +62,12 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) 
                 state.rest(min(steps, schedule.count - state.number))
                 continue
         free = MOST_FREE
-        if watch.touch is not None and (beside or tips(row, state.step_s, state.stepper.tipped_rad)):
+        if watch.gaps is not None and (beside or tips(row, state.step_s, state.stepper.tipped_rad)):
             free = BESIDE_FREE if beside else MOST_FREE
             # Nothing is located: the engine is plain, and no half-cycle is followed.
             state.half_cycle, state.jolted_s = None, state.t_s
-        elif watch.touch is not None and state.jolts < state.events.most_jolts:
-            free = _touched(state, scene, watch.touch, watch)
+        elif watch.gaps is not None and state.jolts < state.events.most_jolts:
+            free = _touched(state, scene, watch.gaps, watch)
             if free == 0:
                 continue
             if len(row) > ALONE and len(record.t_s) > 1:
@@ -91,50 +91,48 @@ def tips(row: Row, step_s: float, tipped_rad: float) -> bool:
     return tilt + step_s * math.hypot(row[23], row[24]) > tipped_rad
 
 
-def _touched(state: StepState, scene: Scene, touch: ContactGaps, watch: Watch) -> int:
+def _touched(state: StepState, scene: Scene, gaps: ContactGaps, watch: Watch) -> int:
     """Number of whole steps in which no foot can come down; 0 when one was about to and its impact has been passed."""
     stepper, step_s = state.stepper, state.step_s
-    if state.half_cycle is not None and _followed(state, touch, state.half_cycle):
+    if state.half_cycle is not None and _followed(state, gaps, state.half_cycle):
         return 0
-    contact_s, soonest, foot = touch(
-        state.row, state.t_s, state.jolted_s, stepper.table_place[2], stepper.table_rate[2]
-    )
+    contact_s, soonest, foot = gaps(state.row, state.t_s, state.jolted_s, stepper.table_place[2], stepper.table_rate[2])
     if watch.impose:
-        return _imposed(state, scene, touch, watch, soonest)
+        return _imposed(state, scene, gaps, watch, soonest)
     # Its velocity is of half a step ago: it may come sooner than at that.
     if contact_s == math.inf or state.t_s + min(contact_s, soonest) > state.next_s:
         if stepper.backend.near is False:
             return MOST_FREE
         return _free(state, soonest / step_s)
-    contact_time = ContactTimeEstimate(state, touch, foot)
+    contact_time = ContactTimeEstimate(state, gaps, foot)
     if min(contact_s, contact_time()) > state.events.later * (state.next_s - state.t_s):
         return 1
-    _locate_impact(state, touch, contact_time)
+    _locate_impact(state, gaps, contact_time)
     return 0
 
 
-def _locate_impact(state: StepState, touch: ContactGaps, contact_time: ContactTimeEstimate) -> None:
+def _locate_impact(state: StepState, gaps: ContactGaps, contact_time: ContactTime) -> None:
     """A foot that comes down, and the half-cycle that begins with its impact."""
-    locate_event(state, touch, contact_time, state.impact, contact_time.speeds)
+    locate_event(state, gaps, contact_time, state.impact, contact_time.speeds)
     if state.jolted:
-        state.half_cycle = micro_rocking.after_impact(state, touch)
+        state.half_cycle = micro_rocking.after_impact(state, gaps)
 
 
-def _followed(state: StepState, touch: ContactGaps, half_cycle: micro_rocking.HalfCycle) -> bool:
+def _followed(state: StepState, gaps: ContactGaps, half_cycle: HalfCycle) -> bool:
     """Whether a part of a short half-cycle, or its impact, was made; if not it is no short one any more."""
     due = micro_rocking.follow(state, half_cycle)
     if due is None:
         state.half_cycle = None
     elif due:
-        _locate_impact(state, touch, half_cycle.contact_time)
+        _locate_impact(state, gaps, half_cycle.contact_time)
     return due is not None
 
 
-def _imposed(state: StepState, scene: Scene, touch: ContactGaps, watch: Watch, soonest: float) -> int:
+def _imposed(state: StepState, scene: Scene, gaps: ContactGaps, watch: Watch, soonest: float) -> int:
     """The same where impacts are prescribed: one is imposed when the statue passes upright."""
     step_s = state.step_s
     # Right after an impact the statue is upright, to the last digit or not.
-    contact_s = math.inf if state.jolted else _upright(state, touch, watch)
+    contact_s = math.inf if state.jolted else _upright(state, gaps, watch)
     sure = min(soonest, contact_s)
     if contact_s == math.inf or state.t_s + sure > state.next_s:
         return _free(state, sure / step_s)
@@ -143,14 +141,14 @@ def _imposed(state: StepState, scene: Scene, touch: ContactGaps, watch: Watch, s
         lean = axis_of(state.row, watch.axis)[0] - watch.rest[0]
         state.jolt(imposing.impose(state.stepper, scene, state.row, lean))
 
-    locate_event(state, touch, lambda: _upright(state, touch, watch), impose)
+    locate_event(state, gaps, lambda: _upright(state, gaps, watch), impose)
     return 0
 
 
-def _upright(state: StepState, touch: ContactGaps, watch: Watch) -> float:
+def _upright(state: StepState, gaps: ContactGaps, watch: Watch) -> float:
     """Time, s, until the statue passes upright; infinite when it does not come down."""
     lean, rate = axis_of(state.row, watch.axis)[0] - watch.rest[0], state.row[11]
-    return -lean / rate if lean * rate < 0.0 and abs(rate) > touch.slow_rad_s else math.inf
+    return -lean / rate if lean * rate < 0.0 and abs(rate) > gaps.slow_rad_s else math.inf
 
 
 def _stick_onset(state: StepState, pull: float, kinetic: float) -> int:

@@ -2,38 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from harness.engines.event_stepping.contact_gaps import ContactGaps
 from harness.engines.event_stepping.contact_time import ContactTimeEstimate
-from harness.engines.event_stepping.step_state import StepState
-from harness.engines.event_stepping.touch import ContactGaps
+from harness.engines.event_stepping.step_state import HalfCycle, StepState
 
 
-@dataclass(slots=True)
-class HalfCycle:
-    """A half-cycle since the impact at `start_s` that left a foot rising: the length of its parts, s, and whether it is known
-    yet.
-    """
-
-    contact_time: ContactTimeEstimate
-    start_s: float
-    part_s: float
-    known: bool = False
-    parts: int = 0
-
-
-def after_impact(state: StepState, touch: ContactGaps) -> HalfCycle | None:
+def after_impact(state: StepState, gaps: ContactGaps) -> HalfCycle | None:
     """The half-cycle that an impact begins; None where it is sure to be long, or the foot that rises did not stand."""
     stepper, step_s, events = state.stepper, state.step_s, state.events
-    heights = touch.heights(state.row, stepper.table_place[2], stepper.table_rate[2])
+    heights = gaps.heights(state.row, stepper.table_place[2], stepper.table_rate[2])
     foot = min(range(len(heights)), key=lambda index: heights[index][1])
     gap, closing = heights[foot]
     # Thrown up at v against an acceleration a it is back after 2 v/a; the bound of a gives the shortest time.
-    soonest_s = -2.0 * closing / float(touch.bounds[foot])
-    if abs(gap) > touch.near_m or closing >= 0.0 or soonest_s > events.short_steps * step_s:
+    soonest_s = -2.0 * closing / float(gaps.bounds[foot])
+    if abs(gap) > gaps.near_m or closing >= 0.0 or soonest_s > events.short_steps * step_s:
         return None
     return HalfCycle(
-        ContactTimeEstimate(state, touch, foot),
+        ContactTimeEstimate(state, gaps, foot),
         state.t_s,
         min(max(soonest_s, events.least_first * step_s), events.most_first * step_s),
     )

@@ -9,21 +9,42 @@ from __future__ import annotations
 
 import math
 from array import array
-from typing import TYPE_CHECKING, Final
+from dataclasses import dataclass
+from typing import Final, Protocol
 
 from harness.engines.event_stepping import slip_onset
 from harness.engines.event_stepping.rows import ALONE, Row, Vector, advanced
 from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.stepper import Stepper
 
-if TYPE_CHECKING:
-    from harness.engines.event_stepping.micro_rocking import HalfCycle
-
 NO_PULL: Final = (0.0, 0.0, 0.0)
 LEAST_RAD_S: Final = 1e-12
 """Below this nothing turns."""
 LOOK_STEPS: Final = 16
 """Steps after which the bodies' contacts are looked at again."""
+
+
+class ContactTime(Protocol):
+    """When a foot comes down (`contact_time.ContactTimeEstimate`)."""
+
+    def __call__(self) -> float:
+        """Time, s, until it is down."""
+
+    def speeds(self) -> tuple[float, float]:
+        """That time at its present speed, and its speed when it is down over the present one."""
+
+
+@dataclass(slots=True)
+class HalfCycle:
+    """A half-cycle since the impact at `start_s` that left a foot rising: the length of its parts, s, and whether it is known
+    yet.
+    """
+
+    contact_time: ContactTime
+    start_s: float
+    part_s: float
+    known: bool = False
+    parts: int = 0
 
 
 class StepState:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Final
 from harness.engines.event_stepping.rows import Row, Vector
 
 if TYPE_CHECKING:
+    from harness.engines.event_stepping.contact_gaps import ContactGaps
     from harness.engines.event_stepping.rest_spell import RestSpells
-    from harness.engines.event_stepping.touch import ContactGaps
 
 UPRIGHT: Final[Vector] = (0.0, 0.0, 1.0)
 LOOK_STEPS: Final = 64
@@ -23,7 +23,7 @@ class Watch:
 
     `impose` says that impacts are the model's. `quiet_from` is the number of the step from which the table is still (None: the
     run is not ended at rest). `leave` is asked now and then whether the statue may touch what this world leaves out, `stop`, with
-    time and rotation, whether the run may end. `touch` finds impacts; None leaves them to whole steps, as they are while `edges`
+    time and rotation, whether the run may end. `gaps` finds impacts; None leaves them to whole steps, as they are while `edges`
     says that the pedestal's edges may be met. `spells` finds times of rest; `ends_fallen` ends a run whose statue has overturned.
     """
 
@@ -33,7 +33,7 @@ class Watch:
     impose: bool = False
     leave: Callable[[Row], bool] | None = None
     stop: Callable[[float, float], bool] | None = None
-    touch: ContactGaps | None = None
+    gaps: ContactGaps | None = None
     spells: RestSpells | None = None
     edges: Callable[[Row], bool] | None = None
     # Engines that do not say otherwise end there: what has fallen does not stand up again.

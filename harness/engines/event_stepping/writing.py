@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
+from harness.engines.event_stepping.backend import Backend
 from harness.engines.event_stepping.interventions import Ledger
 from harness.engines.event_stepping.rows import ALONE, Row
 from harness.model.scene import Scene
-
-if TYPE_CHECKING:
-    from harness.engines.event_stepping.backend import Backend
 
 
 class RowWriter:

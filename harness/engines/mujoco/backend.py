@@ -11,9 +11,9 @@ from typing import Any
 
 import mujoco
 
+from harness.engines.event_stepping.backend import Instant
 from harness.engines.event_stepping.rows import ALONE, Row, Vector
 from harness.engines.event_stepping.step_log import StepLog
-from harness.engines.event_stepping.step_state import StepState
 from harness.engines.mujoco.model import FLOOR_PAIR
 
 
@@ -54,7 +54,7 @@ class MujocoBackend:
         """Length of the steps that follow, s."""
         self.model.opt.timestep = length_s
 
-    def foresee(self, state: StepState, kick_s: float, length_s: float) -> None:
+    def foresee(self, state: Instant, kick_s: float, length_s: float) -> None:
         """Nothing: a step tells all that the next one needs."""
 
     def advance(self, gravity: Vector) -> Row:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.base import FINER, Engine, EngineFailure, Settings, own_settings
+from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, EngineFailure, Settings, own_settings
 from harness.engines.contact.friction import floor_friction
 from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.contact.reduce import Report, reduce_trajectory
@@ -21,7 +21,7 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 
 if TYPE_CHECKING:
-    from harness.engines.pybullet.course import RunPhases, Setup
+    from harness.engines.pybullet.run_phases import RunPhases, Setup
 
 Array = NDArray[np.float64]
 
@@ -98,7 +98,7 @@ class Bullet3D(Engine):
         tighter = replace(
             level, residual=TIGHTER * level.residual, iterations=2 * level.iterations, reversed_bodies=other
         )
-        verification = replace(tighter, dt_s=FINER * level.dt_s)
+        verification = replace(tighter, dt_s=VERIFICATION_STEP_SHARE * level.dt_s)
         coarser = (
             item for item in _levels(scene) if item.dt_s >= verification.dt_s and item.residual >= verification.residual
         )
@@ -112,7 +112,7 @@ class Bullet3D(Engine):
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` when pybullet cannot finish it."""
         from harness.engines.event_stepping.columns import trajectory
-        from harness.engines.pybullet import course
+        from harness.engines.pybullet import run_phases
 
         level = own_settings(self.name, BulletSettings, settings)
         if scene.initial.pose is not None and scene.contact.restitution is not None:
@@ -120,8 +120,8 @@ class Bullet3D(Engine):
                 "pybullet locates plastic impacts only: a coefficient of restitution is pybullet:plain's"
             )
         begin = time.perf_counter()
-        setup = course.prepare(scene)
-        phases = course.run(scene, level, setup, options)
+        setup = run_phases.prepare(scene)
+        phases = run_phases.run(scene, level, setup, options)
         path = trajectory(scene, phases.record, setup.axes, level.dt_s)
         report = Report(
             engine=self.name,

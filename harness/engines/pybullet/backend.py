@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import pybullet
 
+from harness.engines.event_stepping import settings
+from harness.engines.event_stepping.backend import Instant
 from harness.engines.event_stepping.interventions import Ledger
 from harness.engines.event_stepping.rows import ALONE, Row, Vector, bodies
 from harness.engines.event_stepping.step_log import StepLog
-from harness.engines.event_stepping.step_state import StepState
 from harness.engines.pybullet.gyroscopic import Gyroscope
-from harness.engines.pybullet.heading import IN_LINE_RAD, SlidingLine, puller, reader
+from harness.engines.pybullet.sliding_line import IN_LINE_RAD, SlidingLine
 from harness.engines.pybullet.world import World
 
 GRIP: Final = 0.5
@@ -64,7 +65,7 @@ class BulletBackend:
         if pedestal is not None and self.world.pedestal is not None:
             self.world.place(self.world.pedestal, pedestal)
 
-    def foresee(self, state: StepState, kick_s: float, length_s: float) -> None:
+    def foresee(self, state: Instant, kick_s: float, length_s: float) -> None:
         """What Bullet's gyroscopic torque misses in the next step; after an impact the change of velocities is not known yet."""
         self.ledger = state.record.ledger
         if self.gyroscope.moments is None:
@@ -72,7 +73,7 @@ class BulletBackend:
         record, change = state.record, (0.0, 0.0, 0.0)
         if not state.jolted and len(record.t_s) > 1:
             before, last_s = record.rate_before, record.kick_s[-1] - record.kick_s[-2]
-            if last_s > state.events.shortest * self.step_s:
+            if last_s > settings.EVENTS.shortest * self.step_s:
                 x, y, z = before
                 change = ((state.row[10] - x) / last_s, (state.row[11] - y) / last_s, (state.row[12] - z) / last_s)
         self.gyroscope.foresee(state.row, change, kick_s - state.kick_s, length_s, record.ledger)
@@ -138,3 +139,36 @@ class BulletBackend:
         self.grips = held
         if self.world.feet_over:
             self.world.anchor(held=held)
+
+
+def puller(world: World) -> Callable[[float, float, float, int], None]:
+    """What sets a gravity, given along the scene's axes."""
+    set_gravity: Callable[[float, float, float, int], None] = pybullet.setGravity
+
+    def turned(x: float, y: float, z: float, client: int) -> None:
+        set_gravity(*((x, y, z) if world.heading is None else world.heading.vector((x, y, z))), client)
+
+    return set_gravity if world.heading is None and not world.follows else turned
+
+
+def reader(world: World) -> Callable[[], Row]:
+    """What reads the state of both bodies as one row."""
+    pose, speed, client = pybullet.getBasePositionAndOrientation, pybullet.getBaseVelocity, world.client
+    statue, pedestal = world.statue, world.pedestal
+
+    def both() -> Row:
+        place, turn = pose(statue, client)
+        velocity, rate = speed(statue, client)
+        below, level = pose(pedestal, client)
+        slip, tip = speed(pedestal, client)
+        return (*place, *turn, *velocity, *rate, *below, *level, *slip, *tip)
+
+    def alone() -> Row:
+        place, turn = pose(statue, client)
+        velocity, rate = speed(statue, client)
+        return (*place, *turn, *velocity, *rate)
+
+    read = alone if pedestal is None else both
+    if world.heading is None and not world.follows:
+        return read
+    return lambda: read() if world.heading is None else world.heading.back.row(read())

@@ -9,19 +9,19 @@ from typing import ClassVar, Final, final
 
 import numpy as np
 
-from harness.engines.base import FINER, Engine, EngineFailure, Settings, near, own_settings
+from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, EngineFailure, Settings, near, own_settings
 from harness.engines.contact.frame import step_count
 from harness.engines.contact.friction import floor_friction
 from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.support import flat_base
+from harness.engines.event_stepping.contact_gaps import ContactGaps
 from harness.engines.event_stepping.loop import integrate
 from harness.engines.event_stepping.rest_spell import STILL_M_S
 from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.step_state import StepState
 from harness.engines.event_stepping.stepper import Stepper
-from harness.engines.event_stepping.touch import ContactGaps
 from harness.engines.event_stepping.watch import Watch
 from harness.engines.pymunk.settings import MunkSettings
 from harness.model.options import Capabilities, RunOptions
@@ -100,14 +100,14 @@ class Munk2D(Engine):
         """Less than half the step, with the bodies added in the other order and the iterations of that step."""
         own = own_settings(self.name, MunkSettings, settings)
         # Step and order of the bodies change together: the answer depends on both, and each alone may agree by chance.
-        iterations = max(self.settings_for_dt(scene, FINER * own.dt_s).iterations, own.iterations)
+        iterations = max(self.settings_for_dt(scene, VERIFICATION_STEP_SHARE * own.dt_s).iterations, own.iterations)
         return (
             replace(
                 own,
-                dt_s=FINER * own.dt_s,
-                depth_m=FINER * own.depth_m,
-                slop_m=FINER * own.slop_m,
-                expected_error_rad=FINER * own.expected_error_rad,
+                dt_s=VERIFICATION_STEP_SHARE * own.dt_s,
+                depth_m=VERIFICATION_STEP_SHARE * own.depth_m,
+                slop_m=VERIFICATION_STEP_SHARE * own.slop_m,
+                expected_error_rad=VERIFICATION_STEP_SHARE * own.expected_error_rad,
                 iterations=iterations,
                 turning_iterations=_turning(iterations),
                 impact_iterations=max(IMPACT_ITERATIONS, 3 * own.iterations),
@@ -162,18 +162,18 @@ def _integrated(scene: Scene, own: MunkSettings, options: RunOptions) -> tuple[S
     backend = ChipmunkBackend(world.build(scene, own), own, support)
     state = StepState(Stepper(backend, scene, schedule), backend.read(), first, first * own.dt_s, even=True)
     end_s = scene.base_excitation.end_s
-    touch = None
+    gaps = None
     if _located(scene):
         x, z = np.array(support.points).T
         # A vertex is felt at its depth: there its gap is none.
         feet_m = np.column_stack([x, np.zeros(x.size), z + own.depth_m])
         half_m = None if scene.pedestal is None else 0.5 * scene.pedestal.height_m
-        touch = ContactGaps(scene, feet_m, half_m, own.dt_s)
+        gaps = ContactGaps(scene, feet_m, half_m, own.dt_s)
     watch = Watch(
         quiet_from=math.ceil(end_s / own.dt_s) if options.allows("quiet_end") and end_s < scene.duration_s else None,
         impose=scene.contact.restitution is not None,
         stop=options.stop,
-        touch=touch,
+        gaps=gaps,
         ends_fallen=options.allows("stop_at_overturn"),
     )
     return integrate(scene, schedule, watch, state), first

@@ -22,8 +22,8 @@ from harness.engines.pymunk.support import STILL, SupportVertex
 from harness.engines.pymunk.world import World
 
 if TYPE_CHECKING:
+    from harness.engines.event_stepping.backend import Instant
     from harness.engines.event_stepping.step_log import StepLog
-    from harness.engines.event_stepping.step_state import StepState
 
 Pair = tuple[float, float]
 
@@ -85,7 +85,7 @@ class ChipmunkBackend:
         set_velocity(floor, (u, w))
         set_place(floor, (x - u * self.step_s, z - w * self.step_s))
 
-    def foresee(self, state: StepState, kick_s: float, length_s: float) -> None:
+    def foresee(self, state: Instant, kick_s: float, length_s: float) -> None:
         """What the next step's velocities lag behind, and will."""
         solved_s = state.t_s if self.solved_s is None else self.solved_s
         self.since_s = state.t_s - solved_s

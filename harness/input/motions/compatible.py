@@ -35,7 +35,7 @@ _DECAYED = 0.05
 _LOWEST_HZ = 0.15  # an artificial motion has no energy below
 _DRIFT_HZ, _DRIFT_PAD = 0.12, 1.5  # and zeros around it, in its periods
 _EDGE = 0.02  # share of the duration that fades in and out
-_NEGLIGIBLE_WAVELET, _NEGLIGIBLE_RESPONSE = 3.2, 9.0  # exponents' root and value: below 1e-4, mended by later passes
+_NEGLIGIBLE_WAVELET, _NEGLIGIBLE_RESPONSE = 3.2, 9.0  # exponents' root and value: below 1e-4, corrected by later passes
 
 
 class NoMatchError(ValueError):

@@ -28,7 +28,7 @@ from tests.measures import engine_defaults
 FREE = Standard("short", {"duration_s": 0.4, "statue": COLUMN, "initial": {"theta_rad": 0.05}}, "analytic")
 
 
-def row(engine: str, scene: str, label: str, error_rad: float, cpu_s: float, group: str = "ladder") -> PrecisionRow:
+def row(engine: str, scene: str, label: str, error_rad: float, cpu_s: float, group: str = "level") -> PrecisionRow:
     """An invented row."""
     return PrecisionRow(
         engine, scene, group, label, error_rad=error_rad, wall_s=cpu_s, cpu_s=cpu_s, real_time_factor=1.0 / cpu_s
@@ -54,8 +54,8 @@ def test_the_choice_is_compared_with_the_fixed_level_that_meets_every_scene() ->
 
 
 def test_a_level_is_known_by_its_place() -> None:
-    other = [replace(item, label=f"{item.label}, {item.scene}") for item in ROWS if item.group == "ladder"]
-    asked = [item for item in ROWS if item.group != "ladder"]
+    other = [replace(item, label=f"{item.label}, {item.scene}") for item in ROWS if item.group == "level"]
+    asked = [item for item in ROWS if item.group != "level"]
     assert sentences.choice([*other, *asked], 1e-3) == sentences.choice(ROWS, 1e-3)
 
 
@@ -102,15 +102,20 @@ def test_an_error_is_seen() -> None:
     assert error_rad(replace(run, history=None), run) == np.inf
 
 
-def test_rows_of_an_engine_its_defaults_and_a_peer() -> None:
+def test_rows_of_an_engine_its_defaults_and_another_project() -> None:
     ready("pybullet")
     rows = list(precision.rows_of(FREE, FREE.scene(), ["pymunk", "pybullet"], quick=True))
     rows += engine_defaults.rows_of(FREE, FREE.scene())
     groups = {(item.engine, item.group) for item in rows}
-    assert {("pymunk", "ladder"), ("pymunk", "accuracy"), ("pybullet", "default"), ("pybullet", "peer")} <= groups
+    assert {
+        ("pymunk", "level"),
+        ("pymunk", "accuracy"),
+        ("pybullet", "default"),
+        ("pybullet", "other project"),
+    } <= groups
     best = min(item.error_rad for item in rows if item.engine == "pybullet")
-    peer = next(item.error_rad for item in rows if item.label.startswith("virtual_shake_robot"))
-    assert peer > 3.0 * best, "compliant contact was measured to cost half a peak"
+    other_project = next(item.error_rad for item in rows if item.label.startswith("virtual_shake_robot"))
+    assert other_project > 3.0 * best, "compliant contact was measured to cost half a peak"
     assert all(item.cpu_s > 0.0 and item.real_time_factor > 0.0 for item in rows)
     (chosen,) = (item for item in rows if item.chosen and item.engine == "pymunk")
     assert chosen.label.startswith("--accuracy 0.001: 3 runs, the finest ")

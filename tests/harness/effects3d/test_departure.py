@@ -65,7 +65,7 @@ def test_the_same_plane_at_any_azimuth(block: Scene) -> None:
 @needs_pybullet
 def test_the_quiet_start_of_oblique_shaking_ends_where_the_base_is_left(scene: Scene) -> None:
     """Under a rising push at 45° the statue lifts at 0.125 g, where it leaves the base, its planar section only at 0.39 g."""
-    from harness.engines.pybullet import course
+    from harness.engines.pybullet import run_phases
 
     t_s = np.linspace(0.0, 2.0, 201)
     push = BaseExcitation(x=SampledAcceleration(t_s, -0.4 * 9.81 * t_s / 2.0))
@@ -73,8 +73,10 @@ def test_the_quiet_start_of_oblique_shaking_ends_where_the_base_is_left(scene: S
         changed_scene(scene, BASELINE, azimuth).but(base_excitation=push, contact=replace(scene.contact, statue=1.0))
         for azimuth in (0.0, 45.0)
     )
-    assert course.quiet_start_s(straight, course.prepare(straight)) == pytest.approx(2.0 * 0.0881 / 0.4, abs=0.01)
-    assert course.quiet_start_s(oblique, course.prepare(oblique)) == pytest.approx(2.0 * 0.1246 / 0.4, abs=0.01)
+    assert run_phases.quiet_start_s(straight, run_phases.prepare(straight)) == pytest.approx(
+        2.0 * 0.0881 / 0.4, abs=0.01
+    )
+    assert run_phases.quiet_start_s(oblique, run_phases.prepare(oblique)) == pytest.approx(2.0 * 0.1246 / 0.4, abs=0.01)
     moved = harness.simulate(oblique.but(duration_s=1.0), "pybullet", dt_s=1e-3, options=RunOptions(skips=frozenset()))
     assert moved.history is not None
     first = moved.history.t_s[

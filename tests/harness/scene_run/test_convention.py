@@ -58,6 +58,22 @@ def test_the_verdict_says_by_convention_at_its_instant_and_what_the_other_choice
     assert at_s == pytest.approx(BREAKS_LOOSE_S, abs=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("amplitude_g", "frequency_hz", "at_s"), [(0.429, 3, BREAKS_LOOSE_S), (0.334, 3, 0.5333), (0.429, 2, 0.7627)]
+)
+def test_answers_that_agree_say_what_they_share_by_convention(
+    amplitude_g: float, frequency_hz: float, at_s: float
+) -> None:
+    """At 0.429 g and 3 Hz both say that the statue stands; with the static coefficient in one impact it falls."""
+    scene = scene_of(f"motion.x.frequency_hz={frequency_hz}", amplitude_g=amplitude_g)
+    model, (other, _) = simulate(scene, "analytic"), chosen(scene, "static_impact")
+    kind, sentence = verdict(scene, model, model)
+    assert kind is Verdict.AGREE
+    assert f"By convention of both, at {at_s:g} s: which of the two coefficients acts" in sentence
+    assert f"With the other choice the model says: {other.outcome.sentence}, after a peak of " in sentence
+    assert "By convention" not in verdict(scene, other, other)[1], "it took the other choice"
+
+
 def test_one_of_several_joint_states_is_named() -> None:
     scene = scene_of("duration_s=0.6", amplitude_g=0.334)
     model, (other, at_s) = simulate(scene, "analytic"), chosen(scene, "moving")
@@ -74,6 +90,8 @@ def test_one_coefficient_and_single_states_leave_no_choice() -> None:
         other, parts_s = chosen(scene, name)
         assert parts_s is None
         assert other.peak_theta_rad == peak_rad
+    model = simulate(scene, "analytic")
+    assert "By convention" not in verdict(scene, model, model)[1]
 
 
 @pytest.mark.parametrize(("inertia", "friction"), [(1.05, 1.0), (1.0, 1.05), (0.98, 1.0), (1.0, 0.97)])

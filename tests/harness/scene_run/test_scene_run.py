@@ -137,7 +137,7 @@ def test_a_difference_of_models_is_confirmed_by_a_finer_run(
     monkeypatch.setattr(run, "simulate_with", answer)
     monkeypatch.setattr(run, "_horizons", lambda *args, **options: {})
     result = run_scene(paestum(), ["analytic", "pymunk"])
-    finer = ("pymunk", run.DEFAULT_ACCURACY_RAD / confirm.FINER)
+    finer = ("pymunk", run.DEFAULT_ACCURACY_RAD / confirm.CONFIRMATION_FACTOR)
     assert (finer in asked) is again
     assert ("analytic", finer[1]) not in asked, "a model that certifies its own error is sure of it"
     verdict = result.scores["analytic_vs_pymunk"].verdict

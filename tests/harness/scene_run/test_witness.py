@@ -14,7 +14,7 @@ from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from harness.records.witness import sentences
 from harness.scene_run import witness
-from harness.scene_run.witness import BUDGET, witnesses
+from harness.scene_run.witness import BUDGET, TARGET_RAD, witnesses
 from tests.measures.random_scenes import GENERATORS
 
 SCENES = Path(__file__).parents[3] / "scenes"
@@ -40,10 +40,19 @@ def test_model_and_engine_are_confirmed_until_an_instant_within_what_the_run_bou
     assert sentences({seen.engine: seen})[0].startswith("pymunk as it comes confirms analytic and pymunk until ")
 
 
+def test_the_reason_why_no_further_is_the_one_that_came_first() -> None:
+    """A witness whose own error grows before its steps are used up: it was computed further, and says so little."""
+    scene = load_scene(SCENES / "free_rocking.toml")
+    run = simulate(scene, "pymunk")
+    seen = witnesses(scene, {"pymunk": run}, RunOptions())["pymunk:plain"]
+    assert seen.until_s < run.bounded_until_s
+    assert seen.reason == f"its own error is not bounded by {TARGET_RAD:g} rad from {seen.until_s:.4g} s on"
+
+
 def test_a_witness_costs_no_more_than_its_budget(pedestal: Scene) -> None:
     run = simulate(pedestal, "pymunk")
     seen = witnesses(pedestal, {"pymunk": run}, RunOptions())["pymunk:plain"]
-    allowed = BUDGET * run.work["steps_of_all_runs"] / engines.load("pymunk:plain").step_cost
+    allowed = BUDGET * run.work["steps_of_all_runs"] / engines.load("pymunk:plain").step_cost(pedestal)
     # A step that only the end of a run makes whole is one more in each of the two.
     assert seen.steps <= allowed + 2
 

@@ -15,7 +15,7 @@ from analytic.excitation import Harmonic
 from harness.engines import load
 from harness.engines.contact.spatial import matrices
 from harness.engines.event_stepping.rows import Body
-from harness.engines.pybullet import course, feet, pose, shapes
+from harness.engines.pybullet import feet, pose, run_phases, shapes
 from harness.engines.pybullet.edge import EdgeWatch
 from harness.input.mesh_statue import statue_of
 from harness.model.history import Outcome
@@ -82,7 +82,7 @@ def test_inertia_is_the_meshes_not_bullets() -> None:
     from harness.engines.pybullet.world import World
 
     case = paestum(pedestal=False).but(statue=statue_of(figure()))
-    setup = course.prepare(case)
+    setup = run_phases.prepare(case)
     tensor = setup.axes @ np.diag(setup.moments) @ setup.axes.T
     np.testing.assert_allclose(tensor, figure().inertia_kg_m2, rtol=1e-12, atol=1e-9)
     level = load("pybullet").settings_for_dt(case, 1e-3)
@@ -122,7 +122,7 @@ def test_rolling_on_the_rim() -> None:
     solid = prism(256, radius, half)
     closed = rolling_cylinder(radius, half, tilt, gravity_m_s2=GRAVITY_M_S2)
     case = scene(statue_of(solid), duration_s=0.5)
-    setup = course.prepare(case)
+    setup = run_phases.prepare(case)
     turned = pose.about_y(tilt)
     lowest = float(np.min((setup.feet_m @ setup.axes.T @ turned.T)[:, 2]))
     spin = turned @ np.array([-closed.precession_rad_s * math.sin(tilt), 0.0, closed.axial_rad_s])
@@ -133,7 +133,7 @@ def test_rolling_on_the_rim() -> None:
         (float(spin[0]), float(spin[1]), float(spin[2])),
     )
     level = load("pybullet").settings_for_dt(case, 2.5e-4)
-    found = course.run(case, level, replace(setup, start=start), NOTHING_SKIPPED)  # type: ignore[arg-type]
+    found = run_phases.run(case, level, replace(setup, start=start), NOTHING_SKIPPED)  # type: ignore[arg-type]
     up = (matrices(found.record.rows[:, 3:7]) @ setup.axes.T)[:, :, 2]
     azimuth = np.unwrap(np.arctan2(up[:, 1], up[:, 0]))
     rate = (azimuth[-1] - azimuth[0]) / found.record.t_s[-1]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from analytic.excitation import Harmonic
 from harness.engines import load
 from harness.engines.event_stepping.rows import Body
-from harness.engines.pybullet import course, feet, pose, writing
+from harness.engines.pybullet import feet, pose, run_phases, writing
 from harness.engines.pybullet.edge import DEPTH_M, Crossing
 from harness.engines.pybullet.full import HULL_VERTICES, full_shape
 from harness.engines.pybullet.shapes import HULL_INSET_M
@@ -74,7 +74,7 @@ def touching_from(case: Scene, kind: str) -> float:
     """
     import pybullet
 
-    setup, statue = course.prepare(case), case.statue
+    setup, statue = run_phases.prepare(case), case.statue
     level = load("pybullet").settings_for_dt(case, 1e-3)
     bodies = full_shape(case, kind).turned(np.array([0.0, 0.0, statue.centroid_height_m]), setup.axes)  # type: ignore[arg-type]
     pedestal = None if case.pedestal is None else (case.pedestal, statue.base_centre_m)
@@ -237,7 +237,7 @@ def test_the_full_shape_lies_inside_and_leaves_mass_and_rest_alone() -> None:
     run = bullet(case, 1e-3, NOTHING_SKIPPED)
     assert run.validity["full_shape"] == "3 convex parts"
     assert run.peak_theta_rad <= budget.PLANAR_RAD
-    setup = course.prepare(case)
+    setup = run_phases.prepare(case)
     level = load("pybullet").settings_for_dt(case, 1e-3)
     bodies = full_shape(case).turned(np.array([0.0, 0.0, case.statue.centroid_height_m]), setup.axes)
     with World(level) as world:  # type: ignore[arg-type]

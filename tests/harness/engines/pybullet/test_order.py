@@ -15,7 +15,7 @@ from harness.bench.standard_scenes import standard_set
 from harness.engines import load
 from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.stepper import Stepper
-from harness.engines.pybullet import course
+from harness.engines.pybullet import run_phases
 from harness.engines.pybullet.backend import BulletBackend
 from harness.engines.pybullet.world import World
 from harness.input.scene_file import load_scene
@@ -153,7 +153,7 @@ def test_a_pedestal_that_a_blow_set_sliding_has_kinetic_friction() -> None:
     def solved_again(before_m_s: float) -> int:
         after_m_s = before_m_s - math.copysign(0.20 * GRAVITY_M_S2 * step_s, before_m_s)
         with World(load("pybullet").settings_for_dt(on, step_s)) as world:
-            setup = course.prepare(on)
+            setup = run_phases.prepare(on)
             whole = (on.statue.mass_kg, setup.moments, setup.feet_m, None, setup.start)
             world.build(on.contact, (on.pedestal, on.statue.base_centre_m), None, whole, None)
             backend = BulletBackend(world, step_s, on.contact.statue)

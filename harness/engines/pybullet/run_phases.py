@@ -1,4 +1,4 @@
-"""The course of one run: what the statue is in this world, where integration begins, and which shapes it needs when."""
+"""The phases of one run: what the statue is in this world, where integration begins, and which shapes it needs when."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from harness.engines.contact.frame import greatest_pull_m_s2, step_count
 from harness.engines.event_stepping import loop
+from harness.engines.event_stepping.contact_gaps import ContactGaps
 from harness.engines.event_stepping.loop import MOST_FREE
 from harness.engines.event_stepping.rest_spell import RestSpells
 from harness.engines.event_stepping.rows import Body, Row, Vector
@@ -18,7 +19,6 @@ from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.step_state import StepState
 from harness.engines.event_stepping.stepper import Stepper
-from harness.engines.event_stepping.touch import ContactGaps
 from harness.engines.event_stepping.watch import Watch
 from harness.engines.pybullet import feet, mirror, pose
 from harness.engines.pybullet.backend import BulletBackend
@@ -154,7 +154,7 @@ def _watch(scene: Scene, level: BulletSettings, setup: Setup, options: RunOption
         impose=scene.contact.restitution is not None,
         leave=edges if crossing is None else crossing,
         stop=options.stop,
-        touch=touch_of(scene, setup, level, edges=crossing is not None) if level.events else None,
+        gaps=gaps_of(scene, setup, level, edges=crossing is not None) if level.events else None,
         edges=None if crossing is None else edges,
         spells=None if limits is None else RestSpells(limits, setup.axes, axis, rest),
     )
@@ -165,7 +165,7 @@ def _may_be_skipped(scene: Scene, setup: Setup) -> bool:
     return setup.rest.lean_rad == 0.0 and scene.table == "frame"
 
 
-def touch_of(scene: Scene, setup: Setup, level: BulletSettings, *, edges: bool = False) -> ContactGaps:
+def gaps_of(scene: Scene, setup: Setup, level: BulletSettings, *, edges: bool = False) -> ContactGaps:
     """What finds the impacts of the base; with `edges` a foot beside the pedestal's top meets nothing there."""
     p = scene.pedestal
     half = None if p is None else 0.5 * p.height_m
