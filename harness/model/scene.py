@@ -94,11 +94,6 @@ class Pedestal:
         return 0.5 * self.height_m
 
     @property
-    def inertia_kg_m2(self) -> float:
-        """Moment of inertia about its centroid, for a rotation in the rocking plane."""
-        return self.mass_kg * (self.width_m**2 + self.height_m**2) / 12.0
-
-    @property
     def half_m(self) -> tuple[float, float, float]:
         """Half its width, depth and height."""
         return 0.5 * self.width_m, 0.5 * self.depth_m, 0.5 * self.height_m
@@ -291,10 +286,9 @@ class Scene(Shown):
         """|θ| at which the statue's silhouette first touches the wall, None without a wall (inf: never below flat)."""
         if self.wall is None:
             return None
-        sign, corner = self.wall.sign, self.statue.corner_m(self.wall.sign)
+        sign = self.wall.sign
         # Every point of the silhouette turns about the corner on that side; the first to reach x = reach counts.
-        dx = sign * self.statue.section_m[:, 0] - corner
-        dz = self.statue.section_m[:, 1]
+        dx, dz = sign * self.statue.section_m[:, 0] - self.statue.corner_m(sign), self.statue.section_m[:, 1]
         radius = np.hypot(dx, dz)
         touching = radius > self.wall.distance_m
         if np.any(dx > self.wall.distance_m):

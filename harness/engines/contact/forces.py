@@ -92,7 +92,8 @@ def energy_j(scene: Scene, trajectory: Trajectory) -> Array:
         lifted = trajectory.pedestal_xz_m[:, 1] - trajectory.pedestal_xz_m[0, 1]
         total += scene.pedestal.mass_kg * (0.5 * np.sum(trajectory.pedestal_rate_m_s**2, axis=1) + gravity * lifted)
         if trajectory.pedestal_spin_rad_s is not None:
-            total += 0.5 * scene.pedestal.inertia_kg_m2 * trajectory.pedestal_spin_rad_s**2
+            w, _, h = scene.pedestal.half_m
+            total += scene.pedestal.mass_kg * (w * w + h * h) / 6.0 * trajectory.pedestal_spin_rad_s**2
     energy: Array = total
     return energy
 
