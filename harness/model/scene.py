@@ -297,5 +297,4 @@ class Scene(Shown):
             return math.inf
         turn = np.arctan2(dz, dx)[touching] - np.arccos(self.wall.distance_m / radius[touching])
         # A clockwise turn lowers the polar angle: the point meets the wall where r cos(angle) = distance.
-        candidates = turn[turn >= 0.0]
-        return float(np.min(candidates)) if candidates.size else math.inf
+        return float(np.min(turn[turn >= 0.0], initial=math.inf))
