@@ -94,6 +94,11 @@ class Pedestal:
         """Height of its centroid above the floor."""
         return 0.5 * self.height_m
 
+    @property
+    def half_m(self) -> tuple[float, float, float]:
+        """Half its width, depth and height."""
+        return 0.5 * self.width_m, 0.5 * self.depth_m, 0.5 * self.height_m
+
 
 @dataclass(frozen=True)
 class Contact:
@@ -282,10 +287,9 @@ class Scene(Shown):
         """|θ| at which the statue's silhouette first touches the wall, None without a wall (inf: never below flat)."""
         if self.wall is None:
             return None
-        sign, corner = self.wall.sign, self.statue.corner_m(self.wall.sign)
+        sign = self.wall.sign
         # Every point of the silhouette turns about the corner on that side; the first to reach x = reach counts.
-        dx = sign * self.statue.section_m[:, 0] - corner
-        dz = self.statue.section_m[:, 1]
+        dx, dz = sign * self.statue.section_m[:, 0] - self.statue.corner_m(sign), self.statue.section_m[:, 1]
         radius = np.hypot(dx, dz)
         touching = radius > self.wall.distance_m
         if np.any(dx > self.wall.distance_m):
@@ -294,5 +298,4 @@ class Scene(Shown):
             return math.inf
         turn = np.arctan2(dz, dx)[touching] - np.arccos(self.wall.distance_m / radius[touching])
         # A clockwise turn lowers the polar angle: the point meets the wall where r cos(angle) = distance.
-        candidates = turn[turn >= 0.0]
-        return float(np.min(candidates)) if candidates.size else math.inf
+        return float(np.min(turn[turn >= 0.0], initial=math.inf))

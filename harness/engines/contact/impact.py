@@ -13,13 +13,12 @@ IMPOSED_LABEL: Final = "impact law imposed"
 
 @dataclass(frozen=True)
 class Impact:
-    """State after an impact: rates, impulses of floor (`normal_n_s`, `friction_n_s`), and whether both corners hold."""
+    """State after an impact: rates, and the floor's impulses."""
 
     theta_rate_rad_s: float
     slip_rate_m_s: float
     normal_n_s: float
     friction_n_s: float
-    both_hold: bool
 
 
 def impact(scene: Scene, *, old_side: int, theta_rate_rad_s: float, slip_rate_m_s: float, stuck: bool) -> Impact:
@@ -41,7 +40,7 @@ def impact(scene: Scene, *, old_side: int, theta_rate_rad_s: float, slip_rate_m_
         both = held < 0.0
         after = 0.0 if both else after
         normal = m * ((0.0 if both else new * abs(after)) + old * abs(rate))
-        return Impact(after, slip, normal, 0.0, both)
+        return Impact(after, slip, normal, 0.0)
     total = m + pedestal.mass_kg
     static, kinetic = scene.contact.floor_static, scene.contact.floor_kinetic
     limit = static if stuck else kinetic
@@ -51,7 +50,7 @@ def impact(scene: Scene, *, old_side: int, theta_rate_rad_s: float, slip_rate_m_
     normal = m * (new * abs(after) + old * abs(rate))
     friction = m * h * (after - rate) - total * slip
     if after * rate >= 0.0 and abs(friction) <= limit * normal:
-        return Impact(after, 0.0, normal, friction, False)
+        return Impact(after, 0.0, normal, friction)
     for sign in (1, -1):
         jump = _sliding(sign, rate, slip, (m, h, old, new, total, kinetic), (j_new, j_cross, ratio))
         if jump is not None:
@@ -86,7 +85,7 @@ def _sliding(
     if after * turn < 0.0 or slip_after * sign <= 0.0:
         return None
     normal = m * (new * abs(after) + old * abs(rate))
-    return Impact(after, slip_after, normal, -kinetic * normal * sign, False)
+    return Impact(after, slip_after, normal, -kinetic * normal * sign)
 
 
 def _both_corners(
@@ -98,9 +97,9 @@ def _both_corners(
     free = slip + m * h * rate / total
     needed = -total * free
     if abs(needed) <= limit * normal:
-        return Impact(0.0, 0.0, normal, needed, True)
+        return Impact(0.0, 0.0, normal, needed)
     sign = 1.0 if free > 0.0 else -1.0
     slip_after = free - kinetic * normal * sign / total
     if slip_after * sign < 0.0:
-        return Impact(0.0, 0.0, normal, needed, True)
-    return Impact(0.0, slip_after, normal, -kinetic * normal * sign, True)
+        return Impact(0.0, 0.0, normal, needed)
+    return Impact(0.0, slip_after, normal, -kinetic * normal * sign)

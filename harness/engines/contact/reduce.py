@@ -120,7 +120,7 @@ class _Derived:
 
 def _derive(scene: Scene, motion: Trajectory) -> _Derived:
     at = support.corners(scene, motion)
-    slip, gap = support.statue_slip_m(scene, motion, at), support.gap_m(scene, motion, at)
+    slip, gap = support.statue_slip_m(scene, at), support.gap_m(scene, at)
     plain = plain_spells(motion, slip, gap, at, scene.pedestal)
     return _Derived(forces.impulses(scene, motion), slip, gap, forces.energy_j(scene, motion), plain)
 

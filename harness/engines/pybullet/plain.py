@@ -68,16 +68,16 @@ class PlainBullet3D(Engine):
 
     def refinement_levels(self, scene: Scene) -> tuple[BulletSettings, ...]:
         """Steps of 2 ms to 0.0625 ms."""
-        return tuple(_settings(scene, *level) for level in LEVELS)
+        return tuple(_settings(*level) for level in LEVELS)
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> BulletSettings:
         """The nearest level's settings with the given step."""
-        return _settings(scene, *near(LEVELS, dt_s))
+        return _settings(*near(LEVELS, dt_s))
 
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[BulletSettings, ...]:
         """Less than half the step, with the bodies added in the other order."""
         own = own_settings(self.name, BulletSettings, settings)
-        finer = _settings(scene, VERIFICATION_STEP_SHARE * own.dt_s, VERIFICATION_STEP_SHARE * own.expected_error_rad)
+        finer = _settings(VERIFICATION_STEP_SHARE * own.dt_s, VERIFICATION_STEP_SHARE * own.expected_error_rad)
         return (replace(finer, reversed_bodies=not own.reversed_bodies),)
 
     def step_cost(self, scene: Scene) -> float:
@@ -118,7 +118,7 @@ class PlainBullet3D(Engine):
         return reduce_trajectory(scene, path, report)
 
 
-def _settings(scene: Scene, dt_s: float, error_rad: float) -> BulletSettings:
+def _settings(dt_s: float, error_rad: float) -> BulletSettings:
     """One level: the reach of contacts is what a step may lift a foot off its support at `TURNING_RAD_S`, twice over."""
     reach = max(BulletSettings(dt_s, error_rad).reach, 2.0 * (TURNING_RAD_S * dt_s) ** 2)
     return BulletSettings(dt_s, error_rad, events=False, reach=reach, iterations=1000)
@@ -133,9 +133,8 @@ def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, options: Ru
     p = scene.pedestal
     if p is None:
         return _stepped(scene, settings, setup, None, watch), None
-    half = (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m)
     if options.allows("base_only"):
-        edge = EdgeWatch(setup.hull_m, half, LOOK_STEPS * settings.dt_s, greatest_pull_m_s2(scene))
+        edge = EdgeWatch(setup.hull_m, p.half_m, LOOK_STEPS * settings.dt_s, greatest_pull_m_s2(scene))
         record = _stepped(scene, settings, setup, None, replace(watch, leave=edge))
         if not edge(record.last):
             return record, None

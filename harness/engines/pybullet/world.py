@@ -87,9 +87,9 @@ class World:
             self.wall = self._fixed((-float(sign), 0.0, 0.0), (wall[1] + sign * radius, 0.0, 0.0))
         if self.settings.reversed_bodies:
             self._add_statue(statue, beside)
-            self._add_pedestal(pedestal, self.edges)
+            self._add_pedestal(pedestal)
         else:
-            self._add_pedestal(pedestal, self.edges)
+            self._add_pedestal(pedestal)
             self._add_statue(statue, beside)
         if self.pedestal is not None and not self.mirrored:
             self._part_top(self.pedestal)
@@ -146,7 +146,7 @@ class World:
             )
         )
 
-    def _add_pedestal(self, pedestal: tuple[Pedestal, float] | None, edges: bool) -> None:
+    def _add_pedestal(self, pedestal: tuple[Pedestal, float] | None) -> None:
         if pedestal is None:
             return
         p, centre_m = pedestal

@@ -41,7 +41,7 @@ RISE_SHARE: Final = 0.02
 REST_STEPS: Final = 1e-3
 """rotation over the step, rad/s, by which it does not lean."""
 CLEAR_STEPS: Final = 0.02
-"""Rotation over the step, rad/s, beyond which the vertex left behind is off the support: ten times its depth of contact."""
+"""Rotation over the step, rad/s, beyond which the vertex left behind is off the support: 2000 times its depth of contact."""
 AHEAD: Final = 2.5
 """Steps to an impact from which on it is looked for in each: more than one apart, as what falls is faster in each step."""
 LEAST_BORNE: Final = 0.02
