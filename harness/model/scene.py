@@ -277,10 +277,8 @@ class Scene(Shown):
     @property
     def pivot_inertia_kg_m2(self) -> Mapping[int, float]:
         """J_s = J_G + m R_s² by side (+1 right, −1 left)."""
-        s = self.statue
-        return {
-            side: s.inertia_kg_m2 + s.mass_kg * (s.corner_m(side) ** 2 + s.centroid_height_m**2) for side in (1, -1)
-        }
+        s, h2 = self.statue, self.statue.centroid_height_m**2
+        return {side: s.inertia_kg_m2 + s.mass_kg * (s.corner_m(side) ** 2 + h2) for side in (1, -1)}
 
     @cached_property
     def wall_rotation_rad(self) -> float | None:
