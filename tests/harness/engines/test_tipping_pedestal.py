@@ -51,3 +51,10 @@ def test_a_statue_that_stands_on_a_pedestal_that_tips_neither_slides_nor_sinks_i
     assert validity["pedestal_tilt_rad"] > 0.05
     assert validity["plain_because"] == ["the pedestal tips"]
     assert max(validity["statue_slip_m"], validity["statue_flight_m"], validity["penetration_m"]) <= budget.ON_TOP_M
+
+
+def test_a_statue_that_falls_beside_its_pedestal_is_not_in_it() -> None:
+    engine, scene = ready("pymunk"), wide_scene(772183)
+    run = engine.simulate(scene, engine.settings_for_dt(scene, 1e-3), RunOptions())
+    assert run.outcome.overturned
+    assert run.validity["penetration_m"] <= budget.ON_TOP_M
