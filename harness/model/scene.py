@@ -19,6 +19,7 @@ from harness.model.shown import Shown, new_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from pydantic import JsonValue
 
     from meshes import Solid
 
@@ -92,6 +93,11 @@ class Pedestal:
     def centroid_height_m(self) -> float:
         """Height of its centroid above the floor."""
         return 0.5 * self.height_m
+
+    @property
+    def half_m(self) -> tuple[float, float, float]:
+        """Half its width, depth and height."""
+        return 0.5 * self.width_m, 0.5 * self.depth_m, 0.5 * self.height_m
 
 
 @dataclass(frozen=True)
@@ -226,7 +232,7 @@ class Scene(Shown):
     table: Literal["frame", "moving"] = "frame"
     output_dt_s: float = 0.001
     source: Path | None = None
-    given: Mapping[str, Any] = field(default_factory=dict)
+    given: Mapping[str, JsonValue] = field(default_factory=dict)
     notes: Sequence[str] = ()
     uncertainty: Sequence[Uncertain] = ()
 
@@ -271,20 +277,17 @@ class Scene(Shown):
     @property
     def pivot_inertia_kg_m2(self) -> Mapping[int, float]:
         """J_s = J_G + m R_s² by side (+1 right, −1 left)."""
-        s = self.statue
-        return {
-            side: s.inertia_kg_m2 + s.mass_kg * (s.corner_m(side) ** 2 + s.centroid_height_m**2) for side in (1, -1)
-        }
+        s, h2 = self.statue, self.statue.centroid_height_m**2
+        return {side: s.inertia_kg_m2 + s.mass_kg * (s.corner_m(side) ** 2 + h2) for side in (1, -1)}
 
     @cached_property
     def wall_rotation_rad(self) -> float | None:
         """|θ| at which the statue's silhouette first touches the wall, None without a wall (inf: never below flat)."""
         if self.wall is None:
             return None
-        sign, corner = self.wall.sign, self.statue.corner_m(self.wall.sign)
+        sign = self.wall.sign
         # Every point of the silhouette turns about the corner on that side; the first to reach x = reach counts.
-        dx = sign * self.statue.section_m[:, 0] - corner
-        dz = self.statue.section_m[:, 1]
+        dx, dz = sign * self.statue.section_m[:, 0] - self.statue.corner_m(sign), self.statue.section_m[:, 1]
         radius = np.hypot(dx, dz)
         touching = radius > self.wall.distance_m
         if np.any(dx > self.wall.distance_m):
@@ -293,5 +296,4 @@ class Scene(Shown):
             return math.inf
         turn = np.arctan2(dz, dx)[touching] - np.arccos(self.wall.distance_m / radius[touching])
         # A clockwise turn lowers the polar angle: the point meets the wall where r cos(angle) = distance.
-        candidates = turn[turn >= 0.0]
-        return float(np.min(candidates)) if candidates.size else math.inf
+        return float(np.min(turn[turn >= 0.0], initial=math.inf))

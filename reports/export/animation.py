@@ -178,22 +178,39 @@ def _frame(stage: Stage, t_s: float, chart: Image, x_px: float) -> Image:
 
     image = chart.copy()
     solid = stage.source.histories[stage.solid]
-    theta = _at(solid, t_s)[0]
+    theta = _value(solid, "theta_rad", t_s)
     floor = stage.pixels(1.1 * stage.vertices_m[:, 2].max() * FLOOR)
     shapes: list[Shape] = [area(floor, PAPER, STONE), *_faces(stage, _posed(stage, solid, t_s), solid, t_s)]
     label = f"{t_s:5.2f} s   {stage.solid}: {theta:+.3f} rad"
     if stage.ghost is not None:
         colour = look(stage.ghost, list(stage.source.runs)).colour
-        shapes.append(area(_outline(stage, *_at(stage.source.histories[stage.ghost], t_s)), "", colour))
+        shapes.append(area(_outline(stage, stage.source.histories[stage.ghost], t_s), "", colour))
         label += f"   outline: {stage.ghost}"
     shapes += [line([(x_px, SIZE[1] - CHART), (x_px, SIZE[1])], PINK, 2.0), Text(8.0, 18.0, label, "start")]
     _paint(ImageDraw.Draw(image), shapes)
     return image
 
 
-def _at(history: History, t_s: float) -> tuple[float, float]:
-    """Rotation, and slip of the statue with its pedestal."""
-    return _value(history, "theta_rad", t_s), _value(history, "slip_m", t_s) + _value(history, "statue_slip_m", t_s)
+def _in_plane_m(stage: Stage, points_m: Array, history: History, t_s: float) -> Array:
+    """Points (k, 2) of the statue in the plane at a time, from the floor: on its pedestal's top, slid and tilted as that is."""
+    names = ("theta_rad", "slip_m", "statue_slip_m", "pedestal_tilt_rad")
+    theta, slip, own, tilt = (_value(history, name, t_s) for name in names)
+    standing = float(stage.shape.pivot_m(theta - tilt))
+    corner = standing + slip + own, 0.0
+    if (pedestal := stage.source.scene.pedestal) is not None:
+        # Along the top from its middle, which turns about the centroid.
+        (x, up), half = _centre(stage, pedestal, slip, tilt), 0.5 * pedestal.height_m
+        along, c, s = standing + own + slip - x, math.cos(tilt), math.sin(tilt)
+        corner = x + along * c + half * s, up + half * c - along * s
+    # Wherever the corner comes to lie as if the support were the table, it is there.
+    there = stage.shape.posed_m([[standing, 0.0]], theta, 0.0)[0, 0]
+    return np.asarray(stage.shape.posed_m(points_m, theta, 0.0)[0] + (np.array(corner) - there))
+
+
+def _centre(stage: Stage, pedestal: Any, slip_m: float, tilt_rad: float) -> tuple[float, float]:
+    """The pedestal's centroid, slid and on its lower edge."""
+    x = 0.5 * (stage.shape.corner_right_m - stage.shape.corner_left_m) + pedestal.offset_m + slip_m
+    return x, 0.5 * (pedestal.height_m * math.cos(tilt_rad) + pedestal.width_m * abs(math.sin(tilt_rad)))
 
 
 def _posed(stage: Stage, history: History, t_s: float) -> Array:
@@ -201,10 +218,8 @@ def _posed(stage: Stage, history: History, t_s: float) -> Array:
     if all(name in history.extra for name in SOLID_COLUMNS):
         pose = {name: _value(history, name, t_s) for name in SOLID_COLUMNS}
         return posed_in_space_m(stage.vertices_m, stage.shape.corner_right_m, pose)
-    theta, slip = _at(history, t_s)
     posed = stage.vertices_m.copy()
-    posed[:, [0, 2]] = stage.shape.posed_m(stage.vertices_m[:, [0, 2]], theta, slip)[0]
-    posed[:, 2] += stage.lift_m
+    posed[:, [0, 2]] = _in_plane_m(stage, stage.vertices_m[:, [0, 2]], history, t_s)
     return posed
 
 
@@ -232,8 +247,8 @@ def _pedestal(stage: Stage, pedestal: Any, history: History, t_s: float) -> tupl
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
     c, s, cy, sy = math.cos(tilt), math.sin(tilt), math.cos(yaw), math.sin(yaw)
     turn = np.array([[cy * c, -sy, cy * s], [sy * c, cy, sy * s], [-s, 0.0, c]])
-    centre = 0.5 * (stage.shape.corner_right_m - stage.shape.corner_left_m) + pedestal.offset_m + slip
-    vertices = (signs * [w, d, h]) @ turn.T + [centre, across, h * c + w * abs(s)]
+    x, up = _centre(stage, pedestal, slip, tilt)
+    vertices = (signs * [w, d, h]) @ turn.T + [x, across, up]
     quads = [(0, 4, 5, 1), (2, 3, 7, 6), (0, 1, 3, 2), (4, 6, 7, 5), (1, 5, 7, 3), (0, 2, 6, 4)]
     return vertices, np.array([tri for a, b, c, e in quads for tri in ((a, b, c), (a, c, e))], dtype=np.int64)
 
@@ -244,7 +259,7 @@ def _value(history: History, name: str, t_s: float) -> float:
     return 0.0 if values is None else float(np.interp(min(t_s, float(history.t_s[-1])), history.t_s, values))
 
 
-def _outline(stage: Stage, theta: float, slip: float) -> Array:
+def _outline(stage: Stage, history: History, t_s: float) -> Array:
     """The ghost's silhouette in the plane of its base's middle, in pixels."""
-    posed = stage.shape.posed_m(silhouette_m(stage.source.scene, stage.source.mesh), theta, slip)[0]
-    return stage.pixels(np.column_stack([posed[:, 0], np.zeros(len(posed)), posed[:, 1] + stage.lift_m]))
+    posed = _in_plane_m(stage, silhouette_m(stage.source.scene, stage.source.mesh), history, t_s)
+    return stage.pixels(np.column_stack([posed[:, 0], np.zeros(len(posed)), posed[:, 1]]))

@@ -117,7 +117,9 @@ rockcheck.whenReady.push(async () => {
   const choice = { solid: root.dataset.solid, ghost: root.dataset.ghost, beside: false };
   const pose = (figure, time) => {
     const theta = at(figure, "theta_rad", time);
-    const pivot = theta >= 0 ? data.corner_right_m : -data.corner_left_m;
+    const lean = figure.stone ? at(figure, "pedestal_tilt_rad", time) : 0;
+    const up = data.pedestal ? 0.5 * (lift * Math.cos(lean) + data.pedestal.width_m * Math.abs(Math.sin(lean))) : 0; /* its centroid */
+    const pivot = theta >= lean ? data.corner_right_m : -data.corner_left_m;
     const slip = at(figure, "slip_m", time);
     const aside = choice.beside && figure.model.name === choice.ghost ? Math.max(1.15 * data.height_m, 1.6 * (data.pedestal ? data.pedestal.depth_m : data.depth_m)) : 0;
     figure.whole.position.y = aside;
@@ -126,13 +128,14 @@ rockcheck.whenReady.push(async () => {
       figure.tilt.rotation.set(at(figure, "roll_rad", time), at(figure, "pitch_rad", time), at(figure, "yaw_rad", time));
       figure.body.position.x = -data.corner_right_m;
     } else {
-      figure.tilt.position.set(pivot + slip + at(figure, "statue_slip_m", time), 0, lift);
+      /* along the pedestal's top from its middle, which turns about the centroid */
+      const middle = data.pedestal ? centre + data.pedestal.offset_m : 0, along = pivot + at(figure, "statue_slip_m", time) - middle;
+      const cos = Math.cos(lean), sin = Math.sin(lean);
+      figure.tilt.position.set(middle + slip + along * cos + 0.5 * lift * sin, 0, up + 0.5 * lift * cos - along * sin);
       figure.tilt.rotation.y = theta;
       figure.body.position.x = -pivot;
     }
     if (figure.stone) {
-      const lean = at(figure, "pedestal_tilt_rad", time);
-      const up = 0.5 * (lift * Math.cos(lean) + data.pedestal.width_m * Math.abs(Math.sin(lean)));
       figure.stone.position.set(centre + data.pedestal.offset_m + slip, at(figure, "pedestal_y_m", time), up);
       figure.stone.rotation.set(0, lean, at(figure, "pedestal_yaw_rad", time));
     }

@@ -7,6 +7,7 @@ floor's friction is not Coulomb's), on how many it does not though the result mo
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -96,7 +97,7 @@ def _static(own: Any) -> Any:
     """The step in which the pedestal breaks loose is not solved again."""
 
     def slip_onset(self: Any, gravity: Any, pull: Any, before: Any, row: Any) -> Any:
-        gaining = self._speed(row, self.table_rate) > self._speed(before, self.table_before)
+        gaining = math.hypot(*self._slip(before, row, self.table_rate)) > math.hypot(*self.slip_before)
         if gaining and self._saturated(self.static, pull, before, row):
             self._hold(self.kinetic)
         return row

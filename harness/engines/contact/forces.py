@@ -91,6 +91,9 @@ def energy_j(scene: Scene, trajectory: Trajectory) -> Array:
     if scene.pedestal is not None and trajectory.pedestal_xz_m is not None and trajectory.pedestal_rate_m_s is not None:
         lifted = trajectory.pedestal_xz_m[:, 1] - trajectory.pedestal_xz_m[0, 1]
         total += scene.pedestal.mass_kg * (0.5 * np.sum(trajectory.pedestal_rate_m_s**2, axis=1) + gravity * lifted)
+        if trajectory.pedestal_spin_rad_s is not None:
+            w, _, h = scene.pedestal.half_m
+            total += scene.pedestal.mass_kg * (w * w + h * h) / 6.0 * trajectory.pedestal_spin_rad_s**2
     energy: Array = total
     return energy
 

@@ -20,20 +20,30 @@ FLAT_M: Final = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Corners:
-    """Places of both corners in the table's frame, m, shape (n,), for a planar pose."""
+    """Places of both corners of the base on the support, m, shape (n,): along it and above it, from the middle of the pedestal's
+    top, without one from the table's origin; `lean_rad` is the statue's rotation on the support.
+    """
 
     right_x: Array
     right_z: Array
     left_x: Array
     left_z: Array
+    lean_rad: Array
+    centroid_z: Array
 
 
 def corners(scene: Scene, trajectory: Trajectory) -> Corners:
-    """Where both corners of the base are at each sample."""
+    """Where both corners of the base are at each sample, for a planar pose; on a pedestal that tips along its top."""
     statue = scene.statue
     right, left, z = statue.corner_right_m, -statue.corner_left_m, -statue.centroid_height_m
-    cos, sin = np.cos(trajectory.theta_rad), np.sin(trajectory.theta_rad)
     place_x, place_z = trajectory.statue_xz_m[:, 0], trajectory.statue_xz_m[:, 1]
+    lean_rad = trajectory.theta_rad
+    if scene.pedestal is not None and trajectory.pedestal_xz_m is not None:
+        tilt_cos, tilt_sin = np.cos(trajectory.tilt_rad), np.sin(trajectory.tilt_rad)
+        x, up = place_x - trajectory.pedestal_xz_m[:, 0], place_z - trajectory.pedestal_xz_m[:, 1]
+        place_x, place_z = x * tilt_cos - up * tilt_sin, x * tilt_sin + up * tilt_cos - scene.pedestal.centroid_height_m
+        lean_rad = lean_rad - trajectory.tilt_rad
+    cos, sin = np.cos(lean_rad), np.sin(lean_rad)
     # θ turns clockwise: x' = x cos θ + z sin θ, z' = z cos θ − x sin θ.
     z_sin, z_cos = z * sin, z * cos
     return Corners(
@@ -41,37 +51,34 @@ def corners(scene: Scene, trajectory: Trajectory) -> Corners:
         place_z + (z_cos - right * sin),
         place_x + (left * cos + z_sin),
         place_z + (z_cos - left * sin),
+        lean_rad,
+        place_z,
     )
 
 
-def statue_slip_m(scene: Scene, trajectory: Trajectory, at: Corners) -> Array:
+def statue_slip_m(scene: Scene, at: Corners) -> Array:
     """Displacement of the standing corner along the support since t = 0, shape (n,): the model assumes none."""
     base = scene.statue.corner_left_m + scene.statue.corner_right_m
     # Upright the corners are a base apart; the standing one tells where the base is.
-    place = np.where(trajectory.theta_rad >= 0.0, at.right_x, at.left_x + base) - trajectory.slip_m
+    place = np.where(at.lean_rad >= 0.0, at.right_x, at.left_x + base)
     start: Array = place - place[0]
     return start
 
 
-def gap_m(scene: Scene, trajectory: Trajectory, at: Corners) -> Array:
-    """Height of the lowest point above the support, shape (n,); negative: penetration. The support is taken as level.
+def gap_m(scene: Scene, at: Corners) -> Array:
+    """Height of the lowest point above the support, shape (n,); negative: penetration. The support is taken as endless.
 
     Near upright on a flat base the lowest point is a corner; leaning further, or on an uneven base, any point of the silhouette.
     """
-    lowest = np.minimum(at.right_z, at.left_z)
-    far = np.abs(trajectory.theta_rad) > CORNERS_ONLY_RAD if flat_base(scene) else np.ones(lowest.size, dtype=bool)
+    lowest: Array = np.minimum(at.right_z, at.left_z)
+    far = np.abs(at.lean_rad) > CORNERS_ONLY_RAD if flat_base(scene) else np.ones(lowest.size, dtype=bool)
     if far.any():
-        theta, height = trajectory.theta_rad[far], trajectory.statue_xz_m[far, 1]
-        cos, sin = np.cos(theta), np.sin(theta)
-        least = np.full(theta.size, np.inf)
+        cos, sin = np.cos(at.lean_rad[far]), np.sin(at.lean_rad[far])
+        least = np.full(cos.size, np.inf)
         for x, z in scene.statue.section_m:
             least = np.minimum(least, (z - scene.statue.centroid_height_m) * cos - x * sin)
-        lowest[far] = height + least
-    top = np.zeros_like(lowest)
-    if scene.pedestal is not None and trajectory.pedestal_xz_m is not None:
-        top = trajectory.pedestal_xz_m[:, 1] + scene.pedestal.centroid_height_m
-    gap: Array = lowest - top
-    return gap
+        lowest[far] = at.centroid_z[far] + least
+    return lowest
 
 
 def flat_base(scene: Scene) -> bool:

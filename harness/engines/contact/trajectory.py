@@ -16,8 +16,9 @@ class Trajectory:
     """Samples at the engine's own steps, in the table's frame, all of length n, `t_s` strictly increasing from 0.
 
     `statue_xz_m`, `statue_rate_m_s` (n, 2): the statue's centroid; `pedestal_xz_m`, `pedestal_rate_m_s` (n, 2): the pedestal's
-    centroid, None without one; `gravity_xz_m_s2` (n − 1, 2): apparent gravity of each step. `slip_m` is zero without a
-    pedestal. `extra`: further columns of the history by name with unit (n,).
+    centroid, `pedestal_spin_rad_s` its rotation's rate, None without one; `gravity_xz_m_s2` (n − 1, 2): apparent gravity of each
+    step. `slip_m` is zero without a pedestal. `extra`: further columns of the history by name with unit (n,), of a pedestal
+    `pedestal_tilt_rad`.
     """
 
     t_s: Array
@@ -30,7 +31,13 @@ class Trajectory:
     statue_rate_m_s: Array
     pedestal_xz_m: Array | None = None
     pedestal_rate_m_s: Array | None = None
+    pedestal_spin_rad_s: Array | None = None
     extra: Mapping[str, Array] = field(default_factory=dict)
+
+    @property
+    def tilt_rad(self) -> Array:
+        """The support's rotation (n,), clockwise: the pedestal's."""
+        return self.extra.get("pedestal_tilt_rad", np.zeros_like(self.t_s))
 
     def until(self, count: int) -> Trajectory:
         """The first `count` samples."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
@@ -31,12 +32,11 @@ def trajectory(scene: Scene, record: StepLog, axes: Array | None, step_s: float)
     theta, theta_rate = planar(turn[:, :, 2], spin)
     extra = {} if axes is None else statue_columns(scene.statue, turn, centroid)
     slip = slip_rate = np.zeros_like(t_s)
-    pedestal = pedestal_rate = None
+    pedestal = pedestal_rate = pedestal_spin = None
     if scene.pedestal is not None:
-        below = rows[:, 13:16] - place
-        moving = rows[:, 20:23] - table_rate
+        below, moving = rows[:, 13:16] - place, rows[:, 20:23] - table_rate
         slip, slip_rate = below[:, 0] - below[0, 0], moving[:, 0]
-        pedestal, pedestal_rate = below[:, [0, 2]], moving[:, [0, 2]]
+        pedestal, pedestal_rate, pedestal_spin = below[:, [0, 2]], moving[:, [0, 2]], rows[:, 24]
         columns = _pedestal_columns(matrices(rows[:, 16:20]), below)
         extra |= {name: columns[name] for name in (PLANAR if axes is None else columns)}
     return Trajectory(
@@ -50,6 +50,7 @@ def trajectory(scene: Scene, record: StepLog, axes: Array | None, step_s: float)
         statue_rate_m_s=velocity[:, [0, 2]],
         pedestal_xz_m=pedestal,
         pedestal_rate_m_s=pedestal_rate,
+        pedestal_spin_rad_s=pedestal_spin,
         extra=extra,
     )
 
@@ -62,6 +63,7 @@ def _whole_steps(record: StepLog, step_s: float, scene: Scene) -> tuple[Array, A
         (slice(7, 10), jump),
         (slice(10, 13), jump / scene.statue.centroid_height_m),
         (slice(20, 23), jump),
+        (slice(23, 26), jump / (math.inf if scene.pedestal is None else scene.pedestal.centroid_height_m)),
     ):
         if columns.stop <= rows.shape[1]:
             rows[:, columns] = _synchronous(rows[:, columns], t_s, kick_s, limit)

@@ -5,7 +5,7 @@ Elsewhere the engine makes plain steps, as those of any loop: events inside them
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Final, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,15 +18,23 @@ Array = NDArray[np.float64]
 
 LEFT_M: Final = 1e-4
 """Slip of the statue on its support, or gap under it, that counts: without either, steps of 4 ms leave some 1e-5 m."""
-LEFT_RAD: Final = 1e-3
+LEFT_RAD: Final = 2e-4
 """Tilt of the pedestal that counts; events are located up to less than this (`EventSettings.tipped_rad`)."""
 SLIDES_M_S: Final = 1e-3
 """Slower than this the statue's slip goes on as a solver's remainder does: less than 1e-5 m/s at rest."""
 
 
+class PlainSpells(TypedDict):
+    """When events were not located: from when on, for how long altogether, and why."""
+
+    plain_from_s: float | None
+    plain_for_s: float
+    plain_because: list[str]
+
+
 def plain_spells(
     motion: Trajectory, slip_m: Array, gap_m: Array, at: Corners, pedestal: Pedestal | None
-) -> dict[str, Any]:
+) -> PlainSpells:
     """`plain_from_s`, the first instant at which the steps were plain (None: never), `plain_for_s`, for how long altogether, and
     `plain_because`, the reasons in the order in which they came.
 
@@ -46,8 +54,8 @@ def plain_spells(
         "the statue has left its support": (lifted, lifted),
     }
     if pedestal is not None and motion.pedestal_xz_m is not None:
-        tips = np.abs(motion.extra.get("pedestal_tilt_rad", np.zeros(t_s.size))) > LEFT_RAD
-        place = np.where(motion.theta_rad >= 0.0, at.right_x, at.left_x) - motion.pedestal_xz_m[:, 0]
+        tips = np.abs(motion.tilt_rad) > LEFT_RAD
+        place = np.where(at.lean_rad >= 0.0, at.right_x, at.left_x)
         beside = np.abs(place) > 0.5 * pedestal.width_m + LEFT_M
         causes |= {"the pedestal tips": (tips, tips), "the statue stands beyond its pedestal's edge": (beside, beside)}
     first = {name: float(t_s[since.argmax()]) for name, (since, _) in causes.items() if since.any()}

@@ -7,7 +7,7 @@ import math
 from harness.engines.contact.friction import floor_friction, followed
 from harness.engines.contact.spatial import fallen
 from harness.engines.event_stepping.backend import Backend
-from harness.engines.event_stepping.rows import ALONE, Row, axis_of
+from harness.engines.event_stepping.rows import Row, axis_of, base_velocity
 from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.watch import LOOK_STEPS, Watch
@@ -23,17 +23,18 @@ def plain_steps(backend: Backend, schedule: Schedule, watch: Watch, *, lags: boo
     (`followed`).
     """
     step_s, friction = schedule.step_s, floor_friction(schedule.scene, schedule.step_s)
-    row, acting = backend.read(), friction.static
-    switches = len(row) > ALONE and friction.switches
+    row, acting, slips = backend.read(), friction.static, (0.0, 0.0)
+    pedestal = schedule.scene.pedestal if friction.switches else None
     record = StepLog(len(row))
     record.keep(0.0, 0.0, row)
     lag = 0.5 if lags else 0.0
     for number, gravity in enumerate(schedule.coarse if lags else schedule.level, 1):
         before, row = row, backend.advance(gravity)
         record.keep(number * step_s, (number - lag) * step_s, row)
-        if switches:
+        if pedestal is not None:
             # Asked after a step, for the next: in the one in which the pedestal breaks loose the static coefficient still acts.
-            wanted = followed(friction, (before[20], before[21]), (row[20], row[21]))
+            slipped, slips = slips, base_velocity(pedestal.half_m, before, row)
+            wanted = followed(friction, slipped, slips)
             if wanted != acting:
                 backend.set_floor_friction(wanted)
                 acting = wanted

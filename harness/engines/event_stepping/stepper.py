@@ -10,11 +10,12 @@ from harness.engines.contact.coulomb import SLIP_ONSET
 from harness.engines.contact.friction import Pair
 from harness.engines.event_stepping import settings
 from harness.engines.event_stepping.backend import Backend
-from harness.engines.event_stepping.rows import Row, Vector
+from harness.engines.event_stepping.rows import Row, Vector, base_velocity
 from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.writing import RowWriter
 from harness.model.scene import Scene
 
+NOTHING: Final = (0.0, 0.0, 0.0)
 LEAST_M_S: Final = 1e-12
 """Below this a velocity does not change."""
 REVERSAL: Final = "friction_reversal"
@@ -37,9 +38,11 @@ class Stepper:
         # Whole steps that ask for nothing between them are made at once.
         self.runs = backend.runs and not (schedule.moving or self.switches)
         self.stuck, self.just_slipped, self.past_rest = True, False, False
-        self.table_place: Vector = (0.0, 0.0, 0.0)
-        self.table_rate: Vector = (0.0, 0.0, 0.0)
-        self.table_before = self.table_rate
+        self.half_m = NOTHING if pedestal is None else pedestal.half_m
+        # Velocity over the floor of what the pedestal stands on, m/s, before the present step, and the row where this one begins.
+        self.slip_before: Pair = (0.0, 0.0)
+        self.places: Row | None = None
+        self.table_place = self.table_rate = self.table_before = NOTHING
 
     def step(self, gravity: Vector, t_s: float, step_s: float, before: Row) -> Row:
         """Advance the world from `before` at `t_s` by `step_s`."""
@@ -51,20 +54,22 @@ class Stepper:
         row = self.backend.advance(gravity)
         if not self.switches:
             return row
+        # A velocity is solved at the places at which its step began.
+        self.slip_before = self._slip(before if self.places is None else self.places, before, self.table_before)
+        self.places = before
         pull = (gravity[0] * step_s, gravity[1] * step_s, gravity[2] * step_s)
         if self.stuck:
             row = self._slip_onset(gravity, pull, before, row)
             # What a blow set moving slides throughout: no force before it tells when it broke loose.
             taken_m_s = self.kinetic * math.hypot(*pull)
-            self.just_slipped = (
-                not self.stuck and self._speed(before, self.table_before) < self.events.sticks_below * taken_m_s
-            )
+            self.just_slipped = not self.stuck and math.hypot(*self.slip_before) < self.events.sticks_below * taken_m_s
             return row
-        if self._goes_past_rest(before, row):
+        slip = self._slip(before, row, self.table_rate)
+        if self._goes_past_rest(slip):
             return row
-        if self._sticks(before, row) and not self._saturated(self.kinetic, pull, before, row):
+        if self._sticks(slip) and not self._saturated(self.kinetic, pull, before, row):
             self._hold(self.static)
-        elif self._reversed(before, row):
+        elif self._reversed(slip):
             # The velocity passed zero: the step again with the static limit, which may hold.
             self._hold(self.static)
             self._again(before, REVERSAL)
@@ -78,8 +83,9 @@ class Stepper:
         """
         if not self._saturated(self.static, pull, before, row):
             return row
-        gaining = self._speed(row, self.table_rate) > self._speed(before, self.table_before)
-        if not gaining and (self._sticks(before, row) or self._reversed(before, row)):
+        slip = self._slip(before, row, self.table_rate)
+        gaining = math.hypot(*slip) > math.hypot(*self.slip_before)
+        if not gaining and (self._sticks(slip) or self._reversed(slip)):
             return row
         self._hold(self.kinetic)
         self._again(before)
@@ -127,27 +133,26 @@ class Stepper:
             statue * (row[9] - before[9] - z) + pedestal * (row[22] - before[22] - z),
         )
 
-    def _speed(self, row: Row, table: Vector) -> float:
-        return math.hypot(row[20] - table[0], row[21] - table[1])
+    def _slip(self, places: Row, row: Row, table: Vector) -> Pair:
+        u, v = base_velocity(self.half_m, places, row)
+        return u - table[0], v - table[1]
 
-    def _sticks(self, before: Row, row: Row) -> bool:
+    def _sticks(self, slip: Pair) -> bool:
         """Whether friction took nearly all of the velocity that it could take in this step: solver iterations leave a little."""
-        here, there = self._speed(row, self.table_rate), self._speed(before, self.table_before)
+        here, there = math.hypot(*slip), math.hypot(*self.slip_before)
         return here <= self.events.sticks_below * max(there - here, 0.0)
 
-    def _reversed(self, before: Row, row: Row) -> bool:
-        x, y = self.table_rate[0], self.table_rate[1]
-        return (before[20] - x) * (row[20] - x) + (before[21] - y) * (row[21] - y) < 0.0
+    def _reversed(self, slip: Pair) -> bool:
+        return self.slip_before[0] * slip[0] + self.slip_before[1] * slip[1] < 0.0
 
-    def _goes_past_rest(self, before: Row, row: Row) -> bool:
+    def _goes_past_rest(self, slip: Pair) -> bool:
         """Whether in this step or the one before the velocity went along a line that passes rest, as it does in space.
 
         Kinetic friction stops nothing that turns aside where more is needed to hold it; a step's own solution does, as within
         its length it takes all of a small velocity.
         """
-        x, y = self.table_rate[0], self.table_rate[1]
-        change = row[20] - before[20], row[21] - before[21]
-        one_before, self.past_rest = self.past_rest, self.passes_rest((before[20] - x, before[21] - y), change)
+        (u, v), (x, y) = self.slip_before, slip
+        one_before, self.past_rest = self.past_rest, self.passes_rest(self.slip_before, (x - u, y - v))
         return one_before or self.past_rest
 
     def passes_rest(self, velocity_m_s: Pair, change_m_s: Pair) -> bool:

@@ -18,8 +18,8 @@ class RowWriter:
         statue, pedestal = scene.statue, scene.pedestal
         self.inertias = [(statue.mass_kg, statue.inertia_kg_m2)]
         if pedestal is not None:
-            squares = pedestal.width_m**2 + pedestal.height_m**2
-            self.inertias.append((pedestal.mass_kg, pedestal.mass_kg * squares / 12.0))
+            w, _, h = pedestal.half_m
+            self.inertias.append((pedestal.mass_kg, pedestal.mass_kg * (w * w + h * h) / 3.0))
 
     def write(self, kind: str, before: Row, after: Row) -> None:
         """Change both bodies from the row that they have, `before`."""

@@ -133,9 +133,8 @@ def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, options: Ru
     p = scene.pedestal
     if p is None:
         return _stepped(scene, settings, setup, None, watch), None
-    half = (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m)
     if options.allows("base_only"):
-        edge = EdgeWatch(setup.hull_m, half, LOOK_STEPS * settings.dt_s, greatest_pull_m_s2(scene))
+        edge = EdgeWatch(setup.hull_m, p.half_m, LOOK_STEPS * settings.dt_s, greatest_pull_m_s2(scene))
         record = _stepped(scene, settings, setup, None, replace(watch, leave=edge))
         if not edge(record.last):
             return record, None

@@ -128,7 +128,7 @@ def run(scene: Scene, level: BulletSettings, setup: Setup, options: RunOptions) 
 def _crossing(scene: Scene, setup: Setup, row: Row) -> Crossing | None:
     """What tells a foot that comes over the pedestal's edges, from a row on."""
     p = scene.pedestal
-    return None if p is None else Crossing(setup.feet_m, (0.5 * p.width_m, 0.5 * p.depth_m), row)
+    return None if p is None else Crossing(setup.feet_m, p.half_m[:2], row)
 
 
 def _first_row(scene: Scene, setup: Setup) -> Row:
@@ -144,9 +144,7 @@ def _watch(scene: Scene, level: BulletSettings, setup: Setup, options: RunOption
     may_rest = options.allows("quiet_end") and end_s < scene.duration_s
     edges = None
     if scene.pedestal is not None:
-        p = scene.pedestal
-        half = (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m)
-        edges = EdgeWatch(setup.hull_m, half, LOOK_AHEAD_STEPS * level.dt_s, greatest_pull_m_s2(scene))
+        edges = EdgeWatch(setup.hull_m, scene.pedestal.half_m, LOOK_AHEAD_STEPS * level.dt_s, greatest_pull_m_s2(scene))
     axis, rest = setup.axis, _vector(setup.rest.rotation[:, 2])
     limits = LimitsOfRest.of(scene) if options.allows("quiet_rest") and _may_be_skipped(scene, setup) else None
     return Watch(
@@ -171,7 +169,7 @@ def gaps_of(scene: Scene, setup: Setup, level: BulletSettings, *, edges: bool = 
     """What finds the impacts of the base; with `edges` a foot beside the pedestal's top meets nothing there."""
     p = scene.pedestal
     half = None if p is None else 0.5 * p.height_m
-    within = (0.5 * p.width_m, 0.5 * p.depth_m) if edges and p is not None else None
+    within = p.half_m[:2] if edges and p is not None else None
     return ContactGaps(scene, setup.feet_m, half, level.dt_s, within)
 
 

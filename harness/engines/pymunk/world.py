@@ -83,7 +83,7 @@ def _pedestal(scene: Scene, settings: MunkSettings) -> pymunk.Body:
     pedestal = scene.pedestal
     if pedestal is None:
         raise ValueError("the scene has no pedestal")
-    w, h = 0.5 * pedestal.width_m, 0.5 * pedestal.height_m
+    w, _, h = pedestal.half_m
     inertia = pedestal.mass_kg * (w * w + h * h) / 3.0
     body = pymunk.Body(pedestal.mass_kg, inertia)
     shape = pymunk.Poly(body, [(-w, -h), (w, -h), (w, h), (-w, h)])

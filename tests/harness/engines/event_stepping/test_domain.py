@@ -22,9 +22,9 @@ def spells(
 ) -> tuple[float | None, float, list[str]]:
     place = np.zeros((11, 2))
     motion = Trajectory(
-        TIMES, STILL, STILL, STILL, STILL, place, place, place, place, place, {"pedestal_tilt_rad": tilt_rad}
+        TIMES, STILL, STILL, STILL, STILL, place, place, place, place, place, extra={"pedestal_tilt_rad": tilt_rad}
     )
-    found = plain_spells(motion, slip_m, gap_m, Corners(right_m, STILL, STILL, STILL), PEDESTAL)
+    found = plain_spells(motion, slip_m, gap_m, Corners(right_m, STILL, STILL, STILL, STILL, STILL), PEDESTAL)
     return found["plain_from_s"], found["plain_for_s"], found["plain_because"]
 
 

@@ -163,6 +163,7 @@ def test_a_pedestal_that_a_blow_set_sliding_has_kinetic_friction() -> None:
                 (*row[:7], rate, 0.0, 0.0, *row[10:20], rate, 0.0, 0.0, *row[23:]) for rate in (before_m_s, after_m_s)
             )
             assert math.hypot(*stepper.friction(pull, before, after)[:2]) == pytest.approx(0.20 * total_kg * -pull[2])
+            stepper.slip_before = (before_m_s, 0.0)
             stepper._slip_onset((0.0, 0.0, -GRAVITY_M_S2), pull, before, after)
             return sum(item.steps_again for item in stepper.writer.ledger.record().values())
 
