@@ -17,8 +17,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes import array_cache as kept
-from meshes import coacd_alone
+from meshes import array_cache, coacd_alone
 from meshes.collision import thinned
 from meshes.decimation import simplified
 from meshes.errors import MeshError
@@ -71,11 +70,11 @@ def parts_of(
     if reason := missing():
         raise MeshError("a convex decomposition", f"none: {reason}")
     key = _key(solid, concavity, max_parts, max_vertices)
-    arrays = kept.load(key)
+    arrays = array_cache.load(key)
     parts = None if arrays is None else _unpacked(arrays)
     if parts is None:
         parts = decompose(solid, concavity, max_parts, max_vertices)
-        kept.store(key, _packed(parts))
+        array_cache.store(key, _packed(parts))
     return parts
 
 
@@ -157,7 +156,7 @@ def _key(solid: Solid, *parameters: float) -> str:
     return f"parts-{state.hexdigest()[:32]}"
 
 
-def _packed(parts: Parts) -> dict[str, Any]:
+def _packed(parts: Parts) -> dict[str, NDArray[Any]]:
     return {
         "corners": np.vstack(parts.parts),
         "counts": np.array([len(corners) for corners in parts.parts]),
@@ -165,7 +164,7 @@ def _packed(parts: Parts) -> dict[str, Any]:
     }
 
 
-def _unpacked(arrays: dict[str, Any]) -> Parts | None:
+def _unpacked(arrays: dict[str, NDArray[Any]]) -> Parts | None:
     """Parts from kept arrays; None when these are not what was stored."""
     try:
         counts, (excess, missed) = arrays["counts"], arrays["misfit"]

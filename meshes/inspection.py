@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -63,7 +62,7 @@ class Inspection:
         rows = zip(azimuth.tolist(), corner.tolist(), np.rad2deg(slender).tolist(), strict=True)
         return [{"azimuth_deg": a, "corner_m": b, "slenderness_deg": c} for a, b, c in rows]
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, object]:
         """The inspection as plain values."""
         from dataclasses import asdict
 
@@ -113,9 +112,9 @@ def inspect(
     return Inspection(Raw.of(mesh), prepared, solid, refusal)
 
 
-def _numbers(solid: Solid) -> dict[str, Any]:
+def _numbers(solid: Solid) -> dict[str, object]:
     """The solid's numbers as plain values."""
-    weakest = base.weakest_azimuth_deg(solid.footprint_m)
+    weakest_deg, slenderness_rad = _weakest(solid)
     return {
         "mass_kg": solid.mass_kg,
         "density_kg_m3": solid.density_kg_m3,
@@ -130,18 +129,27 @@ def _numbers(solid: Solid) -> dict[str, Any]:
         "footprint_m": solid.footprint_m.tolist(),
         "base_profile_m": solid.base_profile_m.tolist(),
         "contact_tolerance_m": solid.contact_tolerance_m,
-        "base_unevenness_m": float(np.ptp(solid.feet_m[:, 2])),
-        "weakest_azimuth_deg": weakest,
-        "weakest_slenderness_rad": float(
-            base.slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, weakest)[0]
-        ),
+        "base_unevenness_m": _unevenness_m(solid),
+        "weakest_azimuth_deg": weakest_deg,
+        "weakest_slenderness_rad": slenderness_rad,
     }
+
+
+def _unevenness_m(solid: Solid) -> float:
+    return float(np.ptp(solid.feet_m[:, 2]))
+
+
+def _weakest(solid: Solid) -> tuple[float, float]:
+    """The direction in which it overturns most easily, degrees, and its slenderness there, rad."""
+    azimuth_deg = base.weakest_azimuth_deg(solid.footprint_m)
+    slenderness_rad = base.slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, azimuth_deg)
+    return azimuth_deg, float(slenderness_rad[0])
 
 
 def _sentences(solid: Solid) -> list[str]:
     """The solid in words."""
-    numbers = _numbers(solid)
-    moments = ", ".join(f"{value:.5g}" for value in numbers["principal_kg_m2"])
+    weakest_deg, slenderness_rad = _weakest(solid)
+    moments = ", ".join(f"{value:.5g}" for value in solid.principal[0])
     return [
         f"mass {solid.mass_kg:.5g} kg at {solid.density_kg_m3:.5g} kg/m³, {solid.height_m:.4g} m high,"
         f" centroid at {solid.centroid_height_m:.4g} m",
@@ -149,7 +157,7 @@ def _sentences(solid: Solid) -> list[str]:
         f" J_G {solid.inertia_planar_kg_m2:.5g} kg m²; base {solid.depth_m:.4g} m across",
         f"principal moments {moments} kg m²",
         f"touches with {len(solid.footprint_m)} corners within {1e3 * solid.contact_tolerance_m:g} mm,"
-        f" {len(solid.feet_m)} feet uneven by {1e3 * numbers['base_unevenness_m']:.2f} mm (kept as scanned)",
-        f"weakest towards {numbers['weakest_azimuth_deg']:.1f}° (from x, counter-clockwise from above):"
-        f" {np.rad2deg(numbers['weakest_slenderness_rad']):.2f}°",
+        f" {len(solid.feet_m)} feet uneven by {1e3 * _unevenness_m(solid):.2f} mm (kept as scanned)",
+        f"weakest towards {weakest_deg:.1f}° (from x, counter-clockwise from above):"
+        f" {np.rad2deg(slenderness_rad):.2f}°",
     ]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -68,7 +67,7 @@ class ProcessingLog:
         changed = (change.volume_rel for change in self.changes if change.step in ("debris", "base", "holes"))
         return sum(abs(volume) for volume in changed if volume is not None)
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, object]:
         """The log as plain values."""
         return asdict(self)
 

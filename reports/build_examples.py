@@ -8,7 +8,7 @@ import time
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness import study_cli
 from harness.campaign.runner import Crash, LocalPool
@@ -48,7 +48,7 @@ def example(asked: tuple[str, Mapping[str, Run]]) -> Answer:
     return Answer("example", {"text": summary(result)}, time.perf_counter() - begin, failed=failed)
 
 
-def died(asked: tuple[str, Any], crash: Crash) -> Answer:
+def died(asked: tuple[str, object], crash: Crash) -> Answer:
     """The answer for an example whose process died."""
     return Answer("example", {"text": f"{asked[0]}: {crash}"}, 0.0, failed=True)
 

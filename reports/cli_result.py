@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 import typer
 
@@ -17,7 +17,7 @@ OUT: Final = Path("out")
 Out = Annotated[Path | None, typer.Option("--out", help="Folder of the result. Default: out/NAME.", show_default=False)]
 
 
-def say_result(record: Mapping[str, Any], text: str, folder: Path, saying: Saying, language: str = "en") -> None:
+def say_result(record: Mapping[str, object], text: str, folder: Path, saying: Saying, language: str = "en") -> None:
     """Say what was computed, then write its pages, none with `--json`: most of a short run's time, for a program that reads the
     record. A page that cannot be written is no mistake of the user's, and costs no other.
     """

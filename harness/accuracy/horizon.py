@@ -12,7 +12,7 @@ from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.history import History, Outcome
 from harness.model.history_pair import first_beyond_s, pair
 from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, number
 from harness.model.scene import Scene
 from harness.records.run import HorizonRecord
 
@@ -150,4 +150,4 @@ def horizon_beside(engine: Engine, scene: Scene, run: Run) -> HorizonRecord:
     """The horizon of an engine at the step that `run` took, or at its finest where the engine certifies its own error."""
     if engine.capabilities.certifies:
         return horizon_of(engine, scene, engine.refinement_levels(scene)[-1])
-    return horizon_of(engine, scene, engine.settings_for_dt(scene, float(run.settings["dt_s"])))
+    return horizon_of(engine, scene, engine.settings_for_dt(scene, number(run.settings, "dt_s")))

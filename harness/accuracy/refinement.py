@@ -19,7 +19,7 @@ from harness.accuracy.sensitivity import PARTED, response
 from harness.accuracy.spread import CLEAR, NONE, Error, Spread, factor, plain_from_s, plain_share, spread, target_of
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
 from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, number
 from harness.model.scene import Scene
 
 START_SHARE: Final = 1.5
@@ -198,7 +198,7 @@ class _Climb:
 
     def _expected(self, run: Run) -> Error:
         """What a run's settings are expected to err by, more where its events are left; without a pedestal nothing slips."""
-        rotation = FLOOR_SHARE * float(run.settings.get("expected_error_rad", 0.0))
+        rotation = FLOOR_SHARE * number(run.settings, "expected_error_rad", 0.0)
         if self._leaves(run):
             rotation *= plain_share(1.0, VERIFICATION_STEP_SHARE)
         height_m = 0.0 if self.scene.pedestal is None else self.scene.statue.centroid_height_m
@@ -220,7 +220,7 @@ class _Check:
         if self.before is None or self.before.history is None or not self.spreads or t_s > self.before.end_s:
             return False
         apart = abs(float(self.before.history.at(t_s)) - theta_rad)
-        before_s = float(self.before.settings["dt_s"])
+        before_s = number(self.before.settings, "dt_s")
         if apart > self.target.rotation_rad / factor(before_s, self.dt_s):
             self.parted_s = min(self.parted_s, t_s)
         if apart > PARTED * self.target.rotation_rad:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.model.history import History
-from harness.model.run import Run
+from harness.model.run import Run, number
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
@@ -102,8 +102,7 @@ def factor(coarse_dt_s: float, fine_dt_s: float) -> float:
 
 def plain_from_s(run: Run) -> float:
     """When a run left what its events are located for, infinite: it never did."""
-    since_s = run.validity.get("plain_from_s")
-    return math.inf if since_s is None else float(since_s)
+    return number(run.validity, "plain_from_s", math.inf)
 
 
 def plain_share(coarse_dt_s: float, fine_dt_s: float) -> float:
@@ -126,7 +125,7 @@ def spread(coarse: Run, fine: Run, target: Error, limit: Error | None = None) ->
     slid = np.abs(coarse.history.slip_at(times) - fine.history.slip_at(times))
     # An overturn that only one run sees, or at another time, is a difference once the other has ended.
     same_end = abs(coarse.end_s - fine.end_s) <= 2.0 * float(np.max(np.diff(fine.history.t_s), initial=0.0))
-    steps = float(coarse.settings["dt_s"]), float(fine.settings["dt_s"])
+    steps = number(coarse.settings, "dt_s"), number(fine.settings, "dt_s")
     plain = np.where(times > min(plain_from_s(coarse), plain_from_s(fine)), plain_share(*steps), 1.0)
     turned, slid = plain * turned, plain * slid
     limit = limit or target.times(1.0 / factor(*steps))

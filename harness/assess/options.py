@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 from pydantic import Field
 
@@ -15,6 +15,7 @@ from harness.input.mistakes import Table
 from harness.input.tables import read_model
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
+from harness.model.written import scan_azimuth_deg, written
 
 HEAVIER: Final = 2.0
 """Factor on the pedestal's mass: what a denser stone, or lead in its core, may give."""
@@ -119,9 +120,9 @@ def _turned(scene: Scene) -> Scene:
     if pedestal is not None:
         pedestal = replace(pedestal, width_m=pedestal.depth_m, depth_m=pedestal.width_m, offset_m=0.0)
     if scene.statue.solid is not None:
-        azimuth = float(scene.given.get("statue", {}).get("mesh", {}).get("azimuth_deg", 0.0)) + 90.0
+        azimuth = scan_azimuth_deg(scene) + 90.0
         statue = reread(scene, {"statue.mesh.azimuth_deg": azimuth, "pedestal": "none"}, TURNED).statue
-    elif scene.given and "depth_m" not in scene.given.get("statue", {}):
+    elif scene.given and written(scene, "statue", "depth_m") is None:
         raise InputError(Mistake(str(scene.source), "statue.depth_m", "statue.depth_m, or a mesh", "nothing"))
     else:
         statue = turned_block(scene.statue)
@@ -136,7 +137,7 @@ class _OptionTable(Table):
     """`[[option]]`: a name, and keys of the scene with their values there."""
 
     name: Annotated[str, Field(min_length=1, max_length=80)]
-    set: Annotated[dict[str, Any], Field(min_length=1)]
+    set: Annotated[dict[str, object], Field(min_length=1)]
 
 
 class _OptionsFile(Table):

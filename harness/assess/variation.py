@@ -6,11 +6,15 @@ import copy
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 from analytic.excitation import Harmonic
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
+from harness.model.written import written
+
+if TYPE_CHECKING:
+    from pydantic import JsonValue
 
 AXES: Final = ("x", "y", "z")
 STATIC: Final = "contact.floor_static"
@@ -79,8 +83,8 @@ def _changed(scene: Scene, key: str, value: float) -> Scene:
 
 def file_scale(scene: Scene) -> float:
     """The factor that the scene's file puts on all axes, which its excitations hold already."""
-    motion: Any = scene.given.get("motion", {})
-    return float(motion.get("scale", 1.0)) if isinstance(motion, Mapping) else 1.0
+    scale = written(scene, "motion", "scale")
+    return float(scale) if isinstance(scale, int | float) else 1.0
 
 
 def reread(scene: Scene, values: Mapping[str, object], place: str) -> Scene:
@@ -97,7 +101,7 @@ def reread(scene: Scene, values: Mapping[str, object], place: str) -> Scene:
 
     if not scene.given:
         raise InputError(Mistake(place, ", ".join(values), "a scene read from a file", "one made in Python"))
-    content: dict[str, Any] = copy.deepcopy(dict(scene.given))
+    content: dict[str, JsonValue] = copy.deepcopy(dict(scene.given))
     values_text = ", ".join(
         f"{key} = {value:.6g}" if isinstance(value, float) else f"{key} = {value}" for key, value in values.items()
     )

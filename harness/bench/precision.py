@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from functools import partial
-from typing import Any, Final
+from typing import Final
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
@@ -18,7 +18,7 @@ from harness.comparison.distance import error_rad
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.errors import InputError
 from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, number
 from harness.model.scene import Scene
 from harness.records.bench import LEVEL, TARGET, PrecisionRow
 from harness.records.witness import PLAIN
@@ -142,14 +142,19 @@ def _chosen(row: PrecisionRow, run: Run | str, judge: Run, spent: Cost | None) -
     label = f"{row.label}: {run.work.get('runs', 1)} runs, the finest {_label(run.settings)}"
     steps = run.work.get("steps_of_all_runs", run.steps)
     return replace(
-        row, label=label, dt_s=run.settings["dt_s"], chosen=True, reliable_until_s=run.reliable_until_s, steps=steps
+        row,
+        label=label,
+        dt_s=number(run.settings, "dt_s"),
+        chosen=True,
+        reliable_until_s=run.reliable_until_s,
+        steps=steps,
     )
 
 
 def _with(row: PrecisionRow, run: Run, error: float) -> PrecisionRow:
     """A row with a run's work, its statement and its error."""
     return replace(
-        row, error_rad=error, steps=run.steps, iterations=run.settings.get("iterations"),
+        row, error_rad=error, steps=run.steps, iterations=int(number(run.settings, "iterations", 0.0)) or None,
         stated_rad=run.numerical_uncertainty_rad,
     )  # fmt: skip
 
@@ -160,11 +165,11 @@ def costing(row: PrecisionRow, spent: Cost, simulated_s: float) -> PrecisionRow:
     return replace(row, wall_s=spent.wall_s, cpu_s=spent.cpu_s, repeats=spent.repeats, real_time_factor=factor)
 
 
-def _label(settings: Settings | Mapping[str, Any]) -> str:
+def _label(settings: Settings | Mapping[str, object]) -> str:
     """A level in words."""
     plain = settings.as_dict() if isinstance(settings, Settings) else settings
     if "accuracy_rad" in plain:
         return f"aimed at {plain['accuracy_rad']:g} rad"
-    parts = [f"{1e3 * float(plain['dt_s']):g} ms"]
+    parts = [f"{1e3 * number(plain, 'dt_s'):g} ms"]
     parts += [f"{plain['iterations']} iterations"] if "iterations" in plain else []
     return ", ".join(parts)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, cast
 
 from harness.input.paths import DATA_VARIABLE
 from harness.model.errors import InputError
 from harness.model.scene import Scene
+from harness.records.base import Table
 from harness.studies.cases import Base
 
 PAESTUM: Final = {
@@ -36,7 +37,7 @@ class Standard:
     """
 
     name: str
-    content: Mapping[str, Any]
+    content: Mapping[str, object]
     reference: Literal["analytic", "own"]
     block: bool = True
     spatial: bool = False
@@ -46,17 +47,17 @@ class Standard:
         return scene_of(self.name, self.content)
 
 
-def scene_of(title: str, content: Mapping[str, Any]) -> Scene:
+def scene_of(title: str, content: Mapping[str, object]) -> Scene:
     """A scene from the content of a scene file (without its title). Raises `InputError`."""
-    return Base(Path("scene.toml"), {"title": title, **content}).scene({})
+    return Base(Path("scene.toml"), {"title": title, **cast(Table, content)}).scene({})
 
 
-def harmonic(amplitude_g: float, frequency_hz: float) -> dict[str, Any]:
+def harmonic(amplitude_g: float, frequency_hz: float) -> dict[str, object]:
     """A sine from t = 0."""
     return {"x": {"kind": "harmonic", "amplitude_g": amplitude_g, "frequency_hz": frequency_hz}}
 
 
-def record(file: str, column: str, **more: Any) -> dict[str, Any]:
+def record(file: str, column: str, **more: Any) -> dict[str, object]:
     """A channel of a record in the data folder."""
     return {"kind": "record", "file": f"{RECORDS}/{file}", "column": column, "unit": "m/s2", **more}
 

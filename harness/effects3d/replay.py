@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.effects3d.conditions import amplified, changed_scene
 from harness.effects3d.search import EXACT, peak_g
 from harness.model.scene import Scene
+from harness.model.written import scan_azimuth_deg, written
 from harness.records.effects3d import BASELINE, SOLID, Amplitude, Departure, ReplayRecord
 from harness.scene_run.scene_run import run_scene, write_result
 from harness.statics.standstill import motion_sized
@@ -46,12 +47,11 @@ def write_replay(
 
 def _command(scene: Scene, azimuth_deg: float, peak: float, engine: str, dt_s: float) -> str:
     """The command that runs the same case by itself; empty where the motion has no single key for its size."""
-    given: Mapping[str, Any] = scene.given
     sized = motion_sized(scene, peak / peak_g(scene))
     if not sized or scene.source is None:
         return ""
-    turn = float(given["statue"]["mesh"].get("azimuth_deg", 0.0)) - azimuth_deg
-    still = "".join(f" --set motion.{axis}=none" for axis in "yz" if axis in given["motion"])
+    turn = scan_azimuth_deg(scene) - azimuth_deg
+    still = "".join(f" --set motion.{axis}=none" for axis in "yz" if written(scene, "motion", axis) is not None)
     return (
         f"rockcheck run {shlex.quote(scene.source.name)} -e {PLANAR} -e {engine} --dt {dt_s:g}"
         f" --set statue.mesh.azimuth_deg={turn:g}"

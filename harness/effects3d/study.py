@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal, TypeVar
@@ -35,8 +35,10 @@ from harness.records.effects3d import (
     AskedRecord,
     Band,
     Departure,
+    Effect,
     EffectsRecord,
     EffectsSummary,
+    StaticLimit,
 )
 from harness.records.result_folder import listing
 from harness.records.scene import SceneRecord
@@ -141,16 +143,15 @@ def run_effects(
         answers = _answers(study, scene, questions)
         counts = questions.asked, questions.found, questions.runs, questions.failed, questions.seconds
     summary = EffectsSummary("", study.directions, *counts)
-    dt_s = study.search.dt_s
     finished = EffectsRecord(
         title=study.title,
         file=path.name,
-        **answers,
+        **vars(answers),
         scene=SceneRecord.of(scene),
         notes=[scan_directions(scene), *scene.notes],
         study=part(AskedRecord, study.model_dump(), path),
         unit_g=peak_g(scene),
-        replay=write_replay(scene, answers["rows"], answers["departures"], dt_s, folder / "replay"),
+        replay=write_replay(scene, answers.rows, answers.departures, study.search.dt_s, folder / "replay"),
         summary=replace(summary, sentence=sentence(summary)),
         versions=record.versions(),
         machine=record.machine(),
@@ -170,7 +171,20 @@ def _check(scene: Scene, path: Path) -> None:
         raise InputError(Mistake(str(path), "scene", wanted, "a pedestal or a wall"))
 
 
-def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Answers:
+    """What the runs of a study say, as its record has it."""
+
+    rows: Sequence[Amplitude]
+    sides: Sequence[Amplitude]
+    static: Sequence[StaticLimit]
+    bands: Sequence[Band]
+    departures: Sequence[Departure]
+    effects: Sequence[Effect]
+    left_out: Mapping[str, str]
+
+
+def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> Answers:
     """All rows of the record: the roses first, then what follows each of them."""
     search = study.search
     engines = sorted(study.engines, key=ORDER.index)
@@ -196,15 +210,15 @@ def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> dict[str
         if peak is not None
     ]
     everything = [*rows, *changed]
-    return {
-        "rows": everything,
-        "sides": projected,
-        "static": static_rose(scene, study.azimuths_deg(), projected),
-        "bands": questions.ask(Band, bands),
-        "departures": questions.ask(Departure, leaving),
-        "effects": effects(everything, wanted),
-        "left_out": empty,
-    }
+    return Answers(
+        rows=everything,
+        sides=projected,
+        static=static_rose(scene, study.azimuths_deg(), projected),
+        bands=questions.ask(Band, bands),
+        departures=questions.ask(Departure, leaving),
+        effects=effects(everything, wanted),
+        left_out=empty,
+    )
 
 
 def _changed(

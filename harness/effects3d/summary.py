@@ -10,6 +10,7 @@ import numpy as np
 
 from harness.effects3d.conditions import CONDITIONS, solid_of
 from harness.model.scene import Scene
+from harness.model.written import scan_azimuth_deg, written
 from harness.records.effects3d import BASELINE, Amplitude, Change, Effect, StaticLimit
 from meshes import footprint
 from meshes.orientation import turn_axis
@@ -21,12 +22,12 @@ GRAZING_COS: Final = 0.05
 
 def scan_directions(scene: Scene) -> str:
     """Where the study's 0° and 90° point on the scan as its file has it, before it was set upright and turned."""
-    mesh = scene.given["statue"]["mesh"]
-    back = turn_axis(mesh.get("up", "z")).T @ turn_about_z(mesh.get("azimuth_deg", 0.0)).T
+    file, up = (written(scene, "statue", "mesh", key) for key in ("file", "up"))
+    back = turn_axis(str(up or "z")).T @ turn_about_z(scan_azimuth_deg(scene)).T
     first, second = (
         ", ".join(f"{value:.3g}" for value in (column.round(12) + 0.0).tolist()) for column in (back[:, 0], back[:, 1])
     )
-    return f"On the scan as its file has it ({mesh['file']}), 0° points along ({first}) and 90° along ({second})."
+    return f"On the scan as its file has it ({file}), 0° points along ({first}) and 90° along ({second})."
 
 
 def static_rose(scene: Scene, azimuths_deg: Sequence[float], sides: Sequence[Amplitude]) -> list[StaticLimit]:

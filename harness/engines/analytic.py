@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, final
-
-import numpy as np
+from typing import TYPE_CHECKING, ClassVar, Final, Literal, final
 
 from analytic.excitation import ZeroExcitation
 from harness.engines.base import Engine, EngineFailure, Settings
@@ -186,10 +185,10 @@ def _history(solution: Solution) -> History:
     return History(solution.t_s, solution.theta_rad, solution.theta_rate_rad_s, solution.slip_m, solution.slip_rate_m_s)
 
 
-def _validity(scene: Scene, solution: Solution) -> dict[str, Any]:
+def _validity(scene: Scene, solution: Solution) -> dict[str, object]:
     limits = solution.validity
     share = solution.peak_theta_rad / scene.statue.slenderness_rad(1 if solution.peak_signed_rad > 0.0 else -1)
-    values: dict[str, Any] = {
+    values: dict[str, object] = {
         "peak_over_slenderness": share,
         "impact_ratios": [
             _ratio(event.theta_rate_after_rad_s, event.theta_rate_before_rad_s) for event in solution.impacts
@@ -244,10 +243,11 @@ def left_out(motion: BaseExcitation) -> tuple[str, ...]:
     return ("The model is planar: the motion across the rocking plane is left out.",)
 
 
-def stated_settings(settings: TwoBlockSettings) -> Mapping[str, Any]:
+def stated_settings(settings: TwoBlockSettings) -> Mapping[str, object]:
     """The settings as a run states them: what is not in use is left out."""
     plain = settings.as_dict()
-    return {name: value for name, value in plain.items() if np.isfinite(value) and (name != "dt_s" or value > 0.0)}
+    numbers = {name: value for name, value in plain.items() if isinstance(value, int | float) and math.isfinite(value)}
+    return {name: value for name, value in numbers.items() if name != "dt_s" or value > 0.0}
 
 
 def _run(scene: Scene, settings: TwoBlockSettings, solution: Solution, wall_s: float, keep: bool) -> Run:

@@ -21,7 +21,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, ClassVar, Final, TypeVar
+from typing import ClassVar, Final, TypeVar
 
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
@@ -58,7 +58,7 @@ class Settings:
     dt_s: float
     expected_error_rad: float
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, object]:
         """The settings as plain values, as they stand in the record."""
         return asdict(self)
 

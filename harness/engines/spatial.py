@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Final, final
+from typing import TYPE_CHECKING, ClassVar, Final, TypedDict, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,7 +129,17 @@ def problem_of(scene: Scene) -> Problem:
     )
 
 
-def _thrown(pose: Pose) -> dict[str, Any]:
+class Start(TypedDict):
+    """How a body begins, and from which rotation it counts as overturned."""
+
+    position_m: Sequence[float]
+    quaternion_wxyz: Sequence[float]
+    velocity_m_s: Sequence[float]
+    angular_velocity_rad_s: Sequence[float]
+    overturn_rad: float
+
+
+def _thrown(pose: Pose) -> Start:
     """A start in space; no rotation ends it."""
     return {
         "position_m": pose.position_m,
@@ -140,7 +150,7 @@ def _thrown(pose: Pose) -> dict[str, Any]:
     }
 
 
-def _leaning(scene: Scene, vertices: Array) -> dict[str, Any]:
+def _leaning(scene: Scene, vertices: Array) -> Start:
     """A start in the rocking plane, turned and turning about the lowest vertex."""
     theta, rate = scene.initial.theta_rad, scene.initial.theta_rate_rad_s
     c, s = math.cos(theta), math.sin(theta)

@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 import tomli_w
+from pydantic import JsonValue
 
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.input import motions, tables
@@ -56,7 +57,7 @@ Statues = dict[str, tuple["Statue", Sequence[str]]]
 
 
 def resolve(
-    model: SceneFile, path: Path, content: Mapping[str, object] | None = None, statues: Statues | None = None
+    model: SceneFile, path: Path, content: Mapping[str, JsonValue] | None = None, statues: Statues | None = None
 ) -> Scene:
     """Resolve a validated scene; files it names are relative to the folder of `path`. Raises `InputError`.
 

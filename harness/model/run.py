@@ -63,7 +63,7 @@ class Run(Shown):
     engine: str
     outcome: Outcome
     history: History | None
-    settings: Mapping[str, Any]
+    settings: Mapping[str, object]
     steps: int
     wall_s: float
     peak_theta_rad: float
@@ -76,7 +76,7 @@ class Run(Shown):
     peak_slip_m: float = 0.0
     residual_slip_m: float = 0.0
     patterns: Sequence[Pattern] = ()
-    validity: Mapping[str, Any] = field(default_factory=dict)
+    validity: Mapping[str, object] = field(default_factory=dict)
     numerical_uncertainty_rad: float | None = None
     slip_uncertainty_m: float | None = None
     reliable_until_s: float | None = None
@@ -127,9 +127,14 @@ class Run(Shown):
         )
 
 
-def impacts(run: Mapping[str, Any]) -> int:
-    """Number of impacts of a run as plain values; a run for the outcome alone counts them and lists none."""
-    return len(run["impact_times_s"]) or int(run["work"].get("impacts", 0))
+def number(table: Mapping[str, object], name: str, default: float | None = None) -> float:
+    """A number of a run's settings or validity, `default` where there is none. Raises `TypeError` for what is no number."""
+    value = table.get(name)
+    if value is None and default is not None:
+        return default
+    if not isinstance(value, int | float):
+        raise TypeError(f"{name} is no number: {value!r}")
+    return float(value)
 
 
 _PLAIN: Final = frozenset({str, int, bool, type(None)})

@@ -19,6 +19,7 @@ from harness.model.shown import Shown, new_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from pydantic import JsonValue
 
     from meshes import Solid
 
@@ -231,7 +232,7 @@ class Scene(Shown):
     table: Literal["frame", "moving"] = "frame"
     output_dt_s: float = 0.001
     source: Path | None = None
-    given: Mapping[str, Any] = field(default_factory=dict)
+    given: Mapping[str, JsonValue] = field(default_factory=dict)
     notes: Sequence[str] = ()
     uncertainty: Sequence[Uncertain] = ()
 
@@ -276,10 +277,8 @@ class Scene(Shown):
     @property
     def pivot_inertia_kg_m2(self) -> Mapping[int, float]:
         """J_s = J_G + m R_s² by side (+1 right, −1 left)."""
-        s = self.statue
-        return {
-            side: s.inertia_kg_m2 + s.mass_kg * (s.corner_m(side) ** 2 + s.centroid_height_m**2) for side in (1, -1)
-        }
+        s, h2 = self.statue, self.statue.centroid_height_m**2
+        return {side: s.inertia_kg_m2 + s.mass_kg * (s.corner_m(side) ** 2 + h2) for side in (1, -1)}
 
     @cached_property
     def wall_rotation_rad(self) -> float | None:

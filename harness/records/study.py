@@ -11,7 +11,7 @@ from pydantic import JsonValue
 
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
-from harness.model.run import OMITTED, impacts
+from harness.model.run import OMITTED
 from harness.model.shown import Shown, new_axes
 from harness.records.base import Plain, Record, Table, plain
 from harness.records.scene import SceneRecord
@@ -61,6 +61,11 @@ class CaseRun:
         warnings = [sys.intern(text) for text in run["warnings"]]
         own = {"outcome": Outcome(run["outcome"]), "warnings": warnings, "validity": validity, "impacts": impacts(run)}
         return cls(**same | own)
+
+
+def impacts(run: Mapping[str, Any]) -> int:
+    """Number of impacts of a run that a store holds; a run for the outcome alone counts them and lists none."""
+    return len(run["impact_times_s"]) or int(run["work"].get("impacts", 0))
 
 
 STORED: Final = tuple(item.name for item in fields(CaseRun) if item.name != "impacts")

@@ -15,7 +15,7 @@ from harness.comparison.distance import errors
 from harness.comparison.verdict import mm_text, rad_text
 from harness.engines.base import EngineFailure
 from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, number
 from harness.model.scene import Scene
 from harness.records.scores import ROBUST, Evidence, Scores
 
@@ -109,8 +109,8 @@ def _reason(plane: Run, space: Run, again: Mapping[str, Run], evidence: Evidence
 
 def _again(scene: Scene, run: Run, until_s: float) -> Run | None:
     """A scene computed by a run's engine with that run's step; None where it cannot."""
-    engine, dt_s = engines.load(run.engine), run.settings.get("dt_s")
-    settings = engine.settings_for_dt(scene, float(dt_s)) if dt_s else engine.refinement_levels(scene)[-1]
+    engine, dt_s = engines.load(run.engine), number(run.settings, "dt_s", 0.0)
+    settings = engine.settings_for_dt(scene, dt_s) if dt_s else engine.refinement_levels(scene)[-1]
     try:
         return engine.simulate(scene, settings, RunOptions(stop=lambda t_s, _: t_s > until_s))
     except EngineFailure:

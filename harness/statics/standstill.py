@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from harness.input.motions.spec import LARGEST_G, LARGEST_SCALE
 from harness.model.history import Outcome
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.model.written import written
 from harness.statics.push import CAUSES, least_x_factor, push_of
 
 STILL_RAD: Final = 1e-4
@@ -77,7 +78,9 @@ def motion_sized(scene: Scene, factor: float) -> str:
 
 def _size(scene: Scene) -> tuple[str | None, float]:
     """The key that says how large the motion along x is, and its value; None where no single key does."""
-    motion: Mapping[str, Any] = scene.given.get("motion", {}).get("x", {})
+    motion = written(scene, "motion", "x")
+    if not isinstance(motion, Mapping):
+        return None, 0.0
     key = SIZE_KEYS.get(str(motion.get("kind")))
     if key is None or (key == "scale" and ("pga_g" in motion or "pgv_m_s" in motion)):
         return None, 0.0

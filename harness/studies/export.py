@@ -10,9 +10,8 @@ from typing import Any, Final
 
 from harness.campaign.store import PlannedRow, Store
 from harness.model.errors import InputError, Mistake
-from harness.model.run import impacts
 from harness.records.result_folder import writing
-from harness.records.study import Value
+from harness.records.study import Value, impacts
 from harness.studies.column_rows import ColumnRows
 
 GROUP: Final = 16_384

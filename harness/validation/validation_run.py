@@ -5,10 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness import engines
 from harness.campaign.campaign import Campaign
@@ -24,9 +24,12 @@ from harness.records.base import RunCounts, as_file
 from harness.records.result_folder import listing
 from harness.records.study import CaseRun
 from harness.records.validation import (
+    BaselineRecord,
+    Curves,
     FitShare,
     MeasuredHistory,
     ModelRecord,
+    PairScores,
     TestRow,
     ValidationRecord,
 )
@@ -81,23 +84,25 @@ def run_validation(
                 for model in chosen
             ]
             unexplained = _unexplained(trials, answered) if samples else []
-        asked = {
-            "title": f"Validation against {len(trials)} measured tests",
-            "tests": len(trials),
-            "bodies": len({trial.body for trial in trials}),
-            "fit_share": FitShare(fit_share, sum(trial.share == fit_share for trial in trials)),
-            "samples": samples,
-            "unknown": sorted(_unknown(trials)),
-            "unexplained": unexplained,
-            "experiments": experiments.name,
-            "runs": RunCounts(campaign.computed + len(campaign.reused), campaign.computed),
-            "seed": seed,
-            "versions": record.versions(),
-            "machine": record.machine(),
-            "files": listing(()),
-        }
-        result = _record(trials, answered, intensities, asked)
-    result = replace(result, seconds=time.perf_counter() - start)
+        scored, unknown = _scored(trials, answered, intensities, fit_share), sorted(_unknown(trials))
+    result = ValidationRecord(
+        **vars(scored),
+        title=f"Validation against {len(trials)} measured tests",
+        tests=len(trials),
+        bodies=len({trial.body for trial in trials}),
+        fit_share=FitShare(fit_share, sum(trial.share == fit_share for trial in trials)),
+        samples=samples,
+        unknown=unknown,
+        unfitted=[] if any(trial.share == fit_share for trial in trials) else unknown,
+        unexplained=unexplained,
+        experiments=experiments.name,
+        runs=RunCounts(campaign.computed + len(campaign.reused), campaign.computed),
+        seed=seed,
+        versions=record.versions(),
+        machine=record.machine(),
+        files=listing(()),
+        seconds=time.perf_counter() - start,
+    )
     record.write_json(folder / "result.json", as_file(result))
     return result
 
@@ -189,14 +194,21 @@ def _intensities(trials: Sequence[Trial]) -> dict[str, Intensity]:
     return by_test
 
 
-def _record(
-    trials: Sequence[Trial],
-    answered: Sequence[Computed],
-    intensities: Mapping[str, Intensity],
-    asked: Mapping[str, Any],
-) -> ValidationRecord:
-    """Everything that a page shows of a validation; `asked` are the fields that are known without a run."""
-    fit_share = asked["fit_share"].name
+@dataclass(frozen=True)
+class Scored:
+    """Tests and answers against each other, as the record has them."""
+
+    models: Mapping[str, ModelRecord]
+    pairs: Sequence[PairScores]
+    observed: Curves
+    baseline: BaselineRecord
+    rows: Sequence[TestRow]
+
+
+def _scored(
+    trials: Sequence[Trial], answered: Sequence[Computed], intensities: Mapping[str, Intensity], fit_share: str | None
+) -> Scored:
+    """The scores of all models, of each pair, and of the threshold."""
     taught = [trial for trial in trials if trial.share == fit_share]
     scored = [trial for trial in trials if trial.share != fit_share]
     # Where all tests belong to the share they are scored on what they were fitted on, each threshold on all others.
@@ -212,15 +224,12 @@ def _record(
         )
         for item in answered
     }
-    return ValidationRecord(
-        unfitted=[] if taught else asked["unknown"],
-        seconds=0.0,
+    return Scored(
         models=models,
         pairs=score_pairs(trials, answered),
         observed=curves(trials, intensities, lambda trial: trial.fell),
         baseline=score_baseline(apart, scored, intensities),
         rows=_rows(trials, answered, intensities),
-        **asked,
     )
 
 

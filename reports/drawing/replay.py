@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +63,7 @@ def replay_payload(source: RunSource) -> str:
     return packed_json(payload)
 
 
-def _frames(history: History, step_s: float) -> dict[str, Any]:
+def _frames(history: History, step_s: float) -> dict[str, object]:
     end = float(history.t_s[-1])
     t_s = np.append(np.arange(0.0, end, step_s), end)
     columns = {"theta_rad": history.theta_rad, "slip_m": history.slip_m}
@@ -73,7 +73,7 @@ def _frames(history: History, step_s: float) -> dict[str, Any]:
     return {"end_s": end, "frames": {name: packed_array(values) for name, values in used.items()}}
 
 
-def _floor(motion: MotionRecord, gravity_m_s2: float, step_s: float, end_s: float) -> dict[str, Any]:
+def _floor(motion: MotionRecord, gravity_m_s2: float, step_s: float, end_s: float) -> dict[str, object]:
     """The floor's acceleration in g, for the arrow; absent directions are at rest."""
     t_s = np.arange(0.0, end_s + step_s, step_s)
     return {

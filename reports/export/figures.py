@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import Final, cast
 
 from harness.model.errors import InputError, Mistake
 from harness.records.base import Record
@@ -14,6 +14,7 @@ from harness.records.kinds import read_result
 from harness.records.result_folder import check_marked
 from harness.records.run import RunRecord
 from harness.records.study import Panel, StudyRecord
+from reports.charts import Json
 from reports.charts.histories import histories_figure
 from reports.charts.static_svg import picture_of
 from reports.charts.study_figures import panel_groups, panels_picture, rose_picture
@@ -71,7 +72,7 @@ def _pictures(folder: Path, record: Record, width_px: float, model: str | None) 
         yield "effects", as_wide(changes(record), width_px)
         return
     values = page_values(folder, record)
-    for name, words, figure in values.get("charts") or ():
+    for name, words, figure in cast(Sequence[tuple[str, str, Json]], values.get("charts") or ()):
         yield name, titled(picture_of(figure, width_px, POINTS), words)
     for name, value in values.items():
         if isinstance(value, dict) and {"data", "layout"} <= value.keys():

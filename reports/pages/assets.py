@@ -21,6 +21,7 @@ from harness.model.run import to_plain
 from harness.model.terminal import printable_lines
 from harness.records.assess import percent
 from meshes import array_cache
+from reports.charts import Json
 from reports.charts.static_svg import still
 from reports.text.language import ENGLISH
 from reports.text.numbers import angle, digits, given, heading, label, length, plain, short, unit
@@ -113,7 +114,7 @@ def packed_json(value: Any) -> Markup:
     return pack_text(json.dumps(to_plain(value), ensure_ascii=False, allow_nan=False, separators=(",", ":")))
 
 
-def packed_chart(figure: Mapping[str, Any]) -> Markup:
+def packed_chart(figure: Json) -> Markup:
     """A chart's figure as packed JSON. Raises `LookupError` for a kind of chart that the pages' library does not hold."""
     unknown = {trace["type"] for trace in figure["data"]} - CHART_KINDS
     if unknown:
@@ -121,7 +122,7 @@ def packed_chart(figure: Mapping[str, Any]) -> Markup:
     return packed_json({**figure, "data": _shared(figure["data"])})
 
 
-def _shared(traces: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def _shared(traces: Iterable[Json]) -> list[Json]:
     """The traces, each packed array written once: where it comes again, `same` gives the trace and the axis that hold it."""
     first: dict[tuple[float, ...], tuple[int, str]] = {}
     shared = []

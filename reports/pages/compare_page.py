@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -49,7 +49,7 @@ def context(folder: Path, record: CompareRecord) -> dict[str, object]:
     }
 
 
-def compare_figure(names: tuple[str, str], a: History, b: History) -> dict[str, Any]:
+def compare_figure(names: tuple[str, str], a: History, b: History) -> dict[str, object]:
     """Rotations, their difference on one grid, and slips where there are any, over one axis of time."""
     both = pair(a, b)
     data = [
@@ -74,7 +74,7 @@ def compare_figure(names: tuple[str, str], a: History, b: History) -> dict[str, 
     return figure(data, 620, x, layout.pop("yaxis"), hovermode="x unified", **layout)
 
 
-def _curve(name: str, t_s: Array, values: Array, axis_name: str, names: tuple[str, ...]) -> dict[str, Any]:
+def _curve(name: str, t_s: Array, values: Array, axis_name: str, names: tuple[str, ...]) -> dict[str, object]:
     shown, style = kept_samples(values), look(name, names)
     place = {"name": name, "yaxis": axis_name, "legendgroup": name}
     return curve(packed_array(t_s[shown]), packed_array(values[shown]), stroke(style), **place)

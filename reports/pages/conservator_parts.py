@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from markupsafe import Markup
@@ -37,7 +37,7 @@ class Picture:
     words: Sequence[str]
 
 
-def page(title: str, versions: Mapping[str, str], said: Mapping[str, Any], say: Language) -> dict[str, object]:
+def page(title: str, versions: Mapping[str, str], said: Mapping[str, object], say: Language) -> dict[str, object]:
     """Everything that the template shows: what a record says, and what every page says."""
     limits = [say(f"limit.{key}") for key in LIMITS]
     return {**said, "title": title, "limits": limits, "versions": versions, "say": say}

@@ -6,11 +6,12 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.model.history import Outcome
 from harness.records.effects3d import EffectsRecord
 from harness.records.study import StudyRecord
+from reports.charts import Json
 from reports.charts.static_svg import still
 from reports.pages.conservator import reach_picture
 from reports.pages.conservator_parts import ENDS, Picture, order_picture, page, push_picture
@@ -207,7 +208,7 @@ def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condit
     ]
 
 
-def _plainly(figure: Mapping[str, Any], say: Language) -> dict[str, Any]:
+def _plainly(figure: Json, say: Language) -> Json:
     """The figure with everything that stands in it in plain words."""
 
     def plain(text: str) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from markupsafe import Markup
 
@@ -72,9 +72,9 @@ def _report(folder: Path, record: Record) -> str:
     return _render(f"{record.kind}.html.j2", values | machinery)
 
 
-def page_values(folder: Path, record: Record) -> dict[str, Any]:
+def page_values(folder: Path, record: Record) -> dict[str, object]:
     """What the page of a kind of record shows beside the record's own fields."""
-    values: dict[str, Any] = import_module(f"reports.pages.{record.kind}_page").context(folder, record)
+    values: dict[str, object] = import_module(f"reports.pages.{record.kind}_page").context(folder, record)
     return values
 
 

@@ -82,7 +82,7 @@ def context(folder: Path, record: StudyRecord) -> dict[str, object]:
 
 def study_charts(
     record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str]
-) -> list[tuple[str, str, dict[str, Any]]]:
+) -> list[tuple[str, str, dict[str, object]]]:
     """The charts that the rows hold, each with its name on the page and its words: maps, curves, fragility."""
     axes = [key for key in record.vary if key in keys]
     if record.panels:  # the paper's arrangement shows the same as histories
@@ -168,7 +168,7 @@ def _claims_headline(headline: Mapping[str, str]) -> str:
     return f"The paper's claims: {'; '.join(parts)}"
 
 
-def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str]) -> list[dict[str, Any]]:
+def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str]) -> list[dict[str, object]]:
     """The outcome matrix: what was varied, and every model's answer; `differs` where models of one variant do not agree (falls to
     different sides do)."""
     rows = []

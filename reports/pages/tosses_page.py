@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.records.tosses import PoseErrors, Quartiles, TossesRecord, TossModel
 from reports.charts.figure import curve
@@ -68,7 +68,7 @@ def _spread(item: Quartiles, name: str) -> str:
     return f"{unit(item.median, name)} ({digits(item.low)} to {digits(item.high)})"
 
 
-def chart(models: Mapping[str, TossModel], kind: str) -> dict[str, Any]:
+def chart(models: Mapping[str, TossModel], kind: str) -> dict[str, object]:
     """A model's median error over time with its quartiles, of rotation or place, as Plotly's figure."""
     of, name = KINDS[kind]
     traces = []

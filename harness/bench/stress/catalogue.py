@@ -28,7 +28,7 @@ class Hard:
     """
 
     name: str
-    content: Mapping[str, Any]
+    content: Mapping[str, object]
     wanted: str
     engines: Sequence[str] = ALL
     checks: Sequence[Check] = BASIC
@@ -49,7 +49,7 @@ def body(width_m: float, height_m: float) -> dict[str, float]:
     }  # fmt: skip
 
 
-def leaning(statue: Mapping[str, float], share: float, duration_s: float, **more: Any) -> dict[str, Any]:
+def leaning(statue: Mapping[str, float], share: float, duration_s: float, **more: Any) -> dict[str, object]:
     """Released from a share of its slenderness."""
     alpha = math.atan(statue["corner_right_m"] / statue["centroid_height_m"])
     return {"duration_s": duration_s, "statue": statue, "initial": {"theta_rad": share * alpha}, **more}

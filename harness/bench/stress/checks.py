@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from harness.comparison.distance import error_rad as difference_rad
 from harness.model.history import Array
-from harness.model.run import Run
+from harness.model.run import Run, number
 from harness.model.scene import Scene
 
 AGREES_RAD: Final = 1e-3
@@ -88,8 +88,8 @@ def finite(scene: Scene, run: Run) -> Finding:
 
 def energy(scene: Scene, run: Run) -> Finding:
     """Contacts add no energy."""
-    gained = float(run.validity.get("energy_gained_j") or 0.0)
-    share = ENERGY_SHARE + TABLE_STEPS * float(run.settings.get("dt_s") or 0.0) * _frequency_hz(scene)
+    gained = number(run.validity, "energy_gained_j", 0.0)
+    share = ENERGY_SHARE + TABLE_STEPS * number(run.settings, "dt_s", 0.0) * _frequency_hz(scene)
     beyond = beyond_plane_j(scene, run)
     allowed = max(share * exchanged_j(scene, run), LEAST_ENERGY_J) + beyond
     sentence = f"contacts add {gained:.1e} J of {allowed:.1e} J allowed"
@@ -102,7 +102,7 @@ def depth(scene: Scene, run: Run) -> Finding:
     """No tunnelling: bodies stay within a share of the base's width of each other's surfaces."""
     if "penetration_m" not in run.validity:
         return Finding("penetration", True, "no contact of this model can be penetrated")
-    deep = float(run.validity["penetration_m"])
+    deep = number(run.validity, "penetration_m")
     width = scene.statue.corner_left_m + scene.statue.corner_right_m
     return Finding(
         "penetration", deep <= DEPTH_SHARE * width, f"penetration {deep:.1e} m of {DEPTH_SHARE * width:.1e} m"
@@ -132,8 +132,7 @@ def _drift(values: Array, early: NDArray[np.bool_], late: NDArray[np.bool_]) -> 
 
 def holds_until_s(exact: Run) -> float:
     """Until when the analytic solution is sure and the two-block model inside its domain, s."""
-    left = exact.validity.get("left_domain_s")
-    return min(exact.bounded_until_s, exact.end_s if left is None else float(left))
+    return min(exact.bounded_until_s, number(exact.validity, "left_domain_s", exact.end_s))
 
 
 def error_rad(run: Run, exact: Run, until_s: float = math.inf) -> float:

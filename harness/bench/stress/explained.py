@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 from harness.engines.base import Settings
 from harness.records.stress import Cell
@@ -54,7 +54,7 @@ def converged(settings: Settings) -> Settings:
     known = settings.as_dict()
     if "iterations" not in known:
         raise ValueError(f"{type(settings).__name__} has no iterations")
-    changes: dict[str, Any] = {name: value for name, value in MANY.items() if name in known}
+    changes = {name: value for name, value in MANY.items() if name in known}
     return replace(settings, **changes)
 
 

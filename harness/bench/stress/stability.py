@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
-from typing import Any, Final
+from typing import Final
 
 from harness import engines
 from harness.bench import source_tree
@@ -34,7 +34,7 @@ class Difficulty:
     """One row of a map; `share` of the scene's time is run with the finest step: what grows with small steps shows at once."""
 
     name: str
-    content: Mapping[str, Any]
+    content: Mapping[str, object]
     share: float = 0.3
     at_rest: bool = False
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +14,7 @@ from harness.engines.contact.coulomb import check_friction, friction_is_known, f
 from harness.engines.contact.falling import Fall, fall
 from harness.engines.contact.rocking import patterns, rocking
 from harness.engines.contact.trajectory import Trajectory
-from harness.engines.event_stepping.domain import plain_spells
+from harness.engines.event_stepping.domain import PlainSpells, plain_spells
 from harness.model.history import History, Outcome, hermites, output_grid
 from harness.model.interventions import Intervention
 from harness.model.run import Run
@@ -34,14 +33,14 @@ class Report:
     """
 
     engine: str
-    settings: Mapping[str, Any]
+    settings: Mapping[str, object]
     steps: int
     wall_s: float
     resolution_rad: float
     stuck_below_m_s: float
     rested: bool = False
     with_history: bool = True
-    validity: Mapping[str, Any] = field(default_factory=dict)
+    validity: Mapping[str, object] = field(default_factory=dict)
     work: Mapping[str, int] = field(default_factory=dict)
     skipped: Sequence[str] = ()
     warnings: Sequence[str] = ()
@@ -78,7 +77,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
     if not outcome.overturned and overturn_s is None:
         fallen = None
     validity = _validity(scene, motion, derived) | _energies(scene, motion, derived.energy_j, cycles.impact_times_s)
-    validity |= derived.plain
+    validity |= dict(derived.plain)
     validity |= {"impact_ratios": _ratios(cycles.rates_before_rad_s, cycles.rates_after_rad_s)}
     if wall is not None:
         validity["wall_touch_time_s"] = float(motion.t_s[wall])
@@ -119,7 +118,7 @@ class _Derived:
     gap_m: Array
     penetration_m: float
     energy_j: Array
-    plain: Mapping[str, Any]
+    plain: PlainSpells
 
 
 def _derive(scene: Scene, motion: Trajectory) -> _Derived:
@@ -191,9 +190,9 @@ def _left_support(scene: Scene, motion: Trajectory, statue_slip_m: float) -> boo
     return abs(middle) > 0.5 * scene.pedestal.width_m
 
 
-def _validity(scene: Scene, motion: Trajectory, derived: _Derived) -> dict[str, Any]:
+def _validity(scene: Scene, motion: Trajectory, derived: _Derived) -> dict[str, object]:
     gap = derived.gap_m
-    validity: dict[str, Any] = {
+    validity: dict[str, object] = {
         **forces.force_limits(scene, motion, derived.impulses),
         "statue_slip_m": float(np.abs(derived.slip_m).max()),
         "statue_flight_m": float(max(gap.max(), 0.0)),

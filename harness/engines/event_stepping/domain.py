@@ -5,7 +5,7 @@ Elsewhere the engine makes plain steps, as those of any loop: events inside them
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Final, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +24,17 @@ SLIDES_M_S: Final = 1e-3
 """Slower than this the statue's slip goes on as a solver's remainder does: less than 1e-5 m/s at rest."""
 
 
+class PlainSpells(TypedDict):
+    """When events were not located: from when on, for how long altogether, and why."""
+
+    plain_from_s: float | None
+    plain_for_s: float
+    plain_because: list[str]
+
+
 def plain_spells(
     motion: Trajectory, slip_m: Array, gap_m: Array, at: Corners, pedestal: Pedestal | None
-) -> dict[str, Any]:
+) -> PlainSpells:
     """`plain_from_s`, the first instant at which the steps were plain (None: never), `plain_for_s`, for how long altogether, and
     `plain_because`, the reasons in the order in which they came.
 

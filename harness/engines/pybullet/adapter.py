@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar, Final, final
+from typing import TYPE_CHECKING, ClassVar, Final, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -151,7 +151,7 @@ def _levels(scene: Scene) -> tuple[BulletSettings, ...]:
     return (*halving, BulletSettings(STEPS_S[-1], last, residual=0.0, iterations=most_iterations, axes=axes))
 
 
-def _validity(extra: Mapping[str, Array], setup: Setup, phases: RunPhases) -> dict[str, Any]:
+def _validity(extra: Mapping[str, Array], setup: Setup, phases: RunPhases) -> dict[str, object]:
     """What three dimensions add to the limits of the planar model."""
     return {
         "out_of_plane_rad": float(np.max(np.abs(extra["out_of_plane_rad"]))),

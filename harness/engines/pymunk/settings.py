@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from harness.engines.base import Settings
 
@@ -25,7 +24,7 @@ class MunkSettings(Settings):
     impact_iterations: int = 400
     pedestal_first: bool = True
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, object]:
         """The settings as plain values: all of them are."""
         # No field is a record of its own: there is nothing for the recursion of `asdict` to find.
         return dict(vars(self))

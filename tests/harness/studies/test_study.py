@@ -13,9 +13,10 @@ from harness.campaign.runner import Done, InlinePool, LocalPool, Work
 from harness.campaign.serialization import Packed
 from harness.campaign.store import Store
 from harness.model.errors import InputError
-from harness.model.run import impacts, to_plain
+from harness.model.run import to_plain
 from harness.model.scene import Scene
 from harness.records.run import EngineRunRecord
+from harness.records.study import impacts
 from harness.studies import case_selection as selection
 from harness.studies import estimate
 from harness.studies.case_selection import recheck
