@@ -10,6 +10,7 @@ import numpy as np
 from harness.assess.inputs import Array
 from harness.model.in_space import SOLID_COLUMNS, rotations
 from harness.model.scene import Scene, Statue
+from harness.model.tilted import support_m
 from meshes.footprint import convex_hull
 
 PLANAR_DEG: Final = (0.0, 180.0)
@@ -28,11 +29,12 @@ def reach_m(scene: Scene, theta_rad: Array, slip_m: Array, extra: Mapping[str, A
     A history with a pose in space has 16 directions, one of a plane two.
     """
     chosen = slice(None, None, max(theta_rad.size // LOOKS, 1))
+    moved_m = support_m(scene.pedestal, slip_m, extra)[chosen]
     if all(name in extra for name in SOLID_COLUMNS):
         columns = {name: extra[name][chosen] for name in SOLID_COLUMNS}
         across = extra.get("pedestal_y_m", np.zeros_like(slip_m))[chosen]
-        return _in_space(scene.statue, columns, np.column_stack([slip_m[chosen], across]))
-    return _in_plane(scene.statue, theta_rad[chosen], slip_m[chosen])
+        return _in_space(scene.statue, columns, np.column_stack([moved_m, across]))
+    return _in_plane(scene.statue, theta_rad[chosen], moved_m)
 
 
 def rest_outline_m(statue: Statue) -> Array:

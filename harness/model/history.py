@@ -100,7 +100,7 @@ class History(Shown):
     """One run on one time grid, in the table's frame; all arrays float64, shape (n,), read-only.
 
     `theta_rad` is the rocking rotation (clockwise positive: θ > 0 leans to the right), `slip_m` the displacement of the
-    pedestal's centroid relative to the floor: more than its base's where it tips. `extra` holds further named columns (3D:
+    pedestal relative to the floor, of one that tips of the edge on which it stands. `extra` holds further named columns (3D:
     `roll_rad`, `yaw_rad`, ...). `resolution_rad` and `resolution_m` are how far the digits of the file it was read from leave
     rotation and slip open.
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from harness.model.history import History
 from harness.model.in_space import SOLID_COLUMNS
+from harness.model.tilted import support_m
 from harness.records.assess import ClearanceRecord
 from meshes.footprint import convex_hull, lower_chain
 from reports.charts.samples import kept_samples
@@ -86,8 +87,9 @@ def _body(source: RunSource) -> Array:
 
 def _in_plane(source: RunSource, body: Array, history: History) -> Array:
     """Each corner moves along one line: the ends of its way are all that the outline needs."""
-    chosen = _chosen([history.theta_rad, history.slip_m])
-    x = section(source.scene).posed_m(body[:, [0, 2]], history.theta_rad[chosen], history.slip_m[chosen])[:, :, 0]
+    moved_m = support_m(source.scene.pedestal, history.slip_m, history.extra)
+    chosen = _chosen([history.theta_rad, moved_m])
+    x = section(source.scene).posed_m(body[:, [0, 2]], history.theta_rad[chosen], moved_m[chosen])[:, :, 0]
     return np.column_stack([np.concatenate([x.min(axis=0), x.max(axis=0)]), np.tile(body[:, 1], 2)])
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History
 from harness.model.in_space import SOLID_COLUMNS
+from harness.model.tilted import centroid_shift_m
 from harness.records.result_folder import MARK, check_marked, writing
 from reports.charts.histories import histories_figure
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
@@ -200,7 +201,7 @@ def _in_plane_m(stage: Stage, points_m: Array, history: History, t_s: float) -> 
     if (pedestal := stage.source.scene.pedestal) is not None:
         # Along the top from its middle, which turns about the centroid.
         (x, up), half = _centre(stage, pedestal, slip, tilt), 0.5 * pedestal.height_m
-        along, c, s = standing + own + slip - x, math.cos(tilt), math.sin(tilt)
+        along, c, s = standing + own - _centre(stage, pedestal, 0.0, 0.0)[0], math.cos(tilt), math.sin(tilt)
         corner = x + along * c + half * s, up + half * c - along * s
     # Wherever the corner comes to lie as if the support were the table, it is there.
     there = stage.shape.posed_m([[standing, 0.0]], theta, 0.0)[0, 0]
@@ -209,7 +210,8 @@ def _in_plane_m(stage: Stage, points_m: Array, history: History, t_s: float) -> 
 
 def _centre(stage: Stage, pedestal: Any, slip_m: float, tilt_rad: float) -> tuple[float, float]:
     """The pedestal's centroid, slid and on its lower edge."""
-    x = 0.5 * (stage.shape.corner_right_m - stage.shape.corner_left_m) + pedestal.offset_m + slip_m
+    middle = 0.5 * (stage.shape.corner_right_m - stage.shape.corner_left_m) + pedestal.offset_m
+    x = middle + slip_m + float(centroid_shift_m(pedestal, np.asarray(tilt_rad)))
     return x, 0.5 * (pedestal.height_m * math.cos(tilt_rad) + pedestal.width_m * abs(math.sin(tilt_rad)))
 
 

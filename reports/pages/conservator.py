@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.history import Outcome
+from harness.model.tilted import support_m
 from harness.records.assess import MOSTLY, Assessment, percent
 from harness.records.run import EngineRunRecord, RunRecord
 from reports.drawing.conservator_pictures import plan_svg, reach_svg
@@ -182,16 +183,17 @@ def _trust(source: RunSource, say: Language) -> list[str]:
 
 
 def _extremes(source: RunSource) -> list[tuple[float, float]]:
-    """Rotation and slip at the farthest shifts of the top to the left and to the right, over the models in which it stands."""
+    """Rotation and the support's displacement at the top's farthest shifts to each side, over the models in which it stands."""
     shape, extremes = section(source.scene), []
     for side in (-1.0, 1.0):
         best: tuple[float, float, float] | None = None
         for name in _standing(source):
             history = source.histories[name]
-            moved = side * shape.top_displacement_m(history.theta_rad, history.slip_m)
+            moved_m = support_m(source.scene.pedestal, history.slip_m, history.extra)
+            moved = side * shape.top_displacement_m(history.theta_rad, moved_m)
             k = int(np.argmax(moved))
             if best is None or moved[k] > best[0]:
-                best = (float(moved[k]), float(history.theta_rad[k]), float(history.slip_m[k]))
+                best = (float(moved[k]), float(history.theta_rad[k]), float(moved_m[k]))
         if best is not None and best[0] > VISIBLE_M:
             extremes.append(best[1:])
     return extremes

@@ -121,6 +121,8 @@ rockcheck.whenReady.push(async () => {
     const up = data.pedestal ? 0.5 * (lift * Math.cos(lean) + data.pedestal.width_m * Math.abs(Math.sin(lean))) : 0; /* its centroid */
     const pivot = theta >= lean ? data.corner_right_m : -data.corner_left_m;
     const slip = at(figure, "slip_m", time);
+    /* the edge on which the pedestal stands slips; its centroid turns about that */
+    const shift = data.pedestal ? 0.5 * (lift * Math.sin(lean) + Math.sign(lean) * data.pedestal.width_m * (1 - Math.cos(lean))) : 0;
     const aside = choice.beside && figure.model.name === choice.ghost ? Math.max(1.15 * data.height_m, 1.6 * (data.pedestal ? data.pedestal.depth_m : data.depth_m)) : 0;
     figure.whole.position.y = aside;
     if (figure.frames.corner_right_x_m) {
@@ -131,12 +133,12 @@ rockcheck.whenReady.push(async () => {
       /* along the pedestal's top from its middle, which turns about the centroid */
       const middle = data.pedestal ? centre + data.pedestal.offset_m : 0, along = pivot + at(figure, "statue_slip_m", time) - middle;
       const cos = Math.cos(lean), sin = Math.sin(lean);
-      figure.tilt.position.set(middle + slip + along * cos + 0.5 * lift * sin, 0, up + 0.5 * lift * cos - along * sin);
+      figure.tilt.position.set(middle + slip + shift + along * cos + 0.5 * lift * sin, 0, up + 0.5 * lift * cos - along * sin);
       figure.tilt.rotation.y = theta;
       figure.body.position.x = -pivot;
     }
     if (figure.stone) {
-      figure.stone.position.set(centre + data.pedestal.offset_m + slip, at(figure, "pedestal_y_m", time), up);
+      figure.stone.position.set(centre + data.pedestal.offset_m + slip + shift, at(figure, "pedestal_y_m", time), up);
       figure.stone.rotation.set(0, lean, at(figure, "pedestal_yaw_rad", time));
     }
     return theta;

@@ -9,7 +9,8 @@ from typing import Final
 
 import numpy as np
 
-from harness.model.history import Outcome
+from harness.model.history import Array, History, Outcome
+from harness.model.tilted import support_m
 from harness.records.assess import draws_of, planar_alone
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scores import ROBUST
@@ -167,8 +168,12 @@ def _reach(source: RunSource) -> list[str]:
     shape = section(source.scene)
     wall = source.scene.wall
     sentences = []
+
+    def moved(item: History) -> Array:
+        return support_m(source.scene.pedestal, item.slip_m, item.extra)
+
     tops = {
-        name: float(np.abs(shape.top_displacement_m(item.theta_rad, item.slip_m)).max())
+        name: float(np.abs(shape.top_displacement_m(item.theta_rad, moved(item))).max())
         for name, item in source.histories.items()
         if source.runs[name].outcome == Outcome.STANDS
     }
@@ -184,7 +189,7 @@ def _reach(source: RunSource) -> list[str]:
         elif source.histories:
             side = 1 if wall.side == "right" else -1
             left = min(
-                wall.distance_m - float(shape.overhang_m(item.theta_rad, item.slip_m, side).max())
+                wall.distance_m - float(shape.overhang_m(item.theta_rad, moved(item), side).max())
                 for item in source.histories.values()
             )
             sentences.append(

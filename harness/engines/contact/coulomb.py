@@ -82,12 +82,10 @@ def friction_used(
     weight = mass_kg * scene.gravity_m_s2
     hard = np.convolve(normal > HARD * weight * np.diff(motion.t_s), np.ones(2 * BESIDE + 1))[BESIDE:-BESIDE] > 0.0
     counted = (motion.t_s[1:] < (np.inf if plain_from_s is None else plain_from_s)) & (normal > 0.0)
-    # A pedestal that begins to tip moves at its centroid, though its edge stands.
-    tipping = _tilting_m_s(scene, motion)
     one_way = motion.slip_rate_m_s[:-1] * motion.slip_rate_m_s[1:] > 0.0
-    sliding = counted & one_way & ~hard & (np.minimum(before, after) > SLIDES * still_m_s + tipping)
+    sliding = counted & one_way & ~hard & (np.minimum(before, after) > SLIDES * still_m_s)
     held = counted & ~hard & (np.maximum(before, after) <= still_m_s)
-    loose = counted & (before <= still_m_s) & (after > still_m_s + tipping)
+    loose = counted & (before <= still_m_s) & (after > still_m_s)
     # Less than μ_k N: what moved the pedestal by more than counts as rest was a solver's remainder, or a part of the step.
     released = loose & (friction > (kinetic - 0.5 * (static - kinetic)) * normal)
     least = static - AT_LIMIT * (static - kinetic)
@@ -124,14 +122,6 @@ def _unread_n_s(scene: Scene, motion: Trajectory) -> Array:
     gained = np.abs(np.diff(motion.theta_rate_rad_s))
     unread: Array = statue.mass_kg * arm_m * step_s * spin * (gained + 0.5 * spin * spin * step_s)
     return unread
-
-
-def _tilting_m_s(scene: Scene, motion: Trajectory) -> Array:
-    """Velocity of a pedestal's top as it turns about its edge, m/s, in each step: more than its centroid's."""
-    tilt = motion.extra.get("pedestal_tilt_rad", np.zeros(motion.t_s.size))
-    height_m = 0.0 if scene.pedestal is None else scene.pedestal.height_m
-    speed: Array = height_m * np.abs(np.diff(tilt)) / np.diff(motion.t_s)
-    return speed
 
 
 def _over(friction: Array, coefficient: float, normal: Array, which: NDArray[np.bool_]) -> float:

@@ -109,11 +109,14 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
 
 @dataclass(frozen=True, eq=False)
 class _Derived:
-    """What validity and history both read off a trajectory, shape (n,): impulses, slip and gap of the corners, energy."""
+    """What validity and history both read off a trajectory, shape (n,): impulses, slip and gap of the corners, energy; and how
+    deep the statue was in its support at most.
+    """
 
     impulses: forces.Impulses
     slip_m: Array
     gap_m: Array
+    penetration_m: float
     energy_j: Array
     plain: PlainSpells
 
@@ -121,8 +124,12 @@ class _Derived:
 def _derive(scene: Scene, motion: Trajectory) -> _Derived:
     at = support.corners(scene, motion)
     slip, gap = support.statue_slip_m(scene, at), support.gap_m(scene, at)
+    # A point beside the pedestal's top is not in it.
+    over = gap if scene.pedestal is None else support.gap_m(scene, at, 0.5 * scene.pedestal.width_m)
     plain = plain_spells(motion, slip, gap, at, scene.pedestal)
-    return _Derived(forces.impulses(scene, motion), slip, gap, forces.energy_j(scene, motion), plain)
+    return _Derived(
+        forces.impulses(scene, motion), slip, gap, float(max(-over.min(), 0.0)), forces.energy_j(scene, motion), plain
+    )
 
 
 def _diverged(report: Report, time_s: float) -> Run:
@@ -189,7 +196,7 @@ def _validity(scene: Scene, motion: Trajectory, derived: _Derived) -> dict[str, 
         **forces.force_limits(scene, motion, derived.impulses),
         "statue_slip_m": float(np.abs(derived.slip_m).max()),
         "statue_flight_m": float(max(gap.max(), 0.0)),
-        "penetration_m": float(max(-gap.min(), 0.0)),
+        "penetration_m": derived.penetration_m,
     }
     if "pedestal_tilt_rad" in motion.extra:
         validity["pedestal_tilt_rad"] = float(np.abs(motion.extra["pedestal_tilt_rad"]).max())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -29,6 +30,7 @@ class Corners:
     left_x: Array
     left_z: Array
     lean_rad: Array
+    centroid_x: Array
     centroid_z: Array
 
 
@@ -52,6 +54,7 @@ def corners(scene: Scene, trajectory: Trajectory) -> Corners:
         place_x + (left * cos + z_sin),
         place_z + (z_cos - left * sin),
         lean_rad,
+        place_x,
         place_z,
     )
 
@@ -65,19 +68,24 @@ def statue_slip_m(scene: Scene, at: Corners) -> Array:
     return start
 
 
-def gap_m(scene: Scene, at: Corners) -> Array:
-    """Height of the lowest point above the support, shape (n,); negative: penetration. The support is taken as endless.
+def gap_m(scene: Scene, at: Corners, within_m: float = math.inf) -> Array:
+    """Height of the lowest point above the support, shape (n,), of those within so much of its middle; negative: penetration.
 
     Near upright on a flat base the lowest point is a corner; leaning further, or on an uneven base, any point of the silhouette.
     """
-    lowest: Array = np.minimum(at.right_z, at.left_z)
+
+    def over(along_m: Array, height_m: Array) -> Array:
+        return np.where(np.abs(along_m) <= within_m, height_m, np.inf)
+
+    lowest = np.minimum(over(at.right_x, at.right_z), over(at.left_x, at.left_z))
     far = np.abs(at.lean_rad) > CORNERS_ONLY_RAD if flat_base(scene) else np.ones(lowest.size, dtype=bool)
     if far.any():
         cos, sin = np.cos(at.lean_rad[far]), np.sin(at.lean_rad[far])
         least = np.full(cos.size, np.inf)
-        for x, z in scene.statue.section_m:
-            least = np.minimum(least, (z - scene.statue.centroid_height_m) * cos - x * sin)
-        lowest[far] = at.centroid_z[far] + least
+        for x, z in scene.statue.section_m - np.array([0.0, scene.statue.centroid_height_m]):
+            along, height = at.centroid_x[far] + x * cos + z * sin, at.centroid_z[far] + (z * cos - x * sin)
+            least = np.minimum(least, over(along, height))
+        lowest[far] = least
     return lowest
 
 

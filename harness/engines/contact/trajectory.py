@@ -15,10 +15,10 @@ Array = NDArray[np.float64]
 class Trajectory:
     """Samples at the engine's own steps, in the table's frame, all of length n, `t_s` strictly increasing from 0.
 
-    `statue_xz_m`, `statue_rate_m_s` (n, 2): the statue's centroid; `pedestal_xz_m`, `pedestal_rate_m_s` (n, 2): the pedestal's
-    centroid, `pedestal_spin_rad_s` its rotation's rate, None without one; `gravity_xz_m_s2` (n − 1, 2): apparent gravity of each
-    step. `slip_m` is zero without a pedestal. `extra`: further columns of the history by name with unit (n,), of a pedestal
-    `pedestal_tilt_rad`.
+    `statue_xz_m`, `statue_rate_m_s` (n, 2): the statue's centroid; `pedestal_xz_m`, `pedestal_rate_m_s` (n, 2): the
+    pedestal's centroid, `pedestal_spin_rad_s` its rotation's rate, None without one; `gravity_xz_m_s2` (n − 1, 2): apparent
+    gravity of each step. `slip_m` is of the edge on which a pedestal stands, zero without one. `extra`: further columns of
+    the history by name with unit (n,), of a pedestal `pedestal_tilt_rad`.
     """
 
     t_s: Array

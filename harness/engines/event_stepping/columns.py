@@ -13,6 +13,7 @@ from harness.engines.contact.spatial import matrices, planar, statue_columns
 from harness.engines.contact.trajectory import Trajectory
 from harness.engines.event_stepping.step_log import StepLog
 from harness.model.scene import Scene
+from harness.model.tilted import centroid_shift_m
 
 Array = NDArray[np.float64]
 
@@ -35,9 +36,12 @@ def trajectory(scene: Scene, record: StepLog, axes: Array | None, step_s: float)
     pedestal = pedestal_rate = pedestal_spin = None
     if scene.pedestal is not None:
         below, moving = rows[:, 13:16] - place, rows[:, 20:23] - table_rate
-        slip, slip_rate = below[:, 0] - below[0, 0], moving[:, 0]
         pedestal, pedestal_rate, pedestal_spin = below[:, [0, 2]], moving[:, [0, 2]], rows[:, 24]
         columns = _pedestal_columns(matrices(rows[:, 16:20]), below)
+        tilt, (half_width, _, half_height) = columns["pedestal_tilt_rad"], scene.pedestal.half_m
+        # What slips is the edge on which it stands.
+        slip = below[:, 0] - below[0, 0] - centroid_shift_m(scene.pedestal, tilt)
+        slip_rate = moving[:, 0] - pedestal_spin * (half_height * np.cos(tilt) + half_width * np.abs(np.sin(tilt)))
         extra |= {name: columns[name] for name in (PLANAR if axes is None else columns)}
     return Trajectory(
         t_s=t_s,

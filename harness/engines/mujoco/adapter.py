@@ -33,7 +33,8 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 
 LEVELS: Final = ((1e-3, 1e-2), (5e-4, 5e-3), (2.5e-4, 2.5e-3), (1e-4, 1e-3), (5e-5, 5e-4))
-"""(step in s, error in rad reached where tuned): the paper's four cases with a pedestal, first second."""
+"""(step in s, error in rad at least stated): of the paper's four cases without a pedestal, first second, 2e-4 to 8e-5; with one
+2e-4 to 2.4e-2 on each level, in no order (docs/bench.md)."""
 STIFF_STEPS: Final = 2.0
 """The contact's time constant in steps: MuJoCo's least."""
 RESOLUTION_STEPS: Final = 8.0

@@ -9,12 +9,16 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from analytic import Harmonic
 from harness.comparison.distance import error_rad
 from harness.engines.event_stepping.rows import STANDS_RAD, base_velocity
 from harness.model.options import RunOptions
+from harness.model.scene import Pedestal
+from harness.model.tilted import support_m
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready
 from tests.measures.seeded_scenes import tipping_scene, wide_scene
+from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
 
 HALF_M = (0.4, 0.3, 0.6)
 
@@ -51,3 +55,25 @@ def test_a_statue_that_stands_on_a_pedestal_that_tips_neither_slides_nor_sinks_i
     assert validity["pedestal_tilt_rad"] > 0.05
     assert validity["plain_because"] == ["the pedestal tips"]
     assert max(validity["statue_slip_m"], validity["statue_flight_m"], validity["penetration_m"]) <= budget.ON_TOP_M
+
+
+def test_a_statue_that_falls_beside_its_pedestal_is_not_in_it() -> None:
+    engine, scene = ready("pymunk"), wide_scene(772183)
+    run = engine.simulate(scene, engine.settings_for_dt(scene, 1e-3), RunOptions())
+    assert run.outcome.overturned
+    assert run.validity["penetration_m"] <= budget.ON_TOP_M
+
+
+@pytest.mark.parametrize("name", ["pymunk", "pybullet", "pymunk:plain", "pybullet:plain"])
+def test_a_pedestal_that_only_tips_has_not_slipped(name: str) -> None:
+    """Its centroid moves by 0.2 m over the edge on which it stands, which friction holds."""
+    narrow = Pedestal(100.0, 0.3, 0.5, 0.6)
+    on = scene(rectangle(0.25, 1.0), Harmonic(0.6 * GRAVITY_M_S2, 2.0), pedestal=narrow, mu=1.0, mu_statue=2.0)
+    engine = ready(name)
+    run = engine.simulate(on, engine.settings_for_dt(on, 5e-4), RunOptions())
+    assert run.history is not None
+    tilt_rad = run.history.extra["pedestal_tilt_rad"]
+    assert np.max(np.abs(tilt_rad)) > 0.05
+    assert run.peak_slip_m <= budget.ON_TOP_M
+    moved_m = support_m(narrow, run.history.slip_m, run.history.extra)
+    assert np.max(np.abs(moved_m)) > 0.9 * narrow.height_m * np.sin(np.max(np.abs(tilt_rad)))

@@ -24,7 +24,7 @@ def spells(
     motion = Trajectory(
         TIMES, STILL, STILL, STILL, STILL, place, place, place, place, place, extra={"pedestal_tilt_rad": tilt_rad}
     )
-    found = plain_spells(motion, slip_m, gap_m, Corners(right_m, STILL, STILL, STILL, STILL, STILL), PEDESTAL)
+    found = plain_spells(motion, slip_m, gap_m, Corners(right_m, *([STILL] * 6)), PEDESTAL)
     return found["plain_from_s"], found["plain_for_s"], found["plain_because"]
 
 
