@@ -46,8 +46,11 @@ LEAST_MOVES: Final = 2e-3
 CALLS_TO_A_STEP: Final = 12
 """From the command to a step: command, scene, all engines, one engine, its accuracy, one run; an engine's own parts as many."""
 
-CALLS_TO_A_VERIFYING_STEP: Final = 14
-"""A run that only asks how a slightly stronger motion would move the statue passes two calls more."""
+CALLS_TO_A_VERIFYING_STEP: Final = 13
+"""A run that only asks how a slightly stronger motion would move the statue passes one call more."""
+
+CALLS_AROUND_AN_EVENT: Final = 18
+"""Where an event is sought between two whole steps: what is due, its search, a step's two clocks and its friction are between."""
 
 PIXEL: Final = 1e-6
 """Places in a drawn picture are sums of a few doubles of size 640: 1e-13 each; a millionth of a pixel shows nowhere."""

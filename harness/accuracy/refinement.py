@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final
 
 from harness.accuracy.outlook import MOST_ORDER, beyond, hopeless, last_s
-from harness.accuracy.sensitivity import PARTED, response
+from harness.accuracy.sensitivity import PARTED, moved, stronger_run
 from harness.accuracy.spread import CLEAR, NONE, Error, Spread, factor, plain_from_s, plain_share, spread, target_of
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
 from harness.model.options import RunOptions
@@ -50,16 +50,22 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, options: 
         return engine.simulate(scene, first_level(engine.refinement_levels(scene), accuracy_rad, 1.0)[0], options)
     climb = _Climb(engine, scene, target_of(scene, accuracy_rad), engine.refinement_levels(scene), options)
     for settings in climb.order():
-        if climb.ends_with(settings):
+        check = climb.check(settings)
+        run = engine.simulate(scene, settings, replace(options, history=True, stop=check))
+        if climb.ends_with(settings, run, check):
             break
-    return climb.stated()
+        if climb.agreed_s is not None and climb.met(climb.response(climb.agreed_s), climb.agreed_s):
+            break
+    best, until_s = climb.best()
+    return climb.stated(best, until_s, None if until_s is None else climb.response(until_s))
 
 
 @dataclass
 class _Climb:
     """The runs of one climb: `whole` were not ended early, `spreads` are of each run and the one before it.
 
-    `answer` is what a slightly stronger motion changed in the last two runs that were asked for it.
+    `agreed_s` is until when the last two agree, None where they do not or a third is needed; `answer` is what a slightly
+    stronger motion changed in the last two runs that were asked for it.
     """
 
     engine: Engine
@@ -69,6 +75,7 @@ class _Climb:
     options: RunOptions
     whole: list[tuple[Settings, Run]] = field(default_factory=list)
     spreads: list[Spread] = field(default_factory=list)
+    agreed_s: float | None = None
     answer: Spread | None = None
     answers: int = 0
     costs: list[tuple[int, float]] = field(default_factory=list)
@@ -78,57 +85,54 @@ class _Climb:
 
         How far the last two runs were apart says how much finer the next must be.
         """
-        refinement_levels = self.refinement_levels
-        index = first_level(refinement_levels, self.target.rotation_rad, START_SHARE)[1]
+        levels = self.refinement_levels
+        index = first_level(levels, self.target.rotation_rad, START_SHARE)[1]
         if not self.promised:
-            index = max(sum(item.dt_s > COARSER * refinement_levels[-1].dt_s for item in refinement_levels) - 1, 0)
-        while index < len(refinement_levels):
-            yield refinement_levels[index]
-            finest = refinement_levels[index].dt_s
-            for verification in self.engine.verification_settings(self.scene, refinement_levels[index]):
+            index = max(sum(item.dt_s > COARSER * levels[-1].dt_s for item in levels) - 1, 0)
+        while index < len(levels):
+            yield levels[index]
+            finest = levels[index].dt_s
+            for verification in self.engine.verification_settings(self.scene, levels[index]):
                 yield verification
                 finest = min(finest, verification.dt_s)
             # Two runs with one step would agree on an error that is the step's.
-            finer = [
-                i for i in range(index + 1, len(refinement_levels)) if refinement_levels[i].dt_s < CLIMB_SHARE * finest
-            ]
+            finer = [i for i in range(index + 1, len(levels)) if levels[i].dt_s < CLIMB_SHARE * finest]
             wanted = finest / _factor(self.spreads, self.target)
-            index = next(
-                (i for i in finer if refinement_levels[i].dt_s <= wanted),
-                finer[-1] if finer else len(refinement_levels),
-            )
+            index = next((i for i in finer if levels[i].dt_s <= wanted), finer[-1] if finer else len(levels))
 
-    def ends_with(self, settings: Settings) -> bool:
-        """Run with these settings; whether no further run is worth its cost."""
+    def check(self, settings: Settings) -> _Check:
+        """What may end a run with these settings early."""
         before = self.whole[-1][1] if self.whole else None
-        check = _Check(before, self.spreads, settings.dt_s, self.refinement_levels[-1].dt_s, self.target)
-        run = self.engine.simulate(self.scene, settings, replace(self.options, history=True, stop=check))
+        return _Check(before, self.spreads, settings.dt_s, self.refinement_levels[-1].dt_s, self.target)
+
+    def ends_with(self, settings: Settings, run: Run, check: _Check) -> bool:
+        """Take a run; whether no further one is worth its cost."""
         self._count(run)
-        self.answer = None
-        if before is not None and not run.outcome.failed and not before.outcome.failed:
-            self.spreads.append(spread(before, run, self.target))
+        self.agreed_s = self.answer = None
+        if check.before is not None and not run.outcome.failed:
+            self.spreads.append(spread(check.before, run, self.target))
         if check.stopped:
             return True
         self.whole.append((settings, run))
         if run.outcome.failed:
             return False
-        runs = [each for _, each in self.whole]
         needed = self.agreements
         if _agreed(self.spreads, self.target, needed, self.engine.agreements == needed):
-            until_s = run.end_s
-        elif _fallen(runs, self.spreads, needed):
-            until_s = run.no_return_time_s or 0.0
+            self.agreed_s = run.end_s
+        elif _fallen([each for _, each in self.whole], self.spreads, needed):
+            self.agreed_s = run.no_return_time_s or 0.0
         else:
             finest_s = self.refinement_levels[-1].dt_s
             return hopeless(self.spreads, last_s(run), finest_s, self.target) or (
                 not self.promised and beyond(self.spreads, finest_s, self.target)
             )
-        # Whether a slightly stronger motion moves less than the target until then, or finer steps would change little.
-        answer = self._response(until_s)
-        met = answer is None or (
-            (answer.whole or answer.until_s >= until_s) and answer.largest.share_of(self.target) <= 1.0
-        )
-        return met or self.answers >= RESPONSES
+        return False
+
+    def met(self, answer: Spread | None, until_s: float) -> bool:
+        """Whether a slightly stronger motion moves less than the target until then, or finer steps would change little."""
+        if answer is None or self.answers >= RESPONSES:
+            return True
+        return (answer.whole or answer.until_s >= until_s) and answer.largest.share_of(self.target) <= 1.0
 
     @property
     def promised(self) -> bool:
@@ -146,15 +150,16 @@ class _Climb:
         left_s = plain_from_s(run)
         return left_s < math.inf and left_s < (run.no_return_time_s or math.inf)
 
-    def _response(self, until_s: float) -> Spread | None:
+    def response(self, until_s: float) -> Spread | None:
         """What a stronger motion changes in the coarser of the last two runs; None where it cannot be asked."""
         good = [(settings, run) for settings, run in self.whole if not run.outcome.failed]
         if len(good) < 2 or self.answer is not None:
             return self.answer
         settings, run = good[-2]
-        answer = response(self.engine, self.scene, settings, run, good[-1][0].expected_error_rad, self.target, until_s)
-        if answer is not None:
-            self.answer, other = answer
+        share = good[-1][0].expected_error_rad
+        other = self.engine.simulate(*stronger_run(self.engine, self.scene, settings, run, share, self.target, until_s))
+        self.answer = moved(run, other, self.target)
+        if self.answer is not None:
             self.answers += 1
             self._count(other)
         return self.answer
@@ -162,18 +167,21 @@ class _Climb:
     def _count(self, run: Run) -> None:
         self.costs.append((run.steps, run.wall_s))
 
-    def stated(self) -> Run:
-        """The finest run that was not ended early, with what the spread to its neighbour says of it."""
+    def best(self) -> tuple[Run, float | None]:
+        """The finest run that was not ended early, and until when it and its neighbours agree; None where it has none."""
         runs = [run for _, run in self.whole]
         best = next((run for run in reversed(runs) if not run.outcome.failed), runs[-1])
-        known = not best.outcome.failed and bool(self.spreads)
-        until_s = _held_until_s(self.spreads, self.agreements) if known and not self.spreads[-1].whole else best.end_s
-        answer = self._response(until_s) if known else None
+        if best.outcome.failed or not self.spreads:
+            return best, None
+        return best, best.end_s if self.spreads[-1].whole else _held_until_s(self.spreads, self.agreements)
+
+    def stated(self, best: Run, until_s: float | None, answer: Spread | None) -> Run:
+        """The best run with what the spread to its neighbour says of it, and what a stronger motion changed in it."""
         work = {**best.work, "runs": len(self.costs), "steps_of_all_runs": sum(steps for steps, _ in self.costs)}
         best = replace(best, work=work, wall_s=sum(wall_s for _, wall_s in self.costs))
         if not self.options.history and self.options.allows("no_history"):
             best = replace(best, history=None)
-        if not known:
+        if until_s is None:
             return best
         last = self.spreads[-1]
         answered = NONE if answer is None else answer.largest

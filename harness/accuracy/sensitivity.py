@@ -32,14 +32,13 @@ def stronger(scene: Scene, share: float) -> Scene:
     return scene.but(initial=start.plus(share * start.theta_rad, share * start.theta_rate_rad_s))
 
 
-def response(
+def stronger_run(
     engine: Engine, scene: Scene, settings: Settings, run: Run, expected_error_rad: float, target: Error, until_s: float
-) -> tuple[Spread, Run] | None:
-    """How far `run` (made with `settings`) and a run under a motion stronger by `expected_error_rad` / rad are apart; the run.
+) -> tuple[Scene, Settings, RunOptions]:
+    """What a run under a motion stronger by `expected_error_rad` / rad is made of, beside `run` (made with `settings`).
 
     A scene that turns the statue by as much as its motion changes (1 rad for all of it) makes of this share just the expected
-    error. They part where their rotations do: what a slip is moved by is stated, however much, as it may turn nothing.
-    None where the other run fails. Raises `EngineFailure` as the engine does.
+    error.
     """
     history = run.history
 
@@ -48,8 +47,14 @@ def response(
             return False
         return t_s > until_s or abs(float(history.at(t_s)) - theta_rad) > PARTED * target.rotation_rad
 
-    other_settings = engine.sensitivity_settings(scene, settings)
-    other = engine.simulate(stronger(scene, expected_error_rad), other_settings, RunOptions(stop=parted))
-    if other.outcome.failed or history is None:
+    return stronger(scene, expected_error_rad), engine.sensitivity_settings(scene, settings), RunOptions(stop=parted)
+
+
+def moved(run: Run, other: Run, target: Error) -> Spread | None:
+    """How far a run and the one under a stronger motion are apart; None where that one failed.
+
+    They part where their rotations do: what a slip is moved by is stated, however much, as it may turn nothing.
+    """
+    if other.outcome.failed or run.history is None:
         return None
-    return spread(other, run, target, replace(target, slip_m=math.inf)), other
+    return spread(other, run, target, replace(target, slip_m=math.inf))

@@ -38,7 +38,11 @@ def plain_names(names: Sequence[str]) -> list[str]:
 def witnesses(scene: Scene, runs: Mapping[str, Run], options: RunOptions) -> dict[str, Witness]:
     """What the plain engines of these runs say of all of them; nothing where no engine of contact was asked."""
     answers = {name: run for name, run in runs.items() if not run.outcome.failed and run.history is not None}
-    return {name: _witness(scene, answers, name, options) for name in plain_names(list(answers)) if name not in runs}
+    said: dict[str, Witness] = {}
+    for name in plain_names(list(answers)):
+        if name not in runs:
+            said[name] = _witness(scene, answers, name, options)
+    return said
 
 
 def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptions) -> Witness:
@@ -56,7 +60,8 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
     short = scene.but(duration_s=until_s)
     with_history = RunOptions(skips=options.skips, history=True)
     try:
-        coarse, fine = (engine.simulate(short, each, with_history) for each in (settings, finer))
+        coarse = engine.simulate(short, settings, with_history)
+        fine = engine.simulate(short, finer, with_history)
     except EngineFailure as failure:
         return Witness(name, 0.0, None, None, str(failure))
     apart = spread(coarse, fine, target_of(scene, TARGET_RAD))
