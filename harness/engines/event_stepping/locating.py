@@ -50,8 +50,7 @@ def locate_event(
         state.turn(room)
         at_contact = [(*there[:7], *row[7:13], *there[13:]) for row in (before, state.row)]
         owed, left = gaps.foot_speeds_m_s(before, at_contact, floor.table_place[2], floor.table_rate[2])
-        # What a foot that stands moves at all the same is the solver's: of so little no correction tells its sense.
-        floor.writer.ledger.of("turn_on").compare(owed, max(left - events.still * gaps.least_m_s, 0.0))
+        floor.writer.ledger.of("turn_on").compare(owed, left, events.still * gaps.least_m_s)
     contact_s = until()
     if abs(contact_s) > room:
         # What came down no longer does.
