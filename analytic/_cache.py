@@ -19,7 +19,7 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-KEPT: Final = 2
+MOST_FOLDERS: Final = 2
 """Folders kept: this state of the sources and the one before, to which one may go back."""
 PREFIX: Final = "compiled-"
 KERNEL: Final = Path(__file__).resolve().parent / "kernel"
@@ -72,7 +72,7 @@ def home_of(room: Path = KERNEL) -> Path | None:
     return chosen
 
 
-def prune(home: Path, most: int = KEPT) -> None:
+def prune(home: Path, most: int = MOST_FOLDERS) -> None:
     """Remove all but the newest folders of compiled code.
 
     Safe while other processes run: the compiler takes a file that is gone for one that was never written.

@@ -84,11 +84,11 @@ class Entry:
         with _LOCK:  # many threads may come first
             if self._call is None:
                 path = self._path
-                self._call = _kept(path)
+                self._call = _loaded(path)
                 if self._call is None:
                     with _alone(path):
                         # Another process may have compiled it in the meantime.
-                        self._call = _kept(path) or self._compiled(path)
+                        self._call = _loaded(path) or self._compiled(path)
             return self._call
 
     @property
@@ -143,7 +143,7 @@ def _listed(symbol: str, arguments: int, text: str) -> bytes:
     return hashlib.sha256(listed).hexdigest().encode() + LISTED + listed
 
 
-def _kept(path: Path | None) -> Callable[..., None] | None:
+def _loaded(path: Path | None) -> Callable[..., None] | None:
     """The function that was kept, None where there is none, or this process cannot run it."""
     content = None if path is None else _read(path)
     return None if content is None else _linked(content)

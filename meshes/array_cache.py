@@ -20,7 +20,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-KEPT: Final = 64
+MOST_FILES: Final = 64
 """Files kept, the last used ones: some 100 KB each."""
 
 
@@ -71,7 +71,7 @@ def store(key: str, arrays: Mapping[str, NDArray[Any]]) -> None:
     content = io.BytesIO()
     np.savez_compressed(content, **arrays)  # type: ignore[arg-type]
     put(home / f"{key}.npz", content.getvalue())
-    prune(home, "*.npz", KEPT)
+    prune(home, "*.npz", MOST_FILES)
 
 
 def put(file: Path, content: bytes) -> None:

@@ -123,7 +123,7 @@ def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     fewer, made, why = decimate(state.mesh, wanted.max_faces, CONTACT_TOLERANCE_M, wanted.bounds)
     state = state.after(fewer, made)
     if why:
-        state = Prepared(state.mesh, state.log.and_found(why))
+        state = Prepared(state.mesh, state.log.with_finding(why))
     wrong = not_one_body(state.mesh.vertices, state.mesh.faces)
     if wrong is not None:
         raise wrong.at(state.mesh.source)
@@ -208,7 +208,7 @@ def _cut(state: Prepared, wanted: Wanted) -> Prepared:
         raise attached.at(state.mesh.source)
     if floor is not None:
         said = f"{floor} (kept; --cut-below {floor.cut_m:.3g} cuts it off)"
-        state = Prepared(state.mesh, state.log.and_found(said))
+        state = Prepared(state.mesh, state.log.with_finding(said))
     return state
 
 
@@ -290,4 +290,4 @@ def _crossings(mesh: RawMesh, log: ProcessingLog, limits: Limits) -> ProcessingL
             place=mesh.source,
         )
     text = f"{among} looked at pass through another one ({100 * pairs.share:.3f} %)"
-    return log.and_found(text) if pairs.faces else log
+    return log.with_finding(text) if pairs.faces else log

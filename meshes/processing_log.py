@@ -44,7 +44,7 @@ class ProcessingLog:
     changes: tuple[Change, ...] = ()
     found: tuple[str, ...] = ()
 
-    def and_found(self, sentence: str) -> ProcessingLog:
+    def with_finding(self, sentence: str) -> ProcessingLog:
         """The log with one more finding."""
         return replace(self, found=(*self.found, sentence))
 

@@ -9,8 +9,8 @@ EVENT_REL: Final = 1e-11
 """An event's own condition, from the state printed at it: its time is exact to the clock's 1e-15 s, and forces that change by
 up to a hundred times their size per second leave 1e-13; a hundred times that."""
 
-HALT_M_S: Final = 0.0
-"""A halt sets the pedestal's velocity to zero exactly."""
+STICK_ONSET_M_S: Final = 0.0
+"""A stick onset sets the pedestal's velocity to zero exactly."""
 
 IMPACT_REL: Final = 1e-13
 """The impact map is a handful of operations on doubles."""

@@ -13,9 +13,9 @@ ANALYTIC_TERMS: Final = 396
 ACCURACY_STEPS: Final = 564
 """Steps of all runs together that 1e-3 rad may take on an easy scene of half a second: pymunk 531, pybullet 537 counted."""
 SPARE: Final = 1.05
-"""Steps of a contact engine over duration/dt: splitting impacts and halts adds 6 and 10 to 4000."""
+"""Steps of a contact engine over duration/dt: splitting impacts and stick onsets adds 6 and 10 to 4000."""
 REPEATED: Final = {"pymunk": 10, "pybullet": 16}
-"""Steps of these that are tried again: 9 and 14 counted, at two impacts and four halts."""
+"""Steps of these that are tried again: 9 and 14 counted, at two impacts and four stick onsets."""
 MOST_ITERATIONS: Final = {"pymunk": 50_200, "pybullet": 338_300}
 """Solver iterations that 1e-3 rad may take there, at most so many a step: 531 × 90 and 537 × 600 counted."""
 ACCURACY_RUNS: Final = 3
@@ -36,7 +36,7 @@ SAME_RAD: Final = 1e-9
 SKIP_RAD: Final = 2e-4
 """What a skip may change in a contact engine: contacts settle anew where integration begins, within the level's own error."""
 
-RIVAL_RAD: Final = 1e-6
+OTHER_INTEGRATOR_RAD: Final = 1e-6
 """DOP853 asked for 1e-10 errs by up to ten thousand times that: it finds events on an interpolant of lower order."""
 
 KERNEL_WORK: Final = {

@@ -146,7 +146,7 @@ UNTOUCHED_RAD = 1.5e-4
 that ends near its balance angle as much again by growth."""
 
 UNTOUCHED_M = 5e-5
-"""Largest slip of these: 0.3 m/s times the tenth of a step of 0.25 ms by which a halt may be met late, at six halts."""
+"""Largest slip of these: 0.3 m/s times the tenth of a step of 0.25 ms by which a stick onset may be met late, at six of them."""
 
 FREE_FLIGHT_RAD = 1e-5
 """Attitude after 2 s of free flight at 1 ms, a body that turns at 3 rad/s: half a step's turn squared, 1.5e-3² = 2e-6, in each of

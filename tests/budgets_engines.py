@@ -41,7 +41,7 @@ BLOCKS_RAD: Final = 1e-7
 LONGEST_STEP_RAD: Final = 6e-4
 """Measured 3.0e-4 rad at 8 ms over four impacts; 1.3e-2 where a slow statue's contact is lost for a step."""
 IMPACT_AFTER_STICK_ONSET_RAD: Final = 3e-5
-"""Measured 9e-6 rad at 1 ms; an impact left to a whole step because the pedestal has just halted costs 1.2e-4."""
+"""Measured 9e-6 rad at 1 ms; an impact left to a whole step because the pedestal has just stuck costs 1.2e-4."""
 STICK_ONSET_RAD: Final = 3e-5
 """Measured 6.4e-6 rad in 10.5 s at 1 ms, and"""
 STICK_ONSET_M: Final = 1.5e-5
@@ -81,7 +81,7 @@ EVENT_TIME_S: Final = 1e-6
 UPLIFT_TIME_S: Final = 2e-4
 """An uplift's time extrapolated from a power law to the start: the samples are 1 ms apart."""
 BARE_LOOP_STEPS: Final = 1.02
-"""Engine steps of a run over those of a baseline loop: a split impact costs one more in four, a split halt one in two."""
+"""Engine steps of a run over those of a baseline loop: a split impact costs one more in four, a split stick onset one in two."""
 STATED_SHARE: Final = 0.95
 """Share of seeded scenes in which the true error stays within what is stated."""
 MOVING_TABLE_RAD: Final = 1e-3
@@ -118,7 +118,7 @@ LYING_RAD: Final = 2e-3
 SLIP_BESIDE_ROCKING_M: Final = 2e-7
 """Slip of a squat block's pedestal at 0.25 ms: 5e-8 measured; 2.7e-6 where the statue's momentum in it is half a step old."""
 SLIP_ORDER: Final = 1.5
-"""Order at which that error falls from 2 to 0.25 ms: 1.8 measured, as halts and releases fall irregularly; 1.0 before."""
+"""Order at which that error falls from 2 to 0.25 ms: 1.8 measured, as stick and slip onsets fall irregularly; 1.0 before."""
 STATUE_WALK_M: Final = 1e-6
 """Slip of a statue on a support that holds it in 1.5 s at 1 ms: 3e-7 measured; moved along tangents it walks 5e-5 m."""
 THROWN_SLIP_M: Final = 1e-6

@@ -17,6 +17,7 @@ from analytic.kernel.records import MotionParams, Records
 from analytic.machine_code import Entry
 from analytic.motion import Excitation, ZeroExcitation
 from analytic.rotation import rotation_matrices
+from analytic.solver import FIRST_EVENTS
 from analytic.spatial.body import Body, Floats
 from analytic.spatial.kernel.records import EVENT_HEAD, INTERVAL_HEAD, MEMORY, RUN, STATE, Run
 from analytic.spatial.problem import Problem
@@ -43,7 +44,6 @@ SETTLE_M: Final = 1e-14
 """A rebound lower than this, or than the tolerance, is dropped."""
 ADDRESSES: Final = "history", "event_table", "interval_table"
 """Where a memory keeps the address of each array of a task, in the task's order."""
-FIRST_EVENTS: Final = 256
 GAVE_UP: Final = 5
 
 

@@ -14,7 +14,6 @@ from harness.records.effects3d import BASELINE, Band
 
 SIGMAS: Final = 2.0
 """The stated uncertainty of a length or an inertia is this many standard deviations."""
-ACCURACY_RAD: Final = 1e-6
 
 
 def band(scene: Scene, azimuth_deg: float, search: Search, samples: int, seed: int) -> Band:
@@ -51,7 +50,6 @@ def band(scene: Scene, azimuth_deg: float, search: Search, samples: int, seed: i
             "corner_right_m": statue.corner_right_m * draws[2],
             "inertia_kg_m2": statue.inertia_kg_m2 * draws[3],
         },
-        accuracy_rad=ACCURACY_RAD,
         threads=1,
         **given,
     )

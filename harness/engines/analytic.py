@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Final, Literal, final
 
 from analytic.excitation import ZeroExcitation
-from harness.engines.base import Engine, EngineFailure, Settings
+from harness.engines.base import RELIABLE_RAD, Engine, EngineFailure, Settings
 from harness.model.history import History, Outcome
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Pattern, Run
@@ -22,8 +22,6 @@ ACCURACIES_RAD: Final = (1e-6, 1e-9, 1e-12)
 """The refinement levels: aimed error of the rotation before it is amplified by the problem itself."""
 VERIFICATION_STEP_S: Final = 0.02
 """Longest step of the verification run that checks the step's length."""
-RELIABLE_RAD: Final = 1e-6
-"""Error up to which a history counts as reliable, whatever is asked of the other engines."""
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, ClassVar, Final, TypedDict, final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.base import MOVING_TABLE, Engine, EngineFailure, Settings, own_settings, refuse
+from harness.engines.base import MOVING_TABLE, RELIABLE_RAD, Engine, EngineFailure, Settings, own_settings, refuse
 from harness.engines.contact import frame
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.spatial import planar, statue_columns
@@ -28,8 +28,6 @@ Array = NDArray[np.float64]
 
 LEVELS: Final = ((1e-7, 1e-4), (1e-10, 1e-7), (1e-13, 1e-10))
 """(local error of a step, error of the rotation expected): rocking histories of some ten impacts amplify by up to a thousand."""
-RELIABLE_RAD: Final = 1e-6
-"""Error up to which a history counts as reliable, whatever is asked of the other engines."""
 BEYOND_RAD: Final = 1e-9
 """By how much a run goes on beyond the overturning rotation, so that a sample lies there."""
 LEAST_ROTATION_RAD: Final = 1e-9

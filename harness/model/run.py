@@ -104,13 +104,13 @@ class Run(Shown):
 
     def columns(self) -> dict[str, object]:
         """The columns of the history. Raises `InputError` where none was kept."""
-        return dict(self._kept().columns())
+        return dict(self._its_history().columns())
 
     def plot(self, ax: Axes | None = None, **style: Any) -> Axes:
         """Draw the rotation over time, labelled with the engine. Raises `InputError` where no history was kept."""
-        return self._kept().plot(ax, **{"label": self.engine, **style})
+        return self._its_history().plot(ax, **{"label": self.engine, **style})
 
-    def _kept(self) -> History:
+    def _its_history(self) -> History:
         if self.history is None:
             wanted = "a run with its history"
             raise InputError(Mistake(f"run of {self.engine}", "history", wanted, self.message or "its outcome alone"))

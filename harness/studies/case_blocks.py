@@ -19,6 +19,7 @@ from harness.campaign.cache_key import key_of
 from harness.campaign.column_store import as_bytes, installed
 from harness.campaign.task import Answer, Task
 from harness.engines import analytic as twoblock
+from harness.engines.base import RELIABLE_RAD
 from harness.studies import case_selection as selection
 from harness.studies.case_columns import Columns, Shaken, Values, columns_of_record, swept, table_of, varied_column
 from harness.studies.case_scenes import CaseScenes
@@ -93,7 +94,7 @@ class _Runs:
         levels = engines.load(selection.REFERENCE).refinement_levels(block.base.scene({}))
         chosen = twoblock.own(first_level(levels, self._asked, 1.0)[0])
         self.settings = twoblock.stated_settings(chosen)
-        self._scenes = _scenes(block.base, min(twoblock.RELIABLE_RAD, chosen.accuracy_rad))
+        self._scenes = _scenes(block.base, min(RELIABLE_RAD, chosen.accuracy_rad))
         self._gathered: list[Shaken] = []
         self._samples = 0
         self._parts: list[Columns] = []

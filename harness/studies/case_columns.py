@@ -13,6 +13,7 @@ from analytic.certified_rows import CertifiedRows, certify_rows
 from analytic.results import LEFT_BY
 from analytic.solution import OUTCOMES
 from harness.engines import analytic as twoblock
+from harness.engines.base import RELIABLE_RAD
 from harness.model.history import Outcome
 from harness.model.scene import BaseExcitation
 from harness.records.base import Plain
@@ -63,7 +64,7 @@ def swept(cases: Sequence[Shaken]) -> Columns:
     numbers = {id(still): k for k, still in enumerate(stills)}
     which = np.array([numbers[id(case.still)] for case in cases])
     motions = [(case.motion.x, case.motion.z) for case in cases]
-    rows = certify_rows([still.body for still in stills], which, motions, twoblock.RELIABLE_RAD)
+    rows = certify_rows([still.body for still in stills], which, motions, RELIABLE_RAD)
     slender = np.array([[still.scene.statue.slenderness_rad(side) for side in (-1, 1)] for still in stills])[which]
     pedestal = np.array([still.scene.pedestal is not None for still in stills])[which]
     warnings, skipped = _sentences(rows)

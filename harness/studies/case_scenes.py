@@ -25,7 +25,7 @@ DIRECT: Final = {"amplitude_g": (Harmonic, Pulse), "frequency_hz": (Harmonic,)}
 """Keys of a formula's axis that change one number of it, and the formulas of which they do."""
 OF_MOTION: Final = ("gravity_m_s2", "duration_s")
 """Keys outside `[motion]` that its formulas and filters take from the scene."""
-MOST_KEPT: Final = 4096
+MOST_REMEMBERED: Final = 4096
 """Bodies and motions that are remembered: a study's axes rarely have more, and draws would fill the memory."""
 MOST_SAMPLES: Final = 4_000_000
 """Samples of records that are remembered, 64 MB of them."""
@@ -71,7 +71,7 @@ class CaseScenes:
         """The case's scene without its motion. Raises `InputError` for a case that is no scene."""
         own = tuple((key, value) for key, value in setting.items() if not _of_motion(key))
         if own not in self._stills:
-            _make_room(self._stills, MOST_KEPT)
+            _make_room(self._stills, MOST_REMEMBERED)
             try:
                 scene = self._without_motion.scene(dict(own))
             except InputError:
@@ -88,7 +88,7 @@ class CaseScenes:
         if own not in self._motions:
             made = self._made(dict(own), setting)
             samples = sum(item.t_s.size for item in (made.x, made.y, made.z) if isinstance(item, SampledAcceleration))
-            _make_room(self._motions, MOST_SAMPLES // samples if samples else MOST_KEPT)
+            _make_room(self._motions, MOST_SAMPLES // samples if samples else MOST_REMEMBERED)
             self._motions[own] = made
         return self._motions[own]
 
@@ -112,7 +112,7 @@ class CaseScenes:
         """The motion of these keys, at scale 1; of those that are changed directly any value will do."""
         name = tuple(own.items())
         if name not in self._movings:
-            _make_room(self._movings, MOST_KEPT)
+            _make_room(self._movings, MOST_REMEMBERED)
             try:
                 scene = self._base.scene({**own, **direct, SCALE: 1.0})
             except InputError:
@@ -137,7 +137,7 @@ class CaseScenes:
             except ValidationError:
                 self._base.scene(setting)
                 raise
-            _make_room(self._allowed, MOST_KEPT)
+            _make_room(self._allowed, MOST_REMEMBERED)
             self._allowed.add((number,))
 
     def _scale(self, own: Setting) -> float:

@@ -7,6 +7,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
 
+from harness.comparison.scores.beyond import LEAST_VALUES
 from harness.comparison.scores.pointwise import Peak
 from harness.comparison.side import side_of
 from harness.comparison.statistics.distributions import RESAMPLES, compare_distributions, compare_logarithms
@@ -22,8 +23,6 @@ from harness.studies.rows import KeyedRow
 Answered = tuple[CaseRun, str | None]
 """A run, and the key of its history in the store."""
 
-LEAST: Final = 8
-"""Fewer cases than this have no distribution worth comparing: a quartile would rest on two values."""
 ROCKS_RAD: Final = 1e-4
 """A statue that leans by less is at rest: what a contact engine gives (some 1e-5 rad) is no rocking."""
 MANY: Final = 1000
@@ -52,11 +51,11 @@ def _score(
     both = [(case[name], case[reference]) for case in cases if name in case and reference in case]
     judged = [_judged(a, b, history) for a, b in both]
     peaks = None
-    if len(both) >= LEAST:
+    if len(both) >= LEAST_VALUES:
         sides = [[abs(run.peak_theta_rad) for run, _ in side] for side in zip(*both, strict=True)]
         peaks = compare_distributions(*sides, paired=True, resamples=RESAMPLES if len(both) <= MANY else RESAMPLES // 5)
     rocked = [[abs(run.peak_theta_rad) for run, _ in pair] for pair in both if all(_rocks(run) for run, _ in pair)]
-    log_peaks = compare_logarithms(*zip(*rocked, strict=True)) if len(rocked) >= LEAST else None
+    log_peaks = compare_logarithms(*zip(*rocked, strict=True)) if len(rocked) >= LEAST_VALUES else None
     return SetScores(
         reference=reference,
         cases=len(both),

@@ -22,11 +22,10 @@ from harness.model.errors import InputError, Mistake
 from harness.model.history import Array
 from harness.model.options import Capabilities
 from harness.model.scene import Contact, Form, Scene, Statue
+from harness.studies.rocking_spectrum import RING_DOWN_S
 from harness.validation.motions import Intensity, intensity, shaking
 from harness.validation.table import UNKNOWN, Trial
 
-RING_DOWN_S: Final = 5.0
-"""Time after the motion's end in which rocking may still decide: several periods of a body of some metres."""
 AZIMUTH_SD_DEG: Final = 2.0
 """Scatter of the body's azimuth on the table: what placing by hand leaves."""
 BASE_SD_M: Final = 0.001

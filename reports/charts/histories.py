@@ -15,7 +15,7 @@ from harness.records.scene import MotionRecord, SceneRecord
 from reports.charts import Json
 from reports.charts.figure import ABOVE, axis, band, curve, level, note, stroke
 from reports.charts.palette import INK, MUTED, PATTERN_LOOKS, look
-from reports.charts.samples import Array, kept_samples, packed_array
+from reports.charts.samples import Array, packed_array, shown_samples
 from reports.source import RunSource, run_event_s
 from reports.text.wording import horizon_s, prediction_s
 
@@ -89,7 +89,7 @@ def _axes(rows: Mapping[str, float]) -> tuple[dict[str, str], dict[str, tuple[fl
 
 
 def _line(history: History, values: Any, most: int | None = None) -> tuple[Json, Json]:
-    shown = kept_samples(values) if most is None else kept_samples(values, most)
+    shown = shown_samples(values) if most is None else shown_samples(values, most)
     return packed_array(history.t_s[shown]), packed_array(values[shown])
 
 
@@ -120,7 +120,7 @@ def _band(run: EngineRunRecord, history: History) -> tuple[Json, Json] | None:
     if np.count_nonzero(within) < 2:
         return None
     t_s, theta = history.t_s[within], history.theta_rad[within]
-    shown = kept_samples(theta, BAND_SAMPLES)
+    shown = shown_samples(theta, BAND_SAMPLES)
     t_s, theta = t_s[shown], theta[shown]
     around = np.concatenate([theta + size, (theta - size)[::-1]])
     return packed_array(np.concatenate([t_s, t_s[::-1]])), packed_array(around)

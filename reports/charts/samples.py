@@ -24,7 +24,7 @@ ON_CLOCK: Final = 1e-3
 """Samples this near to multiples of their spacing, as a share of it, are taken as such: times cost nothing then."""
 
 
-def kept_samples(values: Array, most: int = DISPLAYED_SAMPLES) -> NDArray[np.intp]:
+def shown_samples(values: Array, most: int = DISPLAYED_SAMPLES) -> NDArray[np.intp]:
     """Indices of the samples to draw, increasing: all, or first, least, largest and last of every bin.
 
     At most `most` (≥ 8) are kept; the extremes of `values` and both its ends are always among them.
@@ -47,7 +47,7 @@ def thinned_px(points_px: Array, most: int) -> Array:
 
     Each straightening may move the curve by `STRAIGHT_PX`.
     """
-    points = points_px[kept_samples(points_px[:, 1], most)]
+    points = points_px[shown_samples(points_px[:, 1], most)]
     for _ in range(STRAIGHTENINGS):
         before, middle, after = points[:-2:2], points[1:-1:2], points[2::2]
         along, aside = after - before, middle - before

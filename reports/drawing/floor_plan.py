@@ -13,7 +13,7 @@ from harness.model.in_space import SOLID_COLUMNS
 from harness.model.tilted import support_m
 from harness.records.assess import ClearanceRecord
 from meshes.footprint import convex_hull, lower_chain
-from reports.charts.samples import kept_samples
+from reports.charts.samples import shown_samples
 from reports.drawing.display_mesh import read_mesh
 from reports.drawing.kinematics import Array, posed_in_space_m, section
 from reports.source import RunSource
@@ -107,7 +107,7 @@ def _in_space(source: RunSource, body: Array, history: History) -> Array:
 
 
 def _chosen(columns: Sequence[Array]) -> Any:
-    return np.unique(np.concatenate([kept_samples(values, POSES) for values in columns]))
+    return np.unique(np.concatenate([shown_samples(values, POSES) for values in columns]))
 
 
 def _hull(points: Array) -> Array:

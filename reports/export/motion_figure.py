@@ -14,7 +14,7 @@ from harness.model.terminal import printable
 from reports.charts import Json
 from reports.charts.figure import axis, curve, figure
 from reports.charts.palette import MUTED
-from reports.charts.samples import kept_samples
+from reports.charts.samples import shown_samples
 from reports.charts.static_svg import picture
 from reports.drawing.shapes import Picture, Shape, Text, moved
 
@@ -63,7 +63,7 @@ def _title(inspection: Inspection) -> tuple[str, str]:
 
 def _trace(x: Any, y: Any, colour: str, name: str = "", **more: Any) -> Json:
     """One curve; of more points than are drawn those that keep its peaks."""
-    samples = kept_samples(np.asarray(y), _MOST_POINTS)
+    samples = shown_samples(np.asarray(y), _MOST_POINTS)
     style = {"color": colour, "width": more.pop("width", 1.3), "dash": more.pop("dash", "solid")}
     return curve(np.asarray(x)[samples], np.asarray(y)[samples], style, name=name, **more)
 

@@ -35,7 +35,7 @@ VIEWER_OWN_CODE: Final = "var camera,controls,scene,renderer,tracklight;"
 """Where trimesh's own page begins behind the three.js library in the viewer that its wheel ships."""
 
 ROOM: Final = "pages"
-KEPT: Final = 2
+MOST_TEXTS: Final = 2
 """Texts kept of each name: of this installed version, and of the one before, to which one may go back."""
 
 
@@ -67,7 +67,7 @@ def made_once(name: str, state: bytes, make: Callable[[], str]) -> str:
             return text
     text = make()
     array_cache.put(file, f"{_digest(text)}\n{text}".encode())
-    array_cache.prune(home, f"{name}-*.txt", KEPT)
+    array_cache.prune(home, f"{name}-*.txt", MOST_TEXTS)
     return text
 
 

@@ -17,7 +17,7 @@ from harness.records.compare import FILES, CompareRecord
 from harness.records.result_folder import as_written, owned
 from reports.charts.figure import axis, curve, figure, stroke
 from reports.charts.palette import MUTED, look
-from reports.charts.samples import kept_samples, packed_array
+from reports.charts.samples import packed_array, shown_samples
 from reports.source import MOVED_SHARE, event_s
 from reports.text.glossary import score_rows, verdict_words
 from reports.text.wording import Verdict
@@ -75,6 +75,6 @@ def compare_figure(names: tuple[str, str], a: History, b: History) -> dict[str, 
 
 
 def _curve(name: str, t_s: Array, values: Array, axis_name: str, names: tuple[str, ...]) -> dict[str, object]:
-    shown, style = kept_samples(values), look(name, names)
+    shown, style = shown_samples(values), look(name, names)
     place = {"name": name, "yaxis": axis_name, "legendgroup": name}
     return curve(packed_array(t_s[shown]), packed_array(values[shown]), stroke(style), **place)

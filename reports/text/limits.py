@@ -23,6 +23,7 @@ FOLLOWED: Final[Mapping[str, str]] = {
     "out_of_plane_rad": "out_of_plane_rad",
     "statue_across_m": "statue_y_m",
     "statue_slip_m": "statue_slip_m",
+    "pedestal_tilt_rad": "pedestal_tilt_rad",
 }
 """Limits that a history follows, with its column: there the part before the outcome was decided can be told."""
 

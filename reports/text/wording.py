@@ -18,6 +18,7 @@ from reports.drawing.kinematics import section
 from reports.source import RunSource
 from reports.text.chance import tone_of_outcomes, worse_tone, worst
 from reports.text.language import ENGLISH
+from reports.text.limits import before_fall
 from reports.text.numbers import angle, length, spread, unit
 from reports.text.study_rows import family
 
@@ -25,6 +26,10 @@ SIDES = {1: "right", -1: "left"}
 FELL: Final = "overturns"
 AT_REST_RAD: Final = 1e-5
 """Rotations below this are the give of a contact engine at rest (some 0.01 mm at the top of a statue of one metre)."""
+STUCK_M: Final = 1e-5
+"""The same for the slip of a pedestal."""
+TIPS_RAD: Final = 1e-3
+"""A pedestal that tips by more is said to."""
 
 
 @dataclass(frozen=True)
@@ -204,10 +209,19 @@ def _slip(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> list[st
     if source.scene.pedestal is None:
         return []
     peaks = [run.peak_slip_m for run in answered.values()]
-    if max(peaks) < 1e-6:
-        return ["The pedestal does not slide."]
     low, high = length(min(peaks)), length(max(peaks))
-    return [f"The pedestal slides by at most {low if low == high else f'{low} to {high}, depending on the model'}."]
+    much = low if low == high else f"{low} to {high}, depending on the model"
+    slides = "does not slide" if max(peaks) < STUCK_M else f"slides by at most {much}"
+    tilts = {name: _tilt_rad(run, source.histories.get(name)) for name, run in answered.items()}
+    most = max(tilts, key=lambda name: tilts[name])
+    tips = f", and tips by up to {angle(tilts[most])} in {most}" if tilts[most] > TIPS_RAD else ""
+    return [f"The pedestal {slides}{tips}."]
+
+
+def _tilt_rad(run: EngineRunRecord, history: History | None) -> float:
+    """The pedestal's largest tilt, of a statue that falls until it passes its balance point; 0 for a model that has none."""
+    until, whole = before_fall(run, history), run.validity.get("pedestal_tilt_rad")
+    return until.get("pedestal_tilt_rad", whole if isinstance(whole, float) else 0.0)
 
 
 def _scores(record: RunRecord) -> list[str]:

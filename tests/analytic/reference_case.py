@@ -43,8 +43,8 @@ def harmonic(amplitude: float, frequency: float, phase: float = 0.0) -> Motion:
 def full_period(amplitude: float, duration: float, kind: str = "one_sine") -> Motion:
     """One full period of a sine or a cosine (m/s², s)."""
     omega, phase = 2.0 * math.pi / duration, 0.0 if kind == "one_sine" else 0.5 * math.pi
-    swing = (0.0, duration, lambda t: amplitude * math.sin(omega * t + phase))
-    return Motion((swing, (duration, math.inf, lambda t: 0.0)), (kind, (amplitude, duration)))
+    sine = (0.0, duration, lambda t: amplitude * math.sin(omega * t + phase))
+    return Motion((sine, (duration, math.inf, lambda t: 0.0)), (kind, (amplitude, duration)))
 
 
 def rectangle(amplitude: float, duration: float) -> Motion:

@@ -10,7 +10,7 @@ import pytest
 
 from analytic import Block, Event, EventKind, Form, Harmonic, Pedestal, Pulse, Record, Rest, Solution, Wall, simulate
 from tests.analytic.paestum import FREE, GRAVITY, PEDESTAL, STATUE, shaken
-from tests.budgets_analytic import EVENT_REL, HALT_M_S, RESIDUAL_REL
+from tests.budgets_analytic import EVENT_REL, RESIDUAL_REL, STICK_ONSET_M_S
 
 M1, M2 = PEDESTAL.mass_kg, STATUE.mass_kg
 TOTAL = M1 + M2
@@ -72,10 +72,10 @@ def test_uplift_starts_where_the_overturning_moment_is_balanced(amplitude_g: flo
 @pytest.mark.parametrize(("amplitude_g", "frequency_hz"), CASES)
 def test_stick_onset_and_impact_are_exact(amplitude_g: float, frequency_hz: float) -> None:
     run = shaken(amplitude_g, frequency_hz)
-    halts = run.of_kind(EventKind.STICK_ONSET)
-    assert halts
-    for event in halts:
-        assert abs(event.slip_rate_after_m_s) == HALT_M_S
+    stick_onsets = run.of_kind(EventKind.STICK_ONSET)
+    assert stick_onsets
+    for event in stick_onsets:
+        assert abs(event.slip_rate_after_m_s) == STICK_ONSET_M_S
         assert abs(event.slip_rate_before_m_s) < EVENT_REL
     for event in run.impacts:
         assert event.theta_rad == 0.0

@@ -11,9 +11,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from analytic import Block, Form, Harmonic, Pedestal, Solution, simulate
+from analytic.constants import GRAVITY_M_S2 as GRAVITY
 from tests.budgets_analytic import ENERGY_RISE_REL, STRESS_STEPS_PER_S
-
-GRAVITY = 9.81
 
 
 def tens(low: float, high: float) -> st.SearchStrategy[float]:
@@ -129,7 +128,7 @@ def test_free_motion_never_gains_energy(scene: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("ratio", [0.0, 0.5])
 def test_a_prescribed_ratio_comes_to_rest_on_its_pedestal(ratio: float) -> None:
-    """Each halt of the pedestal lifted the landed statue by rounding, and its landing pushed the pedestal again, without end."""
+    """Each stick onset lifted the landed statue by rounding, and its landing pushed the pedestal again, without end."""
     run = simulate(
         Block.rectangle(width_m=0.1, height_m=1.0),
         Harmonic(0.0, 1.0),

@@ -174,14 +174,14 @@ def main(arguments: Sequence[str]) -> None:
     say("|---|---|---|---|---|---|\n")
     for mechanism in asked:
         without, cost_s = measured(engine, on, MECHANISMS[name][mechanism])
-        dear = cost_s / own_s
-        ratio = without / own * dear
+        costly = cost_s / own_s
+        ratio = without / own * costly
         mean, tenth = (
             float(np.exp(np.mean(np.log(ratio)))),
-            float(np.quantile(without, 0.9) / np.quantile(own, 0.9)) * dear,
+            float(np.quantile(without, 0.9) / np.quantile(own, 0.9)) * costly,
         )
         worth = "yes" if max(mean, tenth) >= WORTH else "no"
-        say(f"| {mechanism} | {mean:.2f} | {tenth:.2f} | {ratio.max():.3g} | {dear:.2f} | {worth} |\n")
+        say(f"| {mechanism} | {mean:.2f} | {tenth:.2f} | {ratio.max():.3g} | {costly:.2f} | {worth} |\n")
         sys.stdout.flush()
 
 

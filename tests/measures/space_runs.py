@@ -15,11 +15,11 @@ from scipy import signal
 
 import analytic
 from analytic import spatial
+from analytic.constants import GRAVITY_M_S2 as GRAVITY
 from analytic.motion import Excitation
 from tests import budgets_spatial as budget
 from tests.analytic.spatial.test_variety import drawn
 
-GRAVITY: Final = 9.81
 BODY: Final = spatial.Body.block(400.0, 0.35, 0.45, 1.1)
 DURATION_S: Final = 10.0
 FRICTIONS: Final = (0.1, 0.2, 0.4, 0.8)

@@ -23,7 +23,7 @@ SHORT = [replace(case, duration_s=2.5 if case.duration_s == 10.0 else 7.0) for c
 def test_scipy_solves_the_same_problem(case: bench.Case) -> None:
     ours, theirs = case.ours(1e-12).theta_rad[1:], bench.scipy_of(case, 1e-10)[0]
     assert np.abs(ours).max() > 0.0
-    assert np.abs(ours - theirs).max() <= budgets.RIVAL_RAD
+    assert np.abs(ours - theirs).max() <= budgets.OTHER_INTEGRATOR_RAD
 
 
 def test_shorter_steps_bring_scipy_to_an_error_that_its_tolerance_does_not() -> None:
@@ -49,13 +49,13 @@ def test_solvers_of_a_case_take_turns_and_keep_their_least_time() -> None:
     assert all(0.0 <= row.seconds < np.inf for row in rows)
 
 
-def test_a_wrong_rival_is_seen() -> None:
+def test_a_wrong_integrator_is_seen() -> None:
     case = SHORT[2]
     assert isinstance(case.motion, Harmonic)
     stiff = Model.of(case.block, case.pedestal, Friction(case.friction.static, 0.9 * case.friction.kinetic))
     amplitude, omega = case.motion.amplitude_m_s2, case.motion.omega_rad_s
     theirs, _ = scipy_run(stiff, lambda t: amplitude * float(np.sin(omega * t)), 0.0, case.at_s, 1e-9, 0.01)
-    assert np.abs(case.ours(1e-12).theta_rad[1:] - theirs).max() > 100.0 * budgets.RIVAL_RAD
+    assert np.abs(case.ours(1e-12).theta_rad[1:] - theirs).max() > 100.0 * budgets.OTHER_INTEGRATOR_RAD
 
 
 def test_heyoka_solves_the_same_problem() -> None:
@@ -64,7 +64,7 @@ def test_heyoka_solves_the_same_problem() -> None:
     assert isinstance(case.motion, Harmonic)
     theirs, steps = heyoka_solver(case.block, case.motion, case.theta0_rad, case.duration_s, 1e-10)()
     assert steps > 0
-    assert abs(theirs[0] - case.ours(1e-12).theta_rad[-1]) <= budgets.RIVAL_RAD
+    assert abs(theirs[0] - case.ours(1e-12).theta_rad[-1]) <= budgets.OTHER_INTEGRATOR_RAD
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
@@ -91,7 +91,7 @@ def test_work_of_an_overturning_map() -> None:
     assert found["two_block_certified"].overturned == found["two_block"].overturned
 
 
-def test_a_missing_rival_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_integrator_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
     def missing(*_: object) -> None:
         raise ImportError("no heyoka here")
 

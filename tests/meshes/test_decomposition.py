@@ -97,7 +97,7 @@ def test_a_damaged_file_is_made_anew(own_folder: Path) -> None:
 
 
 def test_only_the_last_used_files_are_kept(own_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kept, "KEPT", 2)
+    monkeypatch.setattr(kept, "MOST_FILES", 2)
     for number in range(4):
         kept.store(f"parts-{number}", {"counts": np.array([number])})
     assert len(list(own_folder.iterdir())) == 2

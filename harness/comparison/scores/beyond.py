@@ -13,8 +13,8 @@ from harness.model.history import Array
 from harness.model.history_pair import Pair
 from harness.records.scores import AfterHorizon, Apart, PeaksApart
 
-LEAST: Final = 8
-"""Fewer excursions than this have no distribution worth a probability: a quartile would rest on two values."""
+LEAST_VALUES: Final = 8
+"""Fewer values than this have no distribution worth a probability: a quartile would rest on two values."""
 RESAMPLES: Final = 200
 """Resamples for the interval and for what chance alone gives: the 95 % quantile then rests on 10 of them."""
 INSTANTS: Final = 1001
@@ -59,7 +59,7 @@ def _rotation(both: Pair, begin_s: float) -> tuple[Array, Array]:
 
 
 def _peaks(a: Array, b: Array) -> PeaksApart | None:
-    if min(a.size, b.size) >= LEAST:
+    if min(a.size, b.size) >= LEAST_VALUES:
         scores = distributions.compare_distributions(a, b, resamples=RESAMPLES)
         return PeaksApart(
             area_rad=scores.area.value,

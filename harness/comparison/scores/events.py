@@ -164,8 +164,8 @@ def match(time_a: Array, side_a: Side, window_a: Array, time_b: Array, side_b: S
 
     Mutual nearest neighbours on a line never cross, so the order of time is kept.
     """
-    found_a: list[NDArray[np.intp]] = []
-    found_b: list[NDArray[np.intp]] = []
+    indices_a: list[NDArray[np.intp]] = []
+    indices_b: list[NDArray[np.intp]] = []
     for side in (-1, 1):
         ia, ib = np.flatnonzero(side_a == side), np.flatnonzero(side_b == side)
         if ia.size == 0 or ib.size == 0:
@@ -174,10 +174,10 @@ def match(time_a: Array, side_a: Side, window_a: Array, time_b: Array, side_b: S
         mutual = to_a[to_b] == np.arange(ia.size)
         pair_a, pair_b = ia[mutual], ib[to_b[mutual]]
         close = np.abs(time_a[pair_a] - time_b[pair_b]) <= np.minimum(window_a[pair_a], window_b[pair_b])
-        found_a.append(pair_a[close])
-        found_b.append(pair_b[close])
-    a = np.concatenate(found_a) if found_a else np.zeros(0, dtype=np.intp)
-    b = np.concatenate(found_b) if found_b else np.zeros(0, dtype=np.intp)
+        indices_a.append(pair_a[close])
+        indices_b.append(pair_b[close])
+    a = np.concatenate(indices_a) if indices_a else np.zeros(0, dtype=np.intp)
+    b = np.concatenate(indices_b) if indices_b else np.zeros(0, dtype=np.intp)
     order = np.argsort(a, kind="stable")
     return Matched(a[order], b[order], time_a.size - a.size, time_b.size - b.size)
 

@@ -73,6 +73,11 @@ def force_limits(scene: Scene, trajectory: Trajectory, impulses: Impulses) -> di
     normal = (impulses.statue_z[width:] - impulses.statue_z[:-width]) / span
     shear = (impulses.statue_x[width:] - impulses.statue_x[:-width]) / span
     floor = (impulses.floor_z[width:] - impulses.floor_z[:-width]) / span
+    if scene.pedestal is not None:
+        # Along and across its top, where that is tilted.
+        tilt = 0.5 * (trajectory.tilt_rad[width:] + trajectory.tilt_rad[:-width])
+        cos, sin = np.cos(tilt), np.sin(tilt)
+        shear, normal = shear * cos - normal * sin, shear * sin + normal * cos
     held = normal > LEAST_SHARE * scene.statue.mass_kg * scene.gravity_m_s2
     needed = float((np.abs(shear[held]) / normal[held]).max()) if held.any() else 0.0
     return {

@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 CORNERS_ONLY_RAD: Final = 0.3
 """Below this lean a statue on a flat base is taken to touch with its corners only; above it every point is asked."""
 FLAT_M: Final = 1e-9
+"""Vertices within this height of the lowest touch at first: more is no rounding of a mesh."""
 
 
 @dataclass(frozen=True, eq=False)

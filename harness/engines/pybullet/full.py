@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.pybullet import feet
+from harness.engines.pybullet.feet import CACHED_STATUES
 from harness.engines.pybullet.shapes import inset
 from harness.model.scene import Scene, Statue
 from harness.statics.collision_shape import shape_needed
@@ -18,8 +19,6 @@ from meshes.collision import thinned
 Array = NDArray[np.float64]
 Kind = Literal["hull", "parts"]
 
-CACHED_STATUES: Final = 8
-"""Statues whose bodies are remembered: each level of a climb and each amplitude of a search takes the same."""
 HULL_VERTICES: Final = 256
 """Budget of the hull drawn inside: of a scan's several hundred corners those left out stand out by about a millimetre at most."""
 

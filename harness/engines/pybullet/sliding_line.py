@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from harness.engines.event_stepping.domain import SLIDES_M_S
 from harness.engines.event_stepping.rows import ALONE, Row
 from harness.engines.pybullet.world import World
 
-SLIDES_M_S: Final = 1e-3
-"""What is slower than this stands: a solver's remainder."""
 NEAR_M: Final = 1e-4
 """A foot further above its support than this rubs on nothing."""
 IN_LINE_RAD: Final = 3e-4

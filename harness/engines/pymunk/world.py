@@ -10,6 +10,7 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
+from harness.engines.contact.support import FLAT_M
 from harness.engines.pymunk import native
 from harness.engines.pymunk.settings import MunkSettings
 from harness.model.scene import Scene
@@ -18,8 +19,6 @@ Array = NDArray[np.float64]
 
 FLOOR_M: Final = 1000.0
 """Half length of the floor and height of the wall: beyond any table's travel."""
-FLAT_M: Final = 1e-9
-"""Vertices within this height of the lowest touch at first."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from tests.analytic.spatial.reference_body import Case
 
 FRICTIONS: Final = (0.3, 0.4, 0.6, 0.8, 1.0, 2.0)
 SEEDS: Final = (0, 1, 2, 3, 4, 5, 9, 10, 11, 15, 16, 17)
-"""All frictions in turn. Left out: where edges rattle as they slide (7, 8) the reference takes a minute."""
+"""All frictions in turn. Left out: where edges rock by little as they slide (7, 8) the reference takes a minute."""
 DURATION_S: Final = 0.5
 STEP_S: Final = 0.005
 

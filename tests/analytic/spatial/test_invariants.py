@@ -9,9 +9,9 @@ import pytest
 
 import analytic
 from analytic import AnalyticInputError, spatial
+from analytic.constants import GRAVITY_M_S2 as GRAVITY
 from tests.budgets_spatial import AUDIT, IMPULSE, MIRROR
 
-GRAVITY = 9.81
 BODY = spatial.Body.block(400.0, 0.35, 0.45, 1.1)
 DURATION_S = 1.2
 

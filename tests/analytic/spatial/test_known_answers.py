@@ -9,10 +9,10 @@ import pytest
 
 import analytic
 from analytic import spatial
+from analytic.constants import GRAVITY_M_S2 as GRAVITY
 from analytic.spatial.solution import Mode
 from tests import budgets_spatial as budget
 
-GRAVITY = 9.81
 Q = 3.0
 """Height over width of the block of the mode maps."""
 

@@ -9,9 +9,8 @@ import pytest
 
 import analytic
 from analytic import spatial
+from analytic.constants import GRAVITY_M_S2 as GRAVITY
 from tests.budgets_spatial import AUDIT, IMPULSE, PLANAR_RAD
-
-GRAVITY = 9.81
 
 
 def scene(k: int) -> tuple[tuple[float, float, float, float], analytic.Excitation, analytic.Excitation | None]:

@@ -10,10 +10,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from analytic import AnalyticInputError, spatial
+from analytic.constants import GRAVITY_M_S2 as GRAVITY
 from analytic.spatial.kernel.restitution import LEAST_RISE_M
 from tests.budgets_spatial import AUDIT, CLOSED_FORM, IMPULSE
 
-GRAVITY = 9.81
 HALF_M = 0.0524
 CORNERS = [(x * HALF_M, y * HALF_M, z * HALF_M) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
 CUBE = spatial.Body(0.37, 8.1e-4 * np.eye(3), CORNERS)

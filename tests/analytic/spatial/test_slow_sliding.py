@@ -8,9 +8,9 @@ import pytest
 
 import analytic
 from analytic import spatial
+from analytic.constants import GRAVITY_M_S2 as GRAVITY
 from analytic.spatial.kernel.integrator import MOST
 
-GRAVITY: Final = 9.81
 FRICTION: Final = 0.4
 BODY: Final = spatial.Body.block(400.0, 0.35, 0.45, 1.1)
 LONG_S: Final = 2.0

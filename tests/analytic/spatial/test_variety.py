@@ -11,9 +11,9 @@ from scipy.spatial import ConvexHull
 
 import analytic
 from analytic import spatial
+from analytic.constants import GRAVITY_M_S2 as GRAVITY
 from tests import budgets_spatial as budget
 
-GRAVITY: Final = 9.81
 DURATION_S: Final = 1.5
 SEEDS: Final = (0, 1, 2, 3, 4, 5, 6, 8, 9, 11, 12, 14, 15, 17, 18, 21)
 

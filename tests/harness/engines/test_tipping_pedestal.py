@@ -77,3 +77,19 @@ def test_a_pedestal_that_only_tips_has_not_slipped(name: str) -> None:
     assert run.peak_slip_m <= budget.ON_TOP_M
     moved_m = support_m(narrow, run.history.slip_m, run.history.extra)
     assert np.max(np.abs(moved_m)) > 0.9 * narrow.height_m * np.sin(np.max(np.abs(tilt_rad)))
+
+
+def test_the_friction_that_a_statue_needs_is_read_along_its_pedestals_tilted_top() -> None:
+    """With a little more than is needed it stays, with a little less it slides, at its own coefficient."""
+    engine, narrow = ready("pybullet"), Pedestal(100.0, 0.3, 0.5, 0.6)
+
+    def validity(mu_statue: float) -> dict[str, float]:
+        motion = Harmonic(0.6 * GRAVITY_M_S2, 2.0)
+        on = scene(rectangle(0.25, 1.0), motion, pedestal=narrow, mu=1.0, mu_statue=mu_statue, duration_s=1.0)
+        return dict(engine.simulate(on, engine.settings_for_dt(on, 5e-4), RunOptions()).validity)
+
+    needed = validity(2.0)["statue_friction_needed"]
+    assert validity(1.03 * needed)["statue_slip_m"] <= budget.ON_TOP_M
+    sliding = validity(0.95 * needed)
+    assert sliding["statue_slip_m"] > 10.0 * budget.ON_TOP_M
+    assert sliding["statue_friction_needed"] == pytest.approx(0.95 * needed, rel=1e-3)

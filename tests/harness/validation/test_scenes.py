@@ -10,12 +10,12 @@ import pytest
 
 from analytic.excitation import SampledAcceleration
 from harness.model.errors import InputError
+from harness.studies.rocking_spectrum import RING_DOWN_S
 from harness.validation.motions import intensity
 from harness.validation.scenes import (
     BASE_SD_M,
     FRICTION_SD,
     GRAVITY_M_S2,
-    RING_DOWN_S,
     Variant,
     digest_of,
     intensity_of,

@@ -10,14 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reports.charts.histories import drawn_stretches
-from reports.charts.samples import kept_samples
+from reports.charts.samples import shown_samples
 
 
 @settings(max_examples=60, deadline=None)
 @given(st.integers(1, 5000), st.integers(8, 400), st.integers(0, 2**32 - 1))
 def test_extremes_and_ends_stay(count: int, most: int, seed: int) -> None:
     values = np.random.default_rng(seed).standard_normal(count)
-    kept = kept_samples(values, most)
+    kept = shown_samples(values, most)
     assert len(kept) <= max(most, 8)
     assert np.all(np.diff(kept) > 0)
     assert {0, count - 1} <= set(kept.tolist())
@@ -26,14 +26,14 @@ def test_extremes_and_ends_stay(count: int, most: int, seed: int) -> None:
 
 
 def test_a_short_curve_is_drawn_whole() -> None:
-    assert np.array_equal(kept_samples(np.zeros(100), 100), np.arange(100))
+    assert np.array_equal(shown_samples(np.zeros(100), 100), np.arange(100))
 
 
 def test_a_single_sample_spike_survives_in_any_bin() -> None:
     values = np.zeros(100_000)
     for place in (1, 49_999, 99_998):
         values[place] = 1.0
-        assert place in kept_samples(values, 400)
+        assert place in shown_samples(values, 400)
         values[place] = 0.0
 
 
@@ -41,7 +41,7 @@ def test_every_nth_sample_would_lose_the_spike() -> None:
     values = np.zeros(100_000)
     values[49_999] = 1.0
     assert values[::250].max() == 0.0
-    assert values[kept_samples(values, 400)].max() == 1.0
+    assert values[shown_samples(values, 400)].max() == 1.0
 
 
 def test_many_short_stretches_cover_the_same_time() -> None:

@@ -49,9 +49,9 @@ def test_the_verdict_counts_where_the_planar_model_is_too_safe(tmp_path: Path, r
     assert "<td>not asked</td>" in write_report(tmp_path).read_text(encoding="utf-8")
     wrong = ("analytic", 60.0)
     rows = [replace(row, peak_g=0.5) if (row.engine, row.azimuth_deg) == wrong else row for row in record.rows]
-    mended = replace(record, rows=rows)
-    assert effects_verdict(mended).tone == "agree"
-    assert "too safe at 0 of 4" in effects_verdict(mended).headline
+    repaired = replace(record, rows=rows)
+    assert effects_verdict(repaired).tone == "agree"
+    assert "too safe at 0 of 4" in effects_verdict(repaired).headline
 
 
 def test_the_rose_holds_every_direction_of_every_curve(record: EffectsRecord) -> None:

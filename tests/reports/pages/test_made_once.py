@@ -41,7 +41,7 @@ def test_one_state_is_made_once_and_another_again(cache: Path) -> None:
 def test_only_the_newest_states_are_kept(cache: Path) -> None:
     for state in range(5):
         made_once("a", bytes([state]), Maker())
-    assert len(list(cache.iterdir())) == module.KEPT
+    assert len(list(cache.iterdir())) == module.MOST_TEXTS
 
 
 @pytest.mark.parametrize("damage", [b"", b"short", b"word\nother", b"\xff\xfe"])

@@ -11,13 +11,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from analytic import Harmonic
 from harness.model.errors import InputError
 from harness.model.run import write_json
+from harness.model.scene import Pedestal
 from harness.records.assess import Assessment
 from harness.records.base import plain
 from harness.records.kinds import read_result
 from harness.records.run import HorizonRecord
 from harness.records.scores import Verdict as Difference
+from harness.scene_run.scene_run import run_scene, write_result
 from reports.charts.samples import numbers
 from reports.drawing.display_mesh import MOST_FACES
 from reports.pages.conservator import of_run
@@ -27,6 +30,7 @@ from reports.text.wording import run_verdict
 from tests.budgets_reports import DRAWN_RAD, PAGE_BYTES
 from tests.reports.invented_run import write_invented
 from tests.reports.unpacking import unpacked
+from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
 
 
 @pytest.fixture(scope="module")
@@ -291,3 +295,18 @@ def test_a_probability_says_from_how_many_draws_it_is_and_why_from_fewer(folder:
     assert "left out, from 10000 draws." in both
     assert "from 310 draws, as many as its runs make in some two seconds of two cores" in both
     assert "The probability is that of spatial, from 310 draws." in said({"spatial": space})
+
+
+def test_a_pedestal_that_tips_is_not_said_to_slide(tmp_path: Path) -> None:
+    """Tall and narrow, on a floor that holds it: both lean by 0.11 rad as one."""
+    narrow = Pedestal(100.0, 0.3, 0.5, 0.6)
+    motion = Harmonic(0.6 * GRAVITY_M_S2, 2.0)
+    on = scene(rectangle(0.25, 1.0), motion, pedestal=narrow, mu=1.0, mu_statue=2.0, duration_s=0.6)
+    write_result(run_scene(on, ["pymunk"]), tmp_path / "run")
+    source = run_source(tmp_path / "run")
+    tips = re.search(r"The pedestal does not slide, and tips by up to (\S+)\srad", " ".join(run_verdict(source).points))
+    assert tips is not None
+    history = source.histories["pymunk"]
+    until_s = source.runs["pymunk"].no_return_time_s or history.t_s[-1]
+    most_rad = np.max(np.abs(history.extra["pedestal_tilt_rad"][history.t_s <= until_s]))
+    assert float(tips.group(1)) == pytest.approx(most_rad, rel=DRAWN_RAD + 5e-3)

@@ -192,8 +192,8 @@ def test_creep_is_told_from_trembling(scene: Scene, exact: Run) -> None:
     zero = np.zeros_like(calm.t_s)
     slides = History(calm.t_s, calm.theta_rad, zero, 1e-5 * calm.t_s / 10.0, zero)
     assert not checks.creep(scene, spoiled(exact, history=slides, end_s=10.0)).holds
-    shakes = History(calm.t_s, 1e-3 * np.sin(50.0 * calm.t_s), zero, zero, zero)
-    assert not checks.creep(scene, spoiled(exact, history=shakes, end_s=10.0)).holds, "it trembles too much"
+    trembling = History(calm.t_s, 1e-3 * np.sin(50.0 * calm.t_s), zero, zero, zero)
+    assert not checks.creep(scene, spoiled(exact, history=trembling, end_s=10.0)).holds, "it trembles too much"
     part = spoiled(exact, history=still(5e-7), end_s=10.0)
     assert checks.creep(scene, part).holds
     assert not checks.creep(scene, part, share=0.1).holds, "a tenth of the time may drift by a tenth"

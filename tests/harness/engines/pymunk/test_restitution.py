@@ -35,8 +35,8 @@ def ratio(widths: float, restitution: float, patch: pytest.MonkeyPatch) -> float
     theta = -np.array([row[2] for row in rows])
     falls = np.flatnonzero(theta < 0.0)
     returns = np.flatnonzero(theta[falls[0] :] > 0.0)
-    swing = theta[falls[0] :][: returns[0] if returns.size else None]
-    heights = [math.cos(alpha - lean) - math.cos(alpha) for lean in (0.5 * alpha, float(-np.min(swing)))]
+    half_cycle = theta[falls[0] :][: returns[0] if returns.size else None]
+    heights = [math.cos(alpha - lean) - math.cos(alpha) for lean in (0.5 * alpha, float(-np.min(half_cycle)))]
     return math.sqrt(heights[1] / heights[0])
 
 
