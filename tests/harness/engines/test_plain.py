@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -106,6 +107,13 @@ def test_the_coefficient_is_kinetic_after_two_steps_of_the_same_slip() -> None:
     assert followed(friction, slow, fast) == 0.2, "what one step let go may be held again in the next"
     assert followed(friction, fast, slow) == 0.2
     assert followed(friction, (-3e-5, -4e-5), fast) == 0.2, "it was at rest inside the step"
+
+
+@pytest.mark.parametrize("page", ["docs/coverage.md", "docs/scores.md", "reports/templates/run.html.j2"])
+def test_pages_say_that_rule(page: str) -> None:
+    text = (Path(__file__).parents[3] / page).read_text(encoding="utf-8")
+    rule = "kinetic once the pedestal slid the same way at the ends of two steps in a row, else static"
+    assert rule in " ".join(text.split())
 
 
 @pytest.mark.parametrize("name", ["pymunk:plain", "pybullet:plain"])
