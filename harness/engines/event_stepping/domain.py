@@ -1,6 +1,7 @@
 """Where the contact is the one that events are located for: a statue that turns about a corner at rest on an upright pedestal.
 
-Elsewhere the engine makes plain steps, as those of any loop: events inside them are not located, and errors fall at first order.
+Elsewhere steps are those of any loop, and errors fall at first order: of events inside them only a foot that comes down while the
+statue slides is met at its instant.
 """
 
 from __future__ import annotations
