@@ -39,7 +39,7 @@ def start(scene: Scene, feet_m: Array, rest: Rest, axes: Array) -> Body:
     statue, initial = scene.statue, scene.initial
     if initial.pose is not None:
         turn, spin = initial.pose.rotation, np.array(initial.pose.angular_velocity_rad_s)
-        return Body(initial.pose.position_m, quaternion(turn @ axes), initial.pose.velocity_m_s, _triple(turn @ spin))
+        return Body(initial.pose.position_m, quaternion(turn @ axes), initial.pose.velocity_m_s, vector(turn @ spin))
     height = 0.0 if scene.pedestal is None else scene.pedestal.height_m
     centroid = np.array([0.0, 0.0, statue.centroid_height_m])
     rested = feet_m @ rest.rotation.T
@@ -53,10 +53,11 @@ def start(scene: Scene, feet_m: Array, rest: Rest, axes: Array) -> Body:
     place = turned @ centroid + shift
     rate = np.array([0.0, initial.theta_rate_rad_s, 0.0])
     velocity = np.cross(rate, place - (turned_feet_m[pivot] + shift))
-    return Body(_triple(place), quaternion(turned @ axes), _triple(velocity), _triple(rate))
+    return Body(vector(place), quaternion(turned @ axes), vector(velocity), vector(rate))
 
 
-def _triple(values: Array) -> tuple[float, float, float]:
+def vector(values: Array) -> tuple[float, float, float]:
+    """Three numbers of an array, plain."""
     return float(values[0]), float(values[1]), float(values[2])
 
 

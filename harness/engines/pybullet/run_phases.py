@@ -54,7 +54,7 @@ class Setup:
     @property
     def axis(self) -> Vector:
         """The statue's vertical axis in its principal frame."""
-        return _vector(self.axes[2])
+        return pose.vector(self.axes[2])
 
     @property
     def flat(self) -> Setup:
@@ -145,7 +145,7 @@ def _watch(scene: Scene, level: BulletSettings, setup: Setup, options: RunOption
     edges = None
     if scene.pedestal is not None:
         edges = EdgeWatch(setup.hull_m, scene.pedestal.half_m, LOOK_AHEAD_STEPS * level.dt_s, greatest_pull_m_s2(scene))
-    axis, rest = setup.axis, _vector(setup.rest.rotation[:, 2])
+    axis, rest = setup.axis, pose.vector(setup.rest.rotation[:, 2])
     limits = LimitsOfRest.of(scene) if options.allows("quiet_rest") and _may_be_skipped(scene, setup) else None
     return Watch(
         axis=axis,
@@ -250,7 +250,3 @@ def _skipped(
     if rested:
         said.append("quiet_end: the rest of the run, in which statue and table are still")
     return tuple(said)
-
-
-def _vector(values: Array) -> Vector:
-    return float(values[0]), float(values[1]), float(values[2])
