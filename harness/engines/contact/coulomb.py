@@ -63,10 +63,11 @@ class FrictionUsed:
 def friction_is_known(scene: Scene, motion: Trajectory) -> bool:
     """Whether the balance of momentum in the plane tells the floor's friction: on a pedestal that moves in the plane alone.
 
-    Where a ratio is prescribed at impacts, velocities are written there by the harness.
+    Where a ratio is prescribed at impacts, velocities are written there by the harness; a wall pushes along the floor too.
     """
     flat = scene.planar or "yaw_rad" not in motion.extra
-    return scene.pedestal is not None and scene.contact.restitution is None and flat
+    alone = scene.contact.restitution is None and scene.wall is None
+    return scene.pedestal is not None and alone and flat
 
 
 def friction_used(

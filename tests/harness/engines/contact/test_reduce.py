@@ -165,3 +165,11 @@ def test_a_light_friction_under_a_quick_strong_motion_is_read_as_it_acts() -> No
     scene, engine = wide_scene(772_137), load("pymunk")
     run = engine.simulate(scene, engine.settings_for_dt(scene, 4e-3), RunOptions())
     assert run.peak_slip_m > 0.8
+
+
+def test_a_wall_that_stops_a_pedestal_is_no_friction_of_the_floor() -> None:
+    """The pedestal juts out by 0.087 m on the left, and slides into a wall 0.1 m from the statue's base."""
+    free, engine = paestum(mu=(0.20, 0.15), duration_s=1.5), load("pymunk")
+    walled = free.but(wall=Wall("left", 0.1))
+    runs = [engine.simulate(each, engine.settings_for_dt(each, 1e-3), RunOptions()) for each in (free, walled)]
+    assert abs(runs[1].peak_theta_rad) > 2.0 * abs(runs[0].peak_theta_rad)
