@@ -38,7 +38,7 @@ Progress = Callable[[int, int], None]
 class Ensemble:
     """Outcomes of many runs, each array of the sweep's shape; times are NaN where nothing of the kind happened.
 
-    codes index OUTCOMES; steps counts the integration steps of each run.
+    codes index OUTCOMES; steps counts the integration steps of each run; left_domain_s is NaN too where it was not asked.
     """
 
     codes: NDArray[np.int64]
@@ -47,6 +47,7 @@ class Ensemble:
     peak_slip_m: NDArray[np.float64]
     overturn_time_s: NDArray[np.float64]
     no_return_time_s: NDArray[np.float64]
+    left_domain_s: NDArray[np.float64]
     impacts: NDArray[np.int64]
     steps: NDArray[np.int64]
 
@@ -97,6 +98,7 @@ def ensemble(
     motion_z: Excitation | None = None,
     *,
     sweep: Mapping[str, ArrayLike],
+    domain: bool = False,
     threads: int | None = None,
     progress: Progress | bool = False,
     **keywords: Unpack[Keywords],
@@ -105,6 +107,7 @@ def ensemble(
 
     sweep: arrays by name (SWEEPABLE) that broadcast against each other, their common shape being the result's: amplitude_m_s2,
     frequency_hz and phase_rad replace those of a harmonic or sine motion_x, scale and vertical_scale multiply the motions.
+    domain: tell when each run left the model's domain (the pedestal tips, contact is lost), at the cost of looking at its forces.
     threads: None for all cores; the result does not depend on it. progress: a callback, or True for a bar. keywords: those of
     ``simulate`` that decide an outcome. Raises AnalyticInputError for unknown names and numbers that cannot be run.
     """
@@ -112,7 +115,7 @@ def ensemble(
     strange = sorted(set(keywords) - _KEYWORDS)
     if strange:
         raise AnalyticInputError(f"ensemble: keywords of simulate are wanted, {', '.join(strange)} came.")
-    outcome_only: Keywords = {"accuracy_rad": ACCURACY_RAD, **keywords, "dt_s": None, "validity": False}
+    outcome_only: Keywords = {"accuracy_rad": ACCURACY_RAD, **keywords, "dt_s": None, "validity": domain}
     rows = _rows(*stated(block, motion_x, motion_z, outcome_only), flat)
     size = math.prod(shape)
     out = Out.of(size)
@@ -129,6 +132,7 @@ def ensemble(
         peak_slip_m=shaped(out.results["peak_slip_m"]),
         overturn_time_s=overturn_time_s,
         no_return_time_s=np.where(np.isfinite(overturn_time_s), no_return_time_s, np.nan),
+        left_domain_s=shaped(out.results["left_domain_s"]) if domain else np.full(shape, np.nan),
         impacts=shaped(out.counts["impacts"]),
         steps=shaped(out.counts["steps"]),
     )

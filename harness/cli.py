@@ -201,14 +201,14 @@ def options_without(no_skip: Sequence[str] | None) -> RunOptions:
 
 def summary(result: Result) -> str:
     """The result in a few lines of plain words."""
-    from harness.records.assess import draws_of, planar_alone
+    from harness.records.assess import draws_of, not_answered
     from harness.records.witness import sentences as witness_sentences
 
     lines = [result.scene.title]
     draws = draws_of(result.assessment)
     lines += [f"  {name}: the statue {item.sentence}; {draws[name]}" for name, item in result.assessment.items()]
     file = None if result.scene.source is None else str(result.scene.source)
-    lines += [f"  {text}" for text in planar_alone(result.assessment, file)]
+    lines += [f"  {text}" for text in not_answered(result.assessment, file, pedestal=result.scene.pedestal is not None)]
     answered = [run for run in result.runs.values() if not run.outcome.failed]
     outcomes = sorted({run.outcome for run in answered})
     if len(result.runs) > 1 and outcomes:

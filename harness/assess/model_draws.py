@@ -43,6 +43,7 @@ class ModelDraws(NamedTuple):
     """What the model says of each draw, shape (n,): whether it decides, whether the statue overturns, peak |θ| over α, peak slip.
 
     A draw that is not decided (still beyond α at the end, or outside the model's domain) did not overturn in the time computed.
+    On a pedestal also one in which that tips, or contact is lost, before a fall is decided: the model knows nothing of then.
     """
 
     decided: Flags
@@ -98,9 +99,12 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
         scene.base_excitation.x,
         scene.base_excitation.z,
         sweep=sweep or {"mass_kg": [scene.statue.mass_kg]},
+        domain=scene.pedestal is not None,
         **options,
     )
-    stands, over = swept.outcomes == Outcome.STANDS, swept.overturned
+    # Past its instant of no return a statue that falls falls, whatever its pedestal does then.
+    known = ~(swept.left_domain_s < np.where(swept.overturned, swept.no_return_time_s, np.inf))
+    stands, over = known & (swept.outcomes == Outcome.STANDS), known & swept.overturned
     height = sweep.get("centroid_height_m", scene.statue.centroid_height_m)
     left = sweep.get("corner_left_m", scene.statue.corner_left_m)
     alpha = np.arctan(np.minimum(left, sweep.get("corner_right_m", scene.statue.corner_right_m)) / height)

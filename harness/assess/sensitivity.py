@@ -67,7 +67,7 @@ def fragility(scene: Scene, inputs: Sequence[Uncertain], seed: int, count: int =
 def fragility_of(
     factors: Sequence[float], counts: Sequence[tuple[int, int, int]], model: str = "analytic"
 ) -> FragilityRecord:
-    """The fragility by counts at each factor: draws that fall, that come to no end, and all."""
+    """The fragility by counts at each factor: draws that fall, without an answer, and all."""
     falls = [fell / size for fell, _, size in counts]
     none = [wilson(fell, size, LEVEL) for fell, _, size in counts]
     every = [wilson(fell + undecided, size, LEVEL) for fell, undecided, size in counts]

@@ -9,14 +9,15 @@ from harness.assess.by_model import MODEL
 from harness.assess.options import FLOOR, TURNED
 from harness.assess.plan import PLANAR_DEG
 from harness.records.assess import (
+    MOSTLY,
     Assessment,
     AssessRecord,
     ClearanceRecord,
     FragilityRecord,
     OptionAnswer,
     OptionsRecord,
+    not_answered,
     percent,
-    planar_alone,
 )
 
 CLEAR: Final = 0.95
@@ -35,7 +36,10 @@ def summary(record: AssessRecord) -> str:
             lines.append(f"  {name:{width}}  {item.sentence}; {item.engine_runs} runs")
         elif item is not None:
             lines.append(f"  {name:{width}}  not here: {item.message}")
-    lines += [f"  {text}" for text in planar_alone(record.answers, record.scene.file)]
+    lines += [
+        f"  {text}"
+        for text in not_answered(record.answers, record.scene.file, pedestal=record.scene.pedestal is not None)
+    ]
     if record.assumed:
         assumed = ", ".join(f"{item.key} ({item.kind}, {item.width:g})" for item in record.uncertainty)
         lines.append(f"  note: the scene has no table [uncertainty]; assumed are {assumed}")
@@ -58,7 +62,7 @@ def reserve(item: FragilityRecord, plane_only: bool = False) -> str:
     reached = [asked for asked, factor in item.factor_at.items() if factor is not None]
     each = _listed([_factor(item, asked) for asked in reached])
     open_ = max(item.undecided, default=0.0)
-    counted = f" Draws without an end, up to {percent(open_)} %, fall in the lower factor and stand in the higher."
+    counted = f" Draws without an answer, up to {percent(open_)} %, fall in the lower factor and stand in the higher."
     after = counted if open_ else ""
     if plane_only and item.model == MODEL:
         said = "In the rocking plane alone a fall is"
@@ -91,7 +95,7 @@ def room(item: ClearanceRecord) -> str:
         f"; in {name} only {each.standing} of {each.draws} draws stand, too few to tell" for name, each in few.items()
     )
     silent += "".join(
-        f"; left out are draws of {name} that come to no end, {each.undecided} of {each.draws}"
+        f"; left out are draws of {name} without an answer, {each.undecided} of {each.draws}"
         for name, each in item.by_model.items()
         if each.undecided
     )
@@ -150,6 +154,8 @@ def _claim(own: OptionAnswer, floor: OptionAnswer) -> str:
     """Whether a pedestal that slides protects: the paper's claim, answered by this statue on the floor."""
     falls = f"on the floor it falls in {percent(floor.probability_overturned)} %"
     falls += f", on its pedestal in {percent(own.probability_overturned)} %"
+    if own.undecided > MOSTLY:
+        return f"Whether its pedestal protects this statue is not told: in {percent(own.undecided)} % the model has no answer."
     if not own.slip_high_m:
         return f"The pedestal does not slide, and so protects nothing by it: {falls}."
     if floor.harms:

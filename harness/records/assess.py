@@ -14,12 +14,13 @@ from harness.records.scene import SceneRecord
 from harness.records.scores import Interval
 
 MOSTLY: Final = 0.5
-"""Where more draws than this come to no end, the share that falls is no headline."""
+"""Where more draws than this have no answer, the share that falls is no headline."""
 
 
 @dataclass(frozen=True)
 class Assessment:
-    """One model's probability of overturning over the draws; `undecided` is the share that came to no end, or failed.
+    """One model's probability of overturning over the draws; `undecided` is the share without an answer: it came to no
+    end, failed, or left what the model knows (its pedestal tips, contact is lost) before a fall was decided.
 
     `plane_only`: the scene is shaken across the rocking plane too, of which this model knows nothing.
     """
@@ -35,21 +36,21 @@ class Assessment:
 
     @property
     def most(self) -> float:
-        """The upper end of the interval were every draw that came to no end a fall."""
+        """The upper end of the interval were every draw without an answer a fall."""
         return min(self.high + self.undecided, 1.0)
 
     @property
     def sentence(self) -> str:
-        """`falls in 40 % of what may be true (39 to 41 %)`; says where a model came to no end, for that is no standing."""
+        """`falls in 40 % of what may be true (39 to 41 %)`; says where a model has no answer, for that is no standing."""
         if self.undecided >= 1.0:
-            return "may fall or stand: the model comes to no end in anything that may be true"
+            return "may fall or stand: the model has no answer in anything that may be true"
         low, high = percent(self.low), percent(self.high)
         falls, open_ = f"falls in {percent(self.probability_overturned)} %", f"in {percent(self.undecided)} %"
         if self.undecided > MOSTLY:
-            said = f"may fall or stand: {open_} of what may be true the model comes to no end; it {falls} ({low} to {high} %)"
+            said = f"may fall or stand: {open_} of what may be true the model has no answer; it {falls} ({low} to {high} %)"
         else:
             said = f"{falls} of what may be true ({low} to {high} %)"
-            said += f", and {open_} the model comes to no end" if self.undecided else ""
+            said += f", and {open_} the model has no answer" if self.undecided else ""
         return said + (", the shaking across its plane left out" if self.plane_only else "")
 
 
@@ -70,12 +71,22 @@ def draws_of(answers: Mapping[str, Assessment]) -> dict[str, str]:
     return {name: f"{item.draws} draws{fewer if item.draws < most else ''}" for name, item in answers.items()}
 
 
-def planar_alone(answers: Mapping[str, Assessment], file: str | None) -> list[str]:
-    """What is said where every answer leaves the shaking across the plane out: that, and the command that knows it."""
-    if not answers or not all(item.plane_only for item in answers.values()):
-        return []
-    said = "The scene is shaken across the rocking plane too: that shaking is in none of these probabilities. In space"
-    return [f"{said}: {command_in_space(file)} (pybullet's own runs, stratified by the planar model)."]
+def not_answered(answers: Mapping[str, Assessment], file: str | None, *, pedestal: bool) -> list[str]:
+    """What is said where every answer leaves out the shaking across the plane, or most of what may be true on a pedestal: that,
+    and the command that knows it.
+    """
+    said: list[str] = []
+    if not answers:
+        return said
+    if all(item.plane_only for item in answers.values()):
+        across = (
+            "The scene is shaken across the rocking plane too: that shaking is in none of these probabilities. In space"
+        )
+        said.append(f"{across}: {command_in_space(file)} (pybullet's own runs, stratified by the planar model).")
+    if pedestal and all(item.undecided > MOSTLY for item in answers.values()):
+        tips = "The model has no answer where the pedestal itself tips. A contact engine follows that"
+        said.append(f"{tips}: rockcheck assess {file or 'SCENE'} -e analytic -e pymunk.")
+    return said
 
 
 def command_in_space(file: str | None) -> str:
@@ -104,7 +115,7 @@ class ProbabilityDifference:
 class FragilityRecord:
     """Probability of overturning by a factor on the whole motion, and the factor at which it reaches some (None: never).
 
-    `low` and `high` are its interval (90 %) at each factor: a draw that comes to no end (share: `undecided`) stands in the low,
+    `low` and `high` are its interval (90 %) at each factor: a draw without an answer (share: `undecided`) stands in the low,
     falls in the high. `soonest_at` and `latest_at` are the factors by the high and the low.
     """
 
@@ -203,7 +214,7 @@ class ClearanceByModel:
     """How far, m, the outline, the middle of its top and the pedestal go beyond where they are at rest, by direction seen from
     above, anticlockwise from the statue's right: a row of quantiles for each `share` of the `standing` draws.
 
-    A planar model has two directions; without any too few draws stand. Draws that come to no end are `undecided`, and left out.
+    A planar model has two directions; without any too few draws stand. Draws without an answer are `undecided`, and left out.
     """
 
     draws: int

@@ -16,8 +16,8 @@ from harness.records.assess import (
     FragilityRecord,
     Index,
     ProbabilityDifference,
+    not_answered,
     percent,
-    planar_alone,
 )
 from reports.charts import Json
 from reports.charts.figure import axis, band, curve, figure
@@ -61,7 +61,7 @@ def assess_verdict(record: AssessRecord) -> Verdict:
     # What knows all of the shaking speaks first; the most probable fall decides the colour.
     first = next((name for name, item in answers.items() if not item.plane_only), next(iter(answers)))
     points = [f"{name}: {item.sentence}." for name, item in answers.items()] if len(answers) > 1 else []
-    points += planar_alone(answers, record.scene.file)
+    points += not_answered(answers, record.scene.file, pedestal=record.scene.pedestal is not None)
     if record.options is not None:
         points.append(advice(record.options)[0])
     if record.clearance is not None:

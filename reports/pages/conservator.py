@@ -22,6 +22,7 @@ from reports.source import RunSource, source_of
 from reports.text.chance import worse_tone, worst
 from reports.text.giving_way import support_of
 from reports.text.language import ENGLISH, Language
+from reports.text.limits import TIPS_RAD, tilt_rad
 from reports.text.wording import AT_REST_RAD, horizon_s, motion_given, prediction_s
 
 VISIBLE_M: Final = 1e-4
@@ -169,7 +170,11 @@ def _pedestal_slip(source: RunSource, answered: Mapping[str, EngineRunRecord], s
     if source.scene.pedestal is None or not answered:
         return []
     most = max(run.peak_slip_m for run in answered.values())
-    return [say("run.slides", length=say.length(most)) if most > VISIBLE_M else say("run.put")]
+    tilt = max(tilt_rad(run, source.histories.get(name)) for name, run in answered.items())
+    tips = [say("run.tips", degrees=say.digits(math.degrees(tilt), 2))] if tilt > TIPS_RAD else []
+    if most > VISIBLE_M:
+        return [say("run.slides", length=say.length(most)), *tips]
+    return tips or [say("run.put")]
 
 
 def _trust(source: RunSource, say: Language) -> list[str]:

@@ -27,6 +27,8 @@ FOLLOWED: Final[Mapping[str, str]] = {
 }
 """Limits that a history follows, with its column: there the part before the outcome was decided can be told."""
 
+TIPS_RAD: Final = 1e-3
+"""A pedestal that tips by more is said to."""
 CHANGES: Final = "It changes the answer"
 KNOWN: Final = "It should be known"
 RECORD: Final = "For the record"
@@ -87,6 +89,12 @@ def before_fall(run: EngineRunRecord, history: History | None) -> dict[str, floa
             start = float(values[0]) if key == "yaw_rad" else 0.0
             rows[key] = float(np.max(np.abs(values[upright] - start)))
     return rows
+
+
+def tilt_rad(run: EngineRunRecord, history: History | None) -> float:
+    """The pedestal's largest tilt, of a statue that falls until it passes its balance point; 0 for a model that has none."""
+    until, whole = before_fall(run, history), run.validity.get("pedestal_tilt_rad")
+    return until.get("pedestal_tilt_rad", whole if isinstance(whole, float) else 0.0)
 
 
 def fall_times(source: RunSource) -> str:

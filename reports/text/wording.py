@@ -11,14 +11,14 @@ import numpy as np
 
 from harness.model.history import Array, History, Outcome
 from harness.model.tilted import support_m
-from harness.records.assess import draws_of, planar_alone
+from harness.records.assess import draws_of, not_answered
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scores import ROBUST
 from reports.drawing.kinematics import section
 from reports.source import RunSource
 from reports.text.chance import tone_of_outcomes, worse_tone, worst
 from reports.text.language import ENGLISH
-from reports.text.limits import before_fall
+from reports.text.limits import TIPS_RAD, tilt_rad
 from reports.text.numbers import angle, length, spread, unit
 from reports.text.study_rows import family
 
@@ -28,8 +28,6 @@ AT_REST_RAD: Final = 1e-5
 """Rotations below this are the give of a contact engine at rest (some 0.01 mm at the top of a statue of one metre)."""
 STUCK_M: Final = 1e-5
 """The same for the slip of a pedestal."""
-TIPS_RAD: Final = 1e-3
-"""A pedestal that tips by more is said to."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +54,7 @@ def run_verdict(source: RunSource) -> Verdict:
     each = [f"By {name} it {other.sentence}, from {draws[name]}." for name, other in answers.items()]
     if len(answers) == 1:
         each = [f"The probability is that of {name}, from {draws[name]}." for name in answers]
-    beyond = planar_alone(answers, source.scene.file)
+    beyond = not_answered(answers, source.scene.file, pedestal=source.scene.pedestal is not None)
     points = [*each, *beyond, given, *nominal.points]
     return Verdict(f"The statue {item.sentence}", worse_tone(answers, nominal.tone), points)
 
@@ -212,16 +210,10 @@ def _slip(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> list[st
     low, high = length(min(peaks)), length(max(peaks))
     much = low if low == high else f"{low} to {high}, depending on the model"
     slides = "does not slide" if max(peaks) < STUCK_M else f"slides by at most {much}"
-    tilts = {name: _tilt_rad(run, source.histories.get(name)) for name, run in answered.items()}
+    tilts = {name: tilt_rad(run, source.histories.get(name)) for name, run in answered.items()}
     most = max(tilts, key=lambda name: tilts[name])
     tips = f", and tips by up to {angle(tilts[most])} in {most}" if tilts[most] > TIPS_RAD else ""
     return [f"The pedestal {slides}{tips}."]
-
-
-def _tilt_rad(run: EngineRunRecord, history: History | None) -> float:
-    """The pedestal's largest tilt, of a statue that falls until it passes its balance point; 0 for a model that has none."""
-    until, whole = before_fall(run, history), run.validity.get("pedestal_tilt_rad")
-    return until.get("pedestal_tilt_rad", whole if isinstance(whole, float) else 0.0)
 
 
 def _scores(record: RunRecord) -> list[str]:

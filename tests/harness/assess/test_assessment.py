@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analytic import Pulse
+from analytic import Harmonic, Pulse
 from harness import engines
 from harness.assess.assessment import assess
 from harness.assess.by_model import assess_models
@@ -18,11 +18,11 @@ from harness.assess.variation import varied
 from harness.assess.words import summary
 from harness.input.scene_file import load_scene
 from harness.model.options import RunOptions
-from harness.model.scene import BaseExcitation
-from harness.records.assess import NotAssessed, planar_alone
+from harness.model.scene import BaseExcitation, Pedestal
+from harness.records.assess import NotAssessed, not_answered
 from reports.text.chance import tone_of_answers, worse_tone
 from tests import budgets_assess as budget
-from tests.scenes_for_tests import PAESTUM, paestum, rectangle, scene
+from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, rectangle, scene
 
 SCENES = Path(__file__).parents[3] / "scenes"
 SINGLES = 40
@@ -98,12 +98,12 @@ def test_a_push_across_the_plane_is_the_exact_bodys_to_answer_and_never_green() 
     across = on_pedestal.but(base_excitation=excitation)
     alone = assess_models(across, draws=20)
     assert list(alone) == ["analytic"]
-    said = planar_alone(alone, "mine.toml")
+    said = not_answered(alone, "mine.toml", pedestal=True)
     assert len(said) == 1
     assert "shaken across the rocking plane too" in said[0]
     assert "rockcheck assess mine.toml -e analytic -e pybullet" in said[0]
     assert said[0] in summary(replace(record, assessment=alone, scene=replace(record.scene, file="mine.toml")))
-    assert not planar_alone(answers, "mine.toml"), "the exact body answers the other"
+    assert not not_answered(answers, "mine.toml", pedestal=True), "the exact body answers the other"
 
 
 def test_an_assumed_strength_is_the_files_own(tmp_path: Path) -> None:
@@ -113,3 +113,31 @@ def test_an_assumed_strength_is_the_files_own(tmp_path: Path) -> None:
     weak = load_scene(tmp_path / "weak.toml")
     assert {item.key: item.value for item in uncertain_inputs(weak)}["motion.scale"] == 0.2
     assert assess_models(weak, draws=200)["analytic"].probability_overturned == 0.0
+
+
+def test_draws_in_which_the_pedestal_tips_have_no_answer() -> None:
+    """The model holds a tall pedestal upright: of what its statue does on one that tips it knows nothing, fall or stand."""
+    motion = Harmonic(0.24 * GRAVITY_M_S2, 1.2)
+    tall = scene(rectangle(0.25, 1.0), motion, pedestal=Pedestal(80.0, 0.35, 0.35, 1.1), mu=0.6, duration_s=2.0)
+    found = assess_models(tall)["analytic"]
+    assert found.undecided > 0.99
+    assert found.probability_overturned < 0.001
+    assert found.sentence.startswith("may fall or stand: ")
+    assert "where the pedestal itself tips" in not_answered({"analytic": found}, "tall.toml", pedestal=True)[0]
+    low = assess_models(tall.but(pedestal=Pedestal(80.0, 1.0, 1.0, 0.2)))["analytic"]
+    assert low.undecided < 0.1
+    assert not not_answered({"analytic": low}, "low.toml", pedestal=True)
+
+
+def test_the_domain_of_an_ensemble_is_that_of_single_runs() -> None:
+    on = scene(rectangle(0.25, 1.0), Harmonic(0.24 * GRAVITY_M_S2, 1.2), pedestal=Pedestal(80.0, 0.5, 0.5, 0.7), mu=0.6)
+    on, model = on.but(duration_s=2.0), engines.load("analytic")
+    draws = draw(uncertain_inputs(on), SINGLES, seed=3)
+    swept, left = model_draws(on, draws), 0
+    for k in range(SINGLES):
+        single = varied(on, row(draws, k))
+        run = model.simulate(single, model.refinement_levels(single)[0], RunOptions(history=False))
+        known = run.validity["left_domain_s"] is None
+        left += not known
+        assert swept.decided[k] is np.bool_(known and run.outcome.fell is not None)
+    assert 0 < left < SINGLES, "the draws should be of both kinds"

@@ -97,7 +97,7 @@ def test_draws_without_an_end_are_no_standing_ones() -> None:
     assert abs(answer.undecided - int((~model.decided).sum())) <= 2, "the sweep is coarser"
     assert abs(answer.standing - int((model.decided & ~model.overturned).sum())) <= 2
     told = room(ClearanceRecord(1.46, rest_outline_m(cut.statue).tolist(), {"analytic": answer}))
-    assert f"left out are draws of analytic that come to no end, {answer.undecided} of 60" in told
+    assert f"left out are draws of analytic without an answer, {answer.undecided} of 60" in told
 
 
 def test_a_run_counts_for_what_it_stands_for() -> None:

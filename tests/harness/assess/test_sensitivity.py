@@ -110,10 +110,10 @@ def test_draws_without_an_end_stand_at_one_edge_of_the_fragility_and_fall_at_the
         assert soonest is not None
         assert soonest < (decided.soonest_at[asked] or 0.0)
     assert reserve(decided).startswith("Reserve: a fall is as probable as 5 % at 1.09 (")
-    assert "without an end" not in reserve(decided)
+    assert "without an answer" not in reserve(decided)
     told = reserve(some_open)
     assert told.startswith("No reserve is shown: "), "at today's strength a fifth of the draws may fall"
-    assert told.endswith("Draws without an end, up to 30 %, fall in the lower factor and stand in the higher.")
+    assert told.endswith("Draws without an answer, up to 30 %, fall in the lower factor and stand in the higher.")
 
 
 def test_what_no_strength_decides_is_no_reserve() -> None:

@@ -38,17 +38,17 @@ def test_green_needs_a_fall_that_is_improbable_and_known_to_be(p: float, high: f
 
 def test_draws_without_an_end_are_said_and_are_no_reason_for_green() -> None:
     half = replace(answer(0.0, 0.0, 0.01), undecided=0.5)
-    assert half.sentence.endswith("(0 to 1 %), and in 50 % the model comes to no end")
+    assert half.sentence.endswith("(0 to 1 %), and in 50 % the model has no answer")
     assert tone_of_probability(half) == "differ"
     most = replace(half, undecided=0.9)
     assert (
         most.sentence
-        == "may fall or stand: in 90 % of what may be true the model comes to no end; it falls in 0 % (0 to 1 %)"
+        == "may fall or stand: in 90 % of what may be true the model has no answer; it falls in 0 % (0 to 1 %)"
     )
     none = replace(half, undecided=1.0)
     assert worse_tone({"analytic": none}, "agree") == "differ"
     assert "0 %" not in none.sentence
-    assert "comes to no end in anything that may be true" in none.sentence
+    assert "has no answer in anything that may be true" in none.sentence
 
 
 def test_the_most_probable_fall_decides_the_colour() -> None:
