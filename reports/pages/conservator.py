@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from analytic.results import LEFT_BY
 from harness.model.history import Outcome
 from harness.model.tilted import support_m
 from harness.records.assess import MOSTLY, Assessment, percent
@@ -38,7 +39,7 @@ def context(folder: Path, record: RunRecord, say: Language = ENGLISH) -> dict[st
 
 def of_run(source: RunSource, say: Language = ENGLISH) -> dict[str, object]:
     """Headline, points and pictures of one run."""
-    answered = {name: run for name, run in source.runs.items() if not run.outcome.failed}
+    answered = {name: run for name, run in source.runs.items() if _answers(run)}
     headline, tone, points = _answer(source, *_nominal(source, answered, say), say)
     scene, motion = source.scene, source.record.motion
     support = support_of(scene)
@@ -50,6 +51,14 @@ def of_run(source: RunSource, say: Language = ENGLISH) -> dict[str, object]:
         "points": [*points, *said, *_trust(source, say)],
         "pictures": [*pictures, order_picture(scene, support, say, motion)],
     }
+
+
+def _answers(run: EngineRunRecord) -> bool:
+    """Whether a run tells what happens: one that holds upright a pedestal that tips, before a fall is decided, does not."""
+    tips = run.validity.get("left_domain_by") == LEFT_BY[-1]
+    left_s = run.validity.get("left_domain_s") if tips else None
+    decided_s = math.inf if run.no_return_time_s is None else run.no_return_time_s
+    return not run.outcome.failed and not (isinstance(left_s, float) and left_s < decided_s)
 
 
 def _answer(source: RunSource, nominal: str, colour: str, say: Language) -> tuple[str, str, list[str]]:
@@ -143,7 +152,8 @@ def _begun(word: str) -> str:
 
 
 def _standing(source: RunSource) -> list[str]:
-    return [name for name in source.histories if source.runs[name].outcome == Outcome.STANDS]
+    known = (name for name in source.histories if _answers(source.runs[name]))
+    return [name for name in known if source.runs[name].outcome == Outcome.STANDS]
 
 
 def _lean(source: RunSource, say: Language) -> list[str]:

@@ -44,6 +44,12 @@ class Told:
         run: EngineRunRecord = self.source.runs["analytic"]
         return run
 
+    @property
+    def answers(self) -> bool:
+        """Whether the model, which holds its pedestal upright, knows how this ends."""
+        tips = self.run.validity["left_domain_by"] == "the pedestal itself tips"
+        return not tips or self.run.validity["left_domain_s"] >= (self.run.no_return_time_s or math.inf)
+
     def words(self, heading: str) -> str:
         return " ".join(text for item in self.said["pictures"] if heading in item.heading for text in item.words)
 
@@ -78,7 +84,7 @@ def test_the_scenes_are_varied(told: list[Told]) -> None:
     assert sum(not isinstance(item.scene.base_excitation.y, ZeroExcitation) for item in told) >= 5
     assert any("nothing moves" in note for item in told for note in item.source.record.notes)
     assert any("no model asked moves" in note for item in told for note in item.source.record.notes)
-    assert {bool(item.scene.pedestal) for item in told} == {True, False}
+    assert {bool(item.scene.pedestal) for item in told} == {item.answers for item in told} == {True, False}
 
 
 def test_green_is_a_statue_that_stays_upright(told: list[Told]) -> None:
@@ -90,8 +96,16 @@ def test_green_is_a_statue_that_stays_upright(told: list[Told]) -> None:
         assert ("falls" in item.said["headline"]) is item.run.outcome.overturned, item.seed
 
 
-def test_no_shaking_is_said_of_a_still_floor(told: list[Told]) -> None:
+def test_a_model_that_holds_a_tipping_pedestal_upright_tells_no_end(told: list[Told]) -> None:
     for item in told:
+        assert ("No model could compute" in item.said["headline"]) is not item.answers, item.seed
+        assert item.answers or not any(
+            words in item.text for words in ("stays upright.", "leans", "stays put", "does not rock")
+        )
+
+
+def test_no_shaking_is_said_of_a_still_floor(told: list[Told]) -> None:
+    for item in (each for each in told if each.answers):
         base_excitation = item.scene.base_excitation
         moves = not all(
             isinstance(part, ZeroExcitation) for part in (base_excitation.x, base_excitation.y, base_excitation.z)
@@ -202,7 +216,7 @@ def test_the_hint_is_the_least_that_moves_the_statue(told: list[Told]) -> None:
 
 def test_leans_and_slips_are_those_of_the_history(told: list[Told]) -> None:
     seen = 0
-    for item in told:
+    for item in (each for each in told if each.answers):
         history, statue = item.source.histories["analytic"], item.scene.statue
         lean = re.search(r"leans (\S+)°, which is (?:(\d+) % of the way to|past)", item.text)
         assert bool(lean) is (item.run.outcome == Outcome.STANDS and float(np.abs(history.theta_rad).max()) > 1e-5)

@@ -11,10 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from analytic import Harmonic
+from harness.model.scene import Pedestal
 from harness.records.assess import Assessment
 from harness.records.kinds import read_result
 from harness.records.run import RunRecord
 from harness.records.study import SupportRecord
+from harness.scene_run.scene_run import run_scene, write_result
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import floor_plan
 from reports.drawing.kinematics import section
@@ -37,6 +40,7 @@ from reports.text.study_rows import conditions
 from tests.budgets_reports import PUSH, SHADOW_SHARE
 from tests.reports.invented_run import write_invented
 from tests.reports.invented_study import study, write_map_study, write_table_study
+from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
 
 JARGON = ("rad", "kHz", "μ", "horizon", "integrat", "slenderness", "restitution", "theta", "θ")
 
@@ -305,3 +309,18 @@ def test_where_it_stands_in_no_model_no_room_is_drawn(tmp_path: Path) -> None:
     source = run_source(write_invented(tmp_path))
     assert set(floor_plan(source, list(source.histories)).room_m) >= {"left", "right"}
     assert floor_plan(source, []).room_m == {}
+
+
+def test_a_model_that_holds_upright_a_pedestal_that_tips_gives_no_answer(tmp_path: Path) -> None:
+    motion = Harmonic(0.24 * GRAVITY_M_S2, 1.2)
+    tall = scene(rectangle(0.25, 1.0), motion, pedestal=Pedestal(80.0, 0.35, 0.35, 1.1), mu=0.6, duration_s=2.0)
+    said = {}
+    for name, models in (("alone", ["analytic"]), ("beside", ["analytic", "pymunk"])):
+        write_result(run_scene(tall, models), tmp_path / name)
+        said[name] = of_run(run_source(tmp_path / name))
+    alone, beside = (" ".join([str(each["headline"]), *each["points"]]) for each in said.values())
+    assert alone.startswith("No model could compute what happens")
+    assert "does not rock" not in alone
+    assert "stays put" not in alone + beside
+    assert "Only one computer model gave an answer. One model gave no answer." in beside
+    assert re.search(r"Its pedestal itself tips, with the statue on it, by up to [4-7]\.?\d?°", beside)
