@@ -77,7 +77,8 @@ def _answer(source: RunSource, nominal: str, colour: str, say: Language) -> tupl
     points = [say("chance.cases"), *open_, *([" ".join(plane)] if plane else []), given]
     if item.undecided > MOSTLY:
         share = _share(item.probability_overturned, say)
-        return say("chance.open"), tone, [say("chance.mostly_open", share=share), *points]
+        least = [say("chance.mostly_open", share=share)] if item.probability_overturned > 0.0 else []
+        return say("chance.open"), tone, [*least, *points]
     return _falls(item, say), tone, points
 
 

@@ -277,6 +277,12 @@ def test_the_few_draws_that_ended_are_no_headline(tmp_path: Path) -> None:
     assert page["headline"] == "No answer was reached: the statue may fall or stand"
     assert page["tone"] == "differ"
     assert "The statue falls in at least 0.26 of 100 possible cases." in page["points"]
+    none = of_run(
+        replace(
+            source, record=replace(source.record, assessment={"analytic": replace(few, probability_overturned=0.0)})
+        )
+    )
+    assert "at least" not in " ".join(none["points"])
     assert not re.search("analytic|pymunk|pybullet|rockcheck", spoken(page)), "an engineer's command"
 
 
