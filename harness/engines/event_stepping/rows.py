@@ -53,14 +53,16 @@ def base_velocity(half_m: Vector, places: Row, row: Row) -> tuple[float, float]:
     u, v = row[20], row[21]
     a, b, c, d = places[16:20]
     # The vertical in the pedestal's frame: its lowest point lies against it.
-    up_x, up_y, up_z = 2.0 * (a * c - b * d), 2.0 * (b * c + a * d), 1.0 - 2.0 * (a * a + b * b)
+    up_x, up_y = 2.0 * (a * c - b * d), 2.0 * (b * c + a * d)
+    p, q, r = row[23:26]
+    if abs(up_x) <= STANDS_RAD and abs(up_y) <= STANDS_RAD:
+        return u - q * half_m[2], v + p * half_m[2]
     x = -math.copysign(half_m[0], up_x) if abs(up_x) > STANDS_RAD else 0.0
     y = -math.copysign(half_m[1], up_y) if abs(up_y) > STANDS_RAD else 0.0
     z = -half_m[2]
     arm_x = (1.0 - 2.0 * (b * b + c * c)) * x + 2.0 * ((a * b - c * d) * y + (a * c + b * d) * z)
     arm_y = 2.0 * ((a * b + c * d) * x + (b * c - a * d) * z) + (1.0 - 2.0 * (a * a + c * c)) * y
-    arm_z = up_x * x + up_y * y + up_z * z
-    p, q, r = row[23:26]
+    arm_z = up_x * x + up_y * y + (1.0 - 2.0 * (a * a + b * b)) * z
     return u + q * arm_z - r * arm_y, v + r * arm_x - p * arm_z
 
 
