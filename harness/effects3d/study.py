@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal, TypeVar
@@ -35,10 +35,9 @@ from harness.records.effects3d import (
     AskedRecord,
     Band,
     Departure,
-    Effect,
+    EffectsAnswers,
     EffectsRecord,
     EffectsSummary,
-    StaticLimit,
 )
 from harness.records.result_folder import listing
 from harness.records.scene import SceneRecord
@@ -171,20 +170,7 @@ def _check(scene: Scene, path: Path) -> None:
         raise InputError(Mistake(str(path), "scene", wanted, "a pedestal or a wall"))
 
 
-@dataclass(frozen=True)
-class Answers:
-    """What the runs of a study say, as its record has it."""
-
-    rows: Sequence[Amplitude]
-    sides: Sequence[Amplitude]
-    static: Sequence[StaticLimit]
-    bands: Sequence[Band]
-    departures: Sequence[Departure]
-    effects: Sequence[Effect]
-    left_out: Mapping[str, str]
-
-
-def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> Answers:
+def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> EffectsAnswers:
     """All rows of the record: the roses first, then what follows each of them."""
     search = study.search
     engines = sorted(study.engines, key=ORDER.index)
@@ -210,7 +196,7 @@ def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> Answers:
         if peak is not None
     ]
     everything = [*rows, *changed]
-    return Answers(
+    return EffectsAnswers(
         rows=everything,
         sides=projected,
         static=static_rose(scene, study.azimuths_deg(), projected),

@@ -159,11 +159,9 @@ class EffectsSummary:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class EffectsRecord(Record):
-    """`result.json` of `rockcheck study` for a file of `kind = "effects3d"`."""
+class EffectsAnswers:
+    """What the runs of a study say."""
 
-    kind: Literal["effects3d"] = "effects3d"
-    file: str
     rows: Sequence[Amplitude]
     sides: Sequence[Amplitude]
     static: Sequence[StaticLimit]
@@ -171,6 +169,14 @@ class EffectsRecord(Record):
     departures: Sequence[Departure]
     effects: Sequence[Effect]
     left_out: Mapping[str, str]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class EffectsRecord(EffectsAnswers, Record):
+    """`result.json` of `rockcheck study` for a file of `kind = "effects3d"`."""
+
+    kind: Literal["effects3d"] = "effects3d"
+    file: str
     scene: SceneRecord
     notes: Sequence[str]
     study: AskedRecord

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.contact.trajectory import Trajectory
-from harness.model.scene import Scene
+from harness.model.scene import Pedestal, Scene
 
 Array = NDArray[np.float64]
 
@@ -87,6 +87,12 @@ def force_limits(scene: Scene, trajectory: Trajectory, impulses: Impulses) -> di
     }
 
 
+def pedestal_inertia_kg_m2(pedestal: Pedestal) -> float:
+    """Moment of inertia about its centroid, for a rotation in the rocking plane."""
+    w, _, h = pedestal.half_m
+    return pedestal.mass_kg * (w * w + h * h) / 3.0
+
+
 def energy_j(scene: Scene, trajectory: Trajectory) -> Array:
     """Mechanical energy in the table's frame, J, shape (n,): kinetic and potential in gravity, zero as at rest upright."""
     statue, gravity = scene.statue, scene.gravity_m_s2
@@ -97,8 +103,7 @@ def energy_j(scene: Scene, trajectory: Trajectory) -> Array:
         lifted = trajectory.pedestal_xz_m[:, 1] - trajectory.pedestal_xz_m[0, 1]
         total += scene.pedestal.mass_kg * (0.5 * np.sum(trajectory.pedestal_rate_m_s**2, axis=1) + gravity * lifted)
         if trajectory.pedestal_spin_rad_s is not None:
-            w, _, h = scene.pedestal.half_m
-            total += scene.pedestal.mass_kg * (w * w + h * h) / 6.0 * trajectory.pedestal_spin_rad_s**2
+            total += 0.5 * pedestal_inertia_kg_m2(scene.pedestal) * trajectory.pedestal_spin_rad_s**2
     energy: Array = total
     return energy
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from harness.engines.event_stepping.rows import STANDS_RAD
+
 
 @dataclass(frozen=True, kw_only=True)
 class EventSettings:
@@ -23,7 +25,7 @@ class EventSettings:
     no look."""
     most_jolts: int = 8
     """Events met within one step at most: what touches again and again comes to rest in a whole one."""
-    tipped_rad: float = 2e-5
+    tipped_rad: float = STANDS_RAD
     """A pedestal that leans more than this by the end of a step tips (the solver iterations leave up to 1e-6 rad in one that
     stands, in a whole scene 8e-6 at 1 ms; events located in a tipping of 1e-4 rad still shift it), or more than"""
     tipped: float = 0.2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from harness.engines.contact.forces import pedestal_inertia_kg_m2
 from harness.engines.event_stepping.backend import Backend
 from harness.engines.event_stepping.interventions import Ledger
 from harness.engines.event_stepping.rows import ALONE, Row
@@ -18,8 +19,7 @@ class RowWriter:
         statue, pedestal = scene.statue, scene.pedestal
         self.inertias = [(statue.mass_kg, statue.inertia_kg_m2)]
         if pedestal is not None:
-            w, _, h = pedestal.half_m
-            self.inertias.append((pedestal.mass_kg, pedestal.mass_kg * (w * w + h * h) / 3.0))
+            self.inertias.append((pedestal.mass_kg, pedestal_inertia_kg_m2(pedestal)))
 
     def write(self, kind: str, before: Row, after: Row) -> None:
         """Change both bodies from the row that they have, `before`."""

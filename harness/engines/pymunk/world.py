@@ -10,6 +10,7 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
+from harness.engines.contact.forces import pedestal_inertia_kg_m2
 from harness.engines.contact.support import FLAT_M
 from harness.engines.pymunk import native
 from harness.engines.pymunk.settings import MunkSettings
@@ -83,8 +84,7 @@ def _pedestal(scene: Scene, settings: MunkSettings) -> pymunk.Body:
     if pedestal is None:
         raise ValueError("the scene has no pedestal")
     w, _, h = pedestal.half_m
-    inertia = pedestal.mass_kg * (w * w + h * h) / 3.0
-    body = pymunk.Body(pedestal.mass_kg, inertia)
+    body = pymunk.Body(pedestal.mass_kg, pedestal_inertia_kg_m2(pedestal))
     shape = pymunk.Poly(body, [(-w, -h), (w, -h), (w, h), (-w, h)])
     shape.friction = 1.0
     body.position = (scene.statue.base_centre_m + pedestal.offset_m, h - 0.5 * settings.slop_m)
