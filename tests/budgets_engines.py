@@ -90,12 +90,6 @@ KEPT_KIB: Final = 20.0
 """Memory kept by a run, KiB: a leaked body, manifold and history of a run this short take 50 and more."""
 KEPT_OF_MANY_KIB: Final = 2.0
 """Memory kept by each of 300 runs, KiB: measured 0.3; a recorder's array that is not freed keeps 9."""
-MUJOCO_FLOOR_RAD: Final = 2.5e-4
-"""Measured 2e-6 to 1.8e-4 rad at 1 and 0.25 ms without a pedestal: the contact's time constant is two steps."""
-MUJOCO_EDGE_RAD: Final = 5e-6
-"""Measured 6e-7 rad at 0.25 ms, 3e-8 at 0.05; an edge that loses a foot is 2.7e-5 rad off and turned by 1e-4 at both."""
-MUJOCO_PEDESTAL_RAD: Final = 2e-2
-"""Measured 9e-3 rad at 0.25 ms and not falling evenly with the step: a soft contact under a soft contact."""
 ROUNDING_RAD: Final = 1e-15
 """The same states read through interpolation at their own instants: a few units in the last place of 0.1."""
 PROFILE_RAD: Final = 6e-5
@@ -134,16 +128,14 @@ MODE_SHARE: Final = 0.05
 """Friction this share off the limit: the block sticks, or slips by a millimetre in 0.05 s (9.4e-4 m measured at 0.5 g)."""
 MODE_SLIP_M: Final = 5e-4
 """Half of what it slips by then at least, and"""
-MODE_STICK_M: Final = 1e-5
-"""more than a soft contact's creep, 8e-6 m measured in mujoco under 2 g (pybullet 3e-7, pymunk 1e-9 m)."""
+MODE_STICK_M: Final = 5e-6
+"""twice a contact's creep under 2 g: 2.2e-6 m measured in `pymunk:plain` (both of pybullet 4e-7, pymunk 5e-9, spatial none)."""
 MODE_FRICTION_REL: Final = 1e-6
 """Friction needed at uplift against its closed form: rounding at the first instant of the push."""
 MODE_TURN_RAD: Final = 1e-4
-"""Far above a resting block's give (1e-6 rad in mujoco) and far below the 5e-3 rad that 1 g turns it by in 0.05 s."""
+"""Far above a resting block's give (below 1e-6 rad) and far below the 5e-3 rad that 1 g turns it by in 0.05 s."""
 LANDED_STICKS_M_S: Final = 0.01
 """Speed of the vertex that sticks after a flat landing at 1 m/s: none but what a step moves it by."""
-LANDED_CREEPS_M_S: Final = 0.025
-"""mujoco's vertex never quite sticks: 1.2 to 2.0 % of the 1 m/s are left at steps of 1, 0.25 and 0.0625 ms."""
 LANDED_SLIDES_M_S: Final = 0.02
 """A fifth below the limit it slides on with some hundredths of the 1 m/s at least."""
 TIPPING_ALIKE_RAD: Final = 1e-4

@@ -81,7 +81,7 @@ FLOWN_AGAIN = 1e-8
 """A flight found again in twelve rounds, each leaving a sixth of the error, from 1 rad/s away: 5e-10 rad/s; twenty times that."""
 
 TORQUE_FREE_RAD = 1e-5
-"""Asked after 2 s of flight at 1 ms; measured 3.0e-6 (pybullet), 1.1e-7 (spatial, as the harness asks it), 3e-12 (mujoco)."""
+"""Asked after 2 s of flight at 1 ms; measured 3.0e-6 (pybullet), 1.1e-7 (spatial, as the harness asks it)."""
 
 SCAN_RAD = 2e-5
 """A scan's first impacts in space, pybullet at its finest level: measured 3.6e-6 rad; on the outline's points alone 2e-2."""

@@ -16,7 +16,6 @@ VIOLATIONS = {
     "imports point one way": ("analytic/block.py", "import harness.model.errors"),
     "pymunk is imported by its own adapter only": ("harness/statics/plan.py", "import pymunk"),
     "pybullet is imported by its own adapter only": ("reports/pages/page.py", "import pybullet"),
-    "mujoco is imported by its own adapter only": ("harness/engines/pymunk/__init__.py", "import mujoco"),
     "comparator, records and reports know no engine": ("harness/comparison/comparator.py", "import harness.engines"),
     "engines are leaves: none knows another": ("harness/engines/pymunk/__init__.py", "import harness.engines.analytic"),
     "compiled code depends on nothing but itself": ("analytic/kernel/impact.py", "import analytic.errors"),

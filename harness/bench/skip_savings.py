@@ -50,15 +50,15 @@ LEVERS: Final = {
     **{skip: _alone(skip) for skip in ("quiet_start", "quiet_rest", "quiet_end", "stop_at_overturn", "base_only")},
 }
 """What is asked with a skip alone and without it."""
-PLAIN: Final = ("pymunk:plain", "pybullet:plain", "mujoco:plain")
+PLAIN: Final = ("pymunk:plain", "pybullet:plain")
 CASES: Final = {
     "quiet_start": {"analytic": "late record", "pymunk": "late record", "pybullet": "late record"},
     "quiet_rest": {"pybullet": "late record"},
     "quiet_end": {"analytic": "pulse", "pymunk": "pulse", "pybullet": "pulse"},
     "energy_outcome": {"analytic": "pulse"},
-    "no_history": {"analytic": "study", "pymunk": "late record", "pybullet": "late record", "mujoco": "short"}
+    "no_history": {"analytic": "study", "pymunk": "late record", "pybullet": "late record"}
     | dict.fromkeys(PLAIN, "short"),
-    "stop_at_overturn": {"pymunk": "falls", "mujoco": "falls soon"} | dict.fromkeys(PLAIN, "falls soon"),
+    "stop_at_overturn": {"pymunk": "falls"} | dict.fromkeys(PLAIN, "falls soon"),
     "base_only": {"pybullet": "on a pedestal", "pybullet:plain": "on a pedestal"},
     "mirror": {"pybullet": "on a pedestal"},
 }

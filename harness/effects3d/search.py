@@ -27,7 +27,7 @@ SECOND_TOLERANCE: Final = LEVELS[1][0]
 """A thousandth of the local error at which outcomes are asked (`analytic.spatial.outcomes.TOLERANCE`)."""
 MOST_STEPS: Final = 50_000
 """A run of more is given up, and told: rocking takes some hundreds of steps, a slide that creeps a million."""
-STEPS: Final[Mapping[str, float]] = {"analytic": 1.01, EXACT: 1.01, "pymunk": 1.03, "pybullet": 1.04, "mujoco": 1.03}
+STEPS: Final[Mapping[str, float]] = {"analytic": 1.01, EXACT: 1.01, "pymunk": 1.03, "pybullet": 1.04}
 """Ratio of the grid's neighbouring amplitudes for each engine: finer where a run costs less."""
 BEGIN_SHARE: Final = 0.95
 """The grid begins at this share of the amplitude below which nothing can move."""

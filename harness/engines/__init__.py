@@ -14,11 +14,9 @@ REGISTRY: Final[Mapping[str, str]] = {
     "analytic": "harness.engines.analytic:TwoBlock",
     "pymunk": "harness.engines.pymunk:Munk2D",
     "pybullet": "harness.engines.pybullet.adapter:Bullet3D",
-    "mujoco": "harness.engines.mujoco.adapter:Mujoco3D",
     "spatial": "harness.engines.spatial:Spatial",
     "pymunk:plain": "harness.engines.pymunk.plain:PlainMunk2D",
     "pybullet:plain": "harness.engines.pybullet.plain:PlainBullet3D",
-    "mujoco:plain": "harness.engines.mujoco.adapter:PlainMujoco3D",
 }
 DEFAULT_ENGINES: Final = ("analytic", "pymunk", "pybullet")
 EXACT_IN_SPACE: Final = "spatial"

@@ -28,7 +28,7 @@ OMITTED: Final = {"omitted": True}
 """The metadata of a dataclass's field that is absent from the JSON while it is None."""
 MANY: Final = 1000
 """A longer list in a record is a table: one line an item."""
-DISTRIBUTIONS: Final = ("rockcheck", "numpy", "scipy", "numba", "pybullet", "pymunk", "trimesh", "mujoco")
+DISTRIBUTIONS: Final = ("rockcheck", "numpy", "scipy", "numba", "pybullet", "pymunk", "trimesh")
 
 PATTERN_NAMES: Final[Mapping[str, str]] = {
     "rest": "at rest",

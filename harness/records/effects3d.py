@@ -12,7 +12,7 @@ from harness.records.scene import SceneRecord
 
 BASELINE: Final = "shaken along one direction"
 """What every condition is compared with: the scene's motion along x alone."""
-SOLID: Final = ("spatial", "pybullet", "mujoco", "pybullet:plain", "mujoco:plain")
+SOLID: Final = ("spatial", "pybullet", "pybullet:plain")
 """Engines that compute in three dimensions."""
 Group = Literal["baseline", "components", "base", "inertia", "uncertainty", "numerical"]
 

@@ -15,7 +15,6 @@ SECONDS: Final[Mapping[str, tuple[float, float]]] = {
     "analytic": (6e-5, 6e-5),
     "pymunk": (0.08, 0.08),
     "pybullet": (0.06, 0.5),
-    "mujoco": (0.5, 1.0),
     "spatial": (0.05, 0.05),
 }
 """Seconds of one core per second of motion to 1e-3 rad, without and with a pedestal: an order of magnitude (docs/studies.md)."""

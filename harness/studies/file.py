@@ -12,9 +12,7 @@ from harness.input.mistakes import Contradiction, Table
 from harness.input.tables import read_model
 
 Value = float | int | str | bool
-EngineName = Literal[
-    "analytic", "pymunk", "pybullet", "mujoco", "spatial", "pymunk:plain", "pybullet:plain", "mujoco:plain"
-]
+EngineName = Literal["analytic", "pymunk", "pybullet", "spatial", "pymunk:plain", "pybullet:plain"]
 Name = Annotated[str, Field(min_length=1)]
 
 

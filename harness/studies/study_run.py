@@ -27,9 +27,7 @@ from harness.studies.file import StudyFile, Value
 
 BATCH: Final = {"analytic": 64}
 """Runs handed to a worker at a time: a run of a fraction of a millisecond is not worth a message of its own."""
-DEAREST_FIRST: Final = (
-    "pybullet:plain", "mujoco:plain", "mujoco", "pymunk:plain", "pybullet", "pymunk", "spatial", "analytic",
-)  # fmt: skip
+DEAREST_FIRST: Final = ("pybullet:plain", "pymunk:plain", "pybullet", "pymunk", "spatial", "analytic")
 COST_ORDER: Final = {name: place for place, name in enumerate(DEAREST_FIRST)}
 """Longest first keeps all workers busy to the end."""
 

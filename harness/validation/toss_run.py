@@ -23,7 +23,7 @@ from harness.validation.jobs import Model, parse_model
 from harness.validation.toss_scores import Coefficients, Errors, TossTask, quartiles, scored
 from harness.validation.tosses import Toss, holds_tosses, read_tosses
 
-TOSS_ENGINES: Final = ("spatial", "pybullet", "pybullet:plain", "mujoco")
+TOSS_ENGINES: Final = ("spatial", "pybullet", "pybullet:plain")
 FRICTIONS: Final = (0.10, 0.13, 0.15, 0.17, 0.18, 0.19, 0.20, 0.21, 0.23, 0.26, 0.30)
 """Coefficients tried: plastic on wood lies between 0.1 and 0.3."""
 RESTITUTIONS: Final = (None, 0.05, 0.1, 0.2, 0.4)

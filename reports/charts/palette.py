@@ -42,11 +42,9 @@ LOOKS: Final = {
     "analytic": Look(INK, "solid", 2.4),
     "pymunk": Look("#0072B2", "solid", 1.6),
     "pybullet": Look("#D55E00", "7px,2px", 1.6),
-    "mujoco": Look("#009E73", "2px,2px", 1.6),
     "spatial": Look("#56616F", "6px,2px,1px,2px", 2.0),
     "pymunk:plain": Look("#3A8FC7", "3px,3px", 1.4),
     "pybullet:plain": Look("#B07C00", "9px,3px,2px,3px", 1.4),
-    "mujoco:plain": Look("#AA4499", "2px,4px", 1.4),
 }
 SPARE: Final = (Look("#AA4499", "9px,3px,2px,3px", 1.6), Look("#B07C00", "4px,3px", 1.6), Look("#3A8FC7", "solid", 1.2))
 

@@ -86,5 +86,5 @@ def default_model(source: RunSource) -> str:
     """The model shown solid: a 3D engine's where there is one, else the last that has a history."""
     names = list(source.histories)
     solid = [name for name in names if SOLID_COLUMNS[0] in source.histories[name].extra]
-    preferred = [name for name in ("pybullet", "mujoco", "pymunk", "pymunk:plain") if name in names]
+    preferred = [name for name in ("pybullet", "pymunk", "pymunk:plain") if name in names]
     return (solid or preferred or names)[0]

@@ -23,7 +23,7 @@ from tests.measures.pages import renew, table
 KINDS: Final = {"no pedestal": (False, 0.15), "pedestal": (True, 0.15), "two coefficients": (True, 0.20)}
 """Kinds of scene: with a pedestal, its static friction beside a kinetic one of 0.15."""
 STEPS_S: Final = (1e-3, 2.5e-4)
-NAMES: Final = ("pymunk", "pybullet", "mujoco")
+NAMES: Final = ("pymunk", "pybullet")
 MODULE: Final = "tests.measures.plain_levels"
 
 

@@ -29,7 +29,7 @@ from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
 from tests.measures.seeded_scenes import space_scene
 
-NAMES: Final = ("pybullet", "mujoco")
+NAMES: Final = ("pybullet",)
 EXACT: Final = "spatial"
 SCENES: Final = 200
 FIRST_SEED: Final = 770_000

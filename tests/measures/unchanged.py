@@ -24,8 +24,8 @@ from tests.measures.pages import renew, table
 from tests.measures.seeded_scenes import random_scene
 
 FIRST_SEED: Final = 30_000
-SCENES: Final[Mapping[str, int]] = {"analytic": 100, "pymunk": 100, "pybullet": 100, "mujoco": 20}
-"""Scenes by engine; few of mujoco, a step of which takes some ten times pybullet's."""
+SCENES: Final[Mapping[str, int]] = {"analytic": 100, "pymunk": 100, "pybullet": 100}
+"""Scenes by engine."""
 STEP_S: Final = 1e-3
 REFERENCE_STEP_SHARE: Final = 0.25
 """Step of the run that tells how far the engine's own error goes where a skip parts two runs, over theirs, and"""

@@ -28,8 +28,8 @@ class Report:
     """What the adapter knows of its own run: settings, counts, sentences.
 
     `resolution_rad` is the rotation that the contact's slop leaves at rest; `stuck_below_m_s` the velocity that is rest.
-    `rested` says that the run was ended at rest before the scene's end, so that the last state holds to it. `coulomb` says that
-    its friction is Coulomb's, and may be held to that; `repeats` that a step in which the pedestal breaks loose is solved again.
+    `rested` says that the run was ended at rest before the scene's end, so that the last state holds to it. `repeats` that a step
+    in which the pedestal breaks loose is solved again.
     """
 
     engine: str
@@ -46,7 +46,6 @@ class Report:
     warnings: Sequence[str] = ()
     labels: Sequence[str] = ()
     interventions: Mapping[str, Intervention] = field(default_factory=dict)
-    coulomb: bool = True
     repeats: bool = True
 
 
@@ -69,7 +68,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
     inside = motion.t_s <= end_s
     peak = int(np.abs(np.where(inside, theta, 0.0)).argmax())
     derived = _derive(scene, motion)
-    if report.coulomb and friction_is_known(scene, motion):
+    if friction_is_known(scene, motion):
         used = friction_used(scene, motion, derived.impulses, derived.plain["plain_from_s"], report.stuck_below_m_s)
         check_friction(scene, used, report.interventions if report.repeats else None)
     fallen = fall(scene, motion, overturn_s)

@@ -14,10 +14,8 @@ from harness.engines.event_stepping.watch import LOOK_STEPS, Watch
 from harness.model.scene import Scene
 
 
-def plain_steps(backend: Backend, schedule: Schedule, watch: Watch, *, lags: bool = True) -> StepLog:
+def plain_steps(backend: Backend, schedule: Schedule, watch: Watch) -> StepLog:
     """All steps of a schedule, or those up to a look at which `watch` ends the run: overturned, stopped, or to leave this world.
-
-    `lags`: velocities are half a step behind the places.
 
     Two coefficients of friction are the one thing that no engine knows: the floor's follows the pedestal's own velocity
     (`followed`).
@@ -27,10 +25,9 @@ def plain_steps(backend: Backend, schedule: Schedule, watch: Watch, *, lags: boo
     pedestal = schedule.scene.pedestal if friction.switches else None
     record = StepLog(len(row))
     record.keep(0.0, 0.0, row)
-    lag = 0.5 if lags else 0.0
-    for number, gravity in enumerate(schedule.coarse if lags else schedule.level, 1):
+    for number, gravity in enumerate(schedule.coarse, 1):
         before, row = row, backend.advance(gravity)
-        record.keep(number * step_s, (number - lag) * step_s, row)
+        record.keep(number * step_s, (number - 0.5) * step_s, row)
         if pedestal is not None:
             # Asked after a step, for the next: in the one in which the pedestal breaks loose the static coefficient still acts.
             slipped, slips = slips, base_velocity(pedestal.half_m, before, row)

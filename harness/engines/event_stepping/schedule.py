@@ -52,12 +52,6 @@ class Schedule:
             gravity = frame.apparent_gravity(self.scene, edges_s) * share
         return list(zip(*gravity.T.tolist(), strict=True))
 
-    @cached_property
-    def level(self) -> list[Vector]:
-        """Gravity of every step for an engine whose velocities and places go on together."""
-        edges_s: Array = np.arange(self.first, self.count + 1, dtype=np.float64) * self.step_s
-        return list(zip(*frame.apparent_gravity(self.scene, edges_s).T.tolist(), strict=True))
-
     def between(self, start_s: float, end_s: float, step_s: float) -> Vector:
         """Gravity of a step of `step_s` that takes velocities from `start_s` to `end_s`."""
         if end_s <= start_s:

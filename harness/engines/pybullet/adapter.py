@@ -73,7 +73,7 @@ class Bullet3D(Engine):
         except ImportError as error:
             return (
                 f"pybullet cannot be imported ({error}): it has wheels for CPython up to 3.11 on Linux x86-64 only; "
-                "elsewhere it is built from source, or mujoco or spatial takes its place"
+                "elsewhere it is built from source, or spatial takes its place"
             )
         return None
 

@@ -91,7 +91,7 @@ def test_an_outcome_allocates_no_history(forced: Scene, name: str, duration_s: f
     assert sizes[True] > budgets.OUTCOME_ALLOCATED_KB[name], "the budget does not see a history: it sees nothing"
 
 
-HEAVY = {"pybullet", "pymunk", "mujoco", "numba", "llvmlite", "trimesh", "scipy", "matplotlib", "plotly", "jinja2"}
+HEAVY = {"pybullet", "pymunk", "numba", "llvmlite", "trimesh", "scipy", "matplotlib", "plotly", "jinja2"}
 """Libraries that cost a tenth of a second or more to import."""
 NEEDED = {"pymunk": {"pymunk"}, "pybullet": {"pybullet", "scipy"}, "analytic": {"llvmlite"}}
 """Those of them that a run of one engine needs."""
@@ -135,7 +135,7 @@ def test_a_page_of_one_model_imports_no_geometry_of_space(root: Path, tmp_path: 
     code = f"sys.argv = {words!r}\nfrom reports.cli import main\ntry:\n    main()\nexcept SystemExit:\n    out = sys.stdout"
     loaded = modules(code)
     assert (out / "report.html").is_file()
-    assert not loaded & {"scipy.spatial", "trimesh", "numba", "pybullet", "pymunk", "mujoco"}
+    assert not loaded & {"scipy.spatial", "trimesh", "numba", "pybullet", "pymunk"}
 
 
 def test_a_fallen_statue_is_not_integrated_and_changes_nothing() -> None:

@@ -43,7 +43,7 @@ def test_sides_and_their_share_of_the_shaking(scene: Scene) -> None:
 
 def test_effects_are_changes_of_the_same_direction_and_engine() -> None:
     def row(condition: str, azimuth: float, peak: float | None) -> Amplitude:
-        return Amplitude(condition, azimuth, "mujoco", peak, 0.1, "", 1)
+        return Amplitude(condition, azimuth, "pybullet", peak, 0.1, "", 1)
 
     name = "centroid 3 % higher"
     rows = [row(BASELINE, a, p) for a, p in ((0.0, 0.2), (90.0, 0.4), (180.0, 0.5))]
@@ -114,9 +114,9 @@ def test_mistakes(scene: Scene, root: Path, tmp_path: Path) -> None:
         turned(numbers, 10.0)
     for text, said in (
         ('engines = ["analytic"]', "computes in 3D"),
-        ('engines = ["mujoco"]\ndirections = 10\nevery = 3', "divisor"),
-        ('engines = ["mujoco"]\nconditions = ["x"]', "names out of"),
-        ('engines = ["mujoco"]\ncolour = 1', "colour"),
+        ('engines = ["spatial"]\ndirections = 10\nevery = 3', "divisor"),
+        ('engines = ["spatial"]\nconditions = ["x"]', "names out of"),
+        ('engines = ["spatial"]\ncolour = 1', "colour"),
     ):
         file = tmp_path / "study.toml"
         file.write_text(f'kind = "effects3d"\ntitle = "t"\nscene = "s.toml"\n{text}\n')

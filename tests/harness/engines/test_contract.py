@@ -29,7 +29,7 @@ from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, scene
 
 NAMES = tuple(engines.REGISTRY)
 STEP_S = 1e-3
-REFUSE_A_RATIO = {"mujoco", "mujoco:plain", "pymunk:plain", "pybullet:plain", "spatial"}
+REFUSE_A_RATIO = {"pymunk:plain", "pybullet:plain", "spatial"}
 
 
 @pytest.fixture(params=NAMES)
@@ -195,7 +195,7 @@ def test_no_memory_is_kept(engine: Engine) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_loading_an_engine_loads_no_other_simulator(name: str, root: Path) -> None:
-    foreign = sorted({"pymunk", "pybullet", "mujoco"} - {name.removesuffix(":plain")})
+    foreign = sorted({"pymunk", "pybullet"} - {name.removesuffix(":plain")})
     code = (
         "import sys; from harness import engines; "
         f"engines.load({name!r}); print([m for m in {foreign!r} if m in sys.modules])"

@@ -28,7 +28,7 @@ from tests.analytic.spatial.reference_body import Case
 from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
 
 BLOCK = rectangle(0.3, 1.2, depth_m=0.4)
-POSED = ("pybullet", "pybullet:plain", "mujoco", "mujoco:plain")
+POSED = ("pybullet", "pybullet:plain")
 LANDED_S = 0.15
 """Some 0.04 s after the first impact of a throw, before the next."""
 
@@ -77,7 +77,7 @@ def test_torque_free_flight_errs_by_the_first_order_of_the_step(name: str) -> No
     assert errors[1] < budget.FIRST_ORDER * errors[0]
 
 
-@pytest.mark.parametrize("name", ["spatial", "pybullet", "mujoco", "mujoco:plain"])
+@pytest.mark.parametrize("name", ["spatial", "pybullet"])
 def test_torque_free_flight_keeps_its_attitude(name: str) -> None:
     pose = Pose((0.0, 0.0, 100.0), velocity_m_s=(1.0, 2.0, 0.0), angular_velocity_rad_s=(1.0, 0.5, 3.0))
     on = thrown(pose, 2.0)

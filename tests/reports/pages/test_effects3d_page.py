@@ -40,10 +40,12 @@ def test_the_verdict_counts_where_the_planar_model_is_too_safe(tmp_path: Path, r
         replace(row, peak_g=None) if (row.engine, row.azimuth_deg) == ("analytic", 60.0) else row for row in record.rows
     ]
     assert "The plane is at least 140 % unsafe towards 60°." in effects_verdict(replace(record, rows=never)).points
-    other = [replace(record.rows[1], engine="mujoco", peak_g=0.52), *record.rows[2:]]
+    other = [replace(record.rows[1], engine="pybullet:plain", peak_g=0.52), *record.rows[2:]]
     doubted = [replace(record.rows[0], doubt="its outcomes change"), record.rows[1], *other]
     text = " ".join(effects_verdict(replace(record, rows=doubted)).points)
-    assert "mujoco and pybullet are 4.0 % apart (median; within 5 % at 1 of 1 directions asked of both)." in text
+    assert (
+        "pybullet:plain and pybullet are 4.0 % apart (median; within 5 % at 1 of 1 directions asked of both)." in text
+    )
     assert "The answer of pybullet is in doubt at 0° (its outcomes change)." in text
     write_json(tmp_path / "result.json", as_file(replace(record, rows=doubted)))
     assert "<td>not asked</td>" in write_report(tmp_path).read_text(encoding="utf-8")

@@ -27,12 +27,12 @@ SHARED = {"order.case", "study.more"}
 JARGON = {
     "en": (
         "rad", "radian", "kHz", "μ", "horizon", "integrat", "slenderness", "restitution", "theta", "θ", "centroid", "inertia",
-        "amplitude", "frequency", "numerical", "analytic", "pymunk", "pybullet", "mujoco", "spatial", "contact engine", "Housner",
+        "amplitude", "frequency", "numerical", "analytic", "pymunk", "pybullet", "spatial", "contact engine", "Housner",
         "coefficient", "probability", "simulation", "solver", "PGA", "quantile",
     ),
     "it": (
         "rad", "radiant", "orizzonte", "integra", "snellezza", "restituzione", "theta", "θ", "inerzia", "ampiezza", "frequenza",
-        "numeric", "analytic", "pymunk", "pybullet", "mujoco", "spatial", "coefficient", "probabilità", "simulazion", "PGA",
+        "numeric", "analytic", "pymunk", "pybullet", "spatial", "coefficient", "probabilità", "simulazion", "PGA",
         "quantil",
     ),
 }  # fmt: skip

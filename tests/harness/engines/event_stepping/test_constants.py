@@ -28,7 +28,6 @@ FIFTH = 0.2
 MODULES = {
     "pymunk": ("pymunk", "pymunk.backend", "pymunk.support"),
     "pybullet": ("pybullet.backend", "pybullet.solver"),
-    "mujoco": ("mujoco.adapter", "mujoco.model"),
     "pymunk:plain": ("pymunk.plain", "contact.friction"),
     "pybullet:plain": ("pybullet.plain", "contact.friction"),
 }

@@ -25,12 +25,10 @@ from tests.scenes_for_tests import paestum
 PLACES = {
     "pymunk": {"backend.py", "world.py"},
     "pybullet": {"writing.py"},
-    "mujoco": {"backend.py"},
 }
-"""Modules that may write to a body: pymunk's `world` before the start; of mujoco's see below."""
-MUJOCO = {"place"}
+"""Modules that may write to a body: pymunk's `world` before the start."""
 CALLS = ("cpBodySet", "cpBodyApply", "cpBodyUpdate", "resetBase", "applyExternal", "resetJoint")
-PROPERTIES = {"position", "angle", "velocity", "angular_velocity", "qpos", "qvel"}
+PROPERTIES = {"position", "angle", "velocity", "angular_velocity"}
 
 
 def writes(source: str) -> set[str]:
@@ -66,8 +64,6 @@ def test_bodies_are_written_to_in_one_place(root: Path, name: str) -> None:
         path.name: writes(path.read_text(encoding="utf-8")) for path in (root / "harness/engines" / name).glob("*.py")
     }
     assert {module for module, functions in found.items() if functions} == PLACES[name]
-    if name == "mujoco":
-        assert found["backend.py"] == MUJOCO
     if name == "pymunk":
         assert found["world.py"] == {"_pedestal", "_statue"}, "the start alone"
 
@@ -75,7 +71,7 @@ def test_bodies_are_written_to_in_one_place(root: Path, name: str) -> None:
 def test_a_write_elsewhere_is_seen() -> None:
     assert writes("def f(body):\n    body.velocity = (0, 0)\n") == {"f"}
     assert writes("def f(lib):\n    lib.cpBodySetAngle(1)\n") == {"f"}
-    assert writes("def f(data):\n    data.qvel[:6] = 0\n") == {"f"}
+    assert writes("def f(body):\n    body.velocity[:2] = 0\n") == {"f"}
     assert writes("def f(pybullet):\n    pybullet.resetBaseVelocity(1)\n") == {"f"}
     assert writes("def f(body):\n    return body.velocity\n") == set()
 
@@ -91,14 +87,11 @@ def test_the_record_tells_what_was_written(name: str) -> None:
         assert not run.interventions
         return
     assert run.interventions["friction_release"].steps_again > 0
-    if name != "mujoco":
-        written = run.interventions.values()
-        assert sum(item.count for item in written) > 0
-        assert 0.0 < run.interventions["turn_on"].velocity_m_s < budget.WRITTEN_M_S
-        given, taken = (sum(getattr(item, key) for item in written) for key in ("given_j", "taken_j"))
-        assert abs(given - taken) < run.validity["lost_in_impacts_j"], (
-            "what is written is no source of what impacts lose"
-        )
+    written = run.interventions.values()
+    assert sum(item.count for item in written) > 0
+    assert 0.0 < run.interventions["turn_on"].velocity_m_s < budget.WRITTEN_M_S
+    given, taken = (sum(getattr(item, key) for item in written) for key in ("given_j", "taken_j"))
+    assert abs(given - taken) < run.validity["lost_in_impacts_j"], "what is written is no source of what impacts lose"
 
 
 def test_energy_and_changes_are_added_up_by_kind() -> None:

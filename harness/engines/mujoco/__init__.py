@@ -1,1 +1,0 @@
-"""Private parts of the MuJoCo adapter: a scene as its model, its steps as samples; neither needs the library itself."""
