@@ -51,7 +51,7 @@ def run(
     quiet: bool = False,
     pool: Pool | None = None,
     beside: Beside | None = None,
-    witness: bool = True,
+    witness: bool = False,
 ) -> tuple[StudyRecord | EffectsRecord | RockingSpectrumRecord, Summary | EffectsSummary | SpectrumSummary]:
     """Run a study into `folder` (store.sqlite, or columns in `outcomes`; result.json); returns its record and what was done.
 

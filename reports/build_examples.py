@@ -41,7 +41,7 @@ def example(asked: tuple[str, Mapping[str, Run]]) -> Answer:
     """Run one scene (what is known of it aside), write its result and page; its summary, and the seconds that it took."""
     begin = time.perf_counter()
     name, known = asked
-    result = run_scene(load_scene(SCENES / f"{name}.toml"), stored=known, assess=True, witness=True)
+    result = run_scene(load_scene(SCENES / f"{name}.toml"), stored=known, assess=True)
     write_result(result, OUT / name)
     write_report(OUT / name)
     failed = result.failed_but(tuple(result.runs))

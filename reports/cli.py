@@ -76,8 +76,8 @@ def run(
         list[str] | None,
         typer.Option("--no-skip", metavar="NAME", help="Switch one skip off (see --explain), or `all`."),
     ] = None,
-    no_witness: Annotated[
-        bool, typer.Option("--no-witness", help="Leave out the engines as they come, which confirm each run or not.")
+    witness: Annotated[
+        bool, typer.Option("--witness", help="Hold the runs against unmodified engines: at most once their own time.")
     ] = False,
     no_assess: Annotated[
         bool, typer.Option("--no-assess", help="Leave out the probability over what the scene does not know.")
@@ -100,7 +100,7 @@ def run(
         saying.say(*harness_cli.explain(load_scene(scene, asked.overrides or ()), asked.engine, no_skip))
         return
     result = harness_cli.compute(
-        scene, asked, target, no_skip, quiet=saying.silent, out=folder, assess=not no_assess, witness=not no_witness
+        scene, asked, target, no_skip, quiet=saying.silent, out=folder, assess=not no_assess, witness=witness
     )
     write_result(result, folder)
     say_result(plain(result.record()), harness_cli.summary(result), folder, saying, language)
@@ -166,8 +166,8 @@ def study(
         Path | None, typer.Option("--export", help="Also write all rows to a .csv or .parquet file.")
     ] = None,
     large: Annotated[bool, typer.Option("--large", help="Run it though it may take more than a day.")] = False,
-    no_witness: Annotated[
-        bool, typer.Option("--no-witness", help="Hold no tenth of the scenes against engines as they come.")
+    witness: Annotated[
+        bool, typer.Option("--witness", help="Hold a tenth of the scenes against unmodified engines.")
     ] = False,
     language: cli_record.InLanguage = "en",
     out: Out = None,
@@ -183,7 +183,7 @@ def study(
     cli_record.check_language(language)
     record, summary = study_cli.run(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent,
-        witness=not no_witness,
+        witness=witness,
     )  # fmt: skip
     said = [record.usage, record.witness] if isinstance(record, StudyRecord) else []
     lines = [f"{study_file.name}: {summary}", *(item.sentence for item in said if item is not None)]

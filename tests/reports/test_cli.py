@@ -48,7 +48,7 @@ def scene(tmp_path: Path) -> Path:
 
 def test_a_model_that_refuses_a_scene_agrees_with_nobody(scene: Path, tmp_path: Path) -> None:
     scene.write_text(SCENE.replace("[initial]", "height_m = 1.0\n[contact]\nrestitution = 0.9\n[initial]"))
-    done = rockcheck("run", "block.toml", "-e", "analytic", "-e", "spatial", "--no-witness", cwd=tmp_path)
+    done = rockcheck("run", "block.toml", "-e", "analytic", "-e", "spatial", cwd=tmp_path)
     assert done.returncode == 1, done.stderr
     assert "outcome: one model of 2 answered: the statue stands" in done.stdout
     assert "spatial   the engine gave no answer: spatial does not compute a prescribed ratio at impact" in done.stdout
@@ -67,8 +67,17 @@ def test_a_run_writes_its_histories_record_and_page(scene: Path, tmp_path: Path)
     assert record["schema_version"] == 1
     assert set(record["runs"]) == {"analytic", "pymunk"}
     assert "analytic_vs_pymunk" in record["scores"]
+    assert record["witness"] == {}
     header = (folder / "history_analytic.csv").read_text().splitlines()[0]
     assert header.startswith("t_s,theta_rad,theta_rate_rad_s,slip_m,slip_rate_m_s")
+
+
+def test_unmodified_engines_are_run_where_they_are_asked_for(scene: Path, tmp_path: Path) -> None:
+    done = rockcheck("run", "block.toml", "-e", "pymunk", "--witness", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    record = json.loads((tmp_path / "out" / "block" / "result.json").read_text())
+    assert set(record["witness"]) == {"pymunk:plain"}
+    assert record["witness"]["pymunk:plain"]["runs"]["pymunk"]["agrees"]
 
 
 WITHOUT_PYBULLET = "import sys; sys.modules['pybullet'] = None; from reports.cli import main; main()"

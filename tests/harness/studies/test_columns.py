@@ -149,12 +149,8 @@ def test_an_export_is_the_same_file(tmp_path: Path) -> None:
             (tmp_path / name).mkdir()
             with Store(tmp_path / name / store):
                 pass
-        study_cli.run(
-            path, tmp_path / name, pool=InlinePool(), quiet=True, export=tmp_path / f"{name}.csv", witness=False
-        )
-        study_cli.run(
-            path, tmp_path / name, pool=InlinePool(), quiet=True, export=tmp_path / f"{name}.parquet", witness=False
-        )
+        study_cli.run(path, tmp_path / name, pool=InlinePool(), quiet=True, export=tmp_path / f"{name}.csv")
+        study_cli.run(path, tmp_path / name, pool=InlinePool(), quiet=True, export=tmp_path / f"{name}.parquet")
     assert (tmp_path / "columns" / COLUMNS_NAME).is_dir()
     assert not (tmp_path / "rows" / COLUMNS_NAME).exists()
     assert (tmp_path / "columns.csv").read_bytes() == (tmp_path / "rows.csv").read_bytes()

@@ -48,7 +48,7 @@ def test_a_tenth_is_drawn_with_the_seed() -> None:
 def test_a_study_holds_a_tenth_of_its_scenes_against_plain_engines_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    seen = ran(tmp_path).witness
+    seen = ran(tmp_path, witness=True).witness
     assert seen is not None
     assert (seen.scenes, seen.of) == (3, 24)
     count = seen.counts["pymunk:plain"]
@@ -64,18 +64,18 @@ def test_a_study_holds_a_tenth_of_its_scenes_against_plain_engines_once(
         raise AssertionError("a witness was computed again")
 
     monkeypatch.setattr(witnessed, "simulate", nothing_is_computed)
-    again = ran(tmp_path, resume=True).witness
+    again = ran(tmp_path, witness=True, resume=True).witness
     assert again is not None
     assert (again.counts, again.sentence) == (seen.counts, seen.sentence)
 
 
 def test_a_study_without_a_witness_says_nothing_of_one(tmp_path: Path) -> None:
-    assert ran(tmp_path, witness=False).witness is None
+    assert ran(tmp_path).witness is None
     assert stored(tmp_path) == {"run": 24}
 
 
 def test_a_study_of_the_model_alone_has_no_witness(tmp_path: Path) -> None:
-    assert ran(tmp_path, STUDY).witness is None
+    assert ran(tmp_path, STUDY, witness=True).witness is None
 
 
 def test_what_plain_engines_refuse_is_not_drawn(tmp_path: Path) -> None:
@@ -84,7 +84,7 @@ def test_what_plain_engines_refuse_is_not_drawn(tmp_path: Path) -> None:
         "[[variant]]", '[[vary]]\nkey = "contact.restitution"\nvalues = [0.9, "momentum"]\n[[variant]]', 1
     )
     text = text.replace('"contact.restitution" = "momentum", ', "").replace("count = 8", "count = 2")
-    seen = ran(tmp_path, text).witness
+    seen = ran(tmp_path, text, witness=True).witness
     assert seen is not None
     assert (seen.scenes, seen.of) == (1, 6)
     assert seen.counts["pymunk:plain"].silent == 0
@@ -100,7 +100,7 @@ def test_a_heavier_impact_in_the_study_s_engine_is_told(tmp_path: Path, monkeypa
     monkeypatch.setattr(witnessed, "simulate", heavy)
     monkeypatch.setattr(witness, "BUDGET", 60.0)
     text = CONTACT.replace("pymunk = 1e-2", "pymunk = 1e-3").replace("start = 0.2", "start = 0.5")
-    seen = ran(tmp_path, text, pool=InlinePool()).witness
+    seen = ran(tmp_path, text, witness=True, pool=InlinePool()).witness
     assert seen is not None
     assert seen.counts["pymunk:plain"].differ > 0
     assert any("pymunk as it comes does not confirm pymunk from" in text for text in seen.differing)
