@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Self, final
+from typing import Final, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from analytic.errors import AnalyticInputError
 
 Floats = NDArray[np.float64]
+
+LEAST_JUMP: Final = 1e-6
+"""A jump of less than this share of a motion's peak is the rounding of its numbers."""
 
 
 def require_finite(name: str, value: float, *, positive: bool = False, least: float = -math.inf) -> None:
@@ -50,6 +53,13 @@ class Excitation(ABC):
     @abstractmethod
     def breaks_s(self, duration_s: float) -> Floats:
         """Sorted instants in (0, duration_s), s, at which a or a' jumps: no integrator step crosses them."""
+
+    def jumps_s(self, duration_s: float) -> Floats:
+        """Those of `breaks_s` at which a itself jumps."""
+        breaks = self.breaks_s(duration_s)
+        beside = 4.0 * np.spacing(breaks)
+        apart = np.abs(self.accel_m_s2(breaks + beside) - self.accel_m_s2(breaks - beside))
+        return np.asarray(breaks[apart > LEAST_JUMP * self.peak_m_s2])
 
     @property
     @abstractmethod

@@ -30,6 +30,10 @@ AFTER_MICRO_ROCKING_RAD: Final = 5e-7
 """Rotation left at rest: measured 1.7e-7 rad at 4 ms in pymunk, a hundredth of two depths of contact; 3.6e-7 in pybullet."""
 AFTER_MICRO_ROCKING_STEPS: Final = 1.6
 """Steps over whole ones for a rocking that dies out, with all its short half-cycles: measured 1.45 in pymunk."""
+JUMP_RAD: Final = 5e-5
+"""Measured 2.2e-5 rad at most at 1 ms over jumps of the floor's acceleration; a step that takes the mean of its sides: 1e-3."""
+JUMP_M: Final = 1.5e-5
+"""Measured 5.4e-6 m of slip; so: 1.2e-4."""
 FALL_ORDER: Final = 1.95
 """Observed order over three halvings while a statue falls about one corner: measured 2.0; 1.5 with the spin that a step loses."""
 UPLIFT_RAD: Final = 1.4e-5

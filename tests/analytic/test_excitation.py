@@ -62,6 +62,17 @@ def test_breaks_are_where_the_acceleration_is_not_smooth() -> None:
     assert list(Record([0.0, 1.0, 2.0], [0.0, 1.0, 0.0]).breaks_s(2.0)) == [1.0]
 
 
+def test_jumps_are_the_breaks_at_which_the_acceleration_itself_changes() -> None:
+    assert list(Pulse("rectangular", 1.0, 0.5, 0.218).jumps_s(9.0)) == [0.218, 0.718]
+    assert list(Pulse("one_cosine", -1.0, 0.5, 0.1).jumps_s(9.0)) == [0.1, 0.6]
+    assert Pulse("one_sine", 1.0, 0.5, 0.1).jumps_s(9.0).size == 0
+    assert Pulse("ricker", 1.0, 0.5, 0.1).jumps_s(9.0).size == 0
+    assert Harmonic(1.0, 1.0, ramp_s=2.0).jumps_s(9.0).size == 0
+    assert list(Record([0.1, 1.0, 2.0], [0.5, 1.0, 0.0]).jumps_s(9.0)) == [0.1]
+    assert list(Record([0.1, 1.0, 2.0], [0.0, 1.0, -0.2]).jumps_s(9.0)) == [2.0]
+    assert Record([0.0, 1.0, 2.0], [0.0, 1e6, 0.0]).jumps_s(9.0).size == 0
+
+
 def test_record_keeps_its_own_read_only_copy() -> None:
     t, a = np.array([0.0, 1.0]), np.array([1.0, 2.0])
     record = Record(t, a)

@@ -19,8 +19,11 @@ class Instant(Protocol):
     t_s: float
     kick_s: float
     row: Row
-    jolted: bool
     record: StepLog
+
+    @property
+    def smooth(self) -> bool:
+        """Whether what velocities changed by up to the last sample tells by what they go on to change."""
 
 
 class Backend(Protocol):

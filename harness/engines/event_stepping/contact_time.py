@@ -23,7 +23,7 @@ class ContactTimeEstimate:
         self.row, self.seen = state.row, self._height(state.row)
         self.kick_s, self.closing_m_s = state.kick_s, self.seen[1]
         kicks = state.record.kick_s
-        if len(kicks) > 1 and kicks[-2] < kicks[-1] and not state.jolted:
+        if len(kicks) > 1 and kicks[-2] < kicks[-1] and state.smooth:
             self._gain(self._height(state.record.row(-2))[1], kicks[-2])
 
     def __call__(self) -> float:

@@ -34,7 +34,8 @@ def locate_event(
         state.to(end, max(0.5 * (state.t_s + end), state.kick_s))
         contact_s = until()
     if state.t_s + contact_s > state.next_s:
-        state.to_next()
+        if state.schedule.jump_after_s(state.kick_s) > state.next_s:
+            state.to_next()
         return
     room, there_s = max(contact_s, events.room * step_s), state.t_s + contact_s
     plain, grown = (contact_s, 1.0) if speeds is None else speeds()

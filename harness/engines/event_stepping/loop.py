@@ -13,7 +13,7 @@ from harness.engines.event_stepping.contact_time import ContactTimeEstimate
 from harness.engines.event_stepping.locating import locate_event
 from harness.engines.event_stepping.rest_spell import STILL_M_S
 from harness.engines.event_stepping.rows import ALONE, Row, axis_of
-from harness.engines.event_stepping.schedule import Schedule
+from harness.engines.event_stepping.schedule import SAME_INSTANT, Schedule
 from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.step_state import ContactTime, HalfCycle, StepState
 from harness.engines.event_stepping.watch import LOOK_STEPS, Watch
@@ -41,7 +41,7 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) 
     still, record, falls = Still(watch), state.record, watch.ends_fallen and scene.initial.pose is None
     look, leave_look, beside = state.number, state.number, False
     while state.number < schedule.count:
-        row = state.row
+        row, jump_s = state.row, schedule.jump_after_s(state.kick_s)
         zx, zy, zz = axis_of(row, watch.axis)
         if zz < LEANING and falls and fallen(zx, zy, zz):
             break
@@ -62,19 +62,23 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) 
                 state.rest(min(steps, schedule.count - state.number))
                 continue
         free = MOST_FREE
+        due = jump_s <= state.next_s + SAME_INSTANT * state.step_s
         if watch.gaps is not None and (beside or tips(row, state.step_s, state.stepper.tipped_rad)):
             free = BESIDE_FREE if beside else MOST_FREE
             # Nothing is located: the engine is plain, and no half-cycle is followed.
             state.half_cycle, state.jolted_s = None, state.t_s
         elif watch.gaps is not None and state.jolts < state.events.most_jolts:
-            free = _touched(state, scene, watch.gaps, watch)
+            free = _touched(state, scene, watch.gaps, watch, jump_s if due else math.inf)
             if free == 0:
                 continue
             if len(row) > ALONE and len(record.t_s) > 1:
-                free = min(free, _stick_onset(state, pull, kinetic))
+                free = min(free, _stick_onset(state, pull, kinetic, jump_s))
                 if free == 0:
                     continue
-        if state.even:
+        if due:
+            state.meet_jump(jump_s)
+        elif state.even:
+            free = free if jump_s == math.inf else min(free, int((jump_s - state.t_s) / state.step_s + SAME_INSTANT))
             begin = state.number - schedule.first
             state.wholes(schedule.coarse[begin : begin + free])
         else:
@@ -91,21 +95,25 @@ def tips(row: Row, step_s: float, tipped_rad: float) -> bool:
     return tilt + step_s * math.hypot(row[23], row[24]) > tipped_rad
 
 
-def _touched(state: StepState, scene: Scene, gaps: ContactGaps, watch: Watch) -> int:
-    """Number of whole steps in which no foot can come down; 0 when one was about to and its impact has been passed."""
+def _touched(state: StepState, scene: Scene, gaps: ContactGaps, watch: Watch, jump_s: float) -> int:
+    """Number of whole steps in which no foot can come down; 0 when one was about to and its impact has been passed.
+
+    What comes after `jump_s`, the instant in the next step at which the floor's acceleration jumps, is not looked at before that.
+    """
     stepper, step_s = state.stepper, state.step_s
-    if state.half_cycle is not None and _followed(state, gaps, state.half_cycle):
+    if jump_s == math.inf and state.half_cycle is not None and _followed(state, gaps, state.half_cycle):
         return 0
     contact_s, soonest, foot = gaps(state.row, state.t_s, state.jolted_s, stepper.table_place[2], stepper.table_rate[2])
     if watch.impose:
-        return _imposed(state, scene, gaps, watch, soonest)
+        return _imposed(state, scene, gaps, watch, soonest, jump_s)
     # Its velocity is of half a step ago: it may come sooner than at that.
     if contact_s == math.inf or state.t_s + min(contact_s, soonest) > state.next_s:
         if stepper.backend.near is False:
             return MOST_FREE
         return _free(state, soonest / step_s)
     contact_time = ContactTimeEstimate(state, gaps, foot)
-    if min(contact_s, contact_time()) > state.events.later * (state.next_s - state.t_s):
+    located_s = contact_time()
+    if state.t_s + located_s > jump_s or min(contact_s, located_s) > state.events.later * (state.next_s - state.t_s):
         return 1
     _locate_impact(state, gaps, contact_time)
     return 0
@@ -128,13 +136,13 @@ def _followed(state: StepState, gaps: ContactGaps, half_cycle: HalfCycle) -> boo
     return due is not None
 
 
-def _imposed(state: StepState, scene: Scene, gaps: ContactGaps, watch: Watch, soonest: float) -> int:
+def _imposed(state: StepState, scene: Scene, gaps: ContactGaps, watch: Watch, soonest: float, jump_s: float) -> int:
     """The same where impacts are prescribed: one is imposed when the statue passes upright."""
     step_s = state.step_s
     # Right after an impact the statue is upright, to the last digit or not.
     contact_s = math.inf if state.jolted else _upright(state, gaps, watch)
     sure = min(soonest, contact_s)
-    if contact_s == math.inf or state.t_s + sure > state.next_s:
+    if contact_s == math.inf or state.t_s + sure > state.next_s or state.t_s + contact_s > jump_s:
         return _free(state, sure / step_s)
 
     def impose() -> None:
@@ -151,8 +159,9 @@ def _upright(state: StepState, gaps: ContactGaps, watch: Watch) -> float:
     return -lean / rate if lean * rate < 0.0 and abs(rate) > gaps.slow_rad_s else math.inf
 
 
-def _stick_onset(state: StepState, pull: float, kinetic: float) -> int:
-    """Number of whole steps in which the pedestal cannot stick; 0 when it was about to and its stick onset has been met.
+def _stick_onset(state: StepState, pull: float, kinetic: float, jump_s: float) -> int:
+    """Number of whole steps in which the pedestal cannot stick; 0 when it was about to, before the floor's acceleration jumps,
+    and its stick onset has been met.
 
     `pull` bounds its deceleration, `kinetic` is kinetic friction's, m/s².
     """
@@ -165,7 +174,7 @@ def _stick_onset(state: StepState, pull: float, kinetic: float) -> int:
     if speed <= least_m_s2 * step_s:
         return unseen or RESTING_FREE
     last_s = record.kick_s[-1] - record.kick_s[-2]
-    if last_s <= 0.0 or state.jolted:
+    if last_s <= 0.0 or not state.smooth:
         return 1
     ax = (vx - before[0] + stepper.table_before[0]) / last_s
     ay = (vy - before[1] + stepper.table_before[1]) / last_s
@@ -173,8 +182,8 @@ def _stick_onset(state: StepState, pull: float, kinetic: float) -> int:
     # Kinetic friction stops nothing that goes past rest: what turns aside slides on, unless less than it is needed.
     if slowing > least_m_s2 and not stepper.passes_rest((vx, vy), (ax * last_s, ay * last_s)):
         stick_onset_s = state.kick_s + speed / slowing
-        if stick_onset_s <= 0.5 * (state.t_s + state.next_s):
-            state.stick_onset(stick_onset_s)
+        if stick_onset_s <= min(0.5 * (state.t_s + state.next_s), jump_s):
+            state.bring(stick_onset_s)
             return 0
     return unseen or _free(state, speed / (pull * step_s))
 

@@ -7,9 +7,12 @@ step before to the middle of this one. The first step begins with synchronous ve
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +23,9 @@ from harness.engines.event_stepping.rows import Vector
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
+
+SAME_INSTANT: Final = 1e-6
+"""Share of a step by which two instants may differ and be one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +58,19 @@ class Schedule:
             gravity = frame.apparent_gravity(self.scene, edges_s) * share
         return list(zip(*gravity.T.tolist(), strict=True))
 
+    @cached_property
+    def _jumps_s(self) -> list[float]:
+        """Instants at which the floor's acceleration jumps, in order."""
+        motion = self.scene.base_excitation
+        end_s = (self.count + 1) * self.step_s
+        return sorted({float(t) for part in (motion.x, motion.y, motion.z) for t in part.jumps_s(end_s)})
+
+    def jump_after_s(self, kick_s: float) -> float:
+        """The first instant after `kick_s` at which the floor's acceleration jumps; infinite for none."""
+        # What is nearer is where the velocities stand already.
+        number = bisect_right(self._jumps_s, kick_s + SAME_INSTANT * self.step_s)
+        return self._jumps_s[number] if number < len(self._jumps_s) else math.inf
+
     def between(self, start_s: float, end_s: float, step_s: float) -> Vector:
         """Gravity of a step of `step_s` that takes velocities from `start_s` to `end_s`."""
         if end_s <= start_s:
@@ -68,8 +87,12 @@ class Schedule:
         parts = [] if self.moving else list(enumerate((base_excitation.x, base_excitation.y, base_excitation.z)))
         return [(axis, part.velocity_at) for axis, part in parts if not isinstance(part, ZeroExcitation)]
 
-    def table(self, t_s: float, step_s: float) -> tuple[Vector, Vector]:
-        """Displacement of a moving table at the start of a step and its mean velocity in it."""
+    def table(self, t_s: float, kick_s: float, step_s: float) -> tuple[Vector, Vector]:
+        """Displacement of a moving table at the start of a step, and its mean velocity in it; where its acceleration jumps at
+        `kick_s`, to which the step takes velocities, that instant's.
+        """
         here, there = frame.table_displacement(self.scene, np.array([t_s, t_s + step_s]))
         rate = (there - here) / step_s
+        if kick_s in self._jumps_s:
+            rate = frame.table_velocity(self.scene, np.array([kick_s]))[0]
         return (float(here[0]), float(here[1]), float(here[2])), (float(rate[0]), float(rate[1]), float(rate[2]))

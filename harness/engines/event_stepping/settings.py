@@ -95,7 +95,7 @@ class EventSettings:
     """A rest of a whole step shorter than so many parts goes with the part before it."""
 
     # Stick onset and slip onset of the pedestal.
-    least_share: float = 0.1
+    least_share: float = 0.02
     """Share of kinetic friction's deceleration below which a change of the pedestal's velocity is the solver's remainder."""
     past_rest: float = 0.1
     """A pedestal whose velocity, going on in a straight line, passes rest by more than this share of what kinetic friction takes

@@ -14,10 +14,12 @@ def coefficient(stepper: Stepper, record: StepLog, step_s: float) -> float:
 
     The instant is where that force, taken on as a straight line from the two steps before, passes the static limit: at most a
     step ago, as a step is held whose mean is below the limit, and what it was held by too long is taken back. Where these were
-    not whole steps it is taken to be the middle. The static coefficient says that it comes after this step.
+    not whole steps, or the floor's acceleration jumped in them, it is taken to be the middle. The static coefficient says that it
+    comes after this step.
     """
     static, kinetic, kicks = stepper.static, stepper.kinetic, record.kick_s
-    if len(kicks) < 3 or min(kicks[-1] - kicks[-2], kicks[-2] - kicks[-3]) < stepper.events.whole * step_s:
+    short = len(kicks) < 3 or min(kicks[-1] - kicks[-2], kicks[-2] - kicks[-3]) < stepper.events.whole * step_s
+    if short or stepper.schedule.jump_after_s(kicks[-3]) <= kicks[-1]:
         return 0.5 * (static + kinetic)
     before, last = (_held(stepper, record, index) for index in (-2, -1))
     # Both forces are means over their steps: they belong to the middles, half of the two steps apart.

@@ -51,8 +51,8 @@ class StepState:
     """The run in progress: `t_s` of places, `kick_s` of velocities, `number` of the last whole step reached, the present row.
 
     `even` says that both clocks stand as after a whole step, so that another one may follow; `jolted` that the last sample is an
-    impact's, `jolts` how many there were since the last whole step, `jolted_s` when velocities last jumped. `half_cycle` is the
-    short half-cycle in progress, if any.
+    impact's, `jolts` how many there were since the last whole step, `jolted_s` when velocities last jumped; `pulled_s` when the
+    floor's acceleration last did. `half_cycle` is the short half-cycle in progress, if any.
     """
 
     def __init__(self, stepper: Stepper, row: Row, start: int, kick_s: float, *, even: bool) -> None:
@@ -62,12 +62,18 @@ class StepState:
         self.length_s, self.even = self.step_s, even
         self.record = StepLog(len(row), [self.t_s], [kick_s], array("d", row), stepper.writer.ledger)
         self.jolted, self.jolted_s, self.jolts, self.look_from = False, -math.inf, 0, start
+        self.pulled_s = -math.inf
         self.half_cycle: HalfCycle | None = None
 
     @property
     def next_s(self) -> float:
         """The next whole step's time."""
         return (self.number + 1) * self.step_s
+
+    @property
+    def smooth(self) -> bool:
+        """Whether what velocities changed by up to the last sample tells by what they go on to change."""
+        return not self.jolted and self.kick_s != self.pulled_s
 
     @property
     def on_grid(self) -> bool:
@@ -80,7 +86,7 @@ class StepState:
         self._set(length)
         gravity = self.schedule.between(self.kick_s, kick_s, length)
         self.stepper.backend.foresee(self, kick_s, length)
-        self.row = self.stepper.step(gravity, self.t_s, length, self.row)
+        self.row = self.stepper.step(gravity, self.t_s, kick_s, length, self.row)
         self.t_s, self.kick_s, self.even, self.jolted = t_s, kick_s, False, False
         self.record.keep(t_s, kick_s, self.row)
         return self.row
@@ -90,7 +96,7 @@ class StepState:
         self._set(length_s)
         gravity = self.schedule.between(self.kick_s, kick_s, length_s)
         self.stepper.backend.foresee(self, kick_s, length_s)
-        self.row = self.stepper.step(gravity, self.t_s, length_s, self.row)
+        self.row = self.stepper.step(gravity, self.t_s, kick_s, length_s, self.row)
         self.t_s, self.kick_s, self.even = self.t_s + length_s, kick_s, False
 
     def coast(self, seconds: float) -> None:
@@ -114,7 +120,7 @@ class StepState:
         length = self.events.together * self.step_s
         self._set(length)
         self.stepper.backend.foresee(self, self.kick_s, length)
-        after = self.stepper.step(NO_PULL, self.t_s, length, self.row)
+        after = self.stepper.step(NO_PULL, self.t_s, self.kick_s, length, self.row)
         before = self.row
         # Only the velocities are kept.
         row = (*before[:7], *after[7:13], *before[13:20], *after[20:26])
@@ -157,7 +163,7 @@ class StepState:
         else:
             for number, gravity in enumerate(pulls, self.number + 1):
                 stepper.backend.foresee(self, (number - 0.5) * step_s, step_s)
-                row = stepper.step(gravity, (number - 1) * step_s, step_s, self.row)
+                row = stepper.step(gravity, (number - 1) * step_s, (number - 0.5) * step_s, step_s, self.row)
                 if stepper.just_slipped:
                     row = stepper.let_loose(slip_onset.coefficient(stepper, record, step_s), gravity, self.row)
                 self.row, self.t_s, self.kick_s = row, number * step_s, (number - 0.5) * step_s
@@ -182,14 +188,24 @@ class StepState:
         self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
         self.jolted, self.jolts, self.half_cycle = False, 0, None
 
-    def stick_onset(self, stick_onset_s: float) -> None:
-        """Velocities to the instant at which the pedestal sticks."""
+    def bring(self, instant_s: float) -> None:
+        """Velocities to an instant within the next step at which forces jump: the middle of a step of the places, where these
+        leave room for it.
+        """
         shortest = self.events.least_rest * self.step_s
-        end = self.t_s + max(2.0 * (stick_onset_s - self.t_s), shortest)
-        if end > self.next_s - shortest:
-            self.to_next(stick_onset_s)
-        else:
-            self.to(end, stick_onset_s)
+        end = self.t_s + max(2.0 * (instant_s - self.t_s), shortest)
+        if end <= self.next_s - shortest:
+            self.to(end, instant_s)
+            return
+        begin = min(2.0 * instant_s - self.next_s, self.next_s - shortest)
+        if begin >= self.t_s + shortest:
+            self.to(begin, max(0.5 * (self.t_s + begin), self.kick_s))
+        self.to_next(instant_s)
+
+    def meet_jump(self, instant_s: float) -> None:
+        """Velocities to an instant at which the floor's acceleration jumps: what it then pulls at is no step's mean."""
+        self.bring(instant_s)
+        self.pulled_s, self.half_cycle = self.kick_s, None
 
     def lower(self, gap_m: float) -> None:
         """Take back what the standing foot has drifted off its support, as a step too short would not close the gap."""

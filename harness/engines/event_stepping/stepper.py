@@ -44,11 +44,11 @@ class Stepper:
         self.places: Row | None = None
         self.table_place = self.table_rate = self.table_before = NOTHING
 
-    def step(self, gravity: Vector, t_s: float, step_s: float, before: Row) -> Row:
-        """Advance the world from `before` at `t_s` by `step_s`."""
+    def step(self, gravity: Vector, t_s: float, kick_s: float, step_s: float, before: Row) -> Row:
+        """Advance the world from `before` at `t_s` by `step_s`, velocities to `kick_s`."""
         if self.schedule.moving:
             self.table_before = self.table_rate
-            self.table_place, self.table_rate = self.schedule.table(t_s, step_s)
+            self.table_place, self.table_rate = self.schedule.table(t_s, kick_s, step_s)
             self.backend.move_table(self.table_place, self.table_rate)
         self.just_slipped = False
         row = self.backend.advance(gravity)

@@ -71,7 +71,7 @@ class BulletBackend:
         if self.gyroscope.moments is None:
             return
         record, change = state.record, (0.0, 0.0, 0.0)
-        if not state.jolted and len(record.t_s) > 1:
+        if state.smooth and len(record.t_s) > 1:
             before, last_s = record.rate_before, record.kick_s[-1] - record.kick_s[-2]
             if last_s > settings.EVENTS.shortest * self.step_s:
                 x, y, z = before

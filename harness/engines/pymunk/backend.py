@@ -34,6 +34,8 @@ set_spin: Final = lib.cpBodySetAngularVelocity
 
 STICKS_AHEAD: Final = 4.0
 """Steps to a stick onset from which on it is looked for in each: its deceleration may grow as much as fourfold in one."""
+LEAST_SLIDES_M_S2: Final = 1e-2
+"""Velocity over the step above which a pedestal has slid: solver iterations leave a hundredth of it at rest."""
 ONE_STEP: Final = 1e-9
 """Share of a step by which its length may differ and be a whole step's."""
 
@@ -56,7 +58,7 @@ class ChipmunkBackend:
         self.lagging = False
         self.solved_s: float | None = None
         self.since_s, self.lags_s, self.gained = 0.0, (0.0, 0.0), 0.0
-        self.holds, self.slip_m_s = False, 0.0
+        self.holds, self.slip_m_s, self.least_m_s = False, 0.0, LEAST_SLIDES_M_S2 * self.step_s
         self.near: bool | None = False
         self.turns, self.iterations, self.owed_m_s = False, -1, (0.0, 0.0)
         self.ledger = Ledger()
@@ -122,7 +124,7 @@ class ChipmunkBackend:
         states, pull = self._held(), (gravity[0], gravity[2])
         own = self.settings
         # Impulses of another state, or none, are no guess for the next ones.
-        fresh = own.iterations if self.lagging else own.impact_iterations
+        fresh = own.iterations if self.lagging and not self.near else own.impact_iterations
         self._solve(states, pull, own.turning_iterations if self.turns else fresh)
         before, after = states[0], self.states[0]
         self.gained, self.lagging = after[5] - before[5], True
@@ -135,9 +137,11 @@ class ChipmunkBackend:
         return row_of(self.states)
 
     def _comes_to_rest(self, slip_m_s: float) -> bool:
-        """Whether the pedestal, slowing as it does, sticks within some steps."""
+        """Whether the pedestal, slowing as it does, sticks within some steps, or has done so in this one."""
         before, self.slip_m_s = self.slip_m_s, slip_m_s
         lost = before - slip_m_s
+        if slip_m_s * before <= 0.0:
+            return abs(before) > self.least_m_s
         return 0.0 < slip_m_s < STICKS_AHEAD * lost or STICKS_AHEAD * lost < slip_m_s < 0.0
 
     def _solve(self, states: list[State], pull: Pair, iterations: int) -> None:
