@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -60,19 +60,48 @@ TAKEN_AWAY: Final[Mapping[str, Callable[[Scene], Scene | None]]] = {
 """What the plane leaves out, and the scene without it; None where the scene has none of it."""
 
 
-def with_reasons(scene: Scene, runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, Scores]:
+@dataclass
+class TakenAway:
+    """The runs of 3D engines again, without each thing that the scene has of what the plane leaves out; each is made once."""
+
+    scene: Scene
+    made: dict[int, dict[str, Run]] = field(default_factory=dict)
+
+    def runs(self, space: Run) -> dict[str, Run]:
+        """The runs beside that of a 3D engine."""
+        if id(space) not in self.made:
+            self.made[id(space)] = _without_each(self.scene, space)
+        return self.made[id(space)]
+
+
+def explained(runs: Mapping[str, Run], scores: Mapping[str, Scores], taken: TakenAway) -> set[str]:
+    """The pairs whose robust difference goes, all or most of it, with one of `TAKEN_AWAY`."""
+    found = set()
+    for pair, (plane, space) in _planar_and_spatial(runs, scores).items():
+        with_all, limit, known = _apart(plane, space, taken.runs(space), scores[pair].evidence)
+        if math.isfinite(with_all) and known and min(known.values()) <= max(limit, REMAINDER * with_all):
+            found.add(pair)
+    return found
+
+
+def with_reasons(runs: Mapping[str, Run], scores: Mapping[str, Scores], taken: TakenAway) -> dict[str, Scores]:
     """The scores of pairs; of each planar and 3D answer that differ robustly, told which of `TAKEN_AWAY` is why."""
-    again: dict[str, dict[str, Run]] = {}
     judged = dict(scores)
+    for pair, (plane, space) in _planar_and_spatial(runs, scores).items():
+        each = scores[pair]
+        reason = _reason(plane, space, taken.runs(space), each.evidence)
+        judged[pair] = replace(each, verdict_sentence=each.verdict_sentence + reason)
+    return judged
+
+
+def _planar_and_spatial(runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, tuple[Run, Run]]:
+    """Of the pairs of a planar and a 3D answer that differ robustly the two runs."""
+    pairs = {}
     for pair, each in scores.items():
         sides = {engines.load(name).capabilities.dimensions: name for name in (each.a, each.b)}
         if each.verdict in ROBUST and each.evidence.differs_in and set(sides) == {2, 3}:
-            plane, space = runs[sides[2]], runs[sides[3]]
-            if space.engine not in again:
-                again[space.engine] = _without_each(scene, space)
-            reason = _reason(plane, space, again[space.engine], each.evidence)
-            judged[pair] = replace(each, verdict_sentence=each.verdict_sentence + reason)
-    return judged
+            pairs[pair] = runs[sides[2]], runs[sides[3]]
+    return pairs
 
 
 def _without_each(scene: Scene, space: Run) -> dict[str, Run]:
@@ -86,16 +115,24 @@ def _end_s(run: Run) -> float:
     return min(run.bounded_until_s, run.end_s)
 
 
-def _reason(plane: Run, space: Run, again: Mapping[str, Run], evidence: Evidence) -> str:
+def _apart(
+    plane: Run, space: Run, again: Mapping[str, Run], evidence: Evidence
+) -> tuple[float, float, dict[str, float]]:
+    """How far the two are apart in what they differ in, the limit of that, and how far they are without each thing."""
     slips = evidence.differs_in == "slip"
-    limit, text = (evidence.slip_limit_m, mm_text) if slips else (evidence.limit_rad, rad_text)
     until_s = min(_end_s(plane), _end_s(space))
 
     def apart(run: Run) -> float:
         return errors(plane, run, until_s)[1 if slips else 0]
 
-    with_all = apart(space)
     known = {what: value for what, run in again.items() if math.isfinite(value := apart(run))}
+    return apart(space), evidence.slip_limit_m if slips else evidence.limit_rad, known
+
+
+def _reason(plane: Run, space: Run, again: Mapping[str, Run], evidence: Evidence) -> str:
+    with_all, limit, known = _apart(plane, space, again, evidence)
+    slips, until_s = evidence.differs_in == "slip", min(_end_s(plane), _end_s(space))
+    text = mm_text if slips else rad_text
     if not (math.isfinite(with_all) and known):
         return ""
     each = ", ".join(f"{text(value)} without {what}" for what, value in known.items())

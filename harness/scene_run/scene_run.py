@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
 from harness import engines
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, RunTarget, check_target, simulate_with
+from harness.accuracy.simulation import RunTarget, check_target, simulate_with
 from harness.engines.base import Engine, EngineFailure
 from harness.input.paths import read_files
 from harness.model.history import Outcome, history_file
@@ -25,9 +25,9 @@ from harness.records.run import EngineRunRecord, HorizonRecord, RunRecord
 from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores
 from harness.records.witness import Witness
-from harness.scene_run.confirmation import CONFIRMATION_FACTOR, doubted
+from harness.scene_run.confirmation import doubted, finer_rad, finer_runs
 from harness.scene_run.convention import with_conventions
-from harness.scene_run.left_out import with_reasons
+from harness.scene_run.left_out import TakenAway, explained, with_reasons
 from harness.statics.plan import Step, plan
 from harness.statics.standstill import standstill
 
@@ -125,15 +125,22 @@ def run_scene(
     runs = {item.name: runs[item.name] for item in loaded}
     horizons = _horizons(scene, answers_of(runs), on_progress, every=horizon)
     scores = _scores(scene, runs, horizons, iso)
-    refinable = {item.name for item in loaded if not item.capabilities.certifies and item.name not in (stored or {})}
-    finer = _finer_runs(scene, refinable, target, scores, on_progress)
-    if finer:
-        runs |= finer
-        scores = _scores(scene, runs, horizons, iso)
-    scores = with_reasons(scene, runs, with_conventions(scene, runs, scores))
+    taken = TakenAway(scene)
+    refined: list[str] = []
+    if target.dt_s is None:
+        found = explained(runs, scores, taken)
+        refinable = {
+            item.name for item in loaded if not item.capabilities.certifies and item.name not in (stored or {})
+        }
+        doubts = doubted(each for pair, each in scores.items() if pair not in found)
+        refined, finer = finer_runs(scene, runs, doubts, refinable, target, on_progress)
+        if finer:
+            runs |= finer
+            scores = _scores(scene, runs, horizons, iso)
+    scores = with_reasons(runs, with_conventions(scene, runs, scores), taken)
     witness_answers = _witnessed(scene, runs, options, on_progress) if witness else {}
     assessment = _assessed(scene, on_progress) if assess else {}
-    scene = scene.but(notes=(*scene.notes, *_notes(scene, runs, finer, target)))
+    scene = scene.but(notes=(*scene.notes, *_notes(scene, runs, refined, target)))
     return Result(scene, runs, scores, steps, time.perf_counter() - start, horizons, assessment, witness_answers)
 
 
@@ -142,11 +149,11 @@ def answers_of(runs: Mapping[str, Run]) -> list[Run]:
     return [run for run in runs.values() if not run.outcome.failed]
 
 
-def _notes(scene: Scene, runs: Mapping[str, Run], finer: Mapping[str, Run], target: RunTarget) -> list[str]:
+def _notes(scene: Scene, runs: Mapping[str, Run], refined: Sequence[str], target: RunTarget) -> list[str]:
     """What is said of the scene once it has run: which engines were refined, and what a scene that nothing moves would take."""
-    judged = f"was run to {_finer_rad(target):g} rad, before its difference from another model was judged"
+    judged = f"was run to {finer_rad(target):g} rad, before its difference from another model was judged"
     still = standstill(scene, answers_of(runs))
-    return [*(f"{name} {judged}" for name in finer), *([] if still is None else [still])]
+    return [*(f"{name} {judged}" for name in refined), *([] if still is None else [still])]
 
 
 @contextmanager
@@ -178,28 +185,6 @@ def _give_up(waiting: Iterable[Future[Run]]) -> None:
     while not all(future.cancel() or future.done() for future in waiting):
         kill_workers()
         time.sleep(KILLED_S)
-
-
-def _finer_rad(target: RunTarget) -> float:
-    """The accuracy of a run that is made again before models are said to differ."""
-    return (target.accuracy_rad or DEFAULT_ACCURACY_RAD) / CONFIRMATION_FACTOR
-
-
-def _finer_runs(
-    scene: Scene,
-    refinable: set[str],
-    target: RunTarget,
-    scores: Mapping[str, Scores],
-    on_progress: Callable[[str], None],
-) -> dict[str, Run]:
-    """Runs to a finer target of the engines whose difference from another model is near its limit; none for an expert's step."""
-    runs = {}
-    for name in sorted(refinable & doubted(scores)) if target.dt_s is None else ():
-        on_progress(f"{name}, again and finer")
-        again = simulate_with(engines.load(name), scene, replace(target, accuracy_rad=_finer_rad(target)))
-        if not again.outcome.failed:
-            runs[name] = again
-    return runs
 
 
 def _witnessed(

@@ -11,7 +11,7 @@ import pytest
 from harness.input.scene_file import load_scene
 from harness.records.scores import Verdict
 from harness.scene_run import left_out
-from harness.scene_run.left_out import TAKEN_AWAY, with_reasons
+from harness.scene_run.left_out import TAKEN_AWAY, TakenAway, explained, with_reasons
 from harness.scene_run.scene_run import run_scene
 from tests.doubles import raised, rest, run_of
 from tests.reports.invented_run import invented_scores
@@ -50,7 +50,9 @@ def test_a_cause_is_named_by_what_stays_without_it(
     scores = invented_scores("pymunk", "pybullet", "They part.")
     evidence = replace(scores.evidence, limit_rad=5e-4, differs_in="rotation")
     scores = replace(scores, verdict=Verdict.MODEL, evidence=evidence)
-    told = with_reasons(scene, {"pymunk": plane, "pybullet": space}, {"pair": scores})["pair"].verdict_sentence
+    runs, taken = {"pymunk": plane, "pybullet": space}, TakenAway(scene)
+    told = with_reasons(runs, {"pair": scores}, taken)["pair"].verdict_sentence
+    assert explained(runs, {"pair": scores}, taken) == (set() if left_rad > 0.002 else {"pair"})
     assert told.startswith(f"They part. They differ {words}")
     assert f"0.02 rad apart, {left_rad:.2g} rad without the products of inertia" in told
 

@@ -119,29 +119,40 @@ def test_an_unknown_engine_names_the_nearest() -> None:
         simulate(paestum(0.1, 2.0), "pymunk,spatial")
 
 
-@pytest.mark.parametrize(("off", "again"), [(3e-3, True), (0.5, False), (1e-4, False)])
-def test_a_difference_of_models_is_confirmed_by_a_finer_run(
-    monkeypatch: pytest.MonkeyPatch, off: float, again: bool
+@pytest.mark.parametrize(
+    ("off", "chance", "again", "whole"),
+    [(3e-3, True, True, True), (3e-3, False, True, False), (0.5, True, False, False), (1e-4, True, False, False)],
+)
+def test_a_difference_of_models_is_confirmed_by_a_finer_run_up_to_it(
+    monkeypatch: pytest.MonkeyPatch, off: float, chance: bool, again: bool, whole: bool
 ) -> None:
-    """Two runs of an engine that agreed by chance are not a difference of models; one far beyond all chance is not run again."""
+    """Two runs of an engine that agreed by chance are not a difference of models; one far beyond all chance is not run again.
+
+    Only a difference that a finer target takes away costs a whole finer run.
+    """
     history = doubles.rocking()
-    asked: list[tuple[str, float | None]] = []
+    asked: list[tuple[str, float | None, float]] = []
 
     def answer(engine: Engine, scene: Scene, target: RunTarget) -> Run:
-        asked.append((engine.name, target.accuracy_rad))
-        wrong = engine.name == "pymunk" and target.accuracy_rad is None
+        asked.append((engine.name, target.accuracy_rad, scene.duration_s))
+        wrong = engine.name == "pymunk" and (target.accuracy_rad is None or not chance)
         path = doubles.raised(history, off) if wrong else history
         known = {"numerical_uncertainty_rad": 1e-4, "slip_uncertainty_m": 1e-4, "reliable_until_s": 10.0}
         return doubles.run_of(path, engine.name, **known)
 
     monkeypatch.setattr(run, "simulate_with", answer)
+    monkeypatch.setattr(confirm, "simulate_with", answer)
     monkeypatch.setattr(run, "_horizons", lambda *args, **options: {})
-    result = run_scene(paestum(), ["analytic", "pymunk"])
-    finer = ("pymunk", run.DEFAULT_ACCURACY_RAD / confirm.CONFIRMATION_FACTOR)
-    assert (finer in asked) is again
-    assert ("analytic", finer[1]) not in asked, "a model that certifies its own error is sure of it"
+    scene = paestum().but(duration_s=10.0)
+    result = run_scene(scene, ["analytic", "pymunk"])
+    finer = [(name, duration_s) for name, accuracy_rad, duration_s in asked if accuracy_rad is not None]
+    assert all(name == "pymunk" for name, _ in finer), "a model that certifies its own error is sure of it"
+    ends_s = [duration_s for _, duration_s in finer]
+    assert len(ends_s) == again + whole
+    assert all(end_s < 0.5 * scene.duration_s for end_s in ends_s[:again])
+    assert ends_s[again:] == [scene.duration_s] * whole
     verdict = result.scores["analytic_vs_pymunk"].verdict
-    assert verdict is (Verdict.MODEL if off > 0.1 else Verdict.AGREE)
+    assert verdict is (Verdict.MODEL if off > 0.1 or not chance else Verdict.AGREE)
     assert any("before its difference" in note for note in result.scene.notes) is again
 
 
