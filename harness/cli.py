@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -34,9 +34,6 @@ class Compared:
 def add_commands(app: typer.Typer) -> None:
     """Mount the computing commands on the application."""
     command(app, "engines", "rockcheck engines")(engines)
-    store = typer.Typer(no_args_is_help=True, help="Look after the stores of studies.")
-    command(store, "salvage", "rockcheck store salvage out/map/store.sqlite saved.sqlite")(salvage)
-    app.add_typer(store, name="store")
 
 
 def engines(as_json: JsonOnly = False) -> None:
@@ -113,18 +110,6 @@ def compare(
         return Compared(by_pair)
     names = [row.engine for row in rows]
     return Compared(by_pair, score_sets(rows, reference="analytic" if "analytic" in names else names[0]))
-
-
-def salvage(
-    damaged: Annotated[Path, typer.Argument(metavar="FILE", help="The damaged store.", show_default=False)],
-    fresh: Annotated[Path, typer.Argument(metavar="NEW", help="The store to write.", show_default=False)],
-    saying: Saying,
-) -> None:
-    """Copy what can still be read of a damaged store into a new one."""
-    from harness.campaign.recover import recover
-
-    saved = recover(damaged, fresh)
-    saying.say({**vars(saved), "store": str(fresh)}, f"{fresh}: {saved}")
 
 
 def compute(

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Final
 
 from harness.campaign.serialization import Packed, history_sum, record_sum, unpack
-from harness.campaign.task import RUN
 from harness.model.errors import InputError, Mistake
 from harness.model.history import COLUMNS, History
 from harness.model.run import Run, to_plain
@@ -25,11 +24,10 @@ STORE_VERSION: Final = 4
 BUSY_MS: Final = 60_000
 """Longest wait for another writer: many workers share one file, each holding it for well under a millisecond."""
 
-RECOVER: Final = "`rockcheck store salvage FILE NEW` copies what can still be read into a new store"
+RECOVER: Final = "move the file away and run the same command again: its results are computed anew"
 
 # Results stand in the order in which they came: in a tree of keys each row of a kilobyte would take a page of its own.
-# The view is for whoever asks the file by SQL.
-_SCHEMA: Final = f"""
+_SCHEMA: Final = """
 CREATE TABLE IF NOT EXISTS result (
     key TEXT PRIMARY KEY, kind TEXT NOT NULL, record TEXT NOT NULL, has_history INTEGER NOT NULL, crc32 INTEGER NOT NULL
 );
@@ -41,23 +39,8 @@ CREATE TABLE IF NOT EXISTS plan (
     study TEXT NOT NULL, number INTEGER NOT NULL, engine TEXT NOT NULL, key TEXT, reason TEXT NOT NULL, settings TEXT NOT NULL,
     PRIMARY KEY (study, number, engine)
 ) WITHOUT ROWID;
-CREATE VIEW IF NOT EXISTS run AS SELECT key, {
-    ", ".join(
-        f"json_extract(record, '$.{source}') AS {name}"
-        for name, source in (
-            ("engine", "engine"),
-            ("outcome", "outcome"),
-            ("peak_theta_rad", "peak_theta_rad"),
-            ("no_return_time_s", "no_return_time_s"),
-            ("overturn_time_s", "overturn_time_s"),
-            ("peak_slip_m", "peak_slip_m"),
-            ("uncertainty_rad", "numerical_uncertainty_rad"),
-            ("reliable_until_s", "reliable_until_s"),
-        )
-    )
-}, record, has_history, crc32 FROM result WHERE kind = '{RUN}';
 """
-_TABLES: Final = frozenset(("result", "timing", "history", "plan", "run"))
+_TABLES: Final = frozenset(("result", "timing", "history", "plan"))
 
 
 @dataclass(frozen=True)
@@ -82,7 +65,7 @@ def check_begun(folder: Path, what: str, *names: str) -> None:
 class Store:
     """A store in one file; every write is one transaction, so a killed process loses nothing that was finished.
 
-    Raises `InputError` when the file cannot be opened, written or is no store; the message says what can still be read.
+    Raises `InputError` when the file cannot be opened, written or is no store; the message says what can be done.
     """
 
     def __init__(self, path: Path) -> None:

@@ -352,7 +352,6 @@ def test_a_single_instant_is_no_agreement(tmp_path: Path) -> None:
         ["figures", "{}"],
         ["mesh", "inspect", "{}.obj"],
         ["motion", "inspect", "{}.V2"],
-        ["store", "salvage", "{}", "new"],
     ],
 )
 def test_a_name_too_long_is_a_mistake(

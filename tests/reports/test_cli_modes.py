@@ -11,19 +11,14 @@ import pytest
 from typer.main import get_command
 from typer.testing import CliRunner
 
-from harness.campaign.store import Store
 from harness.command import Asked, Saying, spread
-from harness.model.history import Outcome
 from reports.cli import app
 from tests.meshes import togatus
-from tests.reports.invented_run import invented_history, invented_run
-from tests.stores_for_tests import put
 
 COMMANDS = {
     "inspect": ("mesh inspect statue.ply --unit m", ""),
     "prepare": ("mesh prepare statue.ply --unit m --out new.ply", "new.ply"),
     "new": ("new statue.ply --unit m --motion quake.csv --out new.toml", "new.toml"),
-    "salvage": ("store salvage store.sqlite new.sqlite", "new.sqlite"),
 }
 
 
@@ -38,8 +33,6 @@ def statue(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 def folder(statue: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "statue.ply").write_bytes(statue)
     (tmp_path / "quake.csv").write_text("t_s,a_0_ms2\n0,0\n0.5,1\n1,0\n")
-    with Store(tmp_path / "store.sqlite") as store:
-        put(store, [("key", invented_run("analytic", invented_history(0.0, samples=11), Outcome.STANDS, 1e-9))])
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -72,7 +65,6 @@ def test_quiet_writes_the_file_and_says_nothing(folder: Path, name: str) -> None
         ("inspect", {"refusal": None}),
         ("prepare", {"refusal": None}),
         ("new", {"scene": "new.toml"}),
-        ("salvage", {"results": 1, "store": "new.sqlite"}),
     ],
 )
 def test_json_is_a_record_and_nothing_else(folder: Path, name: str, wanted: dict[str, Any]) -> None:

@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.campaign.recover import recover
 from harness.campaign.store import Store
 from harness.model.errors import InputError
 from harness.model.history import History, Outcome
@@ -90,7 +89,7 @@ def test_a_failed_write_leaves_the_rest_whole(store: Store) -> None:
 def test_a_file_that_is_no_store_is_a_mistake_of_the_user(tmp_path: Path) -> None:
     path = tmp_path / "store.sqlite"
     path.write_bytes(b"this is no database at all, but long enough to be read as one" * 20)
-    with pytest.raises(InputError, match="salvage"):
+    with pytest.raises(InputError, match="move the file away"):
         Store(path)
 
 
@@ -127,63 +126,15 @@ def test_a_full_disk_is_told_and_what_was_finished_is_kept(store: Store) -> None
     assert is_sound(store)
 
 
-def test_what_can_still_be_read_of_a_damaged_store_is_salvaged(tmp_path: Path) -> None:
-    path = tmp_path / "store.sqlite"
-    with Store(path) as store:
-        put(store, [(f"key{i:04d}", run()) for i in range(400)], histories=True)
-        store._db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-    data = bytearray(path.read_bytes())
-    middle = len(data) // 2
-    data[middle : middle + 8192] = b"\xff" * 8192
-    path.write_bytes(data)
-    saved = recover(path, tmp_path / "fresh.sqlite")
-    count = saved.results
-    assert 0 < count <= 400
-    with Store(tmp_path / "fresh.sqlite") as fresh:
-        assert is_sound(fresh)
-        assert len(fresh.keys() & {f"key{i:04d}" for i in range(400)}) == count
-    with pytest.raises(InputError, match="does not exist yet"):
-        recover(path, tmp_path / "fresh.sqlite")
-
-
-def test_of_a_store_that_was_cut_off_what_is_left_is_salvaged(tmp_path: Path) -> None:
-    path = tmp_path / "store.sqlite"
-    with Store(path) as store:
-        put(store, [(f"key{i:04d}", run()) for i in range(400)], histories=True)
-    data = path.read_bytes()
-    path.write_bytes(data[: len(data) // 2 + 100])
-    saved = recover(path, tmp_path / "room" / "fresh.sqlite")
-    assert 100 < saved.results < 300
-    with Store(tmp_path / "room" / "fresh.sqlite") as fresh:
-        assert len(fresh.keys()) == saved.results
-    assert sorted(each.name for each in tmp_path.iterdir()) == ["room", "store.sqlite"]
-
-
-def test_what_a_killed_process_left_beside_its_store_is_salvaged_too(tmp_path: Path) -> None:
-    killed = tmp_path / "killed"
-    killed.mkdir()
-    with Store(tmp_path / "store.sqlite") as store:
-        put(store, [(f"key{i:04d}", run()) for i in range(40)], histories=True)
-        for name in ("store.sqlite", "store.sqlite-wal"):
-            (killed / name).write_bytes((tmp_path / name).read_bytes())
-    assert recover(killed / "store.sqlite", tmp_path / "fresh.sqlite").results == 40
-
-
 def test_a_run_whose_history_is_lost_counts_as_none(tmp_path: Path) -> None:
-    """67 histories of 201 deleted: what is left is taken over, and the others are computed again, not passed over."""
-    path, fresh = tmp_path / "store.sqlite", tmp_path / "fresh.sqlite"
+    """67 histories of 201 deleted: these runs are computed again, not passed over."""
+    path = tmp_path / "store.sqlite"
     names = [f"key{i:03d}" for i in range(201)]
     with Store(path) as store:
         put(store, [(name, run()) for name in names], histories=True)
         put(store, [("outcome alone", run())])
         store._db.execute("DELETE FROM history WHERE rowid % 3 = 0")
         whole = {name for i, name in enumerate(names, 1) if i % 3} | {"outcome alone"}
-        assert store.keys() == whole
-        store._db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-    saved = recover(path, fresh)
-    assert (saved.results, saved.left_out) == (135, 67)
-    assert "67 were left out" in str(saved)
-    with Store(fresh) as store:
         assert store.keys() == whole
         put(store, [(name, run()) for name in names], histories=True)
         assert store.keys() == {*names, "outcome alone"}
@@ -201,7 +152,7 @@ def test_no_change_of_a_history_goes_unseen(tmp_path: Path) -> None:
             at = int(stream.integers(0, max(len(data) - 64, 1)))
             data[at : at + 64] = stream.bytes(len(data[at : at + 64]))
             store._db.execute("UPDATE history SET data = ?", (bytes(data),))
-            with pytest.raises(InputError, match="salvage"):
+            with pytest.raises(InputError, match="move the file away"):
                 store.history("a")
 
 
@@ -210,9 +161,9 @@ def test_a_record_of_another_shape_is_told(store: Store, text: str) -> None:
     put(store, [("a", run())])
     store.write_plan("s", [(0, "analytic", "a", "asked", {})])
     store._db.execute("UPDATE result SET record = ?", (text,))
-    with pytest.raises(InputError, match="salvage"):
+    with pytest.raises(InputError, match="move the file away"):
         store.get("a")
-    with pytest.raises(InputError, match="salvage"):
+    with pytest.raises(InputError, match="move the file away"):
         list(store.rows("s"))
 
 

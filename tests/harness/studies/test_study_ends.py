@@ -35,7 +35,7 @@ def begun(path: Path, folder: Path) -> subprocess.Popen[str]:
 def stored(path: Path) -> int:
     try:
         with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as db:
-            return int(db.execute("SELECT count(*) FROM run").fetchone()[0])
+            return int(db.execute("SELECT count(*) FROM result").fetchone()[0])
     except sqlite3.OperationalError:
         return 0
 
