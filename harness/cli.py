@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -34,6 +34,7 @@ class Compared:
 def add_commands(app: typer.Typer) -> None:
     """Mount the computing commands on the application."""
     command(app, "engines", "rockcheck engines")(engines)
+    command(app, "schema", "rockcheck schema run > run.schema.json")(schema)
 
 
 def engines(as_json: JsonOnly = False) -> None:
@@ -52,6 +53,20 @@ def engines(as_json: JsonOnly = False) -> None:
         state = f"not here: {row['missing']}" if row["missing"] else "ready"
         lines.append(f"{row['engine']:10} {row['dimensions']}D  {state}\n{'':10} {able}")
     Saying(as_json).say(rows, "\n".join(lines))
+
+
+def schema(
+    kind: Annotated[str, typer.Argument(metavar="KIND", help="The record's `kind`: run, study, …", show_default=False)],
+) -> None:
+    """Print the JSON Schema of a kind of `result.json`."""
+    from harness.records.base import schema_of
+    from harness.records.kinds import class_of
+    from harness.records.result_folder import KINDS
+
+    if kind not in KINDS:
+        wanted = f"one of {', '.join(KINDS)}"
+        raise InputError(Mistake("KIND", "", wanted, repr(kind), nearest(kind, KINDS)))
+    Saying(as_json=True).say(schema_of(class_of(kind)), "")
 
 
 def compare(

@@ -17,7 +17,7 @@ def project(root: Path) -> dict[str, Any]:
 
 
 def test_every_file_that_is_no_code_is_in_the_wheel(root: Path, project: dict[str, Any]) -> None:
-    """Templates, schemas, marks of types and the example scenes: each is matched by a pattern of pyproject.toml."""
+    """Templates, marks of types and the example scenes: each is matched by a pattern of pyproject.toml."""
     tools = project["tool"]["setuptools"]
     listed = subprocess.run(["git", "ls-files"], cwd=root, capture_output=True, text=True, check=False).stdout.split()
     if not listed:

@@ -21,7 +21,6 @@ from harness.model.errors import InputError, Mistake
 from harness.model.run import OMITTED, SCHEMA_VERSION, to_plain
 
 REWRITE: Final = "write the result anew with this version"
-SCHEMAS: Final = Path(__file__).resolve().parent / "schemas"
 MOST_MISTAKES: Final = 10
 """Mistakes told of one record: more say nothing that these do not."""
 LONE: Final = re.compile("[\ud800-\udfff]")
@@ -81,8 +80,8 @@ def as_file(record: Record) -> Plain:
 
 
 def schema_name(kind: str) -> str:
-    """The file of a kind's JSON Schema, from the folder that holds the packages."""
-    return f"harness/records/schemas/{kind}.schema.json"
+    """The name of a kind's JSON Schema, which `rockcheck schema KIND` prints."""
+    return f"urn:rockcheck:schema:{kind}:{SCHEMA_VERSION}"
 
 
 def validated(kind: type[T], text: str | bytes, where: Path) -> T:
@@ -109,9 +108,12 @@ def part(kind: type[T], values: Any, where: Path) -> T:
 
 
 def schema_of(kind: type[Record]) -> Plain:
-    """The JSON Schema of a kind of record."""
+    """The JSON Schema of a kind of record as it stands in a file: beside its fields the name of the schema."""
     shape = _adapter(kind).json_schema(schema_generator=_Untitled)
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **shape}
+    properties = shape.pop("properties")
+    name = schema_name(properties["kind"]["const"])
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": name}
+    return {**head, **shape, "properties": {"$schema": {"const": name}, **properties}}
 
 
 class _Untitled(GenerateJsonSchema):

@@ -1,4 +1,4 @@
-"""Which class is the record of each kind; `python -m harness.records.kinds` writes their JSON Schemas anew."""
+"""Which class is the record of each kind."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from importlib import import_module
 from pathlib import Path
 
 from harness.model.errors import InputError, Mistake
-from harness.model.run import SCHEMA_VERSION, write_text
-from harness.records.base import REWRITE, SCHEMAS, Record, schema_name, schema_of, validated
+from harness.model.run import SCHEMA_VERSION
+from harness.records.base import REWRITE, Record, validated
 from harness.records.result_folder import KINDS, RECORD
 
 
@@ -38,20 +38,3 @@ def read_result(folder: Path | str) -> Record:
     if kind not in KINDS:
         raise InputError(Mistake(str(path), "kind", f"one of {', '.join(KINDS)}", repr(kind)))
     return validated(class_of(kind), text, path)
-
-
-def schema_text(kind: str) -> str:
-    """The JSON Schema of a kind, as it is published."""
-    schema = {"$id": schema_name(kind), **schema_of(class_of(kind))}
-    return json.dumps(schema, indent=1, ensure_ascii=False) + "\n"
-
-
-def publish() -> None:
-    """Write the JSON Schemas of all kinds."""
-    SCHEMAS.mkdir(exist_ok=True)
-    for kind in KINDS:
-        write_text(SCHEMAS / f"{kind}.schema.json", schema_text(kind))
-
-
-if __name__ == "__main__":
-    publish()

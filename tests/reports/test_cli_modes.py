@@ -42,9 +42,8 @@ def test_every_command_has_both_modes() -> None:
         found = []
         for name, command in group.commands.items():
             known = {option for item in command.params for option in item.opts}
-            wanted = (
-                {"--json"} if name == "engines" else {"--json", "--quiet"}
-            )  # a list of engines is all it has to say
+            # A list of engines, or a schema, is all that these have to say.
+            wanted = {"engines": {"--json"}, "schema": set()}.get(name, {"--json", "--quiet"})
             found += lacking(command) if hasattr(command, "commands") else [name] * (not wanted <= known)
         return found
 

@@ -6,14 +6,18 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import jsonschema
 import pytest
+from typer.testing import CliRunner
 
 from harness.model.errors import InputError
 from harness.model.run import write_json
-from harness.records.base import SCHEMAS, as_file, plain, validated
-from harness.records.kinds import KINDS, class_of, schema_text
+from harness.records.base import as_file, plain, schema_of, validated
+from harness.records.kinds import class_of
+from harness.records.result_folder import KINDS
 from harness.records.run import RunRecord
 from harness.scene_run.scene_run import Result, run_scene, write_result
+from reports.cli import app
 from tests.scenes_for_tests import paestum
 
 
@@ -23,11 +27,18 @@ def result() -> Result:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_published_schema_is_the_class_s(kind: str) -> None:
-    published = (SCHEMAS / f"{kind}.schema.json").read_text(encoding="utf-8")
-    assert published == schema_text(kind), "renew them: python -m harness.records.kinds"
-    assert json.loads(published)["properties"]["kind"]["const"] == kind
-    assert {path.name for path in SCHEMAS.iterdir()} == {f"{name}.schema.json" for name in KINDS}
+def test_a_kind_s_schema_is_printed(kind: str) -> None:
+    done = CliRunner().invoke(app, ["schema", kind])
+    schema = json.loads(done.stdout)
+    jsonschema.Draft202012Validator.check_schema(schema)
+    assert schema["properties"]["kind"]["const"] == kind
+    assert schema == schema_of(class_of(kind))
+
+
+def test_a_kind_that_is_none_has_no_schema() -> None:
+    error = CliRunner().invoke(app, ["schema", "runs"]).exception
+    assert isinstance(error, InputError)
+    assert error.mistakes[0].where == "KIND"
 
 
 def test_a_record_is_read_as_it_was_written(tmp_path: Path, result: Result) -> None:
@@ -38,11 +49,15 @@ def test_a_record_is_read_as_it_was_written(tmp_path: Path, result: Result) -> N
     assert record.runs["analytic"].outcome is result.runs["analytic"].outcome
 
 
-def test_a_result_names_its_schema(tmp_path: Path, result: Result, root: Path) -> None:
+def test_a_result_names_its_schema_and_is_as_that_says(tmp_path: Path, result: Result) -> None:
     written = json.loads(write_result(result, tmp_path).read_text(encoding="utf-8"))
-    schema = json.loads((root / written["$schema"]).read_text(encoding="utf-8"))
+    schema = schema_of(RunRecord)
+    valid = jsonschema.Draft202012Validator(schema)
     assert schema["$id"] == written["$schema"]
-    assert set(schema["required"]) <= written.keys() <= {*schema["properties"], "$schema"}
+    assert set(schema["required"]) <= written.keys() <= set(schema["properties"])
+    assert valid.is_valid(written)
+    assert not valid.is_valid(written | {"kind": "study"})
+    assert not valid.is_valid(written | {"runs": {"analytic": {}}})
 
 
 def test_a_name_that_is_no_utf_8_is_read_as_its_escapes(tmp_path: Path, result: Result) -> None:
