@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from typing import Final
 
+import numpy as np
+
 from meshes.attached import Floor, attached_floor
 from meshes.beside import attached_beside
 from meshes.errors import MeshError
 from meshes.mesh import Array, Faces
 from meshes.self_intersection import crossings, pinched, wrongly_sided
+from meshes.solid import mass_properties
+from meshes.topology import parts
 
 MOST_PINCHED: Final = 0.05
 """Share of the area beyond a pinch from which it is a second body; slivers that a Boolean union leaves have 0.2 %."""
@@ -41,7 +45,11 @@ def floor_refused(floor: Floor | None, how: str) -> MeshError | None:
 
 def other_attached(vertices: Array, faces: Faces, how: str) -> MeshError | None:
     """Why a body with z up, in metres, seems to have a wall or a second body on it; None where it does not (`how` as above)."""
-    other = attached_beside(vertices, faces)
+    shell = parts(faces)
+    outward = np.array(
+        [mass_properties(vertices, faces[shell == k]).volume_m3 > 0.0 for k in range(int(shell.max()) + 1)]
+    )
+    other = attached_beside(vertices, faces[outward[shell]])  # the section of a hollow body is narrow, and no neck
     if other is None:
         return None
     cut = f"--cut-beyond {other.azimuth_deg:.5g},{other.distance_m:.3g}"

@@ -6,13 +6,16 @@ from __future__ import annotations
 import logging
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshes.errors import MeshError
-from meshes.gltf_size import must_be_bounded
+from meshes.gltf_size import must_be_readable
 from meshes.mesh import Array, Faces, RawMesh, weld
 from meshes.orientation import turn_axis
+from meshes.polygon_files import read_obj, read_ply
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, mass_properties, solid_from_mesh, turn_about_z
 from meshes.topology import EdgeCount, parts
 
@@ -25,6 +28,15 @@ WIDEST = 2.0
 """No statue's diagonal exceeds the tallest's height by more."""
 SHORTEST_M = 0.01
 """Heights outside these limits mean a wrong unit, not a statue."""
+FINEST_SHARE = 5e-4
+"""Share of the largest extent that coordinates resolve: the contact tolerance of 1 mm for a statue of 2 m."""
+FAR = 100.0
+MANY = 100
+"""Of a text: as many vertices all on a grid, so many extents from the origin, have lost digits; a few corners may be round."""
+COLLAPSED = 0.01
+"""So have, wherever they are, those of which this share of the faces has two corners in one place."""
+ON_GRID = 1e-4
+"""Rounding of a coordinate over its step: 5e6 m over 1 mm leaves 1e-6."""
 
 
 def read_mesh(path: str | Path) -> RawMesh:
@@ -42,7 +54,7 @@ def read_mesh(path: str | Path) -> RawMesh:
     if file.suffix.lower() == ".stl":
         _must_be_stl(file)
     if file.suffix.lower() in (".glb", ".gltf"):
-        must_be_bounded(file)
+        must_be_readable(file)
     vertices, faces = _triangles(file)
     if not np.isfinite(vertices).all():
         bad = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
@@ -74,34 +86,26 @@ def _must_be_there(file: Path) -> None:
 
 
 def _triangles(file: Path) -> tuple[Array, Faces]:
-    """Vertices and triangles by trimesh, whose many parse errors become one MeshError here."""
-    import trimesh
-
-    logging.getLogger("trimesh").setLevel(logging.CRITICAL)
+    """Vertices in metres' precision and triangles; what a reader stumbles over becomes one MeshError here."""
+    suffix = file.suffix.lower()
     try:
-        scene = trimesh.load_scene(file, process=False, maintain_order=True, skip_materials=True)
-        parts = [part for part in scene.dump() if isinstance(part, trimesh.Trimesh) and len(part.faces)]
+        if suffix in (".ply", ".obj"):
+            vertices, faces = (read_ply if suffix == ".ply" else read_obj)(file.read_bytes())
+        else:
+            vertices, faces = _by_trimesh(file)
+    except MeshError as error:
+        raise error.at(str(file)) from error
     except Exception as error:
         raise MeshError(
-            f"a {file.suffix.lower()} mesh",
-            f"a file that does not parse ({_reason(error)})",
-            "export it again",
-            place=str(file),
+            f"a {suffix} mesh", f"a file that does not parse ({_reason(error)})", "export it again", place=str(file)
         ) from error
-    if not parts:
+    if not len(faces):
         raise MeshError(
             "a surface of triangles",
             "no face (a point cloud?)",
             "mesh it first, for example by Poisson reconstruction",
             place=str(file),
         )
-    offsets = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
-    vertices = np.vstack([np.asarray(part.vertices, dtype=np.float64) for part in parts])
-    faces = np.vstack(
-        [np.asarray(part.faces, dtype=np.int64) + offset for part, offset in zip(parts, offsets, strict=True)]
-    )
-    if vertices.ndim != 2 or vertices.shape[1] != 3:
-        raise MeshError("vertices of three coordinates", "others", "export it again", place=str(file))
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise MeshError(
             f"faces of vertices 0 to {len(vertices) - 1}",
@@ -109,7 +113,64 @@ def _triangles(file: Path) -> tuple[Array, Faces]:
             "the file is damaged: export it again",
             place=str(file),
         )
-    return vertices, faces
+    _must_resolve(vertices, faces, str(file))
+    return vertices.astype(np.float64), faces
+
+
+def _by_trimesh(file: Path) -> tuple[NDArray[Any], Faces]:
+    """STL, GLB and glTF, whose coordinates are of single precision (binary STL, glTF) before their nodes place them."""
+    import trimesh
+
+    logging.getLogger("trimesh").setLevel(logging.CRITICAL)
+    scene = trimesh.load_scene(file, process=False, maintain_order=True, skip_materials=True)
+    placed = [part for part in scene.dump() if isinstance(part, trimesh.Trimesh) and len(part.faces)]
+    if not placed:
+        return np.empty((0, 3)), np.empty((0, 3), dtype=np.int64)
+    offsets = np.cumsum([0, *(len(part.vertices) for part in placed[:-1])])
+    vertices = np.vstack([np.asarray(part.vertices, dtype=np.float64) for part in placed])
+    faces = np.vstack([np.asarray(part.faces) + offset for part, offset in zip(placed, offsets, strict=True)])
+    if vertices.shape[1] != 3:
+        raise ValueError("vertices of other than three coordinates")
+    own = np.vstack([np.asarray(each.vertices) for each in scene.geometry.values()]).astype(np.float32)
+    _must_resolve(own, faces, str(file))
+    return vertices, faces.astype(np.int64)
+
+
+def _must_resolve(vertices: NDArray[Any], faces: Faces, place: str) -> None:
+    """Refuse coordinates too coarse for the body: of single precision far from their origin, or written with too few digits."""
+    low, high = vertices.min(axis=0).astype(np.float64), vertices.max(axis=0).astype(np.float64)
+    extent, offset = float((high - low).max()), float(np.abs([low, high]).max())
+    if not np.isfinite(offset) or extent == 0.0:
+        return
+    if vertices.dtype == np.float32:
+        step = float(np.spacing(np.float32(offset)))
+    else:
+        step = _grid(vertices, FINEST_SHARE * extent)
+        collapsed = float((vertices[faces] == vertices[np.roll(faces, 1, axis=1)]).all(axis=2).any(axis=1).mean())
+        if collapsed < COLLAPSED and (offset < FAR * extent or len(vertices) < MANY):
+            return
+    if step > FINEST_SHARE * extent:
+        raise MeshError(
+            f"coordinates that resolve a {1.0 / FINEST_SHARE:.0f}th of the body's {extent:.4g} units",
+            f"coordinates that resolve only {step:.3g} units, at {offset:.7g} units from their origin",
+            "subtract the offset in the scanning software (CloudCompare: Global Shift) before it writes single"
+            " precision, or export in double precision with more digits",
+            place=place,
+        )
+
+
+def _grid(vertices: Array, finest: float) -> float:
+    """The coarsest step, decimal or binary, of which all coordinates of some axis that varies are multiples; 0 if finer than
+    `finest`.
+    """
+    some = vertices[:: max(1, len(vertices) // 10_000)]
+    steps = 10.0 ** np.arange(np.ceil(np.log10(finest)), 9.0), 2.0 ** np.arange(np.ceil(np.log2(finest)), 30.0)
+    found = 0.0
+    for axis in some.T[np.ptp(some, axis=0) > finest]:
+        for step in np.concatenate(steps):
+            if found < step <= np.ptp(axis) and np.abs(axis / step - np.round(axis / step)).max() < ON_GRID:
+                found = float(step)
+    return found
 
 
 def _must_be_stl(file: Path) -> None:

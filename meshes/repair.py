@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes.errors import MeshError
+from meshes.hollow import OUTSIDE_REL
 from meshes.mesh import RawMesh, double_areas, drop_unused, manifold, unique_rows
 from meshes.processing_log import Change, change, measure
 from meshes.topology import EdgeCount, Edges, parts, wound_alike
@@ -89,17 +90,19 @@ def turn_outward(mesh: RawMesh) -> Repaired:
 
 
 def join_bodies(mesh: RawMesh) -> Repaired:
-    """Several large closed parts that overlap joined into one body; raises MeshError for parts that stay apart."""
+    """Several closed parts made one body, the largest first: one that faces inward inside it becomes a hollow, others are joined.
+
+    Raises MeshError for parts that stay apart, and a shell that faces inward partly outside.
+    """
     number = parts(mesh.faces)
     count = int(number.max()) + 1
     if count == 1:
         return mesh, None
     pieces = [drop_unused(mesh.vertices, mesh.faces[number == k]) for k in range(count)]
-    closed = all(EdgeCount.of(faces).closed for _, faces in pieces)
-    if closed:
-        joined = RawMesh(*union(pieces), mesh.source)
-        if parts(joined.faces).max() == 0:
-            what = f"{count} overlapping parts joined into one body"
+    if all(EdgeCount.of(faces).closed for _, faces in pieces):
+        body, what = _assembled(pieces, mesh.source)
+        if sum(measure(RawMesh(*part, "")).volume_m3 > 0.0 for part in _apart(body)) == 1:
+            joined = RawMesh(*body, mesh.source)
             return joined, change("bodies", what, count, measure(mesh), measure(joined))
     sizes = ", ".join(" × ".join(f"{value:.3g}" for value in np.ptp(vertices, axis=0)) for vertices, _ in pieces[:4])
     raise MeshError(
@@ -111,9 +114,35 @@ def join_bodies(mesh: RawMesh) -> Repaired:
     )
 
 
-def union(parts: Sequence[Part]) -> Part:
-    """The closed surface around all parts together, by an exact Boolean union."""
-    from manifold3d import Manifold, OpType
+def _apart(surface: Part) -> list[Part]:
+    number = parts(surface[1])
+    return [drop_unused(surface[0], surface[1][number == k]) for k in range(int(number.max(initial=-1)) + 1)]
 
-    mesh = Manifold.batch_boolean([manifold(*part) for part in parts], OpType.Add).to_mesh64()
-    return np.asarray(mesh.vert_properties[:, :3], dtype=np.float64), np.asarray(mesh.tri_verts, dtype=np.int64)
+
+def _assembled(pieces: Sequence[Part], source: str) -> tuple[Part, str]:
+    """The body of closed parts, and what was made of them in words."""
+    volumes = [measure(RawMesh(*piece, source)).volume_m3 for piece in pieces]
+    body, kinds = manifold(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64)), list[str]()
+    for volume, (vertices, faces) in sorted(zip(volumes, pieces, strict=True), key=lambda each: -abs(each[0])):
+        piece = manifold(vertices, faces if volume >= 0.0 else faces[:, ::-1])
+        inside = (piece ^ body).volume() / max(abs(volume), np.finfo(np.float64).tiny)
+        if volume < 0.0 and 0.5 < inside < 1.0 - OUTSIDE_REL:
+            raise MeshError(
+                "an inner shell inside the statue",
+                f"one that faces inward with {100.0 * (1.0 - inside):.3g} % of its volume outside",
+                "cut both shells where they meet, or turn its faces if it is a part of the body",
+                place=source,
+            )
+        hollow = volume < 0.0 and inside > 0.5
+        buried = volume > 0.0 and inside > 1.0 - OUTSIDE_REL
+        kinds.append("hollow" if hollow else "turned" if volume < 0.0 else "buried" if buried else "joined")
+        body = body - piece if hollow else body + piece
+    said = {
+        "joined": "overlapping parts joined into one body",
+        "turned": "parts that faced inward outside the others turned and joined",
+        "hollow": "inner shells that face inward kept as hollows",
+        "buried": "shells inside the body that face outward counted as solid; if they bound a hollow, turn their faces inward",
+    }
+    what = "; ".join(f"{kinds.count(kind)} {text}" for kind, text in said.items() if kind in kinds[1:])
+    mesh = body.to_mesh64()
+    return (np.asarray(mesh.vert_properties[:, :3], dtype=np.float64), np.asarray(mesh.tri_verts, dtype=np.int64)), what

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes.mesh import Array, Faces, double_areas
-from meshes.topology import Edges
+from meshes.topology import Edges, parts
 
 CHUNK = 20_000
 """Faces looked at in one go."""
@@ -90,15 +90,17 @@ def _volume(a: Array, b: Array, c: Array, d: Array) -> Array:
 def pinched(vertices: Array, faces: Faces) -> float:
     """Share of a surface's area that hangs on the rest by a single point, or by faces that pass through one another, alone.
 
-    An hourglass whose wall crosses itself all round its neck, or whose neck is one point, is two bodies and no statue. Edges that
-    meet exactly pierce nothing, so the corners are first shifted by less than any scanner resolves.
+    Shells that share no vertex, such as the wall of a hollow, are looked at each on its own. An hourglass whose wall crosses
+    itself all round its neck, or whose neck is one point, is two bodies and no statue. Edges that meet exactly pierce nothing, so
+    the corners are first shifted by less than any scanner resolves.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
     extent = float(np.ptp(vertices, axis=0).max())
     shifted = vertices + SHIFT * extent * np.random.default_rng(1).uniform(-1.0, 1.0, vertices.shape)
-    left = np.delete(faces, _piercing(shifted, faces, np.arange(len(faces)), shared=1), axis=0)
+    piercing, shell = _piercing(shifted, faces, np.arange(len(faces)), shared=1), parts(faces)
+    left = np.delete(faces, piercing, axis=0)
     if len(left) == 0:
         return 1.0
     edges = Edges.of(left)
@@ -107,7 +109,9 @@ def pinched(vertices: Array, faces: Faces) -> float:
     graph = coo_array((np.ones(len(pair), dtype=np.int8), ends), shape=(len(left),) * 2)
     number = connected_components(graph, directed=False)[1]
     areas = np.bincount(number, weights=np.linalg.norm(double_areas(vertices, left), axis=1))
-    return 1.0 - float(areas.max() / areas.sum())
+    largest = np.zeros(int(shell.max()) + 1)
+    np.maximum.at(largest, np.delete(shell, piercing), areas[number])
+    return 1.0 - float(largest.sum() / areas.sum())
 
 
 def wrongly_sided(vertices: Array, faces: Faces, samples: int = SAMPLES) -> float:

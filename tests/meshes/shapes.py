@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
+from meshes.mesh import manifold
+from meshes.repair import Part
 from tests.meshes.loft import loft
 
 Array = NDArray[np.float64]
@@ -34,3 +38,11 @@ def cylinder(radius: float, height: float, around: int = 128) -> tuple[Array, Fa
     turn = 2.0 * np.pi * np.arange(around) / around
     ring = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.zeros(around)])
     return loft(np.stack([ring, ring + np.array([0.0, 0.0, height])]))
+
+
+def union(parts: Sequence[Part]) -> Part:
+    """The closed surface around all parts together, by an exact Boolean union."""
+    from manifold3d import Manifold, OpType
+
+    mesh = Manifold.batch_boolean([manifold(*part) for part in parts], OpType.Add).to_mesh64()
+    return np.asarray(mesh.vert_properties[:, :3], dtype=np.float64), np.asarray(mesh.tri_verts, dtype=np.int64)

@@ -15,9 +15,8 @@ from meshes import MeshError, Solid, load_solid
 from meshes.intake import read_mesh
 from meshes.mesh import RawMesh
 from meshes.prepare import Wanted, prepare, prepare_mesh
-from meshes.repair import union
 from tests.meshes.scanner import write
-from tests.meshes.shapes import box
+from tests.meshes.shapes import box, union
 
 METRES = Wanted(unit="m", up="z")
 
@@ -73,6 +72,45 @@ def test_statue_and_plinth_that_overlap_become_one() -> None:
     assert [change.step for change in prepared.log.changes] == ["bodies"]
     expected = 0.6 * 0.8 * 0.2 + 0.4 * 0.5 * (1.4 - 0.1)
     assert prepared.solid(density_kg_m3=1.0).mass_kg == pytest.approx(expected)
+
+
+INNER_M3, OUTER_M3 = 0.25, 2.0
+
+
+@pytest.mark.parametrize(
+    ("turned", "shift", "volume_m3"),
+    [
+        ((False, True), 0.25, OUTER_M3 - INNER_M3),  # a hollow
+        ((True, False), 0.25, OUTER_M3 - INNER_M3),  # the same, inside out
+        ((False, False), 0.25, OUTER_M3),  # nested, and solid as it faces: said
+        ((False, True), 0.9, OUTER_M3 + 0.8 * INNER_M3),  # a part inside out that overlaps
+        ((False, True), 0.6, None),  # neither
+        ((False, True), 3.0, None),  # apart
+    ],
+)
+def test_shells_by_where_they_lie_and_how_they_face(
+    turned: tuple[bool, bool], shift: float, volume_m3: float | None, tmp_path: Path
+) -> None:
+    outer, faces = box(1.0, 1.0, 2.0)
+    inner = box(0.5, 0.5, 1.0)[0] + [shift, 0.25, 0.5]
+    sides = [each[:, ::-1] if turn else each for each, turn in zip((faces, faces + 8), turned, strict=True)]
+    both = RawMesh(np.vstack([outer, inner]), np.vstack(sides), "shells")
+    if volume_m3 is None:
+        with pytest.raises(MeshError, match=r"inner shell|second file"):
+            prepare_mesh(both, METRES)
+        return
+    prepared = prepare_mesh(both, METRES)
+    assert prepared.solid(density_kg_m3=1.0).mass_kg == pytest.approx(volume_m3)
+    assert "bodies" in [change.step for change in prepared.log.changes]
+    prepared.write(tmp_path / "body.ply")
+    assert load_solid(tmp_path / "body.ply", unit="m", density_kg_m3=1.0).mass_kg == pytest.approx(volume_m3)
+
+
+def test_a_body_loose_in_a_hollow_is_a_second_body() -> None:
+    (outer, faces), (hollow, _), (core, _) = box(1.0, 1.0, 2.0), box(0.8, 0.8, 1.6), box(0.4, 0.4, 0.4)
+    vertices = np.vstack([outer, hollow + np.array([0.1, 0.1, 0.2]), core + np.array([0.3, 0.3, 0.6])])
+    with pytest.raises(MeshError, match="3 separate bodies"):
+        prepare_mesh(RawMesh(vertices, np.vstack([faces, faces[:, ::-1] + 8, faces + 16]), "nested"), METRES)
 
 
 @pytest.mark.parametrize(("unit", "said"), [("km", "between"), ("furlong", "unit out of"), (-1.0, "unit out of")])

@@ -15,10 +15,11 @@ from meshes import MeshError, Solid
 from meshes.beside import attached_beside
 from meshes.mesh import RawMesh
 from meshes.prepare import Wanted, prepare_mesh
-from meshes.repair import Part, union
+from meshes.repair import Part
 from tests.budgets_meshes import CUT_VOLUME_REL
 from tests.meshes.loft import loft
 from tests.meshes.scanner import write
+from tests.meshes.shapes import union
 
 
 def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Part:

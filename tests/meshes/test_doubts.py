@@ -16,13 +16,14 @@ from meshes.doubts import MOST_PINCHED, MOST_WRONG, doubts
 from meshes.inspection import inspect
 from meshes.mesh import RawMesh
 from meshes.prepare import Wanted, prepare, prepare_mesh
-from meshes.repair import Part, union
+from meshes.repair import Part
 from meshes.self_intersection import pinched, wrongly_sided
 from meshes.topology import EdgeCount
 from tests.budgets_meshes import CUT_VOLUME_REL
 from tests.meshes import toadstool
 from tests.meshes.loft import loft
 from tests.meshes.scanner import Faults, scan, write
+from tests.meshes.shapes import union
 
 FLOOR_M = 6.0
 SLAB_M = 0.04

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from meshes import MeshError, solid_from_mesh
-from meshes.repair import union
 from meshes.solid import mass_properties, turn_about_z
 from tests.budgets_meshes import FACET_REL, ROUND_OFF_REL
-from tests.meshes.shapes import box, cylinder
+from tests.meshes.shapes import box, cylinder, union
 
 
 def test_box_mass_centroid_and_inertia_are_the_closed_form() -> None:

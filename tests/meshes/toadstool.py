@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.repair import union
 from meshes.solid import Solid, solid_from_mesh
 from tests.meshes.loft import loft
+from tests.meshes.shapes import union
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]

@@ -17,9 +17,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.repair import Part, union
+from meshes.repair import Part
 from meshes.solid import Solid, mass_properties, solid_from_mesh
 from tests.meshes.loft import loft, smooth_curve, tube
+from tests.meshes.shapes import union
 
 Array = NDArray[np.float64]
 
