@@ -13,6 +13,7 @@ from typing import Final
 
 import numpy as np
 
+from harness.input.mistakes import MOST_MISTAKES
 from harness.input.text_file import decimals, decoded, is_decimal, read_bytes
 from harness.model.errors import InputError, Mistake
 from harness.model.history import COLUMNS, Array, History, hermite
@@ -30,7 +31,6 @@ UNITS: Final[Mapping[str, tuple[str, float]]] = {
 }
 """Columns in other units than the contract's: what they become, and the factor."""
 SEPARATORS: Final = (",", ";", "\t")
-MOST_MISTAKES: Final = 20
 ENDLESS: Final = ("nan", "inf", "infinity")
 MOST_BYTES: Final = 2**30
 """Largest history read: an hour at 1 ms with ten columns takes half of it."""

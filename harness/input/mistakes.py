@@ -30,6 +30,7 @@ _WANTED: Mapping[str, str] = {
 }
 
 
+MOST_MISTAKES: Final = 20
 TYPE_NAME: Final = re.compile(
     r"float|int|str|bool|(list|tuple)(\[.*\])?|function-.*|lax-or-strict.*|constrained-.*|literal\[.*|[A-Z]\w*(\[.*\])?"
 )
@@ -67,7 +68,10 @@ def mistakes_of(
     for detail in error.errors(include_url=False):
         path, _ = _resolve(model, detail["loc"], detail["type"] == UNKNOWN)
         grouped.setdefault(path, []).append(detail)
-    return [_mistake(path, details, model, _Source(where, text, overridden or {})) for path, details in grouped.items()]
+    shown = list(grouped.items())[:MOST_MISTAKES]
+    more = len(grouped) - len(shown)
+    rest = [Mistake(where, "", "no mistake", f"{more} more like these")] if more else []
+    return [*(_mistake(path, details, model, _Source(where, text, overridden or {})) for path, details in shown), *rest]
 
 
 @dataclass(frozen=True)

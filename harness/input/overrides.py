@@ -8,6 +8,7 @@ from typing import Final, cast
 
 from pydantic import JsonValue
 
+from harness.input.toml_text import content_of
 from harness.model.errors import InputError, Mistake
 
 Overrides = Sequence[str] | Mapping[str, object]
@@ -51,11 +52,9 @@ def _parted(item: str) -> tuple[str, object]:
     if not equals:
         raise InputError(Mistake(OPTION, item, *_key_wanted(item)))
     try:
-        return key, tomllib.loads(f"value = {value}")["value"]
+        return key, content_of(f"value = {value}", OPTION, key)["value"]
     except tomllib.TOMLDecodeError:
         return key, value.strip()
-    except RecursionError as error:
-        raise InputError(Mistake(OPTION, key, "a TOML value", "one nested too deeply to read")) from error
 
 
 def _key_wanted(got: str) -> tuple[str, str]:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+ROWS_AT_ONCE: Final = 100_000
+"""Lines of a history that are held as text while it is written: 100 bytes each, and as much for their numbers."""
 COLUMNS: Final = ("t_s", "theta_rad", "theta_rate_rad_s", "slip_m", "slip_rate_m_s")
 
 
@@ -171,9 +173,12 @@ class History(Shown):
     def write_csv(self, path: Path) -> None:
         """Write the history with 17 significant digits, so that it reads back bit for bit."""
         columns = self.columns()
-        row = ",".join(["%.17g"] * len(columns))
-        rows = np.column_stack(list(columns.values())).tolist()
-        path.write_text("\n".join([",".join(columns), *(row % tuple(each) for each in rows), ""]), encoding="utf-8")
+        row = ",".join(["%.17g"] * len(columns)) + "\n"
+        rows = np.column_stack(list(columns.values()))
+        with path.open("w", encoding="utf-8") as file:
+            file.write(",".join(columns) + "\n")
+            for first in range(0, len(rows), ROWS_AT_ONCE):
+                file.write("".join(row % tuple(each) for each in rows[first : first + ROWS_AT_ONCE].tolist()))
 
 
 def hermite(t_s: Array, knots_s: Array, values: Array, rates: Array) -> Array:

@@ -29,7 +29,7 @@ def read_result(folder: Path | str) -> Record:
     try:
         text = path.read_bytes()
         record = json.loads(text.decode("utf-8"))
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError(Mistake(str(path), "", "a readable JSON record", str(error))) from error
     if not isinstance(record, dict) or record.get("schema_version") != SCHEMA_VERSION:
         got = record.get("schema_version") if isinstance(record, dict) else type(record).__name__

@@ -107,9 +107,8 @@ def _compatible(component: SpectrumSpec, motion: SceneMotion) -> Prepared:
             series = compatible.match(series, spectrum)
         return _of_series(series, warnings, spectrum)
     except process.ProcessError as error:
-        raise mistake(
-            where, f"{key}.record", f"a record that can be sampled at {compatible.STEP_S} s", str(error)
-        ) from error
+        wanted = f"a record that can be sampled at {compatible.STEP_S} s"
+        raise mistake(where, f"{key}.record", wanted, f"{error.got}: wanted {error.wanted}") from error
     except NoMatchError as error:
         advice = 'try another seed or record, a longer duration, or method = "scale"'
         wanted = f"a misfit within {compatible.MISFIT:.0%}"

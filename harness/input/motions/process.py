@@ -8,6 +8,7 @@ from typing import Final, Literal
 
 import numpy as np
 
+from harness.input.motions.clock import MOST_SAMPLES
 from harness.input.motions.measures import arias_share, peak_velocity_m_s
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
 from harness.input.motions.series import Floats, Series, at_rest, displacement_m, velocity_m_s
@@ -18,12 +19,18 @@ _DEGREE: Final = {"mean": 0, "linear": 1, "quadratic": 2}
 FILTER_ORDER: Final = 4
 PAD_PERIODS: Final = 1.5 * FILTER_ORDER
 """Zeros before and after, in periods of the low corner: 1.5 times the order, halved at each side by two passes' symmetry."""
+LEAST_PERIODS: Final = 0.1
+"""Of the low corner's period in a record: no filter tells a slower motion from an offset."""
 _RATIO_LIMIT = 2000
 _DECAY = 1e-9
 
 
 class ProcessError(ValueError):
-    """A step that this history cannot take; the sentence says why."""
+    """A step that this history cannot take: the key that asks for it, what was wanted there and what came."""
+
+    def __init__(self, key: str, wanted: str, got: str) -> None:
+        super().__init__(f"{key}: wanted {wanted}, got {got}")
+        self.key, self.wanted, self.got = key, wanted, got
 
 
 def window(series: Series, start_s: float, end_s: float) -> Series:
@@ -31,9 +38,8 @@ def window(series: Series, start_s: float, end_s: float) -> Series:
     first = math.ceil(start_s / series.dt_s - 1e-9)
     last = min(math.floor(end_s / series.dt_s + 1e-9), series.accel_m_s2.size - 1)
     if last - first < 1:
-        raise ProcessError(
-            f"the record lasts {series.duration_s:g} s: nothing is left between {start_s:g} and {end_s:g} s"
-        )
+        got = f"{start_s:g} to {end_s:g} s, where nothing is left"
+        raise ProcessError("window_s", f"a part of the {series.duration_s:g} s that the record lasts", got)
     said = f"window {first * series.dt_s:g} to {last * series.dt_s:g} s"
     return series.changed(series.accel_m_s2[first : last + 1], said)
 
@@ -62,12 +68,20 @@ def _drift(series: Series) -> str:
 
 
 def bandpass(series: Series, low_hz: float, high_hz: float) -> Series:
-    """Butterworth of order 4 in both directions (no phase shift), padded with zeros; ProcessError above Nyquist."""
+    """Butterworth of order 4 in both directions (no phase shift), padded with zeros.
+
+    ProcessError above Nyquist, and for a low corner of which the record holds no tenth of a period.
+    """
     from scipy.signal import butter, sosfiltfilt
 
     nyquist = 0.5 / series.dt_s
     if high_hz >= nyquist:
-        raise ProcessError(f"its step of {series.dt_s:g} s holds nothing above {nyquist:g} Hz: lower {high_hz:g} Hz")
+        wanted = f"a high corner below {nyquist:g} Hz (its step is {series.dt_s:g} s)"
+        raise ProcessError("bandpass_hz", wanted, f"{high_hz:g} Hz")
+    lowest = max(LEAST_PERIODS / series.duration_s, 2.0 * PAD_PERIODS / (MOST_SAMPLES * series.dt_s))
+    if low_hz < lowest:
+        wanted = f"a low corner of at least {lowest:.4g} Hz (the record lasts {series.duration_s:g} s)"
+        raise ProcessError("bandpass_hz", wanted, f"{low_hz:g} Hz")
     pad = math.ceil(PAD_PERIODS / low_hz / series.dt_s)
     padded = np.pad(series.accel_m_s2, pad)
     filtered = sosfiltfilt(
@@ -85,9 +99,12 @@ def resample(series: Series, dt_s: float) -> Series:
     if ratio == 1:
         return series
     if abs(float(ratio) * dt_s / series.dt_s - 1.0) > _DECAY:
-        raise ProcessError(f"{dt_s:g} s is no simple ratio of its step of {series.dt_s:g} s")
+        raise ProcessError("resample_dt_s", f"a simple ratio of the record's step of {series.dt_s:g} s", f"{dt_s:g} s")
     if ratio > 1:
         count = math.floor((series.accel_m_s2.size - 1) * ratio + 1e-9) + 1
+        if count > MOST_SAMPLES:
+            wanted = f"a step that makes at most {MOST_SAMPLES:.0e} samples of {series.duration_s:g} s"
+            raise ProcessError("resample_dt_s", wanted, f"{dt_s:g} s")
         t_s = np.arange(count) * dt_s
         accel = np.interp(t_s, series.t_s, series.accel_m_s2)
         whole = ratio.denominator == 1

@@ -35,7 +35,7 @@ def load(source: Source, *, base_dir: Path, where: str, key: str) -> tuple[Serie
     try:
         return _processed(series, record, source), _concerning(record, source, others)
     except ProcessError as error:
-        raise mistake(where, key, f"a step that {path.name} can take", str(error)) from error
+        raise mistake(where, f"{key}.{error.key}", error.wanted, error.got, f"the record is {path.name}") from error
 
 
 def _concerning(record: RecordFile, source: Source, others: Sequence[Channel]) -> tuple[str, ...]:

@@ -224,6 +224,6 @@ def _number(text: str | None) -> float | None:
 def fortran_format(text: str, where: str, place: str) -> tuple[int, int]:
     """Numbers in a line and characters in a number by a format such as (8F10.5), (5E15.6) or (1E15.6); InputError."""
     match = _FORMAT.search(text)
-    if match is None or not 1 <= int(match.group(2)) <= WIDEST:
+    if match is None or len(match.group()) > WIDEST or not 1 <= int(match.group(2)) <= WIDEST:
         raise mistake(where, place, "a Fortran format such as (8F10.3)", repr(text.strip()), "the header is damaged")
     return max(int(match.group(1) or 1), 1), int(match.group(2))

@@ -13,11 +13,12 @@ from harness.input.motions.series import Floats
 from harness.input.motions.text import Header, fixed_width, fortran_format, mistake
 
 _HEADER = re.compile(
-    r"^\s*(\d+)\s+(Integer|Real)-header values follow on\s+(\d+)\s+lines?,?\s*Format\s*=\s*(\(.*\))", re.IGNORECASE
+    r"^\s*(\d{1,9})\s+(Integer|Real)-header values follow on\s+(\d{1,9})\s+lines?,?\s*Format\s*=\s*(\(.*\))",
+    re.IGNORECASE,
 )
 _DATA = re.compile(
-    r"^\s*(\d+)\s+(?:raw\s+)?accel\S*\s+(?:pts|points|counts),?\s*approx\s+(\d+)\s*secs,?"
-    r"\s*units\s*=\s*([^,(]+?)\s*(?:\(\s*(\d+)\s*\))?\s*,?\s*Format\s*=\s*(\(.*\))",
+    r"^\s*(\d{1,9})\s+(?:raw\s+)?accel\S*\s+(?:pts|points|counts),?\s*approx\s+(\d{1,9})\s*secs,?"
+    r"\s*units\s*=\s*([^,(]+?)\s*(?:\(\s*(\d{1,9})\s*\))?\s*,?\s*Format\s*=\s*(\(.*\))",
     re.IGNORECASE,
 )
 _CODES: Final = {"2": "g", "4": "cm/s2", "10": "cm/s2"}

@@ -33,6 +33,7 @@ _HEADER_ROWS: Final = 8
 _PLAUSIBLE_G: Final = (0.005, 3.0)
 _SHORTEST_S, _LONGEST_S = 1e-4, 0.1
 """Between the steps of accelerographs, 1 to 50 ms, and what no text means by a step."""
+_PLACE = re.compile(r"[0-9]{1,9}")
 _DATE = re.compile(r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}(?:[T_]\d\S*)?|\d{1,2}:\d\d(?::\d\d(?:[.,]\d*)?)?Z?")
 LABEL = re.compile(r"(?!(?:nan|inf|infinity|null|none|na|n/a)$)[^\W\d_]", re.IGNORECASE)
 """How a word of a column of flags, stations or remarks begins, which is no number that is missing."""
@@ -143,7 +144,7 @@ def _named(layout: Layout, width: int, where: str) -> dict[int, str]:
     named: dict[int, str] = {}
     for part in layout.columns.split(","):
         number, _, name = part.strip().partition(":")
-        if not number.strip().isdigit() or not 1 <= int(number) <= width or int(number) == time:
+        if not _PLACE.fullmatch(number.strip()) or not 1 <= int(number) <= width or int(number) == time:
             wanted = f'columns from 1 to {width} but the times\', such as "2,3" or "2:N,3:E", or "{WHOLE}"'
             raise mistake(where, "columns", wanted, repr(layout.columns))
         named[int(number) - 1] = name.strip() or number.strip()

@@ -78,8 +78,8 @@ def test_the_data_folder_is_expanded(tmp_path: Path, monkeypatch: pytest.MonkeyP
         ({"file": "a.csv"}, "motion.x.column", "a_N28W_ms2 (azimuth 332°), a_UP_ms2 (up)"),
         ({"file": "a.csv", "column": "EW"}, "motion.x.column", "wanted one of a_N28W_ms2"),
         ({"file": "a.csv", "azimuth_deg": 0.0}, "motion.x.azimuth_deg", "two horizontal channels"),
-        ({"file": "a.csv", "column": "UP", "window_s": [50.0, 60.0]}, "motion.x", "nothing is left"),
-        ({"file": "a.csv", "column": "UP", "bandpass_hz": [0.1, 60.0]}, "motion.x", "nothing above 50 Hz"),
+        ({"file": "a.csv", "column": "UP", "window_s": [50.0, 60.0]}, "motion.x.window_s", "nothing is left"),
+        ({"file": "a.csv", "column": "UP", "bandpass_hz": [0.1, 60.0]}, "motion.x.bandpass_hz", "below 50 Hz"),
     ],
 )
 def test_refusals_name_their_key(tmp_path: Path, keys: dict[str, Any], key: str, said: str) -> None:
