@@ -96,6 +96,15 @@ class Block:
         flat = np.where(np.abs(angles) < FLAT_RAD, 0.0, angles)
         return np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1]), flat
 
+    @cached_property
+    def stands_m(self) -> NDArray[np.float64]:
+        """Where on a level support each vertex stands as the block rolls from one to the next, m (k,); not to be written to."""
+        x, z, facets = self.arrays
+        # At rotation 0 a vertex, or both of a level facet, stand at their own x; from there on each chord is laid down.
+        k = int(np.searchsorted(facets, 0.0))
+        along = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(z)))])
+        return np.ascontiguousarray(x[k] + (along - along[k]))
+
     def facets_rad(self) -> NDArray[np.float64]:
         """Rotation (k − 1,), rad, at which each facet lies on the support."""
         return self.arrays[2].copy()
@@ -151,19 +160,35 @@ class Pedestal:
 @final
 @dataclass(frozen=True)
 class Friction:
-    """Coulomb friction of the pedestal on the floor, 0 ≤ kinetic ≤ static."""
+    """Coulomb friction of the pedestal on the floor, 0 ≤ kinetic ≤ static.
+
+    impact is the coefficient that acts as an impact breaks a stuck pedestal loose: one of the two, or a number between them.
+    """
 
     static: float
     kinetic: float
+    impact: float | Literal["kinetic", "static"] = "kinetic"
 
     def __post_init__(self) -> None:
         """Check the numbers."""
         if not (math.isfinite(self.static) and 0.0 <= self.kinetic <= self.static):
             came = f"static = {self.static!r}, kinetic = {self.kinetic!r}"
             raise AnalyticInputError(f"friction: 0 ≤ kinetic ≤ static is wanted, {came} came.")
+        if self.impact not in ("kinetic", "static") and not (
+            isinstance(self.impact, int | float) and self.kinetic <= self.impact <= self.static
+        ):
+            wanted = f'friction at impact: "kinetic", "static" or a number from {self.kinetic!r} to {self.static!r}'
+            raise AnalyticInputError(f"{wanted} is wanted, {self.impact!r} came.")
+
+    @property
+    def at_impact(self) -> float:
+        """The coefficient as an impact breaks a stuck pedestal loose."""
+        if isinstance(self.impact, str):
+            return self.static if self.impact == "static" else self.kinetic
+        return self.impact
 
 
-CHOICES: Final = ("stuck", "static_impact", "moving")
+CHOICES: Final = ("stuck", "moving")
 """By the kernel's codes (`analytic.kernel.codes`)."""
 
 
@@ -172,15 +197,13 @@ CHOICES: Final = ("stuck", "static_impact", "moving")
 class Form:
     """The form of the model (docs/model.md, section 4); restitution None is the angular-momentum law.
 
-    choice, where the laws leave one: "stuck"; "static_impact", an impact that breaks the pedestal loose acts with the static
-    coefficient (as in an engine that exchanges the two between its steps); "moving", of several joint states that are possible
-    one that moves is taken, not the stuck one.
+    choice, where several joint states are possible: the "stuck" one, or one that is "moving".
     """
 
     friction_normal: Literal["dynamic", "static"] = "dynamic"
     restitution: float | None = None
     pedestal_at_impact: Literal["momentum", "unchanged"] = "momentum"
-    choice: Literal["stuck", "static_impact", "moving"] = "stuck"
+    choice: Literal["stuck", "moving"] = "stuck"
 
     def __post_init__(self) -> None:
         """Check the choices."""
@@ -204,25 +227,48 @@ class Form:
 @final
 @dataclass(frozen=True)
 class Wall:
-    """A wall on one side: the run ends at the rotation, rad, at which the statue's top touches it."""
+    """A wall that stands on the floor at distance_m from the statue's base at rest: the run ends as statue or pedestal touch it.
+
+    silhouette_m are the points (x, z) of the statue that can touch it, in the frame of its base: the corners of its outline.
+    """
 
     side: Literal["left", "right"]
-    rotation_rad: float
+    distance_m: float
+    silhouette_m: tuple[tuple[float, float], ...]
 
     def __post_init__(self) -> None:
         """Check the numbers."""
         if self.side not in ("left", "right"):
             raise AnalyticInputError(f"side: left or right is wanted, {self.side!r} came.")
-        if not self.rotation_rad >= 0.0:
-            raise AnalyticInputError(f"rotation_rad: a number from 0 is wanted, {self.rotation_rad!r} came.")
-
-    @classmethod
-    def at_distance(cls, side: Literal["left", "right"], *, distance_m: float, height_m: float) -> Self:
-        """A wall at distance_m from the base corner of a statue whose top stands height_m above that corner."""
-        positive(distance_m=distance_m, height_m=height_m)
-        return cls(side, math.asin(distance_m / height_m) if distance_m < height_m else math.inf)
+        positive(distance_m=self.distance_m)
+        points = np.asarray(self.silhouette_m, dtype=np.float64)
+        if points.ndim != 2 or points.shape[0] < 1 or points.shape[1] != 2 or not np.isfinite(points).all():
+            raise AnalyticInputError(f"silhouette_m: finite (x, z) are wanted, {self.silhouette_m!r} came.")
 
     @property
     def sign(self) -> int:
         """1 for a wall on the right, −1 on the left."""
         return 1 if self.side == "right" else -1
+
+    def place_m(self, block: Block) -> float:
+        """Where it stands, from below the centroid of the statue at rest, positive on its side."""
+        return self.sign * block.profile_m[-1 if self.sign > 0 else 0][0] + self.distance_m
+
+    @cached_property
+    def arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """x and z of the silhouette (k,), m; shared, not to be written to."""
+        points = np.array(self.silhouette_m, dtype=np.float64)
+        return np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
+
+    def gap_m(self, block: Block, theta_rad: float) -> float:
+        """Distance from the statue, turned so on its base before anything slid, to the wall; negative beyond it."""
+        x, z, facets = block.arrays
+        k = int(np.searchsorted(facets, theta_rad))
+        dx, dz = self.arrays[0] - x[k], self.arrays[1] - z[k]
+        reach = self.sign * (block.stands_m[k] + dx * math.cos(theta_rad) + dz * math.sin(theta_rad))
+        return float(self.place_m(block) - reach.max())
+
+    def pedestal_gap_m(self, block: Block, pedestal: Pedestal) -> float:
+        """Distance from the pedestal, before it slid, to the wall."""
+        centre = 0.5 * (block.profile_m[0][0] + block.profile_m[-1][0]) + pedestal.offset_m
+        return self.place_m(block) - self.sign * centre - 0.5 * pedestal.width_m

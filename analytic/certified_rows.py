@@ -84,7 +84,7 @@ def certify_rows(
     `accuracy_rad` is the error up to which a peak counts as reliable, as in ``certify``.
     """
     sides = _encoded(motions)
-    bases = np.array([row(encode_base(one.problem.block)) for one in bodies], BASE)[body]
+    bases = np.array([row(encode_base(one.problem)) for one in bodies], BASE)[body]
     params = np.array([row(one.params) for one in bodies], PARAMS)[body]
     first = _run(Rows(params, *sides[:2], bases, sides[2]))
     finer = np.array([row(one.checked) for one in bodies], PARAMS)[body]

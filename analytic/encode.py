@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from analytic.block import CHOICES, Block
+from analytic.block import CHOICES, Friction
 from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from analytic.kernel.codes import COSINE, HARMONIC, NONE, RECTANGULAR, RICKER, SAMPLED, SINE
@@ -62,10 +62,13 @@ def encode_motion(motion: Excitation) -> tuple[MotionParams, Floats, Floats]:
     )
 
 
-def encode_base(block: Block) -> Base:
-    """Where the arrays of a block's base stand, which live as long as the block."""
+def encode_base(problem: Problem) -> Base:
+    """Where the arrays of a block's base and of what can touch a wall stand, which live as long as the block and the wall."""
+    block, wall = problem.block, problem.wall
     x, z, facets = block.arrays
-    return Base(x.ctypes.data, z.ctypes.data, facets.ctypes.data, facets.size)
+    across, up = (_EMPTY, _EMPTY) if wall is None else wall.arrays
+    outline = block.stands_m.ctypes.data, across.ctypes.data, up.ctypes.data, across.size
+    return Base(x.ctypes.data, z.ctypes.data, facets.ctypes.data, facets.size, *outline)
 
 
 def order_for(tolerance: float) -> int:
@@ -110,15 +113,24 @@ def encode(problem: Problem, options: Options) -> Params:
         pedestal_centre_m=0.0,
         floor_static=0.0,
         floor_kinetic=0.0,
+        floor_impact=0.0,
         wall_side=0,
-        wall_rad=0.0,
+        wall_m=math.inf,
+        wall_pedestal_m=math.inf,
+        wall_lever_m=0.0,
     )
     if pedestal is not None:
         params.pedestal_mass_kg = pedestal.mass_kg
         params.pedestal_width_m, params.pedestal_height_m = pedestal.width_m, pedestal.height_m
         params.pedestal_centre_m = 0.5 * (block.profile_m[0][0] + block.profile_m[-1][0]) + pedestal.offset_m
-        params.floor_static, params.floor_kinetic = problem.floor_static, problem.floor_kinetic
+        friction = Friction(problem.floor_static, problem.floor_kinetic, problem.floor_impact)
+        params.floor_static, params.floor_kinetic = friction.static, friction.kinetic
+        params.floor_impact = friction.at_impact
     wall = problem.wall
-    if wall is not None and math.isfinite(wall.rotation_rad):
-        params.wall_side, params.wall_rad = wall.sign, wall.rotation_rad
+    if wall is not None:
+        params.wall_side, params.wall_m = wall.sign, wall.place_m(block)
+        if pedestal is not None:
+            params.wall_pedestal_m = wall.pedestal_gap_m(block, pedestal)
+        base, outline = np.array(block.profile_m), np.array(wall.silhouette_m)
+        params.wall_lever_m = float(np.hypot(*(outline[:, None] - base[None]).T).max())
     return params

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from typing import Any, Final, Required, TypedDict, final
+from typing import Any, Final, Literal, Required, TypedDict, final
 
 from analytic.block import Block, Form, Friction, Pedestal, Wall, positive
 from analytic.constants import GRAVITY_M_S2, OVERTURN_RAD
@@ -20,8 +20,9 @@ CONSISTENT: Final = Form()
 class Problem:
     """A statue on a moving floor, from its initial state to the end; SI units, rotations clockwise positive.
 
-    floor_static, floor_kinetic: friction of the pedestal on the floor; statue_friction: between statue and support, assumed to
-    hold and compared with what was needed. Raises AnalyticInputError for numbers that cannot be run.
+    floor_static, floor_kinetic, floor_impact: friction of the pedestal on the floor (`Friction`); statue_friction: between
+    statue and support, assumed to hold and compared with what was needed. Raises AnalyticInputError for numbers that cannot be
+    run.
     """
 
     block: Block
@@ -31,6 +32,7 @@ class Problem:
     pedestal: Pedestal | None = None
     floor_static: float = 0.0
     floor_kinetic: float = 0.0
+    floor_impact: float | Literal["kinetic", "static"] = "kinetic"
     statue_friction: float = math.inf
     form: Form = CONSISTENT
     theta0_rad: float = 0.0
@@ -41,7 +43,7 @@ class Problem:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        Friction(self.floor_static, self.floor_kinetic)
+        Friction(self.floor_static, self.floor_kinetic, self.floor_impact)
         theta0_rad, rate_rad_s, overturn_rad = self.theta0_rad, self.theta_rate0_rad_s, self.overturn_rad
         positive(duration_s=self.duration_s, gravity_m_s2=self.gravity_m_s2, overturn_rad=overturn_rad)
         if not overturn_rad < 0.5 * math.pi or not abs(theta0_rad) < overturn_rad or not math.isfinite(rate_rad_s):
@@ -51,6 +53,16 @@ class Problem:
             raise AnalyticInputError(f"{wanted} {rate_rad_s!r} came.")
         if not self.statue_friction >= 0.0:
             raise AnalyticInputError(f"statue_friction: a number from 0 is wanted, {self.statue_friction!r} came.")
+        if self.wall is not None:
+            self._check_wall(self.wall)
+
+    def _check_wall(self, wall: Wall) -> None:
+        gap_m = wall.gap_m(self.block, self.theta0_rad)
+        if not gap_m > 0.0:
+            wanted = "wall: a start before it is wanted"
+            raise AnalyticInputError(f"{wanted}, a statue that reaches {-gap_m:.6g} m beyond it came.")
+        if self.pedestal is not None and not (gap_m := wall.pedestal_gap_m(self.block, self.pedestal)) > 0.0:
+            raise AnalyticInputError(f"wall: one beside the pedestal is wanted, one {-gap_m:.6g} m inside it came.")
 
 
 @final
@@ -89,6 +101,7 @@ class CommonKeywords(TypedDict, total=False):
     pedestal: Pedestal | None
     floor_static: float
     floor_kinetic: float
+    floor_impact: float | Literal["kinetic", "static"]
     statue_friction: float
     form: Form | None
     theta0_rad: float

@@ -91,9 +91,9 @@ def prepare(problem: Problem, params: Params, event_rows: int) -> Prepared:
     memory = bytearray(TASK.itemsize)
     history, events = np.zeros((5, instants)), np.zeros(event_rows, EVENT_ROW)
     output = Output(history.ctypes.data, max(instants - 1, 0), 0, events.ctypes.data, event_rows)
-    for place, record in zip(_WRITTEN, (params, x, z, encode_base(problem.block), output), strict=True):
+    for place, record in zip(_WRITTEN, (params, x, z, encode_base(problem), output), strict=True):
         _PACKING[type(record)].pack_into(memory, place, *vars(record).values())
-    return Prepared(memory, history, events, (problem.block, times_x, times_z, samples_x, samples_z))
+    return Prepared(memory, history, events, (problem.block, problem.wall, times_x, times_z, samples_x, samples_z))
 
 
 def _read(params: Params, finished: Prepared) -> Solution:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.block import Block
-from analytic.encode import encode, encode_motion
+from analytic.encode import encode, encode_base, encode_motion
 from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation
 from analytic.kernel import codes
@@ -73,6 +73,7 @@ _PARAMETERS: Final = (
     "pedestal_mass_kg",
     "floor_static",
     "floor_kinetic",
+    "floor_impact",
     "restitution",
     "theta0_rad",
     "theta_rate0_rad_s",
@@ -198,6 +199,10 @@ def _rows(problem: Problem, options: Options, sweep: Mapping[str, Floats]) -> Ro
             corners_x[:, _BASE.index(name)] = -values if name == "corner_left_m" else values
         else:
             _vary_motion(name, values, xs, zs)
+    if "floor_impact" not in sweep and problem.floor_impact in ("kinetic", "static"):
+        params["floor_impact"] = params[f"floor_{problem.floor_impact}"]
+    if problem.wall is not None and set(sweep) & set(_BASE):
+        raise AnalyticInputError("sweep: corners are wanted without a wall: its place is told from one of them.")
     _check(params, corners_x, xs)
     if set(sweep) & {"mass_kg", "centroid_height_m", "inertia_kg_m2", "gravity_m_s2", *_BASE}:
         params["time_scale_s"] = _time_scale(params, corners_x, corners_z)
@@ -205,7 +210,11 @@ def _rows(problem: Problem, options: Options, sweep: Mapping[str, Floats]) -> Ro
     for name, each in (("x", corners_x), ("z", corners_z), ("facets", facets)):
         bases[name] = each.ctypes.data + start * each.strides[0]
     bases["n_facets"] = facets.shape[1]
-    return Rows(params, xs, zs, bases, (corners_x, corners_z, facets, *samples_x, *samples_z))
+    shared = encode_base(problem)
+    for name in ("stands", "outline_x", "outline_z", "n_outline"):
+        bases[name] = getattr(shared, name)
+    outline = () if problem.wall is None else problem.wall.arrays
+    return Rows(params, xs, zs, bases, (corners_x, corners_z, facets, *samples_x, *samples_z, block.stands_m, *outline))
 
 
 def _filled(record: np.dtype[np.void], size: int, values: tuple[Any, ...]) -> Records:
@@ -251,6 +260,9 @@ def _check(params: Records, corners_x: Floats, xs: Records) -> None:
         raise AnalyticInputError("sweep: positive masses, lengths, inertias, durations and gravities are wanted.")
     if (params["floor_kinetic"] > params["floor_static"]).any() or (params["floor_kinetic"] < 0.0).any():
         raise AnalyticInputError("sweep: 0 ≤ floor_kinetic ≤ floor_static is wanted.")
+    acts, kinetic, static = params["floor_impact"], params["floor_kinetic"], params["floor_static"]
+    if (params["has_pedestal"] & ((acts < kinetic) | (acts > static))).any():
+        raise AnalyticInputError("sweep: floor_kinetic ≤ floor_impact ≤ floor_static is wanted.")
     if (params["has_pedestal"] & (params["pedestal_mass_kg"] <= 0.0)).any():
         raise AnalyticInputError("sweep: positive pedestal masses are wanted.")
     if (np.abs(params["theta0_rad"]) >= params["overturn_rad"]).any() or (params["restitution"] > 1.0).any():

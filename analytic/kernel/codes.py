@@ -37,9 +37,8 @@ NO_SOLUTION: Final = 9
 BEGIN: Final = 10
 FINISH: Final = 11
 
-# Choices between conventions (`analytic.block.CHOICES`).
-STATIC_IMPACT: Final = 1
-MOVING: Final = 2
+# Choices of `analytic.block.CHOICES`.
+MOVING: Final = 1
 
 # By what a run left the model's domain.
 BY_PIVOT_SLIP: Final = 1

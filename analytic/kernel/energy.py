@@ -51,6 +51,25 @@ def _sticks(task: Task, j: float, energy: float, reach: float, lowest: float, ra
 
 
 @jit
+def _wall_ahead(task: Task, pivot: int, side: int, theta: float) -> float:
+    """Rotation to that side, from theta on, at which the statue touches the wall as it turns about a vertex of its base on a
+    pedestal that stays; infinite if it does not."""
+    params, base = task.params, task.base
+    if params.wall_side != side:
+        return math.inf
+    x, z = load_double(base.x, pivot), load_double(base.z, pivot)
+    room, first = params.wall_m - side * (load_double(base.stands, pivot) + task.state.slip_m), math.inf
+    for i in range(base.n_outline):
+        dx, dz = side * (load_double(base.outline_x, i) - x), load_double(base.outline_z, i) - z
+        radius = math.sqrt(dx * dx + dz * dz)
+        if radius > abs(room):  # else it passes below the wall's face
+            turn = math.atan2(dz, dx) - math.acos(room / radius)
+            if turn >= side * theta:
+                first = min(first, turn)
+    return first
+
+
+@jit
 def _ahead(task: Task, pivot: int, side: int, theta: float, energy: float) -> tuple[int, float]:
     """Outcome of moving to a side where no facet lies ahead, UNKNOWN with angle 0 to turn back, 1 to integrate.
 
@@ -59,7 +78,7 @@ def _ahead(task: Task, pivot: int, side: int, theta: float, energy: float) -> tu
     params = task.params
     x, z = vertex(task, pivot)
     weight = params.mass_kg * params.gravity_m_s2 * math.sqrt(x * x + z * z)
-    balance, wall = side * math.atan2(x, z), (params.wall_rad if params.wall_side == side else math.inf)
+    balance, wall = side * math.atan2(x, z), _wall_ahead(task, pivot, side, theta)
     # the barrier: the centroid above its corner, or where the wall stops it before
     top = weight if wall >= balance else weight * math.cos(wall - balance)
     if side * theta < min(balance, wall):
@@ -114,10 +133,21 @@ def _follow(task: Task) -> int:
             side = -side
         facet = pivot if side > 0 else pivot - 1
         x, z, _ = corner(task, facet, 1 if pivot == facet + 1 else -1)
-        if x * series.pivot_x[0] < 0.0 or not _sticks(
-            task, j, energy, max(abs(x), abs(series.pivot_x[0])), min(z, series.pivot_z[0]), radius
-        ):
+        if not _sticks(task, j, energy, max(abs(x), abs(series.pivot_x[0])), min(z, series.pivot_z[0]), radius):
             return UNKNOWN
+        if x * series.pivot_x[0] < 0.0:  # the centroid must pass over the corner first
+            margin = energy / (m * g * radius) - 1.0
+            task.results.outcome_margin = min(task.results.outcome_margin, abs(margin))
+            if abs(margin) < NEAR_TIE:
+                return UNKNOWN
+            if margin < 0.0:
+                beyond = pivot == last if side < 0 else pivot == 0
+                return _ahead(task, pivot, -side, theta, energy)[0] if beyond else UNKNOWN
+        landed = load_double(task.base.facets, facet)
+        wall = _wall_ahead(task, pivot, side, theta)
+        if wall < side * landed:
+            note_peak(task, side * wall, task.state.time_s)
+            return codes.TOUCHES_WALL
         speed = side * math.sqrt(max(2.0 * (energy - m * g * z) / j, 0.0))
         pivot, omega, held = _landing(task, pivot, facet, speed)
         if not held:

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from analytic.kernel import codes
 from analytic.kernel.compiler import inlined, jit
-from analytic.kernel.joint_state import falling, lift_margin, slip_rate_zeros, stick_margin, theta_rate_zeros
+from analytic.kernel.dynamics import vertex
+from analytic.kernel.joint_state import corner, falling, lift_margin, slip_rate_zeros, stick_margin, theta_rate_zeros
 from analytic.kernel.memory import load_double, set_term, term
 from analytic.kernel.polynomial import NO_ROOT, first_root, leading, remainder
 from analytic.kernel.records import Floats, Task
@@ -194,10 +195,59 @@ def _friction(task: Task, n: int, h: float, bounds: Bounds, best: FirstEvent) ->
     return best
 
 
+@inlined
+def _carried(row: Floats, n: int, h: float, start: int) -> float:
+    """Bound of what the terms from start on carry a series by within the step."""
+    total, power = 0.0, 1.0
+    for k in range(1, n + 1):
+        power *= h
+        if k >= start:
+            total += abs(term(row, k)) * power
+    return total
+
+
+@jit
+def _wall(task: Task, n: int, h: float, turning: float, best: FirstEvent) -> FirstEvent:
+    """Contact of the pedestal's side, or of a point of the statue's outline, with the wall.
+
+    turning bounds the terms of θ from the second on.
+    """
+    state, series, params, base = task.state, task.series, task.params, task.base
+    side, slides, rocks = params.wall_side, state.slide != 0, state.pivot >= 0
+    turned = abs(series.theta_rate[0]) * h + turning if rocks else 0.0
+    slid = _carried(series.slip, n, h, 1) if slides else 0.0
+    if slides and side * series.slip[0] + slid >= params.wall_pedestal_m:
+        _measure(task, series.slip, n, -side, side * params.wall_pedestal_m)
+        best = _search(task, n, h, 0, codes.AT_WALL, side, best)
+    pivot = state.pivot if rocks else state.facet
+    x, z = vertex(task, pivot)
+    pivot_x, pivot_z = series.pivot_x[0], series.pivot_z[0]
+    if not rocks:
+        xc, zc, _ = corner(task, state.facet, -1)
+        pivot_x, pivot_z = xc, zc
+    radius2 = x * x + z * z
+    room = params.wall_m - side * (load_double(base.stands, pivot) + series.slip[0])
+    for i in range(base.n_outline):
+        # a point p, q from the centroid turns with it: p cos θ + q sin θ is a sum of X and Z
+        p, q = load_double(base.outline_x, i), load_double(base.outline_z, i) - params.centroid_height_m
+        by_x, by_z = side * (1.0 + (q * z - p * x) / radius2), side * ((p * z + q * x) / radius2)
+        gap = room - (by_x * pivot_x + by_z * pivot_z)
+        if gap > params.wall_lever_m * turned + slid:
+            continue
+        series.event[0] = gap
+        for k in range(1, n + 1):
+            moved = side * term(series.slip, k) if slides else 0.0
+            if rocks:
+                moved += by_x * term(series.pivot_x, k) + by_z * term(series.pivot_z, k)
+            set_term(series.event, k, -moved)
+        best = _search(task, n, h, 0, codes.AT_WALL, side, best)
+    return best
+
+
 @jit
 def first_event(task: Task, n: int, h: float) -> FirstEvent:
     """The first event within the step of length h whose coefficients stand in the workspace."""
-    state, series = task.state, task.series
+    state = task.state
     best = FirstEvent(NO_ROOT, codes.NO_EVENT, 0, 0, 0.0)
     bounds = Bounds(0.0, 0.0, 0.0, 0.0)
     if state.pivot < 0:
@@ -210,8 +260,6 @@ def first_event(task: Task, n: int, h: float) -> FirstEvent:
             bounds = Bounds(0.0, 0.0, 0.0, math.inf)  # no bound of u̇ was summed up: it is searched
         best = _friction(task, n, h, bounds, best)
     best = _contact(task, n, h, bounds, best)
-    side = task.params.wall_side
-    if side != 0 and state.pivot >= 0 and not _clear(series.theta, h, -side, side * task.params.wall_rad, bounds.theta):
-        _measure(task, series.theta, n, -side, side * task.params.wall_rad)
-        best = _search(task, n, h, 0, codes.AT_WALL, side, best)
+    if task.params.wall_side != 0 and (state.pivot >= 0 or state.slide != 0):
+        best = _wall(task, n, h, bounds.theta, best)
     return best

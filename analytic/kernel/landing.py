@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from analytic.kernel.codes import IMPACT, STATIC_IMPACT
+from analytic.kernel.codes import IMPACT
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.impact import both_corners, impact, kinetic_energy
 from analytic.kernel.joint_state import corner, start_series
@@ -46,7 +46,7 @@ def land(task: Task, facet: int, residual: float) -> None:
     xn, _, jn = corner(task, facet, -old_side)
     omega, rate, stuck = state.theta_rate_rad_s, state.slip_rate_m_s, state.slide == 0
     mu = params.floor_static if stuck else params.floor_kinetic
-    mu_k = mu if params.choice == STATIC_IMPACT else params.floor_kinetic
+    mu_k = params.floor_impact if stuck else params.floor_kinetic
     after, moved, normal = impact(params, xn, xo, z, omega, rate, mu, mu_k)
     state.theta_rad, state.facet = load_double(task.base.facets, facet), facet
     # Noted as they are: what is dropped below is a sequence of such impacts, no single one that stops the statue at once.

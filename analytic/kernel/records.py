@@ -79,10 +79,16 @@ class Params:
     """In the statue's frame."""
     floor_static: float
     floor_kinetic: float
+    floor_impact: float
+    """Acts as an impact breaks a stuck pedestal loose."""
     wall_side: int
     """−1 left, 0 none, 1 right."""
-    wall_rad: float
-    """|θ| at which the top touches the wall."""
+    wall_m: float
+    """Where the wall stands, from below the centroid of the statue at rest, positive on its side."""
+    wall_pedestal_m: float
+    """Slip towards the wall with which the pedestal touches it; infinite without one."""
+    wall_lever_m: float
+    """Greatest distance of a vertex of the base from a point of the outline: by no more a rotation moves any of these."""
 
 
 @dataclass
@@ -130,6 +136,13 @@ class Base:
     facets: int
     """Address of the rotations at which each facet lies on the support, rad."""
     n_facets: int
+    stands: int
+    """Address of where on its support each vertex of the base stands as the statue rolls from one to the next, m."""
+    outline_x: int
+    """Address of the x of the points that can touch a wall, m."""
+    outline_z: int
+    """Address of their heights above the base plane, m."""
+    n_outline: int
 
 
 @dataclass

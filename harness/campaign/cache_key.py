@@ -29,6 +29,8 @@ KEYED: Final[Mapping[type, str]] = {
 """Name in the key of each class."""
 RENAMED: Final = {"base_excitation": "motion", "samples_m_s2": "accel_m_s2"}
 """Name in the key of each field that is called otherwise today; every other has its own, in the order of its class."""
+ADDED: Final = {"floor_impact": "kinetic"}
+"""Fields that came later, and what they are in scenes without them."""
 _MEMBERS: Final = {
     kind: [
         (item.name, RENAMED.get(item.name, item.name))
@@ -64,6 +66,8 @@ def relevant(scene: Scene, capabilities: Capabilities) -> Scene:
     form, contact, base_excitation, statue = scene.form, scene.contact, scene.base_excitation, scene.statue
     if scene.pedestal is None:
         form, contact = Form(), Contact(0.0, 0.0, contact.statue, contact.restitution)
+    acts = contact.at_impact
+    contact = replace(contact, floor_impact=acts if acts > contact.floor_kinetic else "kinetic")
     if capabilities.own_impact:
         form = replace(form, friction_normal=Form().friction_normal)
         if contact.restitution is None:
@@ -116,6 +120,7 @@ def _members(name: str, value: Any) -> Iterator[bytes]:
     yield f"{name}:{KEYED[type(value)]}{{".encode()
     for attribute, key in _MEMBERS[type(value)]:
         # What is not given has no part in the key: a new thing that may be given changes no key of scenes without it.
-        if (member := getattr(value, attribute)) is not None:
+        member = getattr(value, attribute)
+        if member is not None and not (attribute in ADDED and member == ADDED[attribute]):
             yield from _parts(key, member)
     yield b"}"

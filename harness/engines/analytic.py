@@ -13,10 +13,13 @@ from harness.engines.base import RELIABLE_RAD, Engine, EngineFailure, Settings
 from harness.model.history import History, Outcome
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Pattern, Run
-from harness.model.scene import OVERTURN_RAD, BaseExcitation, Scene
+from harness.model.scene import BaseExcitation, Scene
+from harness.model.two_block import block_of as block_of
+from harness.model.two_block import form_of
+from harness.model.two_block import keywords as keywords
 
 if TYPE_CHECKING:
-    from analytic import Block, CommonKeywords, Form, Pedestal, Solution, Wall
+    from analytic import CommonKeywords, Solution
 
 ACCURACIES_RAD: Final = (1e-6, 1e-9, 1e-12)
 """The refinement levels: aimed error of the rotation before it is amplified by the problem itself."""
@@ -106,14 +109,18 @@ class TwoBlock(Engine):
 
 
 def chosen(scene: Scene, choice: Literal["stuck", "static_impact", "moving"]) -> tuple[Run, float | None]:
-    """The model's run with one choice of `analytic.Form.choice`, no error stated, and when it leaves the run with the first.
+    """The model's run with another choice, no error stated, and when it leaves the run with the scene's own.
 
     Raises `EngineFailure` where the model refuses the scene.
     """
     from analytic import AnalyticInputError, simulate
 
     usual_form: CommonKeywords = {**keywords(scene), "dt_s": scene.output_dt_s}
-    other_form: CommonKeywords = {**usual_form, "form": replace(_form(scene), choice=choice)}
+    other_form: CommonKeywords = {**usual_form}
+    if choice == "static_impact":
+        other_form["floor_impact"] = "static"
+    elif choice == "moving":
+        other_form["form"] = replace(form_of(scene), choice="moving")
     motion = block_of(scene), scene.base_excitation.x, scene.base_excitation.z
     try:
         usual, other = simulate(*motion, **usual_form), simulate(*motion, **other_form)
@@ -129,54 +136,6 @@ def own(settings: Settings) -> TwoBlockSettings:
     if isinstance(settings, TwoBlockSettings):
         return settings
     return TwoBlockSettings(settings.dt_s, settings.expected_error_rad)
-
-
-def block_of(scene: Scene) -> Block:
-    """The scene's statue in its rocking plane: the base profile of its mesh, two corners without one."""
-    from analytic import Block
-
-    statue = scene.statue
-    profile: tuple[tuple[float, float], ...] = ((-statue.corner_left_m, 0.0), (statue.corner_right_m, 0.0))
-    if statue.solid is not None and len(statue.solid.base_profile_m) > 2:
-        profile = tuple((float(x), float(z)) for x, z in statue.solid.base_profile_m)
-    return Block(statue.mass_kg, statue.centroid_height_m, statue.inertia_kg_m2, profile)
-
-
-def _form(scene: Scene) -> Form:
-    from analytic import Form
-
-    return Form(scene.form.friction_normal, scene.contact.restitution, scene.form.pedestal_at_impact)
-
-
-def _pedestal(scene: Scene) -> Pedestal | None:
-    from analytic import Pedestal
-
-    given = scene.pedestal
-    return None if given is None else Pedestal(given.mass_kg, given.width_m, given.height_m, given.offset_m)
-
-
-def _wall(scene: Scene) -> Wall | None:
-    from analytic import Wall
-
-    rotation = scene.wall_rotation_rad
-    return None if scene.wall is None or rotation is None else Wall(scene.wall.side, rotation)
-
-
-def keywords(scene: Scene) -> CommonKeywords:
-    """The keywords of ``analytic.simulate`` that a scene decides."""
-    return {
-        "pedestal": _pedestal(scene),
-        "floor_static": scene.contact.floor_static,
-        "floor_kinetic": scene.contact.floor_kinetic,
-        "statue_friction": scene.contact.statue,
-        "form": _form(scene),
-        "theta0_rad": scene.initial.theta_rad,
-        "theta_rate0_rad_s": scene.initial.theta_rate_rad_s,
-        "duration_s": scene.duration_s,
-        "gravity_m_s2": scene.gravity_m_s2,
-        "wall": _wall(scene),
-        "overturn_rad": OVERTURN_RAD,
-    }
 
 
 def _history(solution: Solution) -> History:

@@ -20,6 +20,7 @@ from harness.input.uncertain import uncertain_inputs
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Array
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
+from harness.model.two_block import block_of, pedestal_of, wall_of
 
 LARGEST_GYRATION: Final = 2.0
 """No body's radius of gyration exceeds its size; twice it leaves room for arms that the numbers do not show."""
@@ -76,7 +77,7 @@ def resolve(
     pedestal = _pedestal(model.pedestal, statue, path)
     if pedestal is None:
         notes.append("contact.floor_static and contact.floor_kinetic are not used: there is no pedestal")
-    return Scene(
+    scene = Scene(
         title=model.title,
         duration_s=model.duration_s,
         gravity_m_s2=model.gravity_m_s2,
@@ -94,6 +95,29 @@ def resolve(
         notes=tuple(notes),
         uncertainty=uncertain_inputs(model, model.uncertainty),
     )
+    _check_wall(scene, path)
+    return scene
+
+
+def _check_wall(scene: Scene, path: Path) -> None:
+    """Raise `InputError` for a wall that the statue, as it begins, or its pedestal reaches."""
+    wall, block, pedestal, theta = wall_of(scene), block_of(scene), pedestal_of(scene), scene.initial.theta_rad
+    if wall is None:
+        return
+    mistakes, key, distance = [], "wall.distance_m", wall.distance_m
+    if not (gap_m := wall.gap_m(block, 0.0)) > 0.0:
+        least = f"more than {distance - gap_m:.6g} beside a statue whose outline reaches as far from its base"
+        mistakes.append(Mistake(str(path), key, least, f"{distance:g}"))
+    elif not wall.gap_m(block, theta) > 0.0:
+        wanted = (
+            f"a start before the wall, which a rotation of {scene.wall_rotation_rad:.6g} rad to the {wall.side} reaches"
+        )
+        mistakes.append(Mistake(str(path), "initial.theta_rad", wanted, f"{theta:g}"))
+    if pedestal is not None and not (gap_m := wall.pedestal_gap_m(block, pedestal)) > 0.0:
+        least = f"more than {distance - gap_m:.6g} beside a pedestal that reaches as far from the statue's base"
+        mistakes.append(Mistake(str(path), key, least, f"{distance:g}"))
+    if mistakes:
+        raise InputError(mistakes)
 
 
 def _initial(table: InitialTable, statue: Statue, path: Path) -> Initial:
@@ -119,7 +143,7 @@ def _form(table: ModelTable) -> Form:
 
 def _contact(table: ContactTable) -> Contact:
     ratio = None if table.restitution == "momentum" else float(table.restitution)
-    return Contact(table.floor_static, table.floor_kinetic, table.statue, ratio)
+    return Contact(table.floor_static, table.floor_kinetic, table.statue, ratio, table.floor_impact)
 
 
 def _base_excitation(model: SceneFile, path: Path, mistakes: list[Mistake], notes: list[str]) -> BaseExcitation:

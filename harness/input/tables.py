@@ -125,6 +125,7 @@ class ContactTable(Table):
 
     floor_static: Friction = 0.20
     floor_kinetic: Friction = 0.15
+    floor_impact: Literal["kinetic", "static"] | Friction = "kinetic"
     statue: Annotated[float, Field(gt=0.0, le=1e3)] = 1.0
     restitution: Literal["momentum"] | Annotated[float, Field(ge=0.0, le=1.0)] = "momentum"
 
@@ -134,6 +135,10 @@ class ContactTable(Table):
             raise Contradiction(
                 "floor_kinetic", f"at most floor_static = {self.floor_static:g}", f"{self.floor_kinetic:g}"
             )
+        acts = self.floor_impact
+        if not isinstance(acts, str) and not self.floor_kinetic <= acts <= self.floor_static:
+            between = f"floor_kinetic = {self.floor_kinetic:g} to floor_static = {self.floor_static:g}"
+            raise Contradiction("floor_impact", f'"kinetic", "static" or a number from {between}', f"{acts:g}")
         return self
 
 

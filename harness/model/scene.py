@@ -102,12 +102,24 @@ class Pedestal:
 
 @dataclass(frozen=True)
 class Contact:
-    """Friction and impact; `restitution` None is the angular-momentum law (or the engine's own impact)."""
+    """Friction and impact; `restitution` None is the angular-momentum law (or the engine's own impact).
+
+    `floor_impact` is the coefficient that acts as an impact breaks a stuck pedestal loose (docs/model.md, section 3).
+    """
 
     floor_static: float
     floor_kinetic: float
     statue: float
     restitution: float | None = None
+    floor_impact: float | Literal["kinetic", "static"] = "kinetic"
+
+    @property
+    def at_impact(self) -> float:
+        """The floor's coefficient as an impact breaks a stuck pedestal loose."""
+        acts = self.floor_impact
+        if isinstance(acts, str):
+            return self.floor_static if acts == "static" else self.floor_kinetic
+        return acts
 
 
 @dataclass(frozen=True)

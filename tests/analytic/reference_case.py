@@ -65,13 +65,18 @@ def record(times: Sequence[float], values: Sequence[float]) -> Motion:
     return Motion((*pieces, (times[-1], math.inf, lambda t: 0.0)), ("record", (tuple(times), tuple(values))))
 
 
+PEDESTAL_SIZE_M = (0.6, 0.2)
+
+
 @dataclass(frozen=True)
 class Case:
     """One two-block problem in SI units; `pedestal_kg` None means that the statue stands on the floor and never slides.
 
-    `ratio` None is the ratio from angular momentum; a number prescribes it. `wall` is a side and the rotation at which the top
-    touches it. `profile` are the base vertices (x, z) of a statue with more than two of them, or None; `tilt` and `gaps` belong
-    to one facet of such a base: its rotation, and how much further the statue turns to the next one on the left and right.
+    `ratio` None is the ratio from angular momentum; a number prescribes it. `mu_impact` acts as an impact breaks a stuck pedestal
+    loose (None: `mu_kinetic`). `wall` is its side, its distance from the statue's base and the height of the statue's flat top,
+    as wide as that base. `profile` are the base vertices (x, z) of a statue with more than two of them, or None; `tilt` and
+    `gaps` belong to one facet of such a base: its rotation, and how much further the statue turns to the next one on the left
+    and right.
     """
 
     m2: float
@@ -82,6 +87,7 @@ class Case:
     pedestal_kg: float | None = None
     mu_static: float = 0.0
     mu_kinetic: float = 0.0
+    mu_impact: float | None = None
     normal: str = "dynamic"
     ratio: float | None = None
     pedestal_at_impact: str = "momentum"
@@ -91,7 +97,7 @@ class Case:
     rate0: float = 0.0
     gravity: float = GRAVITY
     overturn: float = 1.5
-    wall: tuple[int, float] | None = None
+    wall: tuple[int, float, float] | None = None
     profile: tuple[tuple[float, float], ...] | None = None
     tilt: float = 0.0
     gaps: tuple[float, float] = (math.inf, math.inf)
@@ -99,6 +105,21 @@ class Case:
     def gap(self, side: int) -> float:
         """Rotation from this facet to the next one on that side, infinite at the outer vertices."""
         return self.gaps[1] if side > 0 else self.gaps[0]
+
+    def before_wall(self, side: int, theta: float, slip: float) -> float:
+        """Distance of a statue of two corners, on the one of that side (0: both), and of its pedestal to the wall."""
+        if self.wall is None:
+            return math.inf
+        to, distance, top = self.wall
+        wide = self.b_left + self.b_right
+        pivot = self.b_right if side > 0 else -self.b_left
+        place = (self.b_right if to > 0 else self.b_left) + distance
+        corners = [(x, z) for x in (-self.b_left, self.b_right) for z in (0.0, top)]
+        reach = max(to * (pivot + (x - pivot) * math.cos(theta) + z * math.sin(theta)) for x, z in corners)
+        if self.pedestal_kg is not None:
+            middle = self.b_right - 0.5 * wide
+            reach = max(reach, to * middle + 0.5 * PEDESTAL_SIZE_M[0])
+        return place - reach - to * slip
 
     def facets(self) -> list[Case]:
         """The statue standing on each of its facets: two corners, which need not lie on both sides of its centroid."""

@@ -8,10 +8,9 @@ from analytic import Excitation, Harmonic, Pulse, Record, Rest
 from analytic.block import Block, Form, Pedestal, Wall
 from analytic.certainty import Certified, certify
 from analytic.solver import simulate
-from tests.analytic.reference_case import Case, Motion, Path
+from tests.analytic.reference_case import PEDESTAL_SIZE_M, Case, Motion, Path
 
 OUTCOMES = {"stands": "ran", "undecided": "ran"}
-PEDESTAL_SIZE_M = (0.6, 0.2)
 
 
 def excitation(motion: Motion) -> Excitation:
@@ -39,17 +38,23 @@ def _given(case: Case) -> tuple[Block, Excitation, Excitation]:
     return block, excitation(case.accel_x), excitation(case.accel_z)
 
 
+def _wall(case: Case, side: int, distance_m: float, top_m: float) -> Wall:
+    silhouette = tuple((x, z) for x in (-case.b_left, case.b_right) for z in (0.0, top_m))
+    return Wall("right" if side > 0 else "left", distance_m, silhouette)
+
+
 def _keywords(case: Case) -> dict[str, object]:
     return {
         "pedestal": None if case.pedestal_kg is None else Pedestal(case.pedestal_kg, *PEDESTAL_SIZE_M),
         "floor_static": case.mu_static,
         "floor_kinetic": case.mu_kinetic,
+        "floor_impact": "kinetic" if case.mu_impact is None else case.mu_impact,
         "form": Form(case.normal, case.ratio, case.pedestal_at_impact),  # type: ignore[arg-type]
         "theta0_rad": case.theta0,
         "theta_rate0_rad_s": case.rate0,
         "gravity_m_s2": case.gravity,
         "overturn_rad": case.overturn,
-        "wall": None if case.wall is None else Wall("right" if case.wall[0] > 0 else "left", case.wall[1]),
+        "wall": None if case.wall is None else _wall(case, *case.wall),
     }
 
 

@@ -124,14 +124,14 @@ class Lagrange:
         f = self.forces(side, slide, y[0], y[1], ax, az)
         turned = side * y[0]
         found = {"lift_off": self.carried(f, side, y)}
+        if k.wall is not None and (side or slide != STUCK):
+            found["touches_wall"] = k.before_wall(side, y[0], y[2])
         if side == 0:
             found |= {"uplift_right": f.moment_right, "uplift_left": f.moment_left}
         else:
             found |= {"impact": turned, "roll": k.gap(side) - turned, "balance": self.lean(side) - turned}
             if k.gap(side) == math.inf:
                 found["overturned"] = k.overturn - side * (y[0] + k.tilt)
-            if k.wall is not None:
-                found["touches_wall"] = k.wall[1] - k.wall[0] * (y[0] + k.tilt)
         if k.pedestal_kg is not None:
             if slide == STUCK:
                 limit = self.limit(f, az)
@@ -231,7 +231,8 @@ class Lagrange:
         if abs(p_f) <= (k.mu_static if stuck else k.mu_kinetic) * p_n:
             return float(stop[1]), 0.0
         for sign in sorted((1.0, -1.0), key=lambda s: s * p_f):  # friction opposes what it could not stop
-            closure = friction[0] + sign * k.mu_kinetic * normal[0], friction[1] + sign * k.mu_kinetic * normal[1]
+            mu = k.mu_impact if stuck and k.mu_impact is not None else k.mu_kinetic
+            closure = friction[0] + sign * mu * normal[0], friction[1] + sign * mu * normal[1]
             plus = solve(closure)
             if sign * plus[0] > 0.0:
                 return float(plus[1]), float(plus[0])

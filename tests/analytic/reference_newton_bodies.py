@@ -102,10 +102,10 @@ class Bodies:
         k, (side, slide) = self.case, mode
         r = self.reactions(mode, y[0], y[1], ax, az)
         found = {"lift_off": self.carried(r, side, y)}
+        if k.wall is not None and (side or slide):
+            found["touches_wall"] = k.before_wall(side, y[0], y[2])
         if side:
             found |= {"impact": side * y[0], "friction_paradox": r.regularity}
-            if k.wall is not None:
-                found["touches_wall"] = k.wall[1] - k.wall[0] * (k.tilt + y[0])
             found["balance"] = self.lean(side) - side * y[0]
             if self.outer(side):
                 found["overturned"] = k.overturn - side * (k.tilt + y[0])
@@ -205,7 +205,7 @@ class Bodies:
         found = []
         for sign in (1.0, -1.0):
             a[8] = 0.0
-            a[8, 7], a[8, 8] = 1.0, sign * k.mu_kinetic
+            a[8, 7], a[8, 8] = 1.0, sign * (k.mu_impact if stuck and k.mu_impact is not None else k.mu_kinetic)
             x = np.linalg.solve(a, b)
             if sign * x[3] > 0.0:
                 found.append((float(x[2]), float(x[3])))

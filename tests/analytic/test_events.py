@@ -4,11 +4,26 @@ from __future__ import annotations
 
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
-from analytic import Block, Event, EventKind, Form, Harmonic, Pedestal, Pulse, Record, Rest, Solution, Wall, simulate
+from analytic import (
+    AnalyticInputError,
+    Block,
+    Event,
+    EventKind,
+    Form,
+    Harmonic,
+    Pedestal,
+    Pulse,
+    Record,
+    Rest,
+    Solution,
+    Wall,
+    simulate,
+)
 from tests.analytic.paestum import FREE, GRAVITY, PEDESTAL, STATUE, shaken
 from tests.budgets_analytic import EVENT_REL, RESIDUAL_REL, STICK_ONSET_M_S
 
@@ -147,13 +162,63 @@ def test_ambiguous_jump_takes_the_stuck_state_and_says_so() -> None:
     assert run.events[0].pattern == "rocking"
 
 
-def test_wall_ends_the_run_at_its_rotation() -> None:
-    run = simulate(STATUE, Harmonic(0.429 * GRAVITY, 1.5), duration_s=10.0, wall=Wall("right", 0.4))
+def test_wall_ends_the_run_where_the_top_touches_it() -> None:
+    top = ((0.0682, 1.46),)
+    run = simulate(STATUE, Harmonic(0.429 * GRAVITY, 1.5), duration_s=10.0, wall=Wall("right", 0.4, top))
     assert run.outcome.value == "touches_wall"
-    assert run.theta_rad[-1] == pytest.approx(0.4, rel=EVENT_REL)
-    away = simulate(STATUE, Harmonic(0.429 * GRAVITY, 1.5), duration_s=10.0, wall=Wall("left", 0.4))
+    assert run.theta_rad[-1] == pytest.approx(math.asin(0.4 / 1.46), rel=EVENT_REL)
+    away = simulate(STATUE, Harmonic(0.429 * GRAVITY, 1.5), duration_s=10.0, wall=Wall("left", 0.4, top))
     assert away.outcome.value == "overturned_right"
-    assert Wall.at_distance("right", distance_m=0.7, height_m=1.46).rotation_rad == pytest.approx(math.asin(0.7 / 1.46))
+
+
+@pytest.mark.parametrize("skips", [True, False])
+def test_a_pedestal_that_slides_to_a_wall_touches_it_when_newton_says(skips: bool) -> None:
+    # One block under a constant push: u̇ = −(a − μ g) t; the pedestal's side starts 0.1 m before the wall.
+    a, mu, edge = 3.0, 0.1, 0.2133 - 0.3
+    wall = Wall("left", 0.1 - edge, ((-0.2133, 1.0), (0.2133, 1.0)))
+    keywords: Any = {"floor_static": mu, "floor_kinetic": mu, "gravity_m_s2": GRAVITY, "skip_start": skips}
+    block = Block.two_corners(
+        mass_kg=100.0, centroid_height_m=0.1, inertia_kg_m2=5.0, corner_left_m=0.2133, corner_right_m=0.2133
+    )
+    run = simulate(
+        block, Pulse("rectangular", a, 2.0), duration_s=2.0, wall=wall, pedestal=Pedestal(50.0, 0.6, 0.2), **keywords
+    )
+    assert run.outcome.value == "touches_wall"
+    assert run.end_s == pytest.approx(math.sqrt(2.0 * 0.1 / (a - mu * GRAVITY)), rel=EVENT_REL)
+    assert run.final_slip_m == pytest.approx(-0.1, rel=EVENT_REL)
+
+
+@pytest.mark.parametrize(("side", "omega"), [("right", 0.9), ("left", -2.8), ("left", 1.1)])
+def test_the_energy_meets_the_wall_as_the_integration_does(side: Any, omega: float) -> None:
+    wall = Wall(side, 0.5, ((-0.3585, 1.46), (0.0682, 1.46)))
+    given: Any = {"duration_s": 8.0, "wall": wall, "theta_rate0_rad_s": omega, "dt_s": None, "gravity_m_s2": GRAVITY}
+    by_energy, integrated = (simulate(STATUE, Rest(), **given, skip_energy=skips) for skips in (True, False))
+    assert by_energy.outcome is integrated.outcome
+    assert by_energy.peak_signed_rad == pytest.approx(integrated.peak_signed_rad, rel=EVENT_REL)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"), [({"wall": Wall("right", 0.08, ((0.0682, 1.46),))}, "inside"), ({"theta0_rad": 0.3}, "beyond")]
+)
+def test_a_start_at_the_wall_is_refused(changes: Any, said: str) -> None:
+    given: Any = {"wall": Wall("right", 0.4, ((0.0682, 1.46),)), "pedestal": PEDESTAL, "duration_s": 1.0}
+    with pytest.raises(AnalyticInputError, match=said):
+        simulate(STATUE, Rest(), **(given | changes))
+
+
+def test_a_point_that_cannot_touch_and_a_base_of_many_vertices_roll_to_the_wall() -> None:
+    # A disk of 64 sides rolls without slipping: its centre goes R θ, so that its side is at the wall after distance/R.
+    turns = np.linspace(0.0, 2.0 * math.pi, 65)[:-1] + math.pi / 64.0
+    rim = np.stack([np.sin(turns), 1.0 - np.cos(turns)], axis=1)
+    low = rim[(rim[:, 1] < 0.9)]
+    base = low[np.argsort(low[:, 0])] - [0.0, low[:, 1].min()]
+    block = Block.from_profile(mass_kg=10.0, centroid_height_m=1.0, inertia_kg_m2=5.0, profile_m=base)
+    wall = Wall("right", 0.3, tuple(map(tuple, rim)))
+    run = simulate(block, Rest(), duration_s=4.0, theta_rate0_rad_s=3.0, wall=wall, overturn_rad=1.4)
+    assert run.outcome.value == "touches_wall"
+    assert run.theta_rad[-1] == pytest.approx(
+        base[-1, 0] + 0.3 - 1.0, abs=2.0 * (1.0 - math.cos(math.pi / 64.0))
+    )  # its corners
 
 
 def test_loss_of_gravity_is_lift_off() -> None:

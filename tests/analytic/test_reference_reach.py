@@ -10,7 +10,17 @@ import pytest
 from analytic import Block
 from tests import budgets_reference as budget
 from tests.analytic import reference_kernel, reference_lagrange, reference_newton
-from tests.analytic.reference_case import GRAVITY, Case, Motion, Path, full_period, harmonic, rectangle, rest
+from tests.analytic.reference_case import (
+    GRAVITY,
+    PEDESTAL_SIZE_M,
+    Case,
+    Motion,
+    Path,
+    full_period,
+    harmonic,
+    rectangle,
+    rest,
+)
 from tests.analytic.reference_cases import paper_case
 
 END_S, GRID_S = 1.5, 0.02
@@ -65,15 +75,41 @@ def test_a_start_with_a_velocity(name: str, rate0: float) -> None:
     assert found[0].times("impact")
 
 
-@pytest.mark.parametrize(("side", "rotation"), [(1, 0.06), (1, 0.30), (-1, 0.02)])
 @pytest.mark.parametrize("pedestal", [True, False])
-def test_a_wall_ends_the_run_where_the_top_touches_it(pedestal: bool, side: int, rotation: float) -> None:
+@pytest.mark.parametrize(("side", "distance_m"), [(1, 0.09), (1, 0.40), (-1, 0.09)])
+def test_a_wall_ends_the_run_where_statue_or_pedestal_touches_it(pedestal: bool, side: int, distance_m: float) -> None:
     case = paper_case(0.429, 2.0, pedestal=pedestal, form="consistent")
-    case = replace(case, wall=(side, rotation), rate0=min(0.5 * side, 0.0))
+    case = replace(case, wall=(side, distance_m, 1.46), rate0=min(0.5 * side, 0.0))
     found = paths(case, 2.0)
     assert_one_story(found)
     assert found[0].outcome == "touches_wall"
-    assert found[0].samples[-1, 1] == pytest.approx(side * rotation, abs=budget.REFERENCES_RAD)
+    end = found[0].samples[-1]
+    assert abs(case.before_wall(1 if end[1] > 0.0 else -1, end[1], end[3])) < budget.KERNEL_RAD
+
+
+@pytest.mark.parametrize(("touches", "distance_m", "rate0"), [("top", 0.15, -1.0), ("pedestal", 0.12, 0.2)])
+def test_slip_counts_against_the_wall(touches: str, distance_m: float, rate0: float) -> None:
+    # A friction of 0.03: the pedestal slides for most of the time, and carries the statue towards the wall.
+    smooth = replace(paper_case(0.429, 2.0, pedestal=True, form="consistent", mu_static=0.03), mu_kinetic=0.03)
+    case = replace(smooth, wall=(-1, distance_m, 1.46), rate0=rate0)
+    found = paths(case, 2.0)
+    assert_one_story(found)
+    _, theta, _, slip, _ = found[0].samples[-1]
+    edge = 0.5 * PEDESTAL_SIZE_M[0] - 0.5 * (case.b_left + case.b_right)  # the pedestal's, beside the base
+    assert found[0].outcome == "touches_wall"
+    assert (abs(distance_m - edge + slip) < budget.KERNEL_M) == (touches == "pedestal")
+    assert slip < 0.0
+    assert 1.46 * abs(theta) < 0.8 * distance_m, "it would not have touched without the slip"
+
+
+@pytest.mark.parametrize("acts", [0.15, 0.17, 0.20])
+def test_a_coefficient_of_its_own_at_the_impact_that_breaks_the_pedestal_loose(acts: float) -> None:
+    case = replace(paper_case(0.429, 3.0, pedestal=True, form="consistent"), mu_impact=acts)
+    found = paths(case, 0.9)
+    assert_one_story(found)
+    usual = reference_kernel.solve(replace(case, mu_impact=None), 0.9, GRID_S)
+    apart = np.max(np.abs(found[0].samples - usual.samples))
+    assert apart == 0.0 if acts == case.mu_kinetic else apart > 1e-3
 
 
 @pytest.mark.parametrize("ratio", [0.0, 1.0])
@@ -157,7 +193,7 @@ def test_a_base_of_many_vertices_overturns_over_its_outer_one(motion: Motion) ->
 
 def test_two_vertices_are_the_two_corner_model_bit_for_bit_in_every_reach() -> None:
     for case in (
-        replace(paper_case(0.429, 2.0, pedestal=True, form="consistent"), rate0=0.2, wall=(1, 0.3)),
+        replace(paper_case(0.429, 2.0, pedestal=True, form="consistent"), rate0=0.2, wall=(1, 0.4, 1.46)),
         replace(paper_case(0.429, 2.0, pedestal=False, form="paper"), accel_z=harmonic(3.0, 5.0)),
     ):
         flat = replace(case, profile=((-case.b_left, 0.0), (case.b_right, 0.0)))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from analytic import AnalyticInputError, Harmonic, Outcome, Pulse, Record, ensemble, simulate
-from analytic.sweep import SWEEPABLE
+from analytic import AnalyticInputError, Harmonic, Outcome, Pulse, Record, Wall, ensemble, simulate
+from analytic.sweep import ACCURACY_RAD, SWEEPABLE
 from tests.analytic.paestum import GRAVITY, PEDESTAL, STATUE
 
 ON_PEDESTAL = {"pedestal": PEDESTAL, "floor_static": 0.20, "floor_kinetic": 0.15}
@@ -120,3 +122,23 @@ def test_every_sweepable_name_is_taken() -> None:
             STATUE, Harmonic(2.0, 2.0), sweep={name: [values.get(name, 0.16)]}, duration_s=0.5, **ON_PEDESTAL
         )
         assert found.codes.shape == (1,)
+
+
+def test_walls_and_the_coefficient_at_an_impact_are_those_of_single_runs() -> None:
+    wall = Wall("left", 0.1, ((-0.3585, 1.46), (0.0682, 1.46)))
+    scene: Any = ON_PEDESTAL | {"wall": wall, "duration_s": 4.0}
+    acts, amplitude = np.array([0.15, 0.18, 0.20])[:, None], np.array([2.0, 3.3, 4.2])
+    found = ensemble(STATUE, Harmonic(1.0, 2.0), sweep={"floor_impact": acts, "amplitude_m_s2": amplitude}, **scene)
+    for (i, j), code in np.ndenumerate(found.outcomes):
+        motion, own = Harmonic(amplitude[j], 2.0), float(acts[i, 0])
+        alone = simulate(
+            STATUE, motion, floor_impact=own, accuracy_rad=ACCURACY_RAD, dt_s=None, validity=False, **scene
+        )
+        assert (code, found.end_s[i, j]) == (alone.outcome, alone.end_s)
+    assert found.count(Outcome.TOUCHES_WALL) >= 2
+    static = ensemble(STATUE, Harmonic(3.3, 2.0), sweep={"floor_static": [0.2, 0.25]}, floor_impact="static", **scene)
+    assert static.end_s[0] == found.end_s[2, 1]
+    with pytest.raises(AnalyticInputError, match="floor_impact"):
+        ensemble(STATUE, Harmonic(3.3, 2.0), sweep={"floor_impact": [0.21]}, **scene)
+    with pytest.raises(AnalyticInputError, match="corners"):
+        ensemble(STATUE, Harmonic(3.3, 2.0), sweep={"corner_left_m": [0.3]}, **scene)

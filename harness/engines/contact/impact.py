@@ -42,8 +42,8 @@ def impact(scene: Scene, *, old_side: int, theta_rate_rad_s: float, slip_rate_m_
         normal = m * ((0.0 if both else new * abs(after)) + old * abs(rate))
         return Impact(after, slip, normal, 0.0)
     total = m + pedestal.mass_kg
-    static, kinetic = scene.contact.floor_static, scene.contact.floor_kinetic
-    limit = static if stuck else kinetic
+    limit = scene.contact.floor_static if stuck else scene.contact.floor_kinetic
+    slides = scene.contact.at_impact if stuck else scene.contact.floor_kinetic
 
     # The pedestal is held: the friction impulse that this takes must be within the limit.
     after = ratio * rate if ratio is not None else (j_cross * rate + m * h * slip) / j_new
@@ -52,10 +52,10 @@ def impact(scene: Scene, *, old_side: int, theta_rate_rad_s: float, slip_rate_m_
     if after * rate >= 0.0 and abs(friction) <= limit * normal:
         return Impact(after, 0.0, normal, friction)
     for sign in (1, -1):
-        jump = _sliding(sign, rate, slip, (m, h, old, new, total, kinetic), (j_new, j_cross, ratio))
+        jump = _sliding(sign, rate, slip, (m, h, old, new, total, slides), (j_new, j_cross, ratio))
         if jump is not None:
             return jump
-    return _both_corners(rate, slip, (m, h, old, total), limit, kinetic)
+    return _both_corners(rate, slip, (m, h, old, total), limit, slides)
 
 
 def _sliding(

@@ -29,7 +29,7 @@ class Stepper:
         self.backend, self.schedule, self.events = backend, schedule, settings.EVENTS
         self.writer = RowWriter(backend, scene)
         contact, pedestal = scene.contact, scene.pedestal
-        self.static, self.kinetic = contact.floor_static, contact.floor_kinetic
+        self.static, self.kinetic, self.at_impact = contact.floor_static, contact.floor_kinetic, contact.at_impact
         self.kinetic_m_s = self.kinetic * scene.gravity_m_s2 * schedule.step_s
         self.switches = pedestal is not None and self.static != self.kinetic
         self.masses = (scene.statue.mass_kg, 0.0 if pedestal is None else pedestal.mass_kg)
@@ -87,9 +87,12 @@ class Stepper:
         gaining = math.hypot(*slip) > math.hypot(*self.slip_before)
         if not gaining and (self._sticks(slip) or self._reversed(slip)):
             return row
-        self._hold(self.kinetic)
         self._again(before)
-        return self.backend.advance(gravity)
+        # In an impact, which takes no time and has no pull, another coefficient may act: sliding begins with it.
+        self.backend.set_floor_friction(self.kinetic if any(pull) else self.at_impact)
+        row = self.backend.advance(gravity)
+        self._hold(self.kinetic)
+        return row
 
     def _again(self, before: Row, kind: str = SLIP_ONSET) -> None:
         """Back to where the step began, which is to be solved again."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -182,3 +183,26 @@ def test_a_block_may_have_all_its_moments_of_inertia(tmp_path: Path) -> None:
 def test_moments_of_inertia_that_no_body_has_are_refused(tmp_path: Path, moments: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
         load_scene(written(tmp_path, GOOD + f"inertia_xyz_kg_m2 = {moments}\n"))
+
+
+@pytest.mark.parametrize(
+    ("overrides", "key", "got"),
+    [
+        ({"wall.distance_m": 0.1}, "wall.distance_m", "0.1"),
+        ({"wall.distance_m": 0.14, "pedestal.offset_m": 0.05}, "wall.distance_m", "0.14"),
+        ({"pedestal": None, "wall.distance_m": 0.3, "initial.theta_rad": 0.35}, "initial.theta_rad", "0.35"),
+        ({"wall.side": "left", "initial.theta_rad": -0.3}, "initial.theta_rad", "-0.3"),
+    ],
+)
+def test_a_wall_that_is_reached_at_the_start_is_refused(
+    tmp_path: Path, overrides: dict[str, Any], key: str, got: str
+) -> None:
+    # A base from −0.1 to 0.1 m, 1 m high, on a pedestal of 0.4 m: its side is 0.1 m beside the base.
+    block = "mass_kg = 50.0\ncentroid_height_m = 0.5\ncorner_left_m = 0.1\ncorner_right_m = 0.1\ninertia_kg_m2 = 4.0\n"
+    under = "[pedestal]\nmass_kg = 50.0\nwidth_m = 0.4\ndepth_m = 0.4\nheight_m = 0.1\n"
+    text = f'title = "a wall"\nduration_s = 1.0\n[statue]\n{block}height_m = 1.0\n{under}[wall]\nside = "right"\n'
+    path = written(tmp_path, text + "distance_m = 0.2\n")
+    assert load_scene(path).wall is not None
+    with pytest.raises(InputError) as refused:
+        load_scene(path, overrides)
+    assert [(item.key, item.got) for item in refused.value.mistakes] == [(key, got)]

@@ -69,6 +69,9 @@ def test_types_are_strict(line: str, key: str) -> None:
 def test_keys_that_contradict_each_other_are_named() -> None:
     found = mistakes(GOOD + "[contact]\nfloor_static = 0.1\nfloor_kinetic = 0.3\n")
     assert found["contact.floor_kinetic"].wanted == "at most floor_static = 0.1"
+    for acts in ("0.05", "0.21", "'moving'", "true"):
+        floor = f"[contact]\nfloor_static = 0.2\nfloor_kinetic = 0.1\nfloor_impact = {acts}\n"
+        assert "contact.floor_impact" in mistakes(GOOD + floor)
     found = mistakes(GOOD + "[model]\npreset = 'paper'\n")
     assert "number" in found["contact.restitution"].wanted
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -108,3 +109,13 @@ def test_static_coefficient_holds_what_the_kinetic_one_does_not() -> None:
     }
     assert found[True, 0.9] == 0.0
     assert found[True, 0.05] == found[False, 0.05] == found[False, 0.9] != 0.0
+
+
+@pytest.mark.parametrize("rate", [-0.5, -0.9])
+def test_what_breaks_a_stuck_pedestal_loose_acts_with_its_own_coefficient(rate: float) -> None:
+    usual = paestum(mu=(0.20, 0.15))
+    for acts, coefficient in (("static", 0.20), (0.17, 0.17), ("kinetic", 0.15)):
+        on = usual.but(contact=replace(usual.contact, floor_impact=acts))
+        loose, sliding = run(on, rate, 0.0, stuck=True), run(on, rate, math.copysign(0.05, rate))
+        assert math.isclose(abs(loose.friction_n_s), coefficient * loose.normal_n_s, rel_tol=1e3 * budget.IMPULSE)
+        assert math.isclose(abs(sliding.friction_n_s), 0.15 * sliding.normal_n_s, rel_tol=1e3 * budget.IMPULSE)

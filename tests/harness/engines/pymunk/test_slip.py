@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic, Pulse
+from harness.comparison.distance import errors
 from harness.engines.analytic import TwoBlock
 from harness.engines.pymunk import Munk2D
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Pedestal, Scene
 from tests import budgets_engines as budget
-from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
+from tests.scenes_for_tests import GRAVITY_M_S2, paestum, rectangle, scene
 
 ENGINE, MODEL = Munk2D(), TwoBlock()
 
@@ -76,3 +79,13 @@ def test_a_pedestal_that_tips_says_so() -> None:
     narrow = Pedestal(100.0, 0.3, 0.5, 0.6)
     on = scene(rectangle(0.25, 1.0), Harmonic(0.6 * GRAVITY_M_S2, 2.0), pedestal=narrow, mu=1.0, mu_statue=2.0)
     assert "the pedestal tips" in run(on, 1e-3).validity["plain_because"]
+
+
+@pytest.mark.parametrize("acts", ["static", 0.18])
+def test_the_scenes_coefficient_acts_as_an_impact_breaks_the_pedestal_loose(acts: float | Literal["static"]) -> None:
+    usual = paestum(0.429, 3.0, mu=(0.20, 0.15), duration_s=1.0)
+    own = usual.but(contact=replace(usual.contact, floor_impact=acts))
+    found = run(own, 2.5e-4)
+    by_own, by_kinetic = (MODEL.simulate(on, MODEL.refinement_levels(on)[1], RunOptions()) for on in (own, usual))
+    assert errors(found, by_own, 1.0)[0] <= budget.TWO_FRICTIONS_FINE_RAD
+    assert errors(found, by_kinetic, 1.0)[0] > 100.0 * budget.TWO_FRICTIONS_FINE_RAD
