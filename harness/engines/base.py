@@ -29,6 +29,8 @@ from harness.model.scene import Scene
 
 VERIFICATION_STEP_SHARE: Final = 0.45
 """Step of a verification run over its level's: steps that are parts of each other begin at the same instants, and err alike."""
+VERIFICATION_EVENT_SHARE: Final = 1.5
+"""Times as long as in a level, of its own step, a verification run stays around an event: what locates events errs otherwise."""
 RELIABLE_RAD: Final = 1e-6
 """Error up to which a certified history counts as reliable, whatever is asked of the other engines."""
 MOVING_TABLE: Final = "a moving table (table; it accelerates the floor's frame)"

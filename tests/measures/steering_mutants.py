@@ -108,7 +108,9 @@ def _static(own: Any) -> Any:
 _E: Final = "harness.engines.event_stepping."
 LAYER: Final[Mapping[str, Change]] = {
     **_turns(_E + "writing:RowWriter.write", Columns(7, 9, 11, 20)),
-    "turned the other way": {_E + "step_state:StepState.turn": lambda own: lambda self, seconds: own(self, -seconds)},
+    "turned the other way": {
+        _E + "step_state:StepState.turn": lambda own: lambda self, seconds, foot_m: own(self, -seconds, foot_m)
+    },
     "limits of friction × 1.1": {_E + "stepper:Stepper.__init__": _limits},
     "limit × 1.1 in the test alone": {
         _E + "settings:EVENTS": lambda own: replace(own, saturated=LIMIT * own.saturated)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from harness.engines.contact.frame import greatest_pull_m_s2
 from harness.engines.contact.spatial import matrices
 from harness.engines.event_stepping import settings
-from harness.engines.event_stepping.rows import Row
+from harness.engines.event_stepping.rows import Row, Vector
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
@@ -123,22 +123,24 @@ class ContactGaps:
         first_s = float(contact_s[foot])
         return first_s, soonest_s, foot if first_s < math.inf else -1
 
-    def stands(self, row: Row, floor_m: float = 0.0, floor_m_s: float = 0.0) -> bool:
-        """Whether a foot rests on its support."""
+    def standing(self, row: Row, floor_m: float = 0.0, floor_m_s: float = 0.0) -> list[int]:
+        """Numbers of the feet that rest on their support, whether they slide along it or not."""
         falling = self.falling_m_s(row)
-        return any(
-            abs(gap) < self.near_m and abs(closing) < falling for gap, closing in self.heights(row, floor_m, floor_m_s)
-        )
+        heights = enumerate(self.heights(row, floor_m, floor_m_s))
+        return [k for k, (gap, closing) in heights if abs(gap) < self.near_m and abs(closing) < falling]
+
+    def foot_m(self, feet: Sequence[int], row: Row) -> Vector:
+        """Where the middle of some feet is from the centroid, world axes."""
+        (middle,) = matrices(np.array([row[3:7]])) @ self.feet_m[feet].mean(axis=0)
+        return float(middle[0]), float(middle[1]), float(middle[2])
 
     def foot_speeds_m_s(
-        self, row: Row, others: Sequence[Row], floor_m: float = 0.0, floor_m_s: float = 0.0
+        self, feet: Sequence[int], row: Row, others: Sequence[Row], floor_m: float, floor_m_s: float
     ) -> list[float]:
-        """How much faster or slower than in a row the feet that rest on their support there leave it in others, on average."""
-        falling = self.falling_m_s(row)
+        """How much faster or slower than in a row some feet leave their support in others, on average."""
         heights = self.heights(row, floor_m, floor_m_s)
-        feet = [k for k, (gap, closing) in enumerate(heights) if abs(gap) < self.near_m and abs(closing) < falling]
         moving = [self.heights(other, floor_m, floor_m_s) for other in others]
-        return [sum(abs(each[k][1] - heights[k][1]) for k in feet) / max(len(feet), 1) for each in moving]
+        return [sum(abs(each[k][1] - heights[k][1]) for k in feet) / len(feet) for each in moving]
 
     def drift_m(self, row: Row, floor_m: float = 0.0, *, within_s: float = 0.0) -> float:
         """How high feet near their support are above it, at most, with those that come down within `within_s`; 0 for none."""

@@ -45,12 +45,13 @@ def locate_event(
         state.coast(-back)
     forward, state.t_s, instant = contact_s + back - events.short * room, there_s - room, max(there_s, state.kick_s)
     state.kick(events.short * room, instant)
-    if gaps.stands(state.row, floor.table_place[2], floor.table_rate[2]):
+    feet = gaps.standing(state.row, floor.table_place[2], floor.table_rate[2])
+    if feet:
         # The velocities stand square to the arm of the standing foot at the places before that step: both turn on together.
         before, there = state.row, advanced(state.row, room)
-        state.turn(room)
+        state.turn(room, gaps.foot_m(feet, before))
         at_contact = [(*there[:7], *row[7:13], *there[13:]) for row in (before, state.row)]
-        owed, left = gaps.foot_speeds_m_s(before, at_contact, floor.table_place[2], floor.table_rate[2])
+        owed, left = gaps.foot_speeds_m_s(feet, before, at_contact, floor.table_place[2], floor.table_rate[2])
         floor.writer.ledger.of("turn_on").compare(owed, left, events.still * gaps.least_m_s)
     contact_s = until()
     if abs(contact_s) > room:

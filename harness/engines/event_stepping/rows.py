@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -64,6 +65,11 @@ def base_velocity(half_m: Vector, places: Row, row: Row) -> tuple[float, float]:
     arm_y = 2.0 * ((a * b + c * d) * x + (b * c - a * d) * z) + (1.0 - 2.0 * (a * a + c * c)) * y
     arm_z = up_x * x + up_y * y + (1.0 - 2.0 * (a * a + b * b)) * z
     return u + q * arm_z - r * arm_y, v + r * arm_x - p * arm_z
+
+
+def crossed(a: Sequence[float], b: Sequence[float]) -> Vector:
+    """The cross product of two vectors."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def advanced(row: Row, seconds: float) -> Row:

@@ -6,7 +6,7 @@ less moves none by its stated uncertainty (tests/harness/engines/event_stepping/
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from harness.engines.event_stepping.rows import STANDS_RAD
@@ -106,6 +106,22 @@ class EventSettings:
     """Friction counts as at its limit from this share of it: the solver's iterations end before the last digits."""
     whole: float = 0.5
     """Share of a step from which on a step tells the force that holds the pedestal."""
+
+    def stretched(self, share: float) -> EventSettings:
+        """The same, with all that is done around an event so many times as long: of what the layer errs by that is another."""
+        return (
+            self
+            if share == 1.0
+            else replace(
+                self,
+                approach=1.0 - share * (1.0 - self.approach),
+                aside=share * self.aside,
+                room=share * self.room,
+                together=share * self.together,
+                least_rest=share * self.least_rest,
+                parts=self.parts / share,
+            )
+        )
 
 
 EVENTS: Final = EventSettings()

@@ -13,13 +13,11 @@ from dataclasses import dataclass
 from typing import Final, Protocol
 
 from harness.engines.event_stepping import slip_onset
-from harness.engines.event_stepping.rows import ALONE, Row, Vector, advanced
+from harness.engines.event_stepping.rows import Row, Vector, advanced, crossed
 from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.stepper import Stepper
 
 NO_PULL: Final = (0.0, 0.0, 0.0)
-LEAST_RAD_S: Final = 1e-12
-"""Below this nothing turns."""
 LOOK_STEPS: Final = 16
 """Steps after which the bodies' contacts are looked at again."""
 
@@ -104,15 +102,14 @@ class StepState:
         self._write("part_of_step", advanced(self.row, seconds))
         self.t_s += seconds
 
-    def turn(self, seconds: float) -> None:
-        """Turn the statue's velocity over its support as a standing body's goes on turning: v' = ω × v."""
-        row = self.row
-        base = self.stepper.table_rate if len(row) == ALONE else row[20:23]
-        u, v, w = (row[7 + k] - base[k] for k in range(3))
-        a, b, c = (seconds * rate for rate in row[10:13])
-        turned = (row[7] + b * w - c * v, row[8] + c * u - a * w, row[9] + a * v - b * u)
-        arm_m = math.dist(row[7:10], base) / max(math.hypot(*row[10:13]), LEAST_RAD_S)
-        self.stepper.writer.ledger.of("turn_on").explain(math.hypot(*row[10:13]), arm_m, self.step_s)
+    def turn(self, seconds: float, foot_m: Vector) -> None:
+        """Turn the statue's velocity about a standing foot, `foot_m` from its centroid, as a body that stands there goes on
+        turning: (ω × r)' = ω × (ω × r), r from the foot to the centroid, whether the foot slides or not.
+        """
+        row, spin = self.row, self.row[10:13]
+        a, b, c = crossed(spin, crossed(spin, foot_m))
+        self.stepper.writer.ledger.of("turn_on").explain(math.hypot(*spin), math.hypot(*foot_m), self.step_s)
+        turned = (row[7] - seconds * a, row[8] - seconds * b, row[9] - seconds * c)
         self._write("turn_on", (*row[:7], *turned, *row[10:]))
 
     def impact(self) -> None:

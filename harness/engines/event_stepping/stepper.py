@@ -25,8 +25,8 @@ REVERSAL: Final = "friction_reversal"
 class Stepper:
     """One step at a time: gravity or table, friction's two numbers; keeps the sliding state between steps."""
 
-    def __init__(self, backend: Backend, scene: Scene, schedule: Schedule) -> None:
-        self.backend, self.schedule, self.events = backend, schedule, settings.EVENTS
+    def __init__(self, backend: Backend, scene: Scene, schedule: Schedule, event_share: float = 1.0) -> None:
+        self.backend, self.schedule, self.events = backend, schedule, settings.EVENTS.stretched(event_share)
         self.writer = RowWriter(backend, scene)
         contact, pedestal = scene.contact, scene.pedestal
         self.static, self.kinetic, self.at_impact = contact.floor_static, contact.floor_kinetic, contact.at_impact

@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, ClassVar, Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, EngineFailure, Settings, own_settings
+from harness.engines.base import (
+    VERIFICATION_EVENT_SHARE,
+    VERIFICATION_STEP_SHARE,
+    Engine,
+    EngineFailure,
+    Settings,
+    own_settings,
+)
 from harness.engines.contact.friction import floor_friction
 from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.contact.reduce import Report, reduce_trajectory
@@ -96,7 +103,11 @@ class Bullet3D(Engine):
         level = own_settings(self.name, BulletSettings, settings)
         other = level.reversed_bodies != (level.residual == 0.0)
         tighter = replace(
-            level, residual=TIGHTER * level.residual, iterations=2 * level.iterations, reversed_bodies=other
+            level,
+            residual=TIGHTER * level.residual,
+            iterations=2 * level.iterations,
+            reversed_bodies=other,
+            event_share=VERIFICATION_EVENT_SHARE,
         )
         verification = replace(tighter, dt_s=VERIFICATION_STEP_SHARE * level.dt_s)
         coarser = (

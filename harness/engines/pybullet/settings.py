@@ -13,7 +13,8 @@ REFERENCE_DT_S: Final = 2.5e-4
 
 @dataclass(frozen=True)
 class BulletSettings(Settings):
-    """One level: step, whether events inside a step are met by shorter ones, solver, contact.
+    """One level: step, whether events inside a step are met by shorter ones, and how long, over its own, the layer stays around
+    one (`event_share`), solver, contact.
 
     `residual` is the squared change of velocity, (m/s)², at `REFERENCE_DT_S` below which solver iterations end early (0: never);
     around an event `event_residual` times that holds, with at most `event_iterations`. `foot_radius_m` is the radius of the
@@ -24,6 +25,7 @@ class BulletSettings(Settings):
     """
 
     events: bool = True
+    event_share: float = 1.0
     iterations: int = 300
     residual: float = 1e-12
     reach: float = 1e-5

@@ -9,7 +9,15 @@ from typing import ClassVar, Final, final
 
 import numpy as np
 
-from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, EngineFailure, Settings, near, own_settings
+from harness.engines.base import (
+    VERIFICATION_EVENT_SHARE,
+    VERIFICATION_STEP_SHARE,
+    Engine,
+    EngineFailure,
+    Settings,
+    near,
+    own_settings,
+)
 from harness.engines.contact.frame import step_count
 from harness.engines.contact.friction import floor_friction
 from harness.engines.contact.impact import IMPOSED_LABEL
@@ -112,6 +120,7 @@ class Munk2D(Engine):
                 turning_iterations=_turning(iterations),
                 impact_iterations=max(IMPACT_ITERATIONS, 3 * own.iterations),
                 pedestal_first=not own.pedestal_first,
+                event_share=VERIFICATION_EVENT_SHARE,
             ),
         )
 
@@ -160,7 +169,9 @@ def _integrated(scene: Scene, own: MunkSettings, options: RunOptions) -> tuple[S
     schedule = Schedule(scene, own.dt_s, first, count)
     support = SupportVertex(scene, own)
     backend = ChipmunkBackend(world.build(scene, own), own, support)
-    state = StepState(Stepper(backend, scene, schedule), backend.read(), first, first * own.dt_s, even=True)
+    state = StepState(
+        Stepper(backend, scene, schedule, own.event_share), backend.read(), first, first * own.dt_s, even=True
+    )
     end_s = scene.base_excitation.end_s
     gaps = None
     if _located(scene):

@@ -14,7 +14,7 @@ class MunkSettings(Settings):
     `iterations` of its solver in a step, `turning_iterations` while the statue turns on one corner and its forces change little
     from step to step, `impact_iterations` in a step that is an impact, a stick onset at rest or a change of sliding;
     `slop_m` the penetration that it leaves, `depth_m` the one at which the statue is placed; `pedestal_first` the order in
-    which bodies are added (results depend on it).
+    which bodies are added (results depend on it); `event_share` how long, over its own, what locates events stays around one.
     """
 
     iterations: int
@@ -23,6 +23,7 @@ class MunkSettings(Settings):
     slop_m: float
     impact_iterations: int = 400
     pedestal_first: bool = True
+    event_share: float = 1.0
 
     def as_dict(self) -> dict[str, object]:
         """The settings as plain values: all of them are."""

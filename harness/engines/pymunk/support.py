@@ -137,7 +137,7 @@ class SupportVertex:
         x, z, angle, rate_x, rate_z, spin = state
         arm_x, arm_z, excess = self._over(x, z, angle, under, vertex)
         turn = spin * since_s
-        if not -self.slop_m < excess < RISES * self.height_m * turn * turn + self.lifted_m:
+        if abs(excess) > RISES * self.height_m * turn * turn + self.lifted_m:
             return state
         owed_x, owed_z = velocity_owed(spin, gained, turn, lags_s, arm_x, arm_z)
         ahead = 0.0

@@ -164,3 +164,20 @@ def test_the_numbers_are_found_and_reach_the_run(monkeypatch: pytest.MonkeyPatch
 def test_event_settings_cannot_be_changed_in_place() -> None:
     with pytest.raises(FrozenInstanceError):
         settings.EVENTS.near = 1.0  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("name", LOCATING)
+def test_a_verification_run_stays_around_events_for_another_time(name: str) -> None:
+    """What the layer errs by is then another, so that the spread of the two runs holds it too."""
+    engine, scene = ready(name), SCENES["two coefficients"]
+    level = engine.settings_for_dt(scene, STEP_S)
+    (verification,) = engine.verification_settings(scene, level)
+    shares = [vars(each)["event_share"] for each in (level, verification)]
+    assert shares[0] == 1.0 != shares[1]
+    own, other = (
+        engine.simulate(scene, replace(level, event_share=share), RunOptions()).history  # type: ignore[call-arg]
+        for share in shares
+    )
+    assert own is not None
+    assert other is not None
+    assert not np.array_equal(own.theta_rad, other.theta_rad)
