@@ -10,7 +10,7 @@ COMPILE_PLANE = $(PY) -c "import analytic as a; a.simulate(a.Block.rectangle(wid
 COMPILE_SPACE = $(PY) -c "from analytic import spatial as s; s.simulate(s.Body.block(100.0, 0.4, 0.3, 1.2), duration_s=0.01, friction_static=0.5)"
 
 .DEFAULT_GOAL := setup
-.PHONY: help setup report test wheel lint docs types contracts bench stress lock clean
+.PHONY: help setup report test wheel lowest lint docs types contracts bench stress lock clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | column -t -s "$$(printf '\t')"
@@ -41,6 +41,9 @@ test: $(STAMP) ## pass the tests
 
 wheel: $(STAMP) ## build the wheel, install it in a fresh environment (of a newer Python where there is one), run the main job from it
 	@.ci/wheel $(VENV)
+
+lowest: $(STAMP) ## install the lowest versions that pyproject.toml allows in an environment of their own, run a scene with three engines
+	@.ci/lowest $(VENV)
 
 lint: $(STAMP) ## check style, types and import rules
 	@$(VENV)/bin/ruff check .

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import replace
+from importlib import metadata
 from typing import ClassVar, Final, final
 
 import numpy as np
@@ -91,10 +92,12 @@ class Munk2D(Engine):
     def missing(self) -> str | None:
         """Why pymunk cannot run here, or None."""
         try:
-            import pymunk
+            import pymunk  # noqa: F401
         except ImportError as error:
             return f"pymunk cannot be imported: {error}"
-        return None if int(pymunk.version.split(".")[0]) >= 7 else f"pymunk 7 is wanted, {pymunk.version} is installed"
+        # The module's own attribute says 2.0.0 in 7.0.0.
+        installed = metadata.version("pymunk")
+        return None if int(installed.split(".")[0]) >= 7 else f"pymunk 7 is wanted, {installed} is installed"
 
     def refinement_levels(self, scene: Scene) -> tuple[MunkSettings, ...]:
         """Steps of 4 ms to 0.02 ms; iterations grow because a finer step needs them to show."""

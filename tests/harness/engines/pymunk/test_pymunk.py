@@ -238,3 +238,13 @@ def test_a_baseline_loop_makes_the_same_motion_in_as_many_steps() -> None:
     assert found.history is not None
     angles = [-(row[2] + 1e-3 * row[5]) for row in rows]
     np.testing.assert_allclose(found.history.theta_rad[1:], angles, rtol=0.0, atol=budget.LAID_RAD)
+
+
+def test_its_version_is_the_distribution_s(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The module of 7.0.0 calls itself 2.0.0."""
+    import pymunk
+
+    monkeypatch.setattr(pymunk, "version", "2.0.0")
+    assert ENGINE.missing() is None
+    monkeypatch.setattr("harness.engines.pymunk.metadata.version", lambda name: {"pymunk": "6.9.0"}[name])
+    assert ENGINE.missing() == "pymunk 7 is wanted, 6.9.0 is installed"
