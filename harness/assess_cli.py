@@ -10,9 +10,6 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from harness.assess.assessment import Assessed, assess
-from harness.assess.by_model import MODEL
-from harness.assess.options import read_options
 from harness.campaign.dask_pool import DaskPool
 from harness.campaign.progress import ProgressMessages
 from harness.campaign.runner import LocalPool
@@ -21,6 +18,9 @@ from harness.command import Asked, Known, Sampling, Surroundings, TextLayout
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
+from harness.probability.assessment import Assessed, assess
+from harness.probability.by_model import MODEL
+from harness.probability.options import read_options
 from harness.records.assess import AssessRecord
 from harness.records.result_folder import FRESH, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.study_cli import ending_cleanly, unbegun

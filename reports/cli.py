@@ -142,7 +142,7 @@ def assess(
 ) -> None:
     """Find how probable it is that the statue falls, by each model, from what is not known of the scene."""
     from harness import assess_cli
-    from harness.assess.words import summary
+    from harness.probability.words import summary
     from harness.records.base import plain
     from harness.records.result_folder import named_after
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -59,10 +60,10 @@ def perturbed(scene: Scene, size: float) -> tuple[Scene, ...]:
     side = 1 if start.theta_rad >= 0.0 else -1
     arm = math.hypot(statue.corner_m(side), statue.centroid_height_m)
     p = math.sqrt(statue.mass_kg * scene.gravity_m_s2 * arm / scene.pivot_inertia_kg_m2[side])
-    leaning = scene.but(initial=start.plus(side * size, 0.0))
+    leaning = replace(scene, initial=start.plus(side * size, 0.0))
     if start.pose is not None:
-        leaning = scene.but(initial=start.plus(0.0, -size * p))
-    thrown = scene.but(initial=start.plus(0.0, size * p))
+        leaning = replace(scene, initial=start.plus(0.0, -size * p))
+    thrown = replace(scene, initial=start.plus(0.0, size * p))
     if scene.base_excitation.still:
         return leaning, thrown
     return leaning, thrown, shaken(scene, 1.0 + size), shaken(scene, 1.0 - size)
@@ -70,7 +71,7 @@ def perturbed(scene: Scene, size: float) -> tuple[Scene, ...]:
 
 def shaken(scene: Scene, factor: float) -> Scene:
     """The scene with all its motion multiplied by a factor."""
-    return scene.but(base_excitation=scene.base_excitation.scaled(factor))
+    return replace(scene, base_excitation=scene.base_excitation.scaled(factor))
 
 
 def horizon(

@@ -28,8 +28,8 @@ def stronger(scene: Scene, share: float) -> Scene:
     start = scene.initial
     if start.pose is not None:
         pose = start.pose.faster(1.0 + share)
-        return scene.but(initial=replace(start, pose=pose))
-    return scene.but(initial=start.plus(share * start.theta_rad, share * start.theta_rate_rad_s))
+        return replace(scene, initial=replace(start, pose=pose))
+    return replace(scene, initial=start.plus(share * start.theta_rad, share * start.theta_rate_rad_s))
 
 
 def stronger_run(

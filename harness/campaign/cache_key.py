@@ -77,7 +77,7 @@ def relevant(scene: Scene, capabilities: Capabilities) -> Scene:
     if capabilities.dimensions == 2:
         base_excitation = BaseExcitation(base_excitation.x, ZeroExcitation(), base_excitation.z)
         statue = _planar(statue)
-    return scene.but(form=form, contact=contact, base_excitation=base_excitation, statue=statue)
+    return replace(scene, form=form, contact=contact, base_excitation=base_excitation, statue=statue)
 
 
 def _planar(statue: Statue) -> Statue:

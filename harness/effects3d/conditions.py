@@ -49,7 +49,7 @@ def solid_of(scene: Scene) -> Solid:
 
 def with_solid(scene: Scene, solid: Solid) -> Scene:
     """The same scene with another solid, every number of the statue taken from it."""
-    return scene.but(statue=statue_of(solid))
+    return replace(scene, statue=statue_of(solid))
 
 
 def turned(scene: Scene, azimuth_deg: float) -> Scene:
@@ -59,13 +59,16 @@ def turned(scene: Scene, azimuth_deg: float) -> Scene:
 
 def amplified(scene: Scene, factor: float) -> Scene:
     """The scene with all components of the motion scaled alike."""
-    return scene.but(base_excitation=scene.base_excitation.scaled(factor))
+    return replace(scene, base_excitation=scene.base_excitation.scaled(factor))
 
 
 def _along(scene: Scene, axes: str) -> Scene:
     """The scene shaken along these axes only."""
-    return scene.but(
-        base_excitation=replace(scene.base_excitation, **{axis: ZeroExcitation() for axis in "xyz" if axis not in axes})
+    return replace(
+        scene,
+        base_excitation=replace(
+            scene.base_excitation, **{axis: ZeroExcitation() for axis in "xyz" if axis not in axes}
+        ),
     )
 
 
@@ -81,7 +84,7 @@ def _ragged(scene: Scene) -> Scene:
 def _rougher(relative: float) -> Callable[[Scene], Scene]:
     def change(scene: Scene) -> Scene:
         scene = _along(scene, "x")
-        return scene.but(contact=replace(scene.contact, statue=(1.0 + relative) * scene.contact.statue))
+        return replace(scene, contact=replace(scene.contact, statue=(1.0 + relative) * scene.contact.statue))
 
     return change
 

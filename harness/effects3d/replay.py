@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -38,7 +39,7 @@ def write_replay(
     engine, azimuth, peak = chosen.engine, chosen.azimuth_deg, chosen.peak_g
     turned = changed_scene(scene, BASELINE, azimuth)
     shaken = amplified(turned, peak / peak_g(turned))
-    shaken = shaken.but(title=f"{scene.title}, shaken towards {azimuth:g}° with {peak:.3g} g")
+    shaken = replace(shaken, title=f"{scene.title}, shaken towards {azimuth:g}° with {peak:.3g} g")
     result = run_scene(shaken, [PLANAR, engine], dt_s=dt_s)
     write_result(result, folder)
     outcomes = {name: run.outcome for name, run in result.runs.items()}

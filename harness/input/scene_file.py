@@ -48,7 +48,7 @@ def changed(scene: Scene, overrides: Overrides = (), **keys: object) -> Scene:
     """A loaded scene with keys of its file replaced as in `load_scene`. Raises `InputError`, also for a scene of no file."""
     if not scene.given or scene.source is None:
         wanted = "a scene that was loaded, whose keys are known"
-        raise InputError(Mistake(scene.title, "overrides", wanted, "one made in Python", "use scene.but(...)"))
+        raise InputError(Mistake(scene.title, "overrides", wanted, "one made in Python", "use dataclasses.replace"))
     model, content = tables.parse(tomli_w.dumps(scene.given), str(scene.source), replacements(overrides, keys))
     return resolve(model, scene.source, content)
 

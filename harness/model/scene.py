@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -275,10 +275,6 @@ class Scene(Shown):
             ax.plot(columns["t_s"], columns[f"accel_{axis}_m_s2"], label=f"floor {axis}")
         ax.set(xlabel="time [s]", ylabel="acceleration [m/s²]", title=self.title)
         return ax
-
-    def but(self, **changes: Any) -> Scene:
-        """The same scene with some parts replaced."""
-        return replace(self, **changes)
 
     @property
     def planar(self) -> bool:

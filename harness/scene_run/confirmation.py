@@ -55,7 +55,7 @@ def finer_runs(
     again = {}
     for name, end_s in sorted(until_s.items()):
         on_progress(f"{name}, again and finer")
-        run = simulate_with(engines.load(name), scene.but(duration_s=end_s), finer)
+        run = simulate_with(engines.load(name), replace(scene, duration_s=end_s), finer)
         if not run.outcome.failed:
             again[name] = run
     gone = set()

@@ -30,13 +30,13 @@ def _without_products(scene: Scene) -> Scene | None:
     diagonal = np.diag(np.diag(tensor))
     if np.max(np.abs(tensor - diagonal)) <= LEAST * np.trace(tensor):
         return None
-    return scene.but(statue=replace(scene.statue, inertia_tensor_kg_m2=diagonal))
+    return replace(scene, statue=replace(scene.statue, inertia_tensor_kg_m2=diagonal))
 
 
 def _along_the_plane(scene: Scene) -> Scene | None:
     if isinstance(scene.base_excitation.y, ZeroExcitation):
         return None
-    return scene.but(base_excitation=replace(scene.base_excitation, y=ZeroExcitation()))
+    return replace(scene, base_excitation=replace(scene.base_excitation, y=ZeroExcitation()))
 
 
 def _on_edges(scene: Scene) -> Scene | None:
@@ -49,7 +49,7 @@ def _on_edges(scene: Scene) -> Scene | None:
         mirrored, np.sort(base[:, [0, 2]] / s.depth_m, axis=0), atol=LEAST
     ):
         return None
-    return scene.but(statue=replace(s, footprint_m=base, solid=None))
+    return replace(scene, statue=replace(s, footprint_m=base, solid=None))
 
 
 TAKEN_AWAY: Final[Mapping[str, Callable[[Scene], Scene | None]]] = {

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
@@ -140,7 +140,7 @@ def run_scene(
     scores = with_reasons(runs, with_conventions(scene, runs, scores), taken)
     witness_answers = _witnessed(scene, runs, options, on_progress) if witness else {}
     assessment = _assessed(scene, on_progress) if assess else {}
-    scene = scene.but(notes=(*scene.notes, *_notes(scene, runs, refined, target)))
+    scene = replace(scene, notes=(*scene.notes, *_notes(scene, runs, refined, target)))
     return Result(scene, runs, scores, steps, time.perf_counter() - start, horizons, assessment, witness_answers)
 
 
@@ -198,7 +198,7 @@ def _witnessed(
 
 def _assessed(scene: Scene, on_progress: Callable[[str], None]) -> dict[str, Assessment]:
     from analytic import AnalyticInputError
-    from harness.assess.by_model import assess_models
+    from harness.probability.by_model import assess_models
 
     on_progress("probability")
     try:

@@ -11,6 +11,7 @@ another convention than the model's: where that parts the two, it is said, and w
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 from harness import engines
@@ -57,7 +58,7 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
         )
     steps = BUDGET * own.work.get("steps_of_all_runs", own.steps) / engine.step_cost(scene)
     settings, finer, until_s = _affordable(engine, scene, wanted_s, steps)
-    short = scene.but(duration_s=until_s)
+    short = replace(scene, duration_s=until_s)
     with_history = RunOptions(skips=options.skips, history=True)
     try:
         coarse = engine.simulate(short, settings, with_history)

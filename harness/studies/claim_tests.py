@@ -60,14 +60,14 @@ class Answer:
         """Whether it stands on one."""
         return bool(self.varied.get(SUPPORT, "none") != "none")
 
-    def but(self, *keys: str) -> Condition:
+    def without(self, *keys: str) -> Condition:
         """What was set apart from these keys: the same for answers that are compared over them."""
         return tuple(sorted((key, value) for key, value in self.varied.items() if key not in keys))
 
     @property
     def condition(self) -> Condition:
         """What both settings share."""
-        return self.but(SUPPORT)
+        return self.without(SUPPORT)
 
 
 def answer(run: CaseRun, varied: Mapping[str, Value]) -> Answer:
@@ -114,13 +114,13 @@ def prevents(answers: Sequence[Answer]) -> tuple[int, int, str]:
 def fades(answers: Sequence[Answer]) -> tuple[int, int, str]:
     held = cases = 0
     gains: dict[bool, list[float]] = {True: [], False: []}
-    for series in dict.fromkeys(item.but(SUPPORT, FREQUENCY) for item in answers):
+    for series in dict.fromkeys(item.without(SUPPORT, FREQUENCY) for item in answers):
         mean: dict[bool, float] = {}
         for low in (True, False):
             advantages = [
                 f.peak_rad - p.peak_rad
                 for f, p in _pairs(answers)
-                if f.but(SUPPORT, FREQUENCY) == series and (f.frequency_hz <= LOW_HZ) is low
+                if f.without(SUPPORT, FREQUENCY) == series and (f.frequency_hz <= LOW_HZ) is low
             ]
             gains[low] += advantages
             mean[low] = float(np.mean(advantages)) if advantages else float("nan")
@@ -137,7 +137,7 @@ def fades(answers: Sequence[Answer]) -> tuple[int, int, str]:
 def falls_with_frequency(answers: Sequence[Answer]) -> tuple[int, int, str]:
     series: dict[tuple[Any, ...], list[Answer]] = {}
     for item in answers:
-        series.setdefault(item.but(FREQUENCY), []).append(item)
+        series.setdefault(item.without(FREQUENCY), []).append(item)
     falls = steps = fallen = 0
     for members in series.values():
         ordered = sorted(members, key=lambda item: item.frequency_hz)
@@ -212,9 +212,11 @@ def reduces(answers: Sequence[Answer]) -> tuple[int, int, str]:
 
 def weakest_plane(answers: Sequence[Answer]) -> tuple[int, int, str]:
     """(x): in no other plane does the same motion turn the statue more, or overturn it sooner."""
-    lateral = {item.but(AZIMUTH): item for item in answers if float(item.varied.get(AZIMUTH, 0.0)) == 0.0}
-    others = [item for item in answers if float(item.varied.get(AZIMUTH, 0.0)) != 0.0 and item.but(AZIMUTH) in lateral]
-    pairs = [(lateral[item.but(AZIMUTH)], item) for item in others]
+    lateral = {item.without(AZIMUTH): item for item in answers if float(item.varied.get(AZIMUTH, 0.0)) == 0.0}
+    others = [
+        item for item in answers if float(item.varied.get(AZIMUTH, 0.0)) != 0.0 and item.without(AZIMUTH) in lateral
+    ]
+    pairs = [(lateral[item.without(AZIMUTH)], item) for item in others]
     held = sum(_is_worse(first, other) for first, other in pairs)
     falls = sum(item.overturned for item in lateral.values())
     text = f"overturns in {falls} of {len(lateral)} motions in the lateral plane, in {sum(item.overturned for item in others)} of"
@@ -250,7 +252,7 @@ def loses_less(answers: Sequence[Answer]) -> tuple[int, int, str]:
     series: dict[tuple[Any, ...], list[Answer]] = {}
     for item in answers:
         if item.impact_loss_j is not None and RATIO in item.varied:
-            series.setdefault(item.but(RATIO), []).append(item)
+            series.setdefault(item.without(RATIO), []).append(item)
     held = steps = 0
     means: dict[float, list[float]] = {}
     for members in series.values():

@@ -69,7 +69,7 @@ def scene_of(trial: Trial, variant: Variant, seed: int = 0) -> Scene:
     statue = _turned(trial, turn_deg, edge_m, trial.contact_tolerances_m[variant.tolerance])
     contact = scene.contact if chosen is None else replace(scene.contact, statue=chosen)
     contact = replace(contact, statue=contact.statue * friction)
-    return scene.but(title=trial.name, statue=statue, contact=contact)
+    return replace(scene, title=trial.name, statue=statue, contact=contact)
 
 
 def _perturbation(trial: Trial, variant: Variant, seed: int) -> tuple[float, float, float]:
@@ -115,7 +115,7 @@ def _base_scene(trial: Trial) -> Scene:
         duration = base_excitation.end_s + RING_DOWN_S
     else:
         duration = scene.duration_s
-    return scene.but(base_excitation=base_excitation, duration_s=duration)
+    return replace(scene, base_excitation=base_excitation, duration_s=duration)
 
 
 def _turned(trial: Trial, azimuth_deg: float, inwards_m: float, tolerance_m: float | None) -> Statue:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -77,7 +77,8 @@ def _one(task: TossTask, item: Coefficients) -> Errors | str:
 def scene_of(base: Scene, toss: Toss, item: Coefficients) -> Scene:
     """The body of a scene thrown as measured onto a still floor."""
     still = ZeroExcitation()
-    return base.but(
+    return replace(
+        base,
         title=f"toss {toss.name}",
         duration_s=toss.end_s,
         contact=Contact(base.contact.floor_static, base.contact.floor_kinetic, item.friction, item.restitution),

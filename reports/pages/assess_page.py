@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from harness.assess.by_model import MODEL
-from harness.assess.sensitivity import LEAST_DRAWS
-from harness.assess.words import CLEAR, advice, reserve, room
 from harness.model.assumed import assumption
 from harness.model.scene import Uncertain
+from harness.probability.by_model import MODEL
+from harness.probability.sensitivity import LEAST_DRAWS
+from harness.probability.words import CLEAR, advice, reserve, room
 from harness.records.assess import (
     AssessRecord,
     ClearanceByModel,

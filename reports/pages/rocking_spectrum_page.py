@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from harness.assess.stratified import LEVEL
 from harness.comparison.statistics.distributions import wilson
+from harness.probability.stratified import LEVEL
 from harness.records.rocking_spectrum import RockingSpectrumRecord
 from reports.charts.figure import figure
 from reports.text.chance import SAFE, SAFE_HIGH

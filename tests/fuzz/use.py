@@ -11,6 +11,7 @@ import re
 import resource
 import shutil
 from contextlib import redirect_stderr
+from dataclasses import replace
 from decimal import Decimal
 from functools import lru_cache
 from io import StringIO
@@ -236,7 +237,7 @@ def _of_a_moment(content: bytes, scene_file: Path) -> Any:
     from harness.input.scene_file import load_scene
     from harness.scene_run.scene_run import run_scene
 
-    return run_scene(load_scene(scene_file).but(duration_s=0.01), ("analytic",))
+    return run_scene(replace(load_scene(scene_file), duration_s=0.01), ("analytic",))
 
 
 def unfinished(folder: Path, accepted: bool) -> str | None:
@@ -268,7 +269,7 @@ def _refuse(constant: str) -> NoReturn:
 
 
 def _short(given: Scene) -> Scene:
-    return given.but(duration_s=min(given.duration_s, RUN_S))
+    return replace(given, duration_s=min(given.duration_s, RUN_S))
 
 
 def _run(given: Scene, path: Path) -> Any:

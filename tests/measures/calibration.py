@@ -16,12 +16,12 @@ from typing import Final
 
 import numpy as np
 
-from harness.assess.engine_runs import DrawnRun, overturns
-from harness.assess.inputs import draw, row, uncertain_inputs
-from harness.assess.model_draws import model_draws
-from harness.assess.variation import varied
 from harness.comparison.statistics.outcomes import FELL, brier, reliability
 from harness.model.scene import Scene
+from harness.probability.engine_runs import DrawnRun, overturns
+from harness.probability.inputs import draw, row, uncertain_inputs
+from harness.probability.model_draws import model_draws
+from harness.probability.variation import varied
 from harness.records.sets import ReliabilityBin
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of

@@ -16,14 +16,14 @@ from typing import Final
 
 import numpy as np
 
-from harness.assess.assessment import assess
-from harness.assess.engine_runs import DrawnRun, overturns
-from harness.assess.inputs import draw, row, uncertain_inputs
-from harness.assess.model_draws import model_draws
-from harness.assess.stratified import LEVEL
-from harness.assess.variation import varied
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene
+from harness.probability.assessment import assess
+from harness.probability.engine_runs import DrawnRun, overturns
+from harness.probability.inputs import draw, row, uncertain_inputs
+from harness.probability.model_draws import model_draws
+from harness.probability.stratified import LEVEL
+from harness.probability.variation import varied
 from harness.scene_run.scene_run import run_scene, write_result
 from reports.pages.assess_page import assess_verdict
 from reports.pages.conservator import of_run

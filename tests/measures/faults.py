@@ -24,7 +24,9 @@ def heavier_turning(scene: Scene) -> Scene:
     statue = scene.statue
     inertia = statue.inertia_tensor_kg_m2.copy()
     inertia[1, 1] *= 1.05
-    return scene.but(statue=replace(statue, inertia_kg_m2=1.05 * statue.inertia_kg_m2, inertia_tensor_kg_m2=inertia))
+    return replace(
+        scene, statue=replace(statue, inertia_kg_m2=1.05 * statue.inertia_kg_m2, inertia_tensor_kg_m2=inertia)
+    )
 
 
 def corners_swapped(scene: Scene) -> Scene | None:
@@ -34,7 +36,8 @@ def corners_swapped(scene: Scene) -> Scene | None:
         return None
     mirror = np.array([-1.0, 1.0])
     pedestal = scene.pedestal
-    return scene.but(
+    return replace(
+        scene,
         statue=replace(
             statue,
             corner_left_m=statue.corner_right_m,
@@ -53,8 +56,9 @@ def rougher_floor(scene: Scene) -> Scene | None:
     if scene.pedestal is None:
         return None
     contact = scene.contact
-    return scene.but(
-        contact=replace(contact, floor_static=1.1 * contact.floor_static, floor_kinetic=1.1 * contact.floor_kinetic)
+    return replace(
+        scene,
+        contact=replace(contact, floor_static=1.1 * contact.floor_static, floor_kinetic=1.1 * contact.floor_kinetic),
     )
 
 
@@ -63,7 +67,7 @@ def livelier_impact(scene: Scene) -> Scene:
     ratio = scene.contact.restitution
     if ratio is None:
         ratio = float(np.mean([momentum_ratio(scene, side) for side in (1, -1)]))
-    return scene.but(contact=replace(scene.contact, restitution=min(1.05 * ratio, 1.0)))
+    return replace(scene, contact=replace(scene.contact, restitution=min(1.05 * ratio, 1.0)))
 
 
 def momentum_ratio(scene: Scene, landing: int) -> float:

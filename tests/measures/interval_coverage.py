@@ -13,12 +13,12 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.assess.inputs import draw, uncertain_inputs
-from harness.assess.model_draws import ModelDraws, model_draws
-from harness.assess.stratified import estimate
 from harness.input.scene_file import load_scene
+from harness.probability.inputs import draw, uncertain_inputs
+from harness.probability.model_draws import ModelDraws, model_draws
+from harness.probability.stratified import estimate
 from harness.records.assess import Assessment
-from tests.harness.assess.measure_own_runs import ENGINES, RUNS, SCENE, SEED, own_runs
+from tests.harness.probability.measure_own_runs import ENGINES, RUNS, SCENE, SEED, own_runs
 from tests.measures.pages import renew, table
 
 MODULE: Final = "tests.measures.interval_coverage"

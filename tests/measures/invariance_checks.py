@@ -178,7 +178,7 @@ def _far() -> HardRow:
     pulse = 0.3 * np.sin(4.0 * np.pi * (t_s - FAR_S)) * (t_s < FAR_S + 0.5)
     away = SampledAcceleration(t_s, GRAVITY_M_S2 * np.where(t_s < FAR_S, 0.1, pulse))
     content = {"duration_s": FAR_S + 2.0, "table": "moving", "statue": COLUMN, "gravity_m_s2": GRAVITY_M_S2}
-    scene = scene_of("far", {**content, "output": {"dt_s": 1e-3}}).but(base_excitation=BaseExcitation(x=away))
+    scene = replace(scene_of("far", {**content, "output": {"dt_s": 1e-3}}), base_excitation=BaseExcitation(x=away))
     truth, answers = solution(scene), {}
     for engine in _here(CONTACT):
         run = _run(engine, scene, 1e-3)
@@ -202,7 +202,7 @@ def _hulls() -> HardRow:
             scene = scene_of("hull", {**content, "motion": harmonic(0.45, 2.0)})
             # The same body to all three: what differs is only how many vertices describe it above its base.
             statue = replace(scene.statue, mass_kg=300.0, inertia_kg_m2=26.0, centroid_height_m=0.5)
-            scene = scene.but(statue=replace(statue, inertia_tensor_kg_m2=np.diag([26.0, 26.0, 2.0])))
+            scene = replace(scene, statue=replace(statue, inertia_tensor_kg_m2=np.diag([26.0, 26.0, 2.0])))
             for engine in _here(ALL):
                 peaks[engine.name].append(_run(engine, scene).peak_theta_rad)
     for name, values in peaks.items():

@@ -8,20 +8,21 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from harness.assess.assessment import assess
-from harness.assess.by_model import assess_models
-from harness.assess.compared import OPTION_DRAWS, compare
-from harness.assess.inputs import uncertain_inputs
-from harness.assess.options import options_of
-from harness.assess.variation import varied
 from harness.input.scene_file import load_scene
 from harness.input.tables import read_model
 from harness.model.scene import BaseExcitation, Scene
+from harness.probability.assessment import assess
+from harness.probability.by_model import assess_models
+from harness.probability.compared import OPTION_DRAWS, compare
+from harness.probability.inputs import uncertain_inputs
+from harness.probability.options import options_of
+from harness.probability.variation import varied
 from harness.studies.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of
-from tests.harness.assess.measure_own_runs import own_runs
+from tests.harness.probability.measure_own_runs import own_runs
 from tests.measures.pages import renew, table
 
 SCENES: Final = Path(__file__).parents[2] / "scenes"
@@ -41,7 +42,7 @@ def shipped() -> Scene:
 def under_a_record() -> Scene:
     """The same under a minute of a record."""
     motion = load_scene(SCENES / "maria.toml").base_excitation.x
-    scene = shipped().but(base_excitation=BaseExcitation(x=motion), duration_s=RECORD_S)
+    scene = replace(shipped(), base_excitation=BaseExcitation(x=motion), duration_s=RECORD_S)
     return varied(scene, {"motion.scale": RECORD_SCALE})
 
 

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 import numpy as np
@@ -80,9 +80,9 @@ def scene(body: Statue, motion: Excitation, duration_s: float = 1.0) -> Scene:
         base_excitation=BaseExcitation(x=motion),
     )
     if isinstance(motion, ZeroExcitation):
-        return still.but(initial=Initial(TILT_RAD, 0.0))
+        return replace(still, initial=Initial(TILT_RAD, 0.0))
     facets = block_of(still).facets_rad()
-    return still.but(initial=Initial(float(facets[np.argmin(np.abs(facets))]), 0.0))
+    return replace(still, initial=Initial(float(facets[np.argmin(np.abs(facets))]), 0.0))
 
 
 def model(each: Scene) -> Run:

@@ -116,7 +116,7 @@ def _parting(one: Run, other: Run) -> str:
 
 def step_us(scene: Scene, kind: Literal["feet", "hull", "parts"]) -> float:
     """Processor time of a bare step at rest on the pedestal, µs, best of several: on feet alone, or with hull or parts too."""
-    still = scene.but(initial=Initial())
+    still = replace(scene, initial=Initial())
     setup, statue = run_phases.prepare(still), still.statue
     centroid = np.array([0.0, 0.0, statue.centroid_height_m])
     bodies = None if kind == "feet" else full_shape(still, kind).turned(centroid, setup.axes)

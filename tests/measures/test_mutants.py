@@ -42,7 +42,7 @@ def test_every_visible_mutant_is_called_a_model_difference(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["free rocking", "0.429 g, 3.0 Hz, pedestal"])
 def test_a_contact_engine_s_mutants_are_found_beside_the_model(name: str) -> None:
-    short = SCENES[name].but(duration_s=1.5)
+    short = replace(SCENES[name], duration_s=1.5)
     findings = expose(short, exact, lambda each: simulate(each, "pymunk"))
     assert [finding for finding in findings if not finding.held] == []
     assert any(finding.must for finding in findings)
@@ -107,7 +107,7 @@ def test_the_momentum_ratio_of_a_rectangle_is_housner_s() -> None:
 
 def test_a_prescribed_ratio_is_raised_itself() -> None:
     given = SCENES["free rocking"]
-    given = given.but(contact=replace(given.contact, restitution=0.9))
+    given = replace(given, contact=replace(given.contact, restitution=0.9))
     livelier = MUTANTS["impact ratio + 5 %"](given)
     assert livelier is not None
     assert livelier.contact.restitution == pytest.approx(0.945)

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from harness.assess.assessment import assess
 from harness.comparison.comparator import compare
 from harness.comparison.history_files import compare_files
 from harness.comparison.history_files import write_comparison as write_comparison_of
@@ -16,6 +15,7 @@ from harness.comparison.statistics import fragility
 from harness.comparison.statistics.outcomes import FELL, Case, score_outcomes
 from harness.model import run as record
 from harness.model.history import Outcome
+from harness.probability.assessment import assess
 from harness.records.base import as_file, plain
 from harness.records.bench import BenchRecord, Choice, Covered, PartRow, PrecisionRow, ScalingRow, SkipRow
 from harness.records.scores import Scores

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -64,7 +64,7 @@ def with_figure(scene: Scene) -> Scene:
     from harness.input.mesh_statue import statue_of
     from tests.meshes import togatus
 
-    return scene.but(statue=statue_of(togatus.build()))
+    return replace(scene, statue=statue_of(togatus.build()))
 
 
 def invented_history(phase_rad: float, *, falls: bool = False, samples: int = 10001) -> History:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Final
 
 from harness import engines
@@ -85,7 +85,7 @@ def row_of(hard: Hard) -> HardRow:
         bad = [item for item in findings if not item.holds]
         said += [f"{name}: {item.sentence}" for item in findings if item.name != "finite"]
         if bad and hard.converged_s is not None:
-            avoids, sentence = _converged(engine, scene, hard, exact)
+            avoids, sentence = _converged(engine, scene, hard, exact, hard.converged_s)
             wrong = "; ".join(item.sentence for item in bad)
             known[name] = f"{wrong} at {1e3 * hard.dt_s:g} ms; {sentence}"
             bad = [] if avoids else bad
@@ -109,9 +109,9 @@ def judged(hard: Hard, scene: Scene, run: Run, exact: Run | None, share: float =
     return findings if exact is None else [*findings, checks.agrees(scene, run, exact)]
 
 
-def _converged(engine: Engine, scene: Scene, hard: Hard, exact: Run | None) -> tuple[bool, str]:
+def _converged(engine: Engine, scene: Scene, hard: Hard, exact: Run | None, converged_s: float) -> tuple[bool, str]:
     """Whether every check holds with the same step and far more iterations, and what was found."""
-    shorter = scene.but(duration_s=hard.converged_s)
+    shorter = replace(scene, duration_s=converged_s)
     settings = converged(engine.settings_for_dt(shorter, hard.dt_s))
     run = engine.simulate(shorter, settings, RunOptions(skips=frozenset()))
     findings = judged(hard, shorter, run, exact, shorter.duration_s / scene.duration_s)

@@ -96,7 +96,7 @@ def _cells_of(row: Difficulty, scene: Scene, engine: Engine, exact: Run, quick: 
         return
     for step_s in STEPS_S[1:3] if quick else STEPS_S:
         short = step_s == STEPS_S[-1]
-        shorter = scene.but(duration_s=row.share * scene.duration_s) if short else scene
+        shorter = replace(scene, duration_s=row.share * scene.duration_s) if short else scene
         cell = Cell(engine.name, _step(step_s), row.name, "", "", short=short)
         yield _of_step(cell, shorter, engine, engine.settings_for_dt(shorter, step_s), exact, row)
 

@@ -165,7 +165,7 @@ def test_a_slip_is_asked_to_the_accuracy_times_the_centroid_height(accuracy: flo
 
 
 def test_without_a_pedestal_no_slip_is_in_doubt() -> None:
-    run = run_to_accuracy(Fake(), paestum().but(pedestal=None), 1e-3, RunOptions())
+    run = run_to_accuracy(Fake(), replace(paestum(), pedestal=None), 1e-3, RunOptions())
     assert run.slip_uncertainty_m == 0.0
 
 

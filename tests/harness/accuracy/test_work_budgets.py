@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import tracemalloc
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -78,7 +79,7 @@ def test_a_target_that_no_level_is_expected_to_meet_is_given_up_early(forced: Sc
 @pytest.mark.parametrize(("name", "duration_s"), [("analytic", 20.0), ("pymunk", 2.0), ("pybullet", 2.0)])
 def test_an_outcome_allocates_no_history(forced: Scene, name: str, duration_s: float) -> None:
     engine = ready(name)
-    longer = forced.but(duration_s=duration_s)
+    longer = replace(forced, duration_s=duration_s)
     sizes = {}
     for history in (False, True):
         options = RunOptions(history=history)

@@ -51,7 +51,7 @@ def test_the_same_plane_at_any_azimuth(block: Scene) -> None:
             y=Pulse("one_sine", amplitude * float(np.sin(angle)), 0.5),
         )
         run = harness.simulate(
-            with_solid(block, solid.rotated(direction)).but(base_excitation=base_excitation, duration_s=1.0),
+            replace(with_solid(block, solid.rotated(direction)), base_excitation=base_excitation, duration_s=1.0),
             "pybullet",
             dt_s=2.5e-4,
         )
@@ -70,14 +70,18 @@ def test_the_quiet_start_of_oblique_shaking_ends_where_the_base_is_left(scene: S
     t_s = np.linspace(0.0, 2.0, 201)
     push = BaseExcitation(x=SampledAcceleration(t_s, -0.4 * 9.81 * t_s / 2.0))
     straight, oblique = (
-        changed_scene(scene, BASELINE, azimuth).but(base_excitation=push, contact=replace(scene.contact, statue=1.0))
+        replace(
+            changed_scene(scene, BASELINE, azimuth), base_excitation=push, contact=replace(scene.contact, statue=1.0)
+        )
         for azimuth in (0.0, 45.0)
     )
     assert run_phases.quiet_start_s(straight, run_phases.prepare(straight)) == pytest.approx(
         2.0 * 0.0881 / 0.4, abs=0.01
     )
     assert run_phases.quiet_start_s(oblique, run_phases.prepare(oblique)) == pytest.approx(2.0 * 0.1246 / 0.4, abs=0.01)
-    moved = harness.simulate(oblique.but(duration_s=1.0), "pybullet", dt_s=1e-3, options=RunOptions(skips=frozenset()))
+    moved = harness.simulate(
+        replace(oblique, duration_s=1.0), "pybullet", dt_s=1e-3, options=RunOptions(skips=frozenset())
+    )
     assert moved.history is not None
     first = moved.history.t_s[
         np.argmax(np.hypot(moved.history.theta_rad, moved.history.extra["out_of_plane_rad"]) > 1e-5)

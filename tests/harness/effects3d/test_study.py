@@ -69,7 +69,7 @@ def test_other_engines_are_asked_where_the_exact_model_doubts_and_where_the_plan
     ("y", 0.0, "0° points along (1, 0, 0) and 90° along (0, 0, -1)"),
 ])  # fmt: skip
 def test_directions_are_named_on_the_scan_as_its_file_has_it(scene: Scene, up: str, turn_deg: float, said: str) -> None:
-    turned = scene.but(given={"statue": {"mesh": {"file": "scan.ply", "up": up, "azimuth_deg": turn_deg}}})
+    turned = replace(scene, given={"statue": {"mesh": {"file": "scan.ply", "up": up, "azimuth_deg": turn_deg}}})
     assert said in scan_directions(turned)
 
 

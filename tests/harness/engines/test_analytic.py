@@ -71,7 +71,7 @@ def test_an_outcome_keeps_no_history_and_is_the_same() -> None:
 def test_what_is_skipped_is_told_and_changes_nothing() -> None:
     t_s = np.arange(101) * 0.01
     accel_m_s2 = np.where(t_s > 0.5, 0.3 * GRAVITY_M_S2 * np.sin(20.0 * (t_s - 0.5)), 0.01)
-    each = paestum().but(base_excitation=BaseExcitation(x=SampledAcceleration(t_s, accel_m_s2)))
+    each = replace(paestum(), base_excitation=BaseExcitation(x=SampledAcceleration(t_s, accel_m_s2)))
     lazy, eager = run(each, RunOptions()), run(each)
     assert len(lazy.skipped) > len(eager.skipped)
     assert lazy.steps < eager.steps
@@ -81,7 +81,9 @@ def test_what_is_skipped_is_told_and_changes_nothing() -> None:
 
 
 def test_the_energy_decides_once_the_motion_is_over() -> None:
-    each = paestum(pedestal=False, duration_s=20.0).but(base_excitation=BaseExcitation(x=Pulse("one_sine", 4.0, 0.4)))
+    each = replace(
+        paestum(pedestal=False, duration_s=20.0), base_excitation=BaseExcitation(x=Pulse("one_sine", 4.0, 0.4))
+    )
     asked, told = RunOptions(history=False), "from the energy alone"
     lazy, eager = run(each, asked), run(each, RunOptions(history=False, skips=frozenset()))
     assert any(told in sentence for sentence in lazy.skipped)
@@ -93,16 +95,16 @@ def test_the_energy_decides_once_the_motion_is_over() -> None:
 def test_vertical_motion_reaches_the_run_and_can_lift_it_off() -> None:
     each = paestum(0.3, 2.0)
     plain = run(each)
-    shaken = run(each.but(base_excitation=replace(each.base_excitation, z=Harmonic(3.0, 5.0))))
+    shaken = run(replace(each, base_excitation=replace(each.base_excitation, z=Harmonic(3.0, 5.0))))
     assert shaken.peak_theta_rad != plain.peak_theta_rad
-    flown = run(each.but(base_excitation=replace(each.base_excitation, z=Harmonic(1.2 * GRAVITY_M_S2, 2.0))))
+    flown = run(replace(each, base_excitation=replace(each.base_excitation, z=Harmonic(1.2 * GRAVITY_M_S2, 2.0))))
     assert flown.outcome is Outcome.LIFT_OFF
     assert flown.end_s < each.duration_s
 
 
 def test_motion_across_the_plane_is_left_out_and_told() -> None:
     each = paestum()
-    across = run(each.but(base_excitation=replace(each.base_excitation, y=Harmonic(2.0, 2.0))))
+    across = run(replace(each, base_excitation=replace(each.base_excitation, y=Harmonic(2.0, 2.0))))
     assert any("planar" in sentence for sentence in across.warnings)
     assert across.peak_theta_rad == run(each).peak_theta_rad
 
@@ -147,7 +149,7 @@ def test_limits_of_the_model_are_reported_with_the_run() -> None:
 
 def test_what_the_library_refuses_is_an_engine_failure_in_its_words() -> None:
     each = paestum()
-    beyond = each.but(initial=replace(each.initial, theta_rad=1.6))
+    beyond = replace(each, initial=replace(each.initial, theta_rad=1.6))
     with pytest.raises(EngineFailure, match="theta0_rad"):
         run(beyond)
 

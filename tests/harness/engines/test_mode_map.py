@@ -7,6 +7,7 @@ sticks if m (v_x − ω h) ≤ μ m (v_z + ω b): for v_z/v_x above (4 + q² −
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -88,7 +89,7 @@ def test_a_block_that_lands_flat_turns_about_an_edge_that_sticks_above_the_limit
         down = share * limit
         pose = Pose((0.0, 0.0, height_m + 1e-3 * down), (1.0, 0.0, 0.0, 0.0), (1.0, 0.0, -down), (0.0, 0.0, 0.0))
         on = scene(rectangle(WIDTH_M, 2.0 * height_m), mu_statue=friction, duration_s=0.004, output_dt_s=5e-4)
-        history = run(engines.load(name), on.but(initial=Initial(pose=pose))).history
+        history = run(engines.load(name), replace(on, initial=Initial(pose=pose))).history
         assert history is not None
         # From 1 to 2.5 ms after the landing the leading vertex stands, or goes on.
         edge = np.interp([0.002, 0.0035], history.t_s, history.extra["corner_right_x_m"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -49,9 +50,9 @@ def writes(engine: Engine, scene: Scene, monkeypatch: pytest.MonkeyPatch) -> dic
         import pybullet
 
         calls = counted(monkeypatch, pybullet, BULLET_WRITES)
-    engine.simulate(scene.but(duration_s=0.6), engine.settings_for_dt(scene, 1e-3), RunOptions())
+    engine.simulate(replace(scene, duration_s=0.6), engine.settings_for_dt(scene, 1e-3), RunOptions())
     short = dict(calls)
-    engine.simulate(scene.but(duration_s=0.9), engine.settings_for_dt(scene, 1e-3), RunOptions())
+    engine.simulate(replace(scene, duration_s=0.9), engine.settings_for_dt(scene, 1e-3), RunOptions())
     return {name: count - 2 * short[name] for name, count in calls.items()}
 
 

@@ -13,8 +13,6 @@ from scipy.spatial.transform import Rotation
 from analytic import Harmonic
 from harness import engines
 from harness.accuracy.simulation import RunTarget, simulate_with
-from harness.assess.assessment import assess
-from harness.assess.by_model import assess_models
 from harness.engines.base import Engine
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
@@ -22,6 +20,8 @@ from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import BaseExcitation, Contact, Initial, Pose, Scene, Uncertain
+from harness.probability.assessment import assess
+from harness.probability.by_model import assess_models
 from tests import budgets_spatial_reference as budget
 from tests.analytic.spatial.reference import initial_state, simulate
 from tests.analytic.spatial.reference_body import Case
@@ -35,8 +35,11 @@ LANDED_S = 0.15
 
 def thrown(pose: Pose, duration_s: float, friction: float = 1.0) -> Scene:
     """The block from a pose, on the floor."""
-    return scene(BLOCK, duration_s=duration_s).but(
-        initial=Initial(pose=pose), contact=Contact(0.2, 0.15, friction), output_dt_s=0.01
+    return replace(
+        scene(BLOCK, duration_s=duration_s),
+        initial=Initial(pose=pose),
+        contact=Contact(0.2, 0.15, friction),
+        output_dt_s=0.01,
     )
 
 
@@ -126,13 +129,13 @@ def test_a_dropped_block_lands_when_it_must_and_stays(name: str) -> None:
 
 def test_a_block_dropped_flat_bounces_by_its_coefficient_of_restitution() -> None:
     """To e² of its height, exactly in `spatial`; pybullet, which locates plastic impacts, refuses."""
-    on = thrown(Pose((0.0, 0.0, 0.7)), 0.3).but(contact=Contact(0.2, 0.15, 1.0, 0.5))
+    on = replace(thrown(Pose((0.0, 0.0, 0.7)), 0.3), contact=Contact(0.2, 0.15, 1.0, 0.5))
     found = run("pybullet:plain", on, 2.5e-4)
     assert found.history is not None
     height = found.history.extra["corner_right_z_m"]
     after = found.history.t_s > math.sqrt(2.0 * 0.1 / GRAVITY_M_S2) + 0.02
     assert np.max(height[after]) == pytest.approx(0.25 * 0.1, rel=budget.BOUNCE_RELATIVE)
-    exactly = run("spatial", on.but(output_dt_s=1e-4), 0.01)
+    exactly = run("spatial", replace(on, output_dt_s=1e-4), 0.01)
     assert exactly.history is not None
     after = exactly.history.t_s > math.sqrt(2.0 * 0.1 / GRAVITY_M_S2)
     top = np.max(exactly.history.extra["corner_right_z_m"][after])
@@ -173,7 +176,7 @@ def test_a_start_is_perturbed_by_its_velocities() -> None:
 
 def test_no_probability_is_stated_by_a_model_that_does_not_see_the_pose() -> None:
     unknown = (Uncertain("statue.mass_kg", "lognormal", 1000.0, 0.1),)
-    on = thrown(Pose((0.0, 0.0, 0.8)), 0.1).but(uncertainty=unknown)
+    on = replace(thrown(Pose((0.0, 0.0, 0.8)), 0.1), uncertainty=unknown)
     assert assess_models(on, draws=10) == {}
     with pytest.raises(InputError, match=r"initial\.position_m: wanted a start in the rocking plane"):
         assess(on, draws=10)
@@ -186,7 +189,7 @@ def test_one_impact_of_a_cube_is_the_reference(root: Path, friction: float) -> N
     w, x, y, z = (np.array([0.4, 0.5, 0.3, 0.7]) / math.sqrt(0.99)).tolist()
     pose = Pose((0.0, 0.0, 0.15), (w, x, y, z), (-1.0, 0.5, 0.0), (-3.0, -1.0, 4.0))
     contact = replace(cube.contact, statue=friction)
-    on = cube.but(contact=contact, initial=Initial(pose=pose), duration_s=LANDED_S, output_dt_s=0.01)
+    on = replace(cube, contact=contact, initial=Initial(pose=pose), duration_s=LANDED_S, output_dt_s=0.01)
     wanted, found = exact(on), turned(run("pybullet", on, 1.25e-4))
     assert np.max((found * wanted.inv()).magnitude()) < budget.ONE_IMPACT_RAD
 
@@ -198,20 +201,20 @@ def test_the_exact_body_thrown_follows_the_reference(root: Path, friction: float
     w, x, y, z = (np.array([0.4, 0.5, 0.3, 0.7]) / math.sqrt(0.99)).tolist()
     pose = Pose((0.0, 0.0, 0.15), (w, x, y, z), (-1.0, 0.5, 0.0), (-3.0, -1.0, 4.0))
     contact = replace(cube.contact, statue=friction)
-    on = cube.but(contact=contact, initial=Initial(pose=pose), duration_s=LANDED_S, output_dt_s=0.01)
+    on = replace(cube, contact=contact, initial=Initial(pose=pose), duration_s=LANDED_S, output_dt_s=0.01)
     found = turned(run("spatial", on, 0.01))
     assert np.max((found * exact(on).inv()).magnitude()) < budget.TWO_SOLVERS_RAD
 
 
 def test_a_thrown_body_runs_by_default_with_engines_that_take_it(root: Path) -> None:
     cube = load_scene(root / "scenes" / "cube_toss.toml")
-    bouncing = cube.but(contact=replace(cube.contact, restitution=0.1))
+    bouncing = replace(cube, contact=replace(cube.contact, restitution=0.1))
     for on in (cube, bouncing):
         for name in engines.default_engines(on):
             engine = engines.load(name)
-            short = on.but(duration_s=0.05)
+            short = replace(on, duration_s=0.05)
             assert engine.missing() or engine.simulate(short, engine.settings_for_dt(short, 1e-3), RunOptions()).history
-    standing = cube.but(initial=Initial())
+    standing = replace(cube, initial=Initial())
     assert engines.default_engines(standing) == engines.DEFAULT_ENGINES
-    across = standing.but(base_excitation=BaseExcitation(y=Harmonic(1.0, 2.0)))
+    across = replace(standing, base_excitation=BaseExcitation(y=Harmonic(1.0, 2.0)))
     assert engines.default_engines(across) == (*engines.DEFAULT_ENGINES, "spatial")

@@ -110,7 +110,7 @@ def test_a_skip_leaves_something_out_and_changes_nothing(name: str, skip: str) -
 def test_an_engine_asks_about_the_skips_that_it_declares_and_no_others(name: str) -> None:
     engine = ready(name)
     options = Watching(history=False)
-    on_a_pedestal = [shaken("base_only").but(duration_s=0.1)] if engine.capabilities.pedestal else []
+    on_a_pedestal = [replace(shaken("base_only"), duration_s=0.1)] if engine.capabilities.pedestal else []
     for scene in (shaken("no_history"), *on_a_pedestal):
         engine.simulate(scene, engine.refinement_levels(scene)[0], options)
     assert options.asked == set(engine.capabilities.skips), "declare what is used in Capabilities.skips"
@@ -123,7 +123,7 @@ def test_the_plan_lists_every_skip_that_there_is() -> None:
 
 
 def test_a_planar_question_has_one_answer_in_the_plane_and_in_three_dimensions() -> None:
-    scene = shaken("energy_outcome").but(duration_s=1.5)
+    scene = replace(shaken("energy_outcome"), duration_s=1.5)
     flat, solid = (run_to_accuracy(ready(name), scene, 1e-3, RunOptions()) for name in ("pymunk", "pybullet"))
     assert flat.outcome is solid.outcome
     assert flat.history is not None

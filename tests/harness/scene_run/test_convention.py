@@ -99,12 +99,12 @@ def test_another_model_is_no_convention(inertia: float, friction: float) -> None
     scene = scene_of("duration_s=1")
     statue = replace(scene.statue, inertia_kg_m2=inertia * scene.statue.inertia_kg_m2)
     floor = {"floor_static": friction * 0.20, "floor_kinetic": friction * 0.15}
-    wrong = simulate(scene.but(statue=statue, contact=replace(scene.contact, **floor)), "analytic")
+    wrong = simulate(replace(scene, statue=statue, contact=replace(scene.contact, **floor)), "analytic")
     assert verdict(scene, simulate(scene, "analytic"), wrong)[0] is Verdict.MODEL
 
 
 def test_a_scene_that_the_model_refuses_has_no_choice(plain: Run) -> None:
-    refused = scene_of("duration_s=0.9").but(duration_s=-1.0)
+    refused = replace(scene_of("duration_s=0.9"), duration_s=-1.0)
     assert choice_between(refused, plain, replace(plain, engine="other"), 0.8) is None
     with pytest.raises(AnalyticInputError, match="choice"):
         Form(choice="none")  # type: ignore[arg-type]

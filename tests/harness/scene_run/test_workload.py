@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -22,24 +23,24 @@ def test_short_work_is_not_announced() -> None:
 
 
 def test_long_work_is_told_by_its_parts() -> None:
-    scene = paestum(0.3, 2.0).but(duration_s=600.0)
+    scene = replace(paestum(0.3, 2.0), duration_s=600.0)
     told = check(scene, ENGINES, "scene", memory_bytes=64 * GB)
     assert told.startswith("this may take about")
     assert "pybullet 5 min" in told
     assert "pymunk 48 s" in told
-    fine = paestum(0.3, 2.0).but(duration_s=10.0, output_dt_s=1e-6)
+    fine = replace(paestum(0.3, 2.0), duration_s=10.0, output_dt_s=1e-6)
     assert "the histories' 1e+07 samples" in check(fine, {"analytic": 2}, "scene", memory_bytes=64 * GB)
 
 
 def test_histories_that_no_memory_holds_are_refused_by_their_key() -> None:
-    fine = paestum(0.3, 2.0).but(duration_s=10.0, output_dt_s=1e-6)
+    fine = replace(paestum(0.3, 2.0), duration_s=10.0, output_dt_s=1e-6)
     with pytest.raises(InputError, match=r"scene: output\.dt_s: .*1e\+07 samples"):
         check(fine, ENGINES, "scene", memory_bytes=8 * GB)
 
 
 @pytest.mark.parametrize(("dt_s", "key"), [(1e-6, "--dt"), (None, "duration_s")])
 def test_work_of_more_than_a_day_is_refused_by_its_key(dt_s: float | None, key: str) -> None:
-    scene = paestum(0.3, 2.0).but(duration_s=3600.0, output_dt_s=1.0)
+    scene = replace(paestum(0.3, 2.0), duration_s=3600.0, output_dt_s=1.0)
     accuracy = None if dt_s else 1e-6
     with pytest.raises(InputError, match=f"scene: {key}: wanted work of at most 24 h"):
         check(scene, dict.fromkeys(("pybullet", "pybullet:plain"), 3), "scene", accuracy, dt_s)

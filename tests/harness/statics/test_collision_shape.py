@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from harness import engines
@@ -17,9 +19,9 @@ from tests.scenes_for_tests import paestum
 
 def test_the_choice() -> None:
     figure = statue_of(togatus.build())
-    assert shape_needed(paestum(0.3, 2.0, pedestal=False).but(statue=figure)).shape == "base"
+    assert shape_needed(replace(paestum(0.3, 2.0, pedestal=False), statue=figure)).shape == "base"
     assert shape_needed(paestum(0.3, 2.0)).shape == "hull"
-    need = shape_needed(paestum(0.3, 2.0).but(statue=figure))
+    need = shape_needed(replace(paestum(0.3, 2.0), statue=figure))
     assert need.shape == "parts"
     assert need.hull_excess_rel > HULL_EXCESS_LIMIT
     assert 0.0 < need.below_m <= figure.height_m
@@ -28,8 +30,8 @@ def test_the_choice() -> None:
 def told(name: str, *, pedestal: bool, wall: bool = False, mesh: bool = True) -> str:
     """The reason of the plan's row on shapes for one engine; empty where it has none."""
     scene = paestum(0.3, 2.0, pedestal=pedestal)
-    scene = scene.but(
-        statue=statue_of(togatus.build()) if mesh else scene.statue, wall=Wall("right", 0.05) if wall else None
+    scene = replace(
+        scene, statue=statue_of(togatus.build()) if mesh else scene.statue, wall=Wall("right", 0.05) if wall else None
     )
     rows = [step for step in plan(scene, [engines.load(name)], RunOptions()) if step.skip == "base_only"]
     return rows[0].reason if rows else ""

@@ -29,14 +29,15 @@ def test_the_limit_of_rest_is_the_least_of_uplift_and_slip() -> None:
     on_pedestal, on_floor = paestum(0.3, 2.0), paestum(0.3, 2.0, pedestal=False)
     uplift = G * 0.0682 / 0.774
     assert limit_of_rest_m_s2(on_floor) == pytest.approx(uplift, rel=LIMIT_ROUNDING)
-    slippery = on_pedestal.but(contact=type(on_pedestal.contact)(0.05, 0.04, 1.0))
+    slippery = replace(on_pedestal, contact=type(on_pedestal.contact)(0.05, 0.04, 1.0))
     assert limit_of_rest_m_s2(slippery) == pytest.approx(0.05 * G, rel=LIMIT_ROUNDING)
 
 
 def test_motion_across_the_plane_counts_by_the_nearest_edge() -> None:
     scene = paestum(0.3, 2.0, pedestal=False)
     narrow = scene.statue.footprint_m * [1.0, 0.01, 1.0]
-    across = scene.but(
+    across = replace(
+        scene,
         base_excitation=BaseExcitation(y=rising()),
         statue=type(scene.statue)(**{**vars(scene.statue), "footprint_m": narrow}),
     )
@@ -44,21 +45,24 @@ def test_motion_across_the_plane_counts_by_the_nearest_edge() -> None:
 
 
 def test_the_quiet_start_ends_at_the_last_sample_below_the_limit() -> None:
-    towards_left = paestum(0.3, 2.0, pedestal=False).but(base_excitation=BaseExcitation(x=rising()), duration_s=8.0)
+    towards_left = replace(
+        paestum(0.3, 2.0, pedestal=False), base_excitation=BaseExcitation(x=rising()), duration_s=8.0
+    )
     assert first_motion_s(towards_left) == 8.0  # there g b / h is 0.463 g: never reached
     assert simulate(towards_left, "analytic").peak_theta_rad == 0.0
-    scene = towards_left.but(base_excitation=BaseExcitation(x=rising().scaled(-1.0)))
+    scene = replace(towards_left, base_excitation=BaseExcitation(x=rising().scaled(-1.0)))
     assert first_motion_s(scene) == 2.0  # here it is 0.088 g: reached between 2 s and 4 s
-    lifted = scene.but(
+    lifted = replace(
+        scene,
         base_excitation=BaseExcitation(
             x=rising().scaled(-1.0), z=SampledAcceleration(np.array([0.0, 2.0, 8.0]), G * np.array([0.0, -0.9, 0.0]))
-        )
+        ),
     )
     assert first_motion_s(lifted) == 0.0  # a falling floor lowers the limit to a tenth
 
 
 def test_a_formula_has_no_quiet_start() -> None:
-    assert first_motion_s(paestum(0.3, 2.0).but(base_excitation=BaseExcitation(x=Harmonic(0.01, 1.0)))) == 0.0
+    assert first_motion_s(replace(paestum(0.3, 2.0), base_excitation=BaseExcitation(x=Harmonic(0.01, 1.0)))) == 0.0
 
 
 def test_every_skip_that_is_off_says_so() -> None:
@@ -85,8 +89,8 @@ def test_what_the_harness_leaves_out_says_how_to_have_it() -> None:
 
 
 def test_rest_goes_on_until_the_next_sample_that_moves_the_statue_as_it_has_turned() -> None:
-    scene = paestum(0.3, 2.0, pedestal=False).but(
-        base_excitation=BaseExcitation(x=rising().scaled(-1.0)), duration_s=9.0
+    scene = replace(
+        paestum(0.3, 2.0, pedestal=False), base_excitation=BaseExcitation(x=rising().scaled(-1.0)), duration_s=9.0
     )
     limits = LimitsOfRest.of(scene)
     assert limits is not None
@@ -96,10 +100,10 @@ def test_rest_goes_on_until_the_next_sample_that_moves_the_statue_as_it_has_turn
 
 
 def test_a_tall_pedestal_that_tips_under_its_statue_ends_the_quiet_start() -> None:
-    scene = paestum(0.3, 2.0).but(base_excitation=BaseExcitation(x=rising()), duration_s=8.0)
+    scene = replace(paestum(0.3, 2.0), base_excitation=BaseExcitation(x=rising()), duration_s=8.0)
     pedestal = scene.pedestal
     assert pedestal is not None
-    sticky = scene.but(contact=type(scene.contact)(1.0, 1.0, 1.0))
-    tall = sticky.but(pedestal=replace(pedestal, height_m=5.0))
+    sticky = replace(scene, contact=type(scene.contact)(1.0, 1.0, 1.0))
+    tall = replace(sticky, pedestal=replace(pedestal, height_m=5.0))
     assert first_motion_s(sticky) == 8.0
     assert first_motion_s(tall) == 2.0

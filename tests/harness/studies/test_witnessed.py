@@ -95,7 +95,7 @@ def test_a_heavier_impact_in_the_study_s_engine_is_told(tmp_path: Path, monkeypa
 
     def heavy(scene: Scene, name: str, **named: Any) -> Run:
         statue = replace(scene.statue, inertia_kg_m2=2.0 * scene.statue.inertia_kg_m2)
-        return simulate(scene.but(statue=statue), name, **named)
+        return simulate(replace(scene, statue=statue), name, **named)
 
     monkeypatch.setattr(witnessed, "simulate", heavy)
     monkeypatch.setattr(witness, "BUDGET", 60.0)

@@ -73,7 +73,7 @@ def whole_silhouette() -> Iterator[None]:
 
 def _scaled(scene: Scene, factor: float) -> Scene:
     motion: Excitation = scene.base_excitation.x
-    return scene.but(base_excitation=replace(scene.base_excitation, x=motion.scaled(factor)))
+    return replace(scene, base_excitation=replace(scene.base_excitation, x=motion.scaled(factor)))
 
 
 def cause(scene: Scene, model: Outcome) -> str:

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from harness.assess.assessment import assess
 from harness.input.scene_file import load_scene
+from harness.probability.assessment import assess
 from harness.records.assess import Assessment, Index, ProbabilityDifference
 from reports.pages.assess_page import assess_verdict
 from reports.pages.page import write_report
 from reports.text.chance import tone_of_probability, worse_tone
-from tests.harness.assess.measure_own_runs import SCENE
+from tests.harness.probability.measure_own_runs import SCENE
 from tests.reports.invented_records import write_assessment
 from tests.scenes_for_tests import paestum
 

@@ -41,7 +41,7 @@ def motion(statue: Statue, theta: Array, rate: Array | None = None) -> Trajector
 
 
 def on(statue: Statue, base_excitation: BaseExcitation | None = None) -> Scene:
-    return scene(statue, duration_s=2.0).but(base_excitation=base_excitation or BaseExcitation())
+    return replace(scene(statue, duration_s=2.0), base_excitation=base_excitation or BaseExcitation())
 
 
 def ended(statue: Statue, theta: Array, base_excitation: BaseExcitation | None = None) -> Run:
@@ -129,7 +129,7 @@ def test_in_space_the_edge_it_falls_over_counts(tilt: float, azimuth: float, out
 
 
 def test_a_wall_that_it_leans_on_is_touched() -> None:
-    walled = on(TAPERED).but(wall=Wall("right", 0.4))
+    walled = replace(on(TAPERED), wall=Wall("right", 0.4))
     found = reduce_trajectory(walled, motion(TAPERED, np.minimum(T_S, 0.9)), REPORT)
     assert found.outcome is Outcome.TOUCHES_WALL
     assert found.no_return_time_s is None
@@ -150,6 +150,6 @@ def test_what_came_first_at_the_pedestal_s_edge_counts(slid_m: float, outcome: O
         pedestal_xz_m=still + np.array([0.0, below.centroid_height_m]),
         pedestal_rate_m_s=still,
     )
-    found = reduce_trajectory(on(TAPERED).but(pedestal=below), moved, REPORT)
+    found = reduce_trajectory(replace(on(TAPERED), pedestal=below), moved, REPORT)
     assert found.outcome is outcome
     assert (found.no_return_time_s is not None) is outcome.overturned

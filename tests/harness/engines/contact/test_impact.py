@@ -115,7 +115,7 @@ def test_static_coefficient_holds_what_the_kinetic_one_does_not() -> None:
 def test_what_breaks_a_stuck_pedestal_loose_acts_with_its_own_coefficient(rate: float) -> None:
     usual = paestum(mu=(0.20, 0.15))
     for acts, coefficient in (("static", 0.20), (0.17, 0.17), ("kinetic", 0.15)):
-        on = usual.but(contact=replace(usual.contact, floor_impact=acts))
+        on = replace(usual, contact=replace(usual.contact, floor_impact=acts))
         loose, sliding = run(on, rate, 0.0, stuck=True), run(on, rate, math.copysign(0.05, rate))
         assert math.isclose(abs(loose.friction_n_s), coefficient * loose.normal_n_s, rel_tol=1e3 * budget.IMPULSE)
         assert math.isclose(abs(sliding.friction_n_s), 0.15 * sliding.normal_n_s, rel_tol=1e3 * budget.IMPULSE)

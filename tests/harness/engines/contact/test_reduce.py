@@ -48,7 +48,7 @@ def gained_j(on: Scene, motion: Trajectory) -> float:
 
 
 def reduced(theta: Array, rate: Array, **changes: object) -> Run:
-    on = paestum(0.0, pedestal=False, duration_s=2.0).but(**changes)
+    on = replace(paestum(0.0, pedestal=False, duration_s=2.0), **changes)
     return reduce_trajectory(on, standing(theta, rate), REPORT)
 
 
@@ -108,7 +108,7 @@ def test_numbers_that_are_not_finite_are_a_divergence() -> None:
 
 
 def test_the_wall_is_touched_where_its_rotation_says() -> None:
-    on = paestum(0.0, pedestal=False, duration_s=2.0).but(wall=Wall("right", 0.4))
+    on = replace(paestum(0.0, pedestal=False, duration_s=2.0), wall=Wall("right", 0.4))
     limit = on.wall_rotation_rad
     assert limit is not None
     run = reduce_trajectory(on, standing(0.4 * TIMES, np.full_like(TIMES, 0.4)), REPORT)
@@ -156,7 +156,7 @@ def test_flight_is_told_from_lying_on_another_edge() -> None:
     lifted = replace(lying, statue_xz_m=lying.statue_xz_m + np.array([0.0, 0.01]))
     assert reduce_trajectory(on, lifted, REPORT).validity["statue_flight_m"] == pytest.approx(0.01, abs=1e-9)
     bulge = np.vstack([PAESTUM.section_m, [[0.4, 0.5]]])
-    rounded = on.but(statue=replace(PAESTUM, section_m=bulge))
+    rounded = replace(on, statue=replace(PAESTUM, section_m=bulge))
     found = reduce_trajectory(rounded, lying, REPORT).validity
     assert found["penetration_m"] > 0.1
 
@@ -170,7 +170,7 @@ def test_a_light_friction_under_a_quick_strong_motion_is_read_as_it_acts() -> No
 
 def test_a_wall_that_stops_a_pedestal_is_no_friction_of_the_floor(monkeypatch: pytest.MonkeyPatch) -> None:
     """The pedestal juts out by 0.087 m on the left, and slides into a wall 0.09 m from the statue's base."""
-    scene, engine = paestum(mu=(0.20, 0.15)).but(wall=Wall("left", 0.09)), load("pymunk")
+    scene, engine = replace(paestum(mu=(0.20, 0.15)), wall=Wall("left", 0.09)), load("pymunk")
     level = engine.settings_for_dt(scene, 1e-3)
     assert engine.simulate(scene, level, RunOptions()).history is not None
     monkeypatch.setattr(reduce, "friction_is_known", lambda *_: True)

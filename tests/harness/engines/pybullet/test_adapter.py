@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -119,17 +120,17 @@ def test_imposed_ratio_lets_a_pedestal_slide(amplitude_g: float, ratio: float, d
 @pytest.mark.parametrize("pedestal", [True, False])
 def test_moving_table_is_the_accelerating_frame(pedestal: bool) -> None:
     case = paestum(0.429, 3.0, pedestal=pedestal, duration_s=0.6)
-    frame, moving = bullet(case, options=WHOLE), bullet(case.but(table="moving"))
+    frame, moving = bullet(case, options=WHOLE), bullet(replace(case, table="moving"))
     assert apart(frame, moving) <= budget.TABLE_RAD
     assert apart(frame, moving, "slip_m") <= budget.WHOLE_SLIP_M
 
 
 def test_moving_table_with_two_frictions_and_vertical_motion() -> None:
     case = paestum(0.429, 3.0, mu=(0.20, 0.15), duration_s=0.6)
-    case = case.but(
-        base_excitation=type(case.base_excitation)(x=case.base_excitation.x, z=Harmonic(0.1 * GRAVITY_M_S2, 5.0))
+    case = replace(
+        case, base_excitation=type(case.base_excitation)(x=case.base_excitation.x, z=Harmonic(0.1 * GRAVITY_M_S2, 5.0))
     )
-    frame, moving = bullet(case), bullet(case.but(table="moving"))
+    frame, moving = bullet(case), bullet(replace(case, table="moving"))
     assert apart(frame, moving) <= budget.TABLE_RAD
     assert apart(frame, exact(case)) <= budget.BOTH_FRICTIONS_RAD
     level = bullet(paestum(0.429, 3.0, mu=(0.20, 0.15), duration_s=0.6))
@@ -168,7 +169,7 @@ def test_overturning_time() -> None:
 
 
 def test_wall_is_touched_where_the_silhouette_meets_it() -> None:
-    case = paestum(0.429, 2.0, pedestal=False, duration_s=2.0).but(wall=Wall("right", 0.2))
+    case = replace(paestum(0.429, 2.0, pedestal=False, duration_s=2.0), wall=Wall("right", 0.2))
     run = bullet(case, 5e-4)
     assert run.outcome is Outcome.TOUCHES_WALL
     assert run.history is not None
@@ -178,7 +179,7 @@ def test_wall_is_touched_where_the_silhouette_meets_it() -> None:
     assert touch == pytest.approx(reach, abs=2e-3)
     # The wall holds: the rotation does not pass it, and without it the statue falls.
     assert run.peak_theta_rad == pytest.approx(reach, abs=2e-3)
-    assert bullet(case.but(wall=None, duration_s=3.0), 5e-4).outcome is Outcome.OVERTURNED_RIGHT
+    assert bullet(replace(case, wall=None, duration_s=3.0), 5e-4).outcome is Outcome.OVERTURNED_RIGHT
 
 
 def test_statue_slips_on_its_support_as_newmark_says() -> None:
@@ -192,7 +193,7 @@ def test_statue_slips_on_its_support_as_newmark_says() -> None:
 
 def test_pedestal_tips() -> None:
     high = Pedestal(mass_kg=250.0, width_m=0.45, depth_m=0.8, height_m=0.6)
-    run = bullet(paestum(0.9, 2.0, mu=1.5, duration_s=0.8).but(pedestal=high), 5e-4)
+    run = bullet(replace(paestum(0.9, 2.0, mu=1.5, duration_s=0.8), pedestal=high), 5e-4)
     assert run.validity["pedestal_tilt_rad"] > 0.05
     held = bullet(paestum(0.429, 2.0, duration_s=0.5), 5e-4)
     assert held.validity["pedestal_tilt_rad"] < budget.PLANAR_RAD
@@ -224,7 +225,7 @@ def test_no_level_creeps(pedestal: bool, level: int, skips: Iterable[str]) -> No
     settings = engine.refinement_levels(case)[level]
     # The first penetration is taken back by a share in each step, not in each second.
     rest_s = budget.REST_STEPS * settings.dt_s
-    run = engine.simulate(case.but(duration_s=rest_s), settings, RunOptions(skips=frozenset(skips)))
+    run = engine.simulate(replace(case, duration_s=rest_s), settings, RunOptions(skips=frozenset(skips)))
     assert run.steps == budget.REST_STEPS
     for column, most in (
         ("theta_rad", budget.CREEP_RAD),
@@ -239,8 +240,10 @@ def test_no_level_creeps(pedestal: bool, level: int, skips: Iterable[str]) -> No
 def test_what_friction_just_fails_to_hold_slides() -> None:
     """Rest without creep must not come from holding what slides: a push a hundredth above the limit moves the pedestal."""
     peak_m_s2 = 1.01 * 0.15 * GRAVITY_M_S2
-    case = paestum(0.0, 1.0, duration_s=0.25).but(
-        statue=rectangle(0.5, 1.0), base_excitation=BaseExcitation(x=Pulse("rectangular", peak_m_s2, 0.2))
+    case = replace(
+        paestum(0.0, 1.0, duration_s=0.25),
+        statue=rectangle(0.5, 1.0),
+        base_excitation=BaseExcitation(x=Pulse("rectangular", peak_m_s2, 0.2)),
     )
     slid = worst(bullet(case, 1e-3), "slip_m")
     assert slid == pytest.approx(0.5 * (peak_m_s2 - 0.15 * GRAVITY_M_S2) * 0.2**2, rel=0.1)

@@ -68,9 +68,9 @@ def test_feet_are_the_meshes_own_base_vertices() -> None:
 
 def test_a_raised_vertex_changes_the_history() -> None:
     case = paestum(0.429, 3.0, pedestal=False, duration_s=0.6)
-    whole = bullet(case.but(statue=statue_of(figure())), 5e-4)
-    same = bullet(case.but(statue=raised(figure(), 0.0)), 5e-4)
-    bent = bullet(case.but(statue=raised(figure(), 2e-3)), 5e-4)
+    whole = bullet(replace(case, statue=statue_of(figure())), 5e-4)
+    same = bullet(replace(case, statue=raised(figure(), 0.0)), 5e-4)
+    bent = bullet(replace(case, statue=raised(figure(), 2e-3)), 5e-4)
     assert apart(whole, same) == 0.0
     assert apart(whole, bent) > budget.RAISED_RAD
     assert bent.validity["out_of_plane_rad"] > 10.0 * whole.validity["out_of_plane_rad"]
@@ -81,7 +81,7 @@ def test_inertia_is_the_meshes_not_bullets() -> None:
 
     from harness.engines.pybullet.world import World
 
-    case = paestum(pedestal=False).but(statue=statue_of(figure()))
+    case = replace(paestum(pedestal=False), statue=statue_of(figure()))
     setup = run_phases.prepare(case)
     tensor = setup.axes @ np.diag(setup.moments) @ setup.axes.T
     np.testing.assert_allclose(tensor, figure().inertia_kg_m2, rtol=1e-12, atol=1e-9)
@@ -168,7 +168,7 @@ def test_the_edge_is_watched() -> None:
 
 
 def test_feet_alone_and_the_full_shape_agree_until_the_edge_is_reached() -> None:
-    case = paestum(0.429, 1.5, mu=0.8, duration_s=2.0).but(statue=statue_of(figure()))
+    case = replace(paestum(0.429, 1.5, mu=0.8, duration_s=2.0), statue=statue_of(figure()))
     short, full = bullet(case, 5e-4), bullet(case, 5e-4, NOTHING_SKIPPED)
     assert short.outcome is full.outcome is Outcome.OVERTURNED_RIGHT
     changed = short.validity["full_shape_from_s"]
@@ -249,7 +249,8 @@ def test_masses_all_changed_in_proportion_change_no_motion() -> None:
     case = paestum(0.429, 3.0, duration_s=0.4)
     statue, pedestal = case.statue, case.pedestal
     assert pedestal is not None
-    light = case.but(
+    light = replace(
+        case,
         statue=replace(
             statue,
             mass_kg=statue.mass_kg / 16.0,

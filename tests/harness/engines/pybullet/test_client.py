@@ -108,8 +108,8 @@ def test_a_forked_process_leaves_its_parents_clients_alone(monkeypatch: pytest.M
 
 
 def test_a_table_that_moves_under_a_kept_client() -> None:
-    case = paestum(0.3, 3.0, duration_s=0.2).but(table="moving")
-    case = case.but(base_excitation=replace(case.base_excitation, z=Harmonic(1.0, 5.0)))
+    case = replace(paestum(0.3, 3.0, duration_s=0.2), table="moving")
+    case = replace(case, base_excitation=replace(case.base_excitation, z=Harmonic(1.0, 5.0)))
     first = bits(bullet(case, 1e-3))
     run("floor")
     assert bits(bullet(case, 1e-3)) == first

@@ -64,7 +64,7 @@ def test_it_is_counted_as_an_intervention_and_changes_no_place() -> None:
 
 
 def test_what_turns_in_the_plane_alone_lacks_none() -> None:
-    scene = flight((0.0, 1.0, 0.0)).but(initial=Initial(theta_rad=0.1), duration_s=0.3)
+    scene = replace(flight((0.0, 1.0, 0.0)), initial=Initial(theta_rad=0.1), duration_s=0.3)
     bullet = engines.load("pybullet")
     run = bullet.simulate(scene, bullet.settings_for_dt(scene, 1e-3), OPTIONS)
     assert any(item.startswith("mirror") for item in run.skipped)

@@ -34,8 +34,8 @@ def _unit(row: tuple[float, ...]) -> tuple[float, ...]:
 
 def shaken_across(on: Scene) -> Scene:
     motion = on.base_excitation.x
-    return on.but(
-        base_excitation=BaseExcitation(motion, Harmonic(0.2 * GRAVITY_M_S2, 2.0), Harmonic(0.1 * GRAVITY_M_S2, 5.0))
+    return replace(
+        on, base_excitation=BaseExcitation(motion, Harmonic(0.2 * GRAVITY_M_S2, 2.0), Harmonic(0.1 * GRAVITY_M_S2, 5.0))
     )
 
 
@@ -59,11 +59,12 @@ def test_turned_and_turned_back_a_row_is_the_same() -> None:
     [
         space_scene(STICKS),
         shaken_across(paestum(0.3, 2.0, mu=1.5, duration_s=0.6)),
-        scene(rectangle(0.2, 1.0), theta_rad=0.05, duration_s=0.5).but(wall=Wall("right", 0.05)),
-        paestum(0.0, 1.0, pedestal=False, duration_s=0.3).but(
+        replace(scene(rectangle(0.2, 1.0), theta_rad=0.05, duration_s=0.5), wall=Wall("right", 0.05)),
+        replace(
+            paestum(0.0, 1.0, pedestal=False, duration_s=0.3),
             initial=Initial(
                 pose=Pose((0.0, 0.0, 1.5), velocity_m_s=(0.3, 0.1, 0.2), angular_velocity_rad_s=(1.0, 2.0, 0.5))
-            )
+            ),
         ),
     ],
     ids=["turns on vertices", "on a pedestal", "wall", "flight"],
@@ -82,8 +83,10 @@ def test_no_heading_changes_what_sticks_or_flies(on: Scene, name: str) -> None:
 def test_a_block_that_slides_askew_keeps_its_line_where_bullets_axes_follow_it(depth_m: float, leans: bool) -> None:
     # The two directions of friction have the same effective mass at the corners of a square base only (docs/pybullet_contact.md).
     start = Pose((0.0, 0.0, 0.1), velocity_m_s=(math.cos(0.5), math.sin(0.5), 0.0))
-    on = paestum(0.0, 1.0, pedestal=False, mu=0.3, duration_s=0.5).but(
-        statue=rectangle(0.4, 0.2, depth_m=depth_m), initial=Initial(pose=start)
+    on = replace(
+        paestum(0.0, 1.0, pedestal=False, mu=0.3, duration_s=0.5),
+        statue=rectangle(0.4, 0.2, depth_m=depth_m),
+        initial=Initial(pose=start),
     )
     followed, lent = (_off_line_rad(bullet(on, 1e-3, axes=axes)) for axes in ("along", "fixed"))
     assert followed <= budget.LINE_RAD
@@ -118,5 +121,5 @@ def test_a_scene_that_slides_along_one_line_has_no_other_axes() -> None:
     assert engine.sensitivity_settings(shaken_across(on), settings) != settings
     tensor = on.statue.inertia_tensor_kg_m2 + 10.0 * (1.0 - np.eye(3))
     unsymmetric = replace(on.statue, inertia_tensor_kg_m2=tensor)
-    assert engine.sensitivity_settings(on.but(statue=unsymmetric), settings) == settings
-    assert engine.sensitivity_settings(on.but(statue=unsymmetric, pedestal=None), settings) != settings
+    assert engine.sensitivity_settings(replace(on, statue=unsymmetric), settings) == settings
+    assert engine.sensitivity_settings(replace(on, statue=unsymmetric, pedestal=None), settings) != settings

@@ -51,7 +51,7 @@ def test_slip_beside_rocking_errs_at_second_order() -> None:
 
 @pytest.mark.parametrize("pedestal", [True, False])
 def test_a_statue_that_holds_does_not_walk_over_its_support(pedestal: bool) -> None:
-    on = squat() if pedestal else squat().but(pedestal=None)
+    on = squat() if pedestal else replace(squat(), pedestal=None)
     assert run(on, 1e-3).validity["statue_slip_m"] <= budget.STATUE_WALK_M
 
 
@@ -84,7 +84,7 @@ def test_a_pedestal_that_tips_says_so() -> None:
 @pytest.mark.parametrize("acts", ["static", 0.18])
 def test_the_scenes_coefficient_acts_as_an_impact_breaks_the_pedestal_loose(acts: float | Literal["static"]) -> None:
     usual = paestum(0.429, 3.0, mu=(0.20, 0.15), duration_s=1.0)
-    own = usual.but(contact=replace(usual.contact, floor_impact=acts))
+    own = replace(usual, contact=replace(usual.contact, floor_impact=acts))
     found = run(own, 2.5e-4)
     by_own, by_kinetic = (MODEL.simulate(on, MODEL.refinement_levels(on)[1], RunOptions()) for on in (own, usual))
     assert errors(found, by_own, 1.0)[0] <= budget.TWO_FRICTIONS_FINE_RAD

@@ -57,27 +57,29 @@ def _changed(scene: Scene, key: str, value: float) -> Scene:
     if key == "contact.floor":
         factor = value / scene.contact.floor_static if scene.contact.floor_static > 0.0 else 1.0
         kinetic = scene.contact.floor_kinetic * factor
-        return scene.but(contact=replace(scene.contact, floor_static=value, floor_kinetic=kinetic))
+        return replace(scene, contact=replace(scene.contact, floor_static=value, floor_kinetic=kinetic))
     if key == STATIC:
         contact = replace(scene.contact, floor_static=value, floor_kinetic=min(scene.contact.floor_kinetic, value))
-        return scene.but(contact=contact)
+        return replace(scene, contact=contact)
     if key == KINETIC:
-        return scene.but(contact=replace(scene.contact, floor_kinetic=min(value, scene.contact.floor_static)))
+        return replace(scene, contact=replace(scene.contact, floor_kinetic=min(value, scene.contact.floor_static)))
     if key == "contact.statue":
-        return scene.but(contact=replace(scene.contact, statue=value))
+        return replace(scene, contact=replace(scene.contact, statue=value))
     base_excitation = scene.base_excitation
     if key == "motion.scale":
-        return scene.but(base_excitation=base_excitation.scaled(value / file_scale(scene)))
+        return replace(scene, base_excitation=base_excitation.scaled(value / file_scale(scene)))
     if key == TIME_SCALE:
         start = scene.initial
-        return scene.but(
+        return replace(
+            scene,
             gravity_m_s2=scene.gravity_m_s2 * value**2,
             base_excitation=base_excitation.scaled(value**2),
             initial=replace(start, theta_rate_rad_s=start.theta_rate_rad_s * value),
         )
     axis = key.split(".")[1]
-    return scene.but(
-        base_excitation=replace(base_excitation, **{axis: replace(getattr(base_excitation, axis), frequency_hz=value)})
+    return replace(
+        scene,
+        base_excitation=replace(base_excitation, **{axis: replace(getattr(base_excitation, axis), frequency_hz=value)}),
     )
 
 

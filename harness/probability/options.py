@@ -9,13 +9,13 @@ from typing import Annotated, Final
 
 from pydantic import Field
 
-from harness.assess.bodies import as_one, turned_block, widened
-from harness.assess.variation import reread
 from harness.input.mistakes import Table
 from harness.input.tables import read_model
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
 from harness.model.written import scan_azimuth_deg, written
+from harness.probability.bodies import as_one, turned_block, widened
+from harness.probability.variation import reread
 
 HEAVIER: Final = 2.0
 """Factor on the pedestal's mass: what a denser stone, or lead in its core, may give."""
@@ -73,7 +73,9 @@ def _of_pedestal(scene: Scene) -> list[Option]:
         f"a pedestal {WIDER:g} times as wide, of the same stone",
     )
     return [
-        Option(FLOOR, "the statue stands on the floor, without a pedestal", lambda given: given.but(pedestal=None)),
+        Option(
+            FLOOR, "the statue stands on the floor, without a pedestal", lambda given: replace(given, pedestal=None)
+        ),
         *(_with_friction(pair, own) for pair in pairs),
         Option("pedestal heavier", heavier, lambda given: _pedestal(given, mass=HEAVIER)),
         Option("pedestal wider", wider, lambda given: _pedestal(given, mass=WIDER, width=WIDER)),
@@ -89,7 +91,7 @@ def _with_friction(pair: Pair, own: float) -> Option:
         # What is drawn of the friction as it is moves the new friction by the same factor.
         factor = scene.contact.floor_static / own if own > 0.0 else 1.0
         contact = replace(scene.contact, floor_static=factor * pair.static, floor_kinetic=factor * pair.kinetic)
-        return scene.but(contact=contact)
+        return replace(scene, contact=contact)
 
     return Option(name, what, change, pair.source)
 
@@ -98,20 +100,22 @@ def _pedestal(scene: Scene, mass: float, width: float = 1.0) -> Scene:
     if scene.pedestal is None:
         return scene
     given = scene.pedestal
-    return scene.but(pedestal=replace(given, mass_kg=mass * given.mass_kg, width_m=width * given.width_m))
+    return replace(scene, pedestal=replace(given, mass_kg=mass * given.mass_kg, width_m=width * given.width_m))
 
 
 def _base_widened(scene: Scene) -> Scene:
     statue = widened(scene.statue, BASE_M)
     if scene.pedestal is None:
-        return scene.but(statue=statue)
+        return replace(scene, statue=statue)
     # Where the plate would reach over the pedestal's edge, that grows by as much: its width decides nothing in the model.
     over = statue.corner_left_m + statue.corner_right_m + 2.0 * abs(scene.pedestal.offset_m)
-    return scene.but(statue=statue, pedestal=replace(scene.pedestal, width_m=max(scene.pedestal.width_m, over)))
+    return replace(scene, statue=statue, pedestal=replace(scene.pedestal, width_m=max(scene.pedestal.width_m, over)))
 
 
 def _fixed(scene: Scene) -> Scene:
-    return scene if scene.pedestal is None else scene.but(statue=as_one(scene.statue, scene.pedestal), pedestal=None)
+    return (
+        scene if scene.pedestal is None else replace(scene, statue=as_one(scene.statue, scene.pedestal), pedestal=None)
+    )
 
 
 def _turned(scene: Scene) -> Scene:
@@ -130,7 +134,7 @@ def _turned(scene: Scene) -> Scene:
         raise InputError(
             Mistake(str(scene.source), "pedestal.depth_m", "a pedestal under the whole turned base", "less")
         )
-    return scene.but(statue=statue, pedestal=pedestal)
+    return replace(scene, statue=statue, pedestal=pedestal)
 
 
 class _OptionTable(Table):

@@ -10,15 +10,15 @@ import pytest
 
 from analytic import Harmonic, Pulse
 from harness import engines
-from harness.assess.assessment import assess
-from harness.assess.by_model import assess_models
-from harness.assess.inputs import draw, row, uncertain_inputs
-from harness.assess.model_draws import model_draws
-from harness.assess.variation import varied
-from harness.assess.words import summary
 from harness.input.scene_file import load_scene
 from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation, Pedestal
+from harness.probability.assessment import assess
+from harness.probability.by_model import assess_models
+from harness.probability.inputs import draw, row, uncertain_inputs
+from harness.probability.model_draws import model_draws
+from harness.probability.variation import varied
+from harness.probability.words import summary
 from harness.records.assess import NotAssessed, not_answered
 from reports.text.chance import tone_of_answers, worse_tone
 from tests import budgets_assess as budget
@@ -82,7 +82,7 @@ def test_a_push_across_the_plane_is_the_exact_bodys_to_answer_and_never_green() 
     """Pushed across its plane alone, a block that the planar model never moves falls; on a pedestal nobody answers that."""
     push = Pulse("rectangular", 0.8 * 9.81, 0.5)
     given = scene(rectangle(0.4, 1.4, depth_m=0.3), mu_statue=0.6, duration_s=2.0)
-    shaken = given.but(base_excitation=BaseExcitation(y=push))
+    shaken = replace(given, base_excitation=BaseExcitation(y=push))
     answers = assess_models(shaken, draws=40)
     assert answers["analytic"].probability_overturned == 0.0
     assert answers["analytic"].sentence.endswith("the shaking across its plane left out")
@@ -95,7 +95,7 @@ def test_a_push_across_the_plane_is_the_exact_bodys_to_answer_and_never_green() 
     assert not any("Nothing need be done" in line for line in summary(record).splitlines())
     on_pedestal = paestum(0.429, 3.0, duration_s=1.0)
     excitation = replace(on_pedestal.base_excitation, y=push)
-    across = on_pedestal.but(base_excitation=excitation)
+    across = replace(on_pedestal, base_excitation=excitation)
     alone = assess_models(across, draws=20)
     assert list(alone) == ["analytic"]
     said = not_answered(alone, "mine.toml", pedestal=True)
@@ -124,14 +124,14 @@ def test_draws_in_which_the_pedestal_tips_have_no_answer() -> None:
     assert found.probability_overturned < 0.001
     assert found.sentence.startswith("may fall or stand: ")
     assert "where the pedestal itself tips" in not_answered({"analytic": found}, "tall.toml", pedestal=True)[0]
-    low = assess_models(tall.but(pedestal=Pedestal(80.0, 1.0, 1.0, 0.2)))["analytic"]
+    low = assess_models(replace(tall, pedestal=Pedestal(80.0, 1.0, 1.0, 0.2)))["analytic"]
     assert low.undecided < 0.1
     assert not not_answered({"analytic": low}, "low.toml", pedestal=True)
 
 
 def test_the_domain_of_an_ensemble_is_that_of_single_runs() -> None:
     on = scene(rectangle(0.25, 1.0), Harmonic(0.24 * GRAVITY_M_S2, 1.2), pedestal=Pedestal(80.0, 0.5, 0.5, 0.7), mu=0.6)
-    on, model = on.but(duration_s=2.0), engines.load("analytic")
+    on, model = replace(on, duration_s=2.0), engines.load("analytic")
     draws = draw(uncertain_inputs(on), SINGLES, seed=3)
     swept, left = model_draws(on, draws), 0
     for k in range(SINGLES):

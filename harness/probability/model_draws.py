@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, ZeroExcitation
-from harness.assess.inputs import draw, row
-from harness.assess.variation import KINETIC, STATIC, file_scale, varied
 from harness.engines import analytic as twoblock
 from harness.model.scene import Scene, Uncertain
+from harness.probability.inputs import draw, row
+from harness.probability.variation import KINETIC, STATIC, file_scale, varied
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -136,7 +136,7 @@ def _sweep_of(scene: Scene, key: str, values: Array) -> dict[str, Array] | None:
             return None
         factor = values / file_scale(scene) if key == "motion.scale" else values**2
         own = {"scale": factor} | ({} if isinstance(base_excitation.z, ZeroExcitation) else {"vertical_scale": factor})
-        # The axis of time stretched: see harness.assess.variation.
+        # The axis of time stretched: see harness.probability.variation.
         return own if key == "motion.scale" else {**own, "gravity_m_s2": scene.gravity_m_s2 * factor}
     if key == "motion.x.frequency_hz" and isinstance(base_excitation.x, Harmonic):
         return {"frequency_hz": values}

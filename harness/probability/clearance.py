@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from harness.assess.inputs import Array, row
-from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, sweepable
-from harness.assess.plan import AROUND_DEG, PARTS, PLANAR_DEG, reach_m
-from harness.assess.stratified import strata_of
-from harness.assess.variation import varied
 from harness.engines import analytic as twoblock
 from harness.model.scene import Scene
+from harness.probability.inputs import Array, row
+from harness.probability.model_draws import SLOW_DRAWS, ModelDraws, sweepable
+from harness.probability.plan import AROUND_DEG, PARTS, PLANAR_DEG, reach_m
+from harness.probability.stratified import strata_of
+from harness.probability.variation import varied
 from harness.records.assess import ClearanceByModel
 
 if TYPE_CHECKING:  # a run of the model alone has no campaign
-    from harness.assess.engine_runs import EngineRuns
+    from harness.probability.engine_runs import EngineRuns
 
 CLEARANCE_DRAWS: Final = 1000
 """Draws run with their histories: the 95 % quantile then rests on 50 of them, the 99 % one on 10."""

@@ -7,15 +7,15 @@ from typing import Final
 
 import numpy as np
 
-from harness.assess.compared import DIFFERENCE_LEVEL, Ends, answer_of, common
-from harness.assess.in_space import SPACE, ends_in_space, without_end
-from harness.assess.in_space import Ends as Names
-from harness.assess.inputs import draw, uncertain_inputs
-from harness.assess.options import AS_IT_IS, Option
-from harness.assess.sensitivity import fragility_of
-from harness.assess.stratified import LEVEL
-from harness.assess.variation import file_scale
 from harness.model.scene import Scene, Uncertain
+from harness.probability.compared import DIFFERENCE_LEVEL, Ends, answer_of, common
+from harness.probability.in_space import SPACE, ends_in_space, without_end
+from harness.probability.in_space import Ends as Names
+from harness.probability.inputs import draw, uncertain_inputs
+from harness.probability.options import AS_IT_IS, Option
+from harness.probability.sensitivity import fragility_of
+from harness.probability.stratified import LEVEL
+from harness.probability.variation import file_scale
 from harness.records.assess import FragilityRecord, OptionsRecord
 
 OPTION_DRAWS: Final = 300

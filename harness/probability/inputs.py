@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, ZeroExcitation
-from harness.assess.variation import file_scale
 from harness.model.assumed import assumption
 from harness.model.scene import Scene, Uncertain
+from harness.probability.variation import file_scale
 
 Array = NDArray[np.float64]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Final
 
-from harness.assess.in_space import SPACE, assess_in_space, assessment, shaken_across
-from harness.assess.inputs import uncertain_inputs
-from harness.assess.model_draws import ModelDraws, draws_of, model_draws
 from harness.model.scene import Scene
+from harness.probability.in_space import SPACE, assess_in_space, assessment, shaken_across
+from harness.probability.inputs import uncertain_inputs
+from harness.probability.model_draws import ModelDraws, draws_of, model_draws
 from harness.records.assess import Assessment
 
 MODEL: Final = "analytic"

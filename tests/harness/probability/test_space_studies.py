@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analytic import Pulse
-from harness.assess.assessment import assess
-from harness.assess.compared import Ends, difference_of
-from harness.assess.in_space import ends_in_space
-from harness.assess.inputs import draw, uncertain_inputs
-from harness.assess.options import TURNED, options_of
-from harness.assess.space_studies import OPTION_STEPS
 from harness.input.scene_file import load_scene
 from harness.model.scene import BaseExcitation, Scene
+from harness.probability.assessment import assess
+from harness.probability.compared import Ends, difference_of
+from harness.probability.in_space import ends_in_space
+from harness.probability.inputs import draw, uncertain_inputs
+from harness.probability.options import TURNED, options_of
+from harness.probability.space_studies import OPTION_STEPS
 from tests.scenes_for_tests import block, scene
 
 DRAWS = 24
@@ -37,7 +38,7 @@ def lopsided() -> Scene:
 
 def both_ways(given: Scene, along_g: float, across_g: float) -> Scene:
     along, across = (Pulse("one_sine", strength * 9.81, 0.7) for strength in (along_g, across_g))
-    return given.but(base_excitation=BaseExcitation(x=along, y=across))
+    return replace(given, base_excitation=BaseExcitation(x=along, y=across))
 
 
 def scan(tmp_path: Path) -> Scene:
@@ -61,7 +62,7 @@ def test_a_turned_statue_is_one_whose_shaking_is_turned(kind: str, tmp_path: Pat
     turned = next(item for item in options_of(given)[0] if item.name == TURNED)
     ends = ends_in_space(given, values, OPTION_STEPS, turned.change)
     motion = given.base_excitation
-    other_way = given.but(base_excitation=BaseExcitation(x=motion.y, y=motion.x.scaled(-1.0)))
+    other_way = replace(given, base_excitation=BaseExcitation(x=motion.y, y=motion.x.scaled(-1.0)))
     expected, as_it_is = (ends_in_space(each, values, OPTION_STEPS) for each in (other_way, given))
     assert ends is not None
     assert expected is not None

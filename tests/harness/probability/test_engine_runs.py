@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,14 +11,14 @@ import pytest
 import trimesh
 
 from harness import assess_cli
-from harness.assess.assessment import assess
-from harness.assess.engine_runs import DrawnRun, overturns
 from harness.campaign.runner import InlinePool
 from harness.campaign.store import Store
 from harness.campaign.task import Answer
 from harness.command import Asked, Known, Sampling, Surroundings
 from harness.model.errors import InputError
 from harness.model.scene import Wall
+from harness.probability.assessment import assess
+from harness.probability.engine_runs import DrawnRun, overturns
 from tests.scenes_for_tests import paestum
 
 FEW = {"draws": 200, "most_runs": 32, "more_options": None}
@@ -50,7 +51,7 @@ def test_a_killed_assessment_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyP
             raise KeyboardInterrupt
         return overturns(drawn)
 
-    monkeypatch.setattr("harness.assess.engine_runs.overturns", interrupted)
+    monkeypatch.setattr("harness.probability.engine_runs.overturns", interrupted)
     with Store(tmp_path / "store.sqlite") as store, pytest.raises(KeyboardInterrupt):
         assess(scene, ["pymunk"], store=store, pool=InlinePool(), **FEW)
     monkeypatch.undo()
@@ -62,7 +63,7 @@ def test_a_killed_assessment_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 def test_a_run_that_touches_the_wall_neither_stands_nor_falls() -> None:
     shaken = paestum(0.334, 3.0, duration_s=1.0)
-    answer = overturns(DrawnRun("pymunk", shaken.but(wall=Wall("right", 0.001))))
+    answer = overturns(DrawnRun("pymunk", replace(shaken, wall=Wall("right", 0.001))))
     assert answer.record == {"overturned": None, "reach_m": None}
     assert not answer.failed
     assert overturns(DrawnRun("pymunk", shaken)).record["overturned"] is False

@@ -9,12 +9,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.assess.inputs import draw, groups, row
-from harness.assess.model_draws import model_draws, sweepable
-from harness.assess.stratified import LEVEL
-from harness.assess.variation import file_scale, varied
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene, Uncertain
+from harness.probability.inputs import draw, groups, row
+from harness.probability.model_draws import model_draws, sweepable
+from harness.probability.stratified import LEVEL
+from harness.probability.variation import file_scale, varied
 from harness.records.assess import FragilityRecord, Index
 
 Array = NDArray[np.float64]

@@ -9,16 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.assess import options as made
-from harness.assess.bodies import as_one, sliding, turned_block
-from harness.assess.compared import common, compare, option_draws, paired_difference
-from harness.assess.inputs import draw, uncertain_inputs
-from harness.assess.model_draws import model_draws
-from harness.assess.options import PAIRS
-from harness.assess.words import advice
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.scene import Pedestal, Scene, Uncertain
+from harness.probability import options as made
+from harness.probability.bodies import as_one, sliding, turned_block
+from harness.probability.compared import common, compare, option_draws, paired_difference
+from harness.probability.inputs import draw, uncertain_inputs
+from harness.probability.model_draws import model_draws
+from harness.probability.options import PAIRS
+from harness.probability.words import advice
 from harness.records.assess import OptionsRecord
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import paestum, rectangle
@@ -94,7 +94,7 @@ def test_a_fixed_body_on_little_friction_slides_and_on_much_rocks() -> None:
 
 def test_a_sliding_body_knows_no_mass() -> None:
     light, heavy = (
-        sliding(scene.but(statue=replace(scene.statue, mass_kg=mass)))
+        sliding(replace(scene, statue=replace(scene.statue, mass_kg=mass)))
         for scene, mass in ((paestum(0.429, 3.0, duration_s=3.0), 10.0), (paestum(0.429, 3.0, duration_s=3.0), 1000.0))
     )
     paths = [model_draws(scene, {}).peak_slip_m[0] for scene in (light, heavy)]

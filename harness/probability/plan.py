@@ -7,10 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from harness.assess.inputs import Array
 from harness.model.in_space import SOLID_COLUMNS, rotations
 from harness.model.scene import Scene, Statue
 from harness.model.tilted import support_m
+from harness.probability.inputs import Array
 from meshes.footprint import convex_hull
 
 PLANAR_DEG: Final = (0.0, 180.0)

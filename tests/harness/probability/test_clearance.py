@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from analytic import Pulse
-from harness.assess.assessment import assess
-from harness.assess.clearance import clearance, of_model
-from harness.assess.inputs import draw, uncertain_inputs
-from harness.assess.model_draws import model_draws
-from harness.assess.plan import AROUND_DEG, PARTS, PLANAR_DEG, reach_m, rest_outline_m
-from harness.assess.words import room
 from harness.campaign.runner import InlinePool
 from harness.engines.contact.spatial import statue_columns
 from harness.model.scene import BaseExcitation, Scene, Statue
+from harness.probability.assessment import assess
+from harness.probability.clearance import clearance, of_model
+from harness.probability.inputs import draw, uncertain_inputs
+from harness.probability.model_draws import model_draws
+from harness.probability.plan import AROUND_DEG, PARTS, PLANAR_DEG, reach_m, rest_outline_m
+from harness.probability.words import room
 from harness.records.assess import ClearanceRecord
 from reports.drawing.floor_plan import probable_plan
 from tests import budgets_assess as budget
@@ -112,8 +113,9 @@ def test_a_run_counts_for_what_it_stands_for() -> None:
 def shaken_both_ways() -> Scene:
     """A block that no draw overturns, shaken much harder across its plane than in it."""
     along, across = (Pulse("one_sine", strength * 9.81, 0.4) for strength in (0.1, 0.6))
-    return scene(rectangle(0.6, 1.0, depth_m=0.5), mu_statue=0.7, duration_s=2.0).but(
-        base_excitation=BaseExcitation(x=along, y=across)
+    return replace(
+        scene(rectangle(0.6, 1.0, depth_m=0.5), mu_statue=0.7, duration_s=2.0),
+        base_excitation=BaseExcitation(x=along, y=across),
     )
 
 

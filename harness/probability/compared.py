@@ -10,15 +10,24 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from harness.assess.bodies import sliding
-from harness.assess.in_space import shaken_across
-from harness.assess.inputs import LEAST_SHARE, Array, draw, row, uncertain_inputs
-from harness.assess.model_draws import SLOW_DRAWS, Flags, ModelDraws, draws_of, joined, model_draws, repeated, sweepable
-from harness.assess.options import AS_IT_IS, Option
-from harness.assess.stratified import LEVEL
-from harness.assess.variation import KINETIC, STATIC, varied
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene, Uncertain
+from harness.probability.bodies import sliding
+from harness.probability.in_space import shaken_across
+from harness.probability.inputs import LEAST_SHARE, Array, draw, row, uncertain_inputs
+from harness.probability.model_draws import (
+    SLOW_DRAWS,
+    Flags,
+    ModelDraws,
+    draws_of,
+    joined,
+    model_draws,
+    repeated,
+    sweepable,
+)
+from harness.probability.options import AS_IT_IS, Option
+from harness.probability.stratified import LEVEL
+from harness.probability.variation import KINETIC, STATIC, varied
 from harness.records.assess import OptionAnswer, OptionsRecord
 from harness.records.scores import Interval
 

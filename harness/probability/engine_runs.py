@@ -11,9 +11,6 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.refinement import first_level
-from harness.assess.inputs import Array, row
-from harness.assess.plan import reach_m
-from harness.assess.variation import varied
 from harness.campaign.cache_key import key_of, scene_key
 from harness.campaign.campaign import Campaign
 from harness.campaign.store import Store
@@ -22,6 +19,9 @@ from harness.engines.base import Engine, EngineFailure
 from harness.model.options import RunOptions
 from harness.model.run import versions
 from harness.model.scene import Scene
+from harness.probability.inputs import Array, row
+from harness.probability.plan import reach_m
+from harness.probability.variation import varied
 
 OUTCOME: Final = "end and reach"
 """Kind of a result that is whether a statue fell, and how far one that stands went on the plan."""
@@ -39,7 +39,7 @@ class DrawnRun:
 
 class EngineRuns:
     """Whether one engine's statue overturns, by number of the draw: `fell` keeps what was asked, None where it came to no end;
-    `reach_m` how far it went on the plan in each run that stands (`harness.assess.plan.reach_m`).
+    `reach_m` how far it went on the plan in each run that stands (`harness.probability.plan.reach_m`).
     """
 
     def __init__(

@@ -61,7 +61,7 @@ def sliding(scene: Scene) -> Scene:
         _rectangle(wide, wide, 0.5 * wide, 0.5 * wide),
         half * np.eye(3),
     )
-    return scene.but(statue=plate, pedestal=Pedestal(half, 2.0 * wide, wide, low))
+    return replace(scene, statue=plate, pedestal=Pedestal(half, 2.0 * wide, wide, low))
 
 
 def widened(statue: Statue, by_m: float) -> Statue:

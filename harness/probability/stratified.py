@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.assess.model_draws import ModelDraws
+from harness.probability.model_draws import ModelDraws
 from harness.records.assess import Assessment
 
 Ints = NDArray[np.int64]

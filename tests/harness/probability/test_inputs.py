@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from scipy.stats import spearmanr
 
-from harness.assess.compared import option_draws
-from harness.assess.inputs import draw, groups, row, uncertain_inputs
-from harness.assess.model_draws import model_draws, sweepable
-from harness.assess.options import options_of
-from harness.assess.variation import KINETIC, STATIC, varied
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.scene import Uncertain
+from harness.probability.compared import option_draws
+from harness.probability.inputs import draw, groups, row, uncertain_inputs
+from harness.probability.model_draws import model_draws, sweepable
+from harness.probability.options import options_of
+from harness.probability.variation import KINETIC, STATIC, varied
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import paestum
 

@@ -1,4 +1,5 @@
-"""A thousand own runs of each contact engine on the shipped pedestal scene: `python -m tests.harness.assess.measure_own_runs`.
+"""A thousand own runs of each contact engine on the shipped pedestal scene:
+`python -m tests.harness.probability.measure_own_runs`.
 
 They are the truth that few runs are held to (`test_own_runs.py`), kept in `own_runs.json` beside this file: some 30 s of
 processor time for pymunk and 280 s for pybullet. A call that was ended goes on where it stopped.
@@ -10,10 +11,10 @@ import json
 from pathlib import Path
 from typing import Final
 
-from harness.assess.engine_runs import DrawnRun, overturns
-from harness.assess.inputs import draw, row, uncertain_inputs
-from harness.assess.variation import varied
 from harness.input.scene_file import load_scene
+from harness.probability.engine_runs import DrawnRun, overturns
+from harness.probability.inputs import draw, row, uncertain_inputs
+from harness.probability.variation import varied
 
 SCENE: Final = Path(__file__).parents[3] / "scenes" / "paestum_pedestal.toml"
 KEPT: Final = Path(__file__).parent / "own_runs.json"

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from harness.assess.model_draws import ModelDraws
-from harness.assess.stratified import estimate
+from harness.probability.model_draws import ModelDraws
+from harness.probability.stratified import estimate
 from harness.records.assess import Assessment
 from tests import budgets_assess as budget
 

@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import ZeroExcitation
-from harness.assess.clearance import clearance
-from harness.assess.inputs import Array, row
-from harness.assess.plan import reach_m
-from harness.assess.stratified import LEVEL
-from harness.assess.variation import file_scale, varied
 from harness.comparison.statistics.distributions import wilson
 from harness.engines import stands_alone
 from harness.model.scene import Scene
+from harness.probability.clearance import clearance
+from harness.probability.inputs import Array, row
+from harness.probability.plan import reach_m
+from harness.probability.stratified import LEVEL
+from harness.probability.variation import file_scale, varied
 from harness.records.assess import Assessment, ClearanceByModel
 
 Ends = NDArray[np.object_]

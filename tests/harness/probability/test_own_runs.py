@@ -7,14 +7,14 @@ import itertools
 import numpy as np
 import pytest
 
-from harness.assess.assessment import assess
-from harness.assess.engine_runs import DrawnRun, overturns
-from harness.assess.inputs import draw, row, uncertain_inputs
-from harness.assess.variation import varied
 from harness.input.scene_file import load_scene
+from harness.probability.assessment import assess
+from harness.probability.engine_runs import DrawnRun, overturns
+from harness.probability.inputs import draw, row, uncertain_inputs
+from harness.probability.variation import varied
 from tests import budgets_assess as budget
 from tests.engines_for_tests import ready
-from tests.harness.assess.measure_own_runs import ENGINES, RUNS, SCENE, SEED, own_runs
+from tests.harness.probability.measure_own_runs import ENGINES, RUNS, SCENE, SEED, own_runs
 from tests.measures.interval_coverage import CORRELATIONS, coverage, populations, thousand
 
 

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analytic import Record
-from harness.assess.inputs import draw, uncertain_inputs
-from harness.assess.model_draws import model_draws, sweepable
-from harness.assess.variation import varied
 from harness.input.scene_file import load_scene
 from harness.model.assumed import ASSUMPTIONS, assumption
 from harness.model.errors import InputError
 from harness.model.scene import BaseExcitation
+from harness.probability.inputs import draw, uncertain_inputs
+from harness.probability.model_draws import model_draws, sweepable
+from harness.probability.variation import varied
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import PAESTUM, paestum, scene
 
@@ -86,12 +87,12 @@ def test_a_stretched_axis_of_time_is_a_slower_and_longer_motion(tmp_path: Path) 
     shaken = 3.0 * np.sin(9.0 * times) + np.sin(31.0 * times)
     as_given = paestum(0.429, 3.0, duration_s=3.0)
     slower = paestum(0.429, 3.0 / STRETCH, duration_s=3.0 * STRETCH)
-    record = as_given.but(base_excitation=BaseExcitation(x=Record(times, shaken), z=Record(times, 0.4 * shaken)))
+    record = replace(as_given, base_excitation=BaseExcitation(x=Record(times, shaken), z=Record(times, 0.4 * shaken)))
     longer = {axis: Record(STRETCH * times, factor * shaken) for axis, factor in (("x", 1.0), ("z", 0.4))}
     thrown = scene(PAESTUM, theta_rate_rad_s=0.2, duration_s=2.0)
     pairs = (
         (as_given, slower),
-        (record, slower.but(base_excitation=BaseExcitation(**longer))),
+        (record, replace(slower, base_excitation=BaseExcitation(**longer))),
         (thrown, scene(PAESTUM, theta_rate_rad_s=0.2, duration_s=2.0 * STRETCH)),
     )
     for given, expected in pairs:

@@ -9,14 +9,14 @@ from statistics import NormalDist
 import numpy as np
 import pytest
 
-from harness.assess.inputs import draw, uncertain_inputs
-from harness.assess.model_draws import model_draws, sweepable
-from harness.assess.sensitivity import LEAST_DRAWS, fragility, fragility_of, indices, indices_of_draws
-from harness.assess.words import reserve
 from harness.input.scene_file import load_scene
 from harness.model.scene import Uncertain
+from harness.probability.inputs import draw, uncertain_inputs
+from harness.probability.model_draws import model_draws, sweepable
+from harness.probability.sensitivity import LEAST_DRAWS, fragility, fragility_of, indices, indices_of_draws
+from harness.probability.words import reserve
 from tests import budgets_assess as budget
-from tests.harness.assess.measure_own_runs import SCENE
+from tests.harness.probability.measure_own_runs import SCENE
 
 INPUTS = [Uncertain(key, "normal", 0.0, 1.0) for key in ("a", "b")]
 

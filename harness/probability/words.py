@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from harness.assess.by_model import MODEL
-from harness.assess.options import FLOOR, TURNED
-from harness.assess.plan import PLANAR_DEG
+from harness.probability.by_model import MODEL
+from harness.probability.options import FLOOR, TURNED
+from harness.probability.plan import PLANAR_DEG
 from harness.records.assess import (
     MOSTLY,
     Assessment,

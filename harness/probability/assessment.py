@@ -13,24 +13,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import engines
-from harness.assess.by_model import MODEL, probability_of
-from harness.assess.clearance import of_engine, of_model
-from harness.assess.compared import OPTION_DRAWS, compare
-from harness.assess.engine_runs import EngineRuns
-from harness.assess.in_space import SPACE, assess_in_space, clearance_in_space, shaken_across
-from harness.assess.inputs import Array, uncertain_inputs
-from harness.assess.model_draws import ModelDraws, draws_of, model_draws, sweepable
-from harness.assess.options import Option, options_of
-from harness.assess.plan import rest_outline_m
-from harness.assess.sensitivity import FRAGILITY_DRAWS, fragility, indices, indices_of_draws
-from harness.assess.space_studies import compare_in_space, fragility_in_space
-from harness.assess.stratified import estimate
 from harness.campaign.campaign import Campaign
 from harness.campaign.runner import LocalPool, Pool
 from harness.campaign.store import Store
 from harness.model.errors import InputError, Mistake
 from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain
+from harness.probability.by_model import MODEL, probability_of
+from harness.probability.clearance import of_engine, of_model
+from harness.probability.compared import OPTION_DRAWS, compare
+from harness.probability.engine_runs import EngineRuns
+from harness.probability.in_space import SPACE, assess_in_space, clearance_in_space, shaken_across
+from harness.probability.inputs import Array, uncertain_inputs
+from harness.probability.model_draws import ModelDraws, draws_of, model_draws, sweepable
+from harness.probability.options import Option, options_of
+from harness.probability.plan import rest_outline_m
+from harness.probability.sensitivity import FRAGILITY_DRAWS, fragility, indices, indices_of_draws
+from harness.probability.space_studies import compare_in_space, fragility_in_space
+from harness.probability.stratified import estimate
 from harness.records.assess import (
     Assessment,
     AssessRecord,
