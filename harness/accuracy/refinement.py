@@ -36,6 +36,8 @@ FLOOR_SHARE: Final = 1.0
 """Share of a level's expected error below which no uncertainty is stated: two runs may agree by chance."""
 LEFT_AGREEMENTS: Final = 2
 """Comparisons that must hold in a row where a run leaves what its events are located for: from there plain steps err unevenly."""
+MOST_TIMES: Final = 40.0
+"""Steps of all runs of a climb over those of its first level, at most: a level nearly twenty times as fine is reached."""
 RESPONSES: Final = 2
 """So many times a climb goes on because a small change of the motion moves more than the target; then finer steps gain little."""
 
@@ -50,6 +52,8 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, options: 
         return engine.simulate(scene, first_level(engine.refinement_levels(scene), accuracy_rad, 1.0)[0], options)
     climb = _Climb(engine, scene, target_of(scene, accuracy_rad), engine.refinement_levels(scene), options)
     for settings in climb.order():
+        if not climb.affords(settings):
+            break
         check = climb.check(settings)
         run = engine.simulate(scene, settings, replace(options, history=True, stop=check))
         if climb.ends_with(settings, run, check):
@@ -60,12 +64,21 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, options: 
     return climb.stated(best, until_s, None if until_s is None else climb.response(until_s))
 
 
+def most_steps(engine: Engine, scene: Scene, accuracy_rad: float) -> float:
+    """Steps of all runs that an engine makes of a scene to a target accuracy of the rotation, rad, at most."""
+    if engine.capabilities.certifies:
+        return 0.0
+    return (
+        MOST_TIMES * scene.duration_s / first_level(engine.refinement_levels(scene), accuracy_rad, START_SHARE)[0].dt_s
+    )
+
+
 @dataclass
 class _Climb:
     """The runs of one climb: `whole` were not ended early, `spreads` are of each run and the one before it.
 
     `agreed_s` is until when the last two agree, None where they do not or a third is needed; `answer` is what a slightly
-    stronger motion changed in the last two runs that were asked for it.
+    stronger motion changed in the last two runs that were asked for it; `not_tried_s` the step that would have taken too many.
     """
 
     engine: Engine
@@ -79,6 +92,7 @@ class _Climb:
     answer: Spread | None = None
     answers: int = 0
     costs: list[tuple[int, float]] = field(default_factory=list)
+    not_tried_s: float | None = None
 
     def order(self) -> Iterator[Settings]:
         """Settings in the order in which they are tried: a level, its verification runs, then levels finer than these.
@@ -99,6 +113,14 @@ class _Climb:
             finer = [i for i in range(index + 1, len(levels)) if levels[i].dt_s < CLIMB_SHARE * finest]
             wanted = finest / _factor(self.spreads, self.target)
             index = next((i for i in finer if levels[i].dt_s <= wanted), finer[-1] if finer else len(levels))
+
+    def affords(self, settings: Settings) -> bool:
+        """Whether a run with these settings and all before it make no more steps than a climb may."""
+        spent, needed = sum(steps for steps, _ in self.costs), self.scene.duration_s / settings.dt_s
+        if not self.whole or spent + needed <= MOST_TIMES * self.scene.duration_s / self.whole[0][0].dt_s:
+            return True
+        self.not_tried_s = settings.dt_s
+        return False
 
     def check(self, settings: Settings) -> _Check:
         """What may end a run with these settings early."""
@@ -196,6 +218,10 @@ class _Climb:
         elif error.rotation_rad > self.target.rotation_rad:
             messages.append(
                 f"the target of {self.target.rotation_rad:g} rad is below what the engine's contact resolves"
+            )
+        if self.not_tried_s is not None:
+            messages.append(
+                f"steps of {self.not_tried_s:g} s were not tried: no climb makes more than {MOST_TIMES:g} times its first run's"
             )
         if error.slip_m > self.target.slip_m * max(1.0, error.rotation_rad / self.target.rotation_rad):
             messages.append(

@@ -7,7 +7,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
+from harness.accuracy.refinement import most_steps
 from harness.campaign.progress import duration_words
+from harness.engines import load
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
 
@@ -83,9 +85,16 @@ def check(
                 where, key, f"work of at most {duration_words(LONGEST_S)}", f"about {duration_words(total)}", advice
             )
         )
-    if total < REPORTED_FROM_S:
+    most = (
+        {} if dt_s is not None else {name: most_steps(load(name), scene, accuracy_rad or AIM_RAD) for name in engines}
+    )
+    if max(total, STEP_S * sum(most.values())) < REPORTED_FROM_S:
         return ""
-    parts = [f"{name} {duration_words(each)}" for name, each in spent.items() if each >= 1.0]
+    parts = [
+        f"{name} {duration_words(each)}" + (f" in at most {most[name]:.2g} steps" if most.get(name) else "")
+        for name, each in spent.items()
+        if each >= 1.0
+    ]
     parts += (
         [f"the histories' {scene.duration_s / scene.output_dt_s:.2g} samples {duration_words(writing_s)}"]
         if writing_s >= 1.0

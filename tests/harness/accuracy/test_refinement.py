@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from harness import engines
+from harness.accuracy import refinement
 from harness.accuracy.outlook import hopeless
 from harness.accuracy.refinement import run_to_accuracy
 from harness.accuracy.simulation import simulate
@@ -120,6 +121,16 @@ def test_a_growing_error_gives_a_horizon() -> None:
 def test_a_hopeless_climb_is_not_climbed_to_the_top() -> None:
     run = run_to_accuracy(Fake(growth=300.0), paestum(), 1e-3, RunOptions())
     assert run.work["runs"] <= 5
+
+
+def test_a_climb_makes_no_more_steps_than_it_may(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(refinement, "MOST_TIMES", 8.0)
+    scene = replace(paestum(), duration_s=1.0)
+    engine = Fake(blow=1e3, steps_s=(1e-2, 4e-3, 1e-3, 4e-4))
+    run = run_to_accuracy(engine, scene, 1e-2, RunOptions())
+    spent, most = run.work["steps_of_all_runs"], refinement.most_steps(engine, scene, 1e-2)
+    assert spent <= most == pytest.approx(8.0 * scene.duration_s / 1e-2)
+    assert any("were not tried" in warning for warning in run.warnings)
 
 
 def test_an_error_that_one_event_makes_is_climbed_though_the_runs_part_at_the_same_instant() -> None:
@@ -238,7 +249,7 @@ def test_a_fall_is_not_climbed_for_its_own_path() -> None:
     assert 0.15 <= settled.reliable_until_s < 0.5
     assert any("past the instant of no return" in warning for warning in settled.warnings)
     late = run_to_accuracy(Fake(growth=8.0, no_return_s=0.99, steps_s=steps_s), paestum(), 1e-3, RunOptions())
-    assert late.work["runs"] > 6
+    assert late.work["runs"] == 6
 
 
 def test_a_run_that_only_confirms_ends_soon_after_the_two_part() -> None:
