@@ -73,13 +73,10 @@ def outcomes(
     if (flat.get("friction", np.zeros(1)) < 0.0).any():
         raise AnalyticInputError("sweep: no negative friction is wanted.")
     size = math.prod(shape)
-    task = prepare(problem, tolerance, None, math.inf, 0)
+    task = prepare(problem, tolerance, None, math.inf, 0, most_steps)
     workers = threads or os.cpu_count() or 1
     chunk = min(CHUNK, -(-size // (PIECES * workers))) or 1
     pieces = [slice(start, min(start + chunk, size)) for start in range(0, size, chunk)]
-    # The kernel counts up to its own most: a run that may take fewer begins with the others counted.
-    before = MOST - min(most_steps, MOST)
-    task.run["steps"] = before
 
     def work(piece: slice) -> tuple[Records, Floats]:
         part = {name: values[piece] for name, values in flat.items()}
@@ -97,7 +94,7 @@ def outcomes(
         peak_tilt_rad=runs["peak_tilt_rad"].reshape(shape),
         axis=axis.reshape(*shape, 3),
         impacts=runs["impacts"].reshape(shape),
-        steps=runs["steps"].reshape(shape) - before,
+        steps=runs["steps"].reshape(shape),
     )
 
 

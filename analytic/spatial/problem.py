@@ -25,9 +25,9 @@ UNIT: Final = 1e-6
 class Problem:
     """A body on a shaking floor; SI units, table's frame, angular velocity in the body's frame.
 
-    position_m of the centroid; None: standing on the lowest vertex at x = y = 0. friction_kinetic None: as friction_static; both
-    may be infinite. overturn_rad ends a run; from π on nothing does. restitution: the share of its normal velocity with which a
-    vertex leaves an impact. Raises AnalyticInputError for numbers that cannot be run.
+    position_m of the centroid; None: the lowest vertex on the floor, x = y = 0. velocity_m_s of the centroid. friction_kinetic
+    None: as friction_static; both may be infinite. overturn_rad ends a run; from π on nothing does. restitution: the share of
+    its normal velocity with which a vertex leaves an impact. Raises AnalyticInputError for numbers that cannot be run.
     """
 
     body: Body
@@ -76,8 +76,8 @@ class Problem:
     def start(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
         """The initial state (13,): place, quaternion, velocity, angular velocity.
 
-        Without a given place the lowest vertex is put on the floor; the velocity is then that of a body that turns about it,
-        plus what was given.
+        Without a given place the lowest vertex is put on the floor. The velocity is the centroid's, as given: one that turns
+        about a vertex is given ω × (centroid − vertex), which the angular velocity alone does not bring.
         """
         from analytic.rotation import rotation_matrices
 

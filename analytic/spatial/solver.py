@@ -19,7 +19,7 @@ from analytic.motion import Excitation, ZeroExcitation
 from analytic.rotation import rotation_matrices
 from analytic.solver import FIRST_EVENTS
 from analytic.spatial.body import Body, Floats
-from analytic.spatial.kernel.records import EVENT_HEAD, INTERVAL_HEAD, MEMORY, RUN, STATE, Run
+from analytic.spatial.kernel.records import EVENT_HEAD, INTERVAL_HEAD, MEMORY, MOST, RUN, STATE, Run
 from analytic.spatial.problem import Problem
 from analytic.spatial.solution import (
     KINDS,
@@ -28,6 +28,7 @@ from analytic.spatial.solution import (
     VERTEX_STATES,
     Event,
     Interval,
+    Outcome,
     Solution,
     Work,
 )
@@ -59,7 +60,9 @@ class Task(NamedTuple):
     motions: Sequence[tuple[MotionParams, Floats, Floats]]
 
 
-def prepare(problem: Problem, tolerance: float, dt_out_s: float | None, step_cap_s: float, rows: int) -> Task:
+def prepare(
+    problem: Problem, tolerance: float, dt_out_s: float | None, step_cap_s: float, rows: int, most_steps: int = MOST
+) -> Task:
     """Everything that one run reads and writes, freshly allocated."""
     body, n = problem.body, len(problem.body.vertices_m)
     motions = [encode_motion(each) for each in (problem.motion_x, problem.motion_y, problem.motion_z)]
@@ -79,6 +82,7 @@ def prepare(problem: Problem, tolerance: float, dt_out_s: float | None, step_cap
         "still_m_s": max(STILL_M_S, 10.0 * tolerance),
         "settle_m_s": math.sqrt(2.0 * problem.gravity_m_s2 * max(tolerance, SETTLE_M)),
         "step_cap_s": step_cap_s,
+        "most_steps": most_steps,
         "output_step_s": dt_out_s or 0.0,
         "keep_events": rows > 0,
         "step_s": 1e-3,
@@ -130,15 +134,19 @@ def solve(
     dt_out_s: float | None = 0.001,
     step_cap_s: float = math.inf,
     events: bool = True,
+    most_steps: int = MOST,
 ) -> Solution:
-    """Run the model of docs/spatial.md; raises AnalyticInputError for numbers that cannot be used."""
+    """Run the model of docs/spatial.md; raises AnalyticInputError for numbers that cannot be used.
+
+    most_steps: after which the run is given up (`Solution.gave_up`).
+    """
     positive(tolerance=tolerance, **({} if dt_out_s is None else {"dt_out_s": dt_out_s}))
     rows = FIRST_EVENTS if events else 0
-    task = prepare(problem, tolerance, dt_out_s, step_cap_s, rows)
+    task = prepare(problem, tolerance, dt_out_s, step_cap_s, rows, most_steps)
     run_all(task.run, task.memory)
     most = int(max(task.run["events"][0], task.run["intervals"][0]))
     if events and most > rows:
-        task = prepare(problem, tolerance, dt_out_s, step_cap_s, most)
+        task = prepare(problem, tolerance, dt_out_s, step_cap_s, most, most_steps)
         run_all(task.run, task.memory)
     return read(problem, task)
 
@@ -241,6 +249,8 @@ class Certified:
     place_uncertainty_m: float
     reliable_until_s: float
     outcome_is_sure: bool
+    complete: bool
+    """Whether each of the runs found a way to its end: none was given up or found no mode of motion."""
 
 
 def certify(
@@ -250,23 +260,28 @@ def certify(
     dt_out_s: float = 0.001,
     accuracy: float = 1e-9,
     step_cap_s: float = math.inf,
+    most_steps: int = MOST,
 ) -> Certified:
     """Run the model, and again a hundred times finer and with shorter steps; say how far the numbers hold.
 
     accuracy: error, in rad and m, up to which the history counts as reliable.
     """
     finer, shorter = max(SECOND_RUN_SHARE * tolerance, FINEST), min(CAP_S, 0.5 * step_cap_s)
-    first = solve(problem, tolerance=tolerance, dt_out_s=dt_out_s, step_cap_s=step_cap_s)
-    others = (
-        solve(problem, tolerance=finer, dt_out_s=dt_out_s, step_cap_s=step_cap_s, events=False),
-        solve(problem, tolerance=tolerance, dt_out_s=dt_out_s, step_cap_s=shorter, events=False),
+    first, *others = (
+        solve(problem, tolerance=local, dt_out_s=dt_out_s, step_cap_s=cap_s, events=events, most_steps=most_steps)
+        for local, cap_s, events in (
+            (tolerance, step_cap_s, True),
+            (finer, step_cap_s, False),
+            (tolerance, shorter, False),
+        )
     )
     size = min(len(each.t_s) for each in (first, *others)) - 1
     turned = np.stack([attitude_difference_rad(first, other, size) for other in others])
     moved = np.stack([first.position_m[:size] - other.position_m[:size] for other in others])
     differences = turned, np.linalg.norm(moved, axis=2)
     said = within(first.t_s, min(each.end_s for each in (first, *others)), differences, (accuracy, accuracy))
-    return Certified(first, *said, all(other.outcome is first.outcome for other in others))
+    complete = not any(each.gave_up or each.outcome is Outcome.FRICTION_PARADOX for each in (first, *others))
+    return Certified(first, *said, all(other.outcome is first.outcome for other in others), complete)
 
 
 def attitude_difference_rad(a: Solution, b: Solution, size: int) -> Floats:

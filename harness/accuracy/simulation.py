@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from harness import engines
-from harness.engines.base import Engine, EngineFailure
+from harness.engines.base import Engine, EngineFailure, own_failures
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
@@ -58,19 +58,20 @@ def simulate_with(engine: Engine, scene: Scene, target: RunTarget) -> Run:
     """The same with an engine that is loaded, and a target that was checked."""
     reason, start = engine.missing(), time.perf_counter()
     try:
-        if reason is not None:
-            run = failed(engine.name, Outcome.UNAVAILABLE, reason)
-        elif scene.initial.pose is not None and not engine.capabilities.posed_start:
-            reason = (
-                f"{engine.name} does not begin from a pose in space (initial.position_m and its like): ask pybullet"
-            )
-            run = failed(engine.name, Outcome.CRASHED, reason)
-        elif target.dt_s is not None and not engine.capabilities.certifies:
-            run = engine.simulate(scene, engine.settings_for_dt(scene, target.dt_s), target.options)
-        else:
-            from harness.accuracy.refinement import run_to_accuracy
+        with own_failures(engine.name):
+            if reason is not None:
+                run = failed(engine.name, Outcome.UNAVAILABLE, reason)
+            elif scene.initial.pose is not None and not engine.capabilities.posed_start:
+                reason = (
+                    f"{engine.name} does not begin from a pose in space (initial.position_m and its like): ask pybullet"
+                )
+                run = failed(engine.name, Outcome.CRASHED, reason)
+            elif target.dt_s is not None and not engine.capabilities.certifies:
+                run = engine.simulate(scene, engine.settings_for_dt(scene, target.dt_s), target.options)
+            else:
+                from harness.accuracy.refinement import run_to_accuracy
 
-            run = run_to_accuracy(engine, scene, target.accuracy_rad or DEFAULT_ACCURACY_RAD, target.options)
+                run = run_to_accuracy(engine, scene, target.accuracy_rad or DEFAULT_ACCURACY_RAD, target.options)
     except EngineFailure as error:
         run = failed(engine.name, Outcome.CRASHED, str(error), time.perf_counter() - start)
     return replace(run, motion_axes=scene.base_excitation.axes(engine.capabilities.dimensions))

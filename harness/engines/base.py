@@ -19,10 +19,12 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from typing import ClassVar, Final, TypeVar
 
+from harness.model.errors import InputError
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
@@ -39,6 +41,19 @@ MOVING_TABLE: Final = "a moving table (table; it accelerates the floor's frame)"
 
 class EngineFailure(RuntimeError):
     """The engine could not finish this run; the harness records it as a failure of this run only."""
+
+
+@contextmanager
+def own_failures(name: str) -> Iterator[None]:
+    """Let an engine's faults out as `EngineFailure` alone: what one does must not take along the answers of others."""
+    try:
+        yield
+    except (EngineFailure, InputError):
+        raise
+    except Exception as fault:
+        raise EngineFailure(
+            f"{name} failed, {type(fault).__name__}: {fault}; a fault of rockcheck: please report it"
+        ) from fault
 
 
 def refuse(name: str, asked: Mapping[str, bool], *others: str) -> None:
@@ -94,6 +109,12 @@ class Engine(ABC):
     agreements: ClassVar[int] = 2
     """Comparisons of a run with the next finer one that must hold in a row before an accuracy counts as reached: one where errors
     are shown to fall evenly with the step (`python -m tests.measures.coverage`), two where runs may agree by chance."""
+
+    def __init_subclass__(cls) -> None:
+        """Let nothing but `EngineFailure` and a user's mistakes out of the class's runs, whoever asks for them."""
+        super().__init_subclass__()
+        if "simulate" in cls.__dict__ and not getattr(cls.simulate, "__isabstractmethod__", False):
+            cls.simulate = own_failures(cls.name)(cls.simulate)  # type: ignore[method-assign]
 
     @abstractmethod
     def missing(self) -> str | None:

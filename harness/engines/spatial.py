@@ -30,6 +30,9 @@ LEVELS: Final = ((1e-7, 1e-4), (1e-10, 1e-7), (1e-13, 1e-10))
 """(local error of a step, error of the rotation expected): rocking histories of some ten impacts amplify by up to a thousand."""
 BEYOND_RAD: Final = 1e-9
 """By how much a run goes on beyond the overturning rotation, so that a sample lies there."""
+STEPS_SHARE: Final = 30.0
+"""Steps of a finer level over those of the coarsest, at most: 4 at the median and 20 at the most of some thousand bodies."""
+LEAST_STEPS: Final = 5000
 LEAST_ROTATION_RAD: Final = 1e-9
 """A rotation below this is rest to the eye that finds half-cycles in a history: far above rounding."""
 VERIFICATION_STEP_S: Final = 0.005
@@ -78,7 +81,7 @@ class Spatial(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene and certify the numbers; raises EngineFailure for what the model does not have."""
-        from analytic import AnalyticInputError, spatial
+        from analytic import AnalyticInputError
 
         imposed = "a prescribed ratio at impact (contact.restitution; only a body thrown in space bounces)"
         asked = {
@@ -91,16 +94,44 @@ class Spatial(Engine):
         own = own_settings(self.name, SpatialSettings, settings)
         begin = time.perf_counter()
         try:
-            certified = spatial.certify(
-                problem_of(scene),
-                tolerance=own.tolerance,
-                dt_out_s=scene.output_dt_s,
-                accuracy=RELIABLE_RAD,
-                step_cap_s=own.dt_s or math.inf,
-            )
+            own, certified, unfinished = _answer(scene, own, problem_of(scene))
         except AnalyticInputError as error:
             raise EngineFailure(str(error)) from error
-        return _run(scene, own, certified, options, begin)
+        return _run(scene, own, certified, unfinished, options, begin)
+
+
+def _answer(
+    scene: Scene, own: SpatialSettings, problem: Problem
+) -> tuple[SpatialSettings, Certified, Sequence[tuple[float, Solution]]]:
+    """The answer at the local error asked, else at the finest coarser level whose runs reach their ends; and what did not.
+
+    A run that takes `STEPS_SHARE` times the steps of the coarsest level makes no progress worth them: it is given up.
+    """
+    from analytic import spatial
+    from analytic.spatial.solver import CAP_S
+
+    coarse = spatial.solve(problem, tolerance=LEVELS[0][0], dt_out_s=None, events=False)
+    # What is held to short steps takes those of its length too, whatever the coarse run took.
+    steps = coarse.work.steps + coarse.work.rejected + scene.duration_s / min(own.dt_s or math.inf, CAP_S)
+    most_steps = int(max(LEAST_STEPS, STEPS_SHARE * steps))
+    coarser = [(local, error) for local, error in reversed(LEVELS) if local > own.tolerance]
+    tried: list[tuple[SpatialSettings, Certified]] = []
+    for settings in (own, *(replace(own, tolerance=local, expected_error_rad=error) for local, error in coarser)):
+        certified = spatial.certify(
+            problem,
+            tolerance=settings.tolerance,
+            dt_out_s=scene.output_dt_s,
+            accuracy=RELIABLE_RAD,
+            step_cap_s=own.dt_s or math.inf,
+            most_steps=most_steps,
+        )
+        tried.append((settings, certified))
+        if certified.complete:
+            break
+    else:
+        # No level is sure: the finest that ended by itself, if there is one.
+        tried = next((tried[: k + 1] for k, (_, each) in enumerate(tried) if not each.solution.gave_up), tried)
+    return *tried[-1], [(settings.tolerance, each.solution) for settings, each in tried[:-1]]
 
 
 def problem_of(scene: Scene) -> Problem:
@@ -185,8 +216,12 @@ def trajectory_of(scene: Scene, solution: Solution) -> Trajectory:
     )
 
 
-def _warnings(certified: Certified) -> Sequence[str]:
-    solution, messages = certified.solution, []
+def _warnings(certified: Certified, unfinished: Sequence[tuple[float, Solution]]) -> Sequence[str]:
+    solution = certified.solution
+    messages = [
+        f"A local error of {local:g} was given up ({tried.work.steps} steps, {tried.end_s:.6g} s): a coarser one answers."
+        for local, tried in unfinished
+    ]
     if solution.outcome.value == "friction_paradox":
         messages.append(
             f"At {solution.end_s:.6g} s no mode of motion is consistent with its own forces: the run ends there."
@@ -212,7 +247,14 @@ def outcome_of(solution: Solution, reduced: Outcome) -> Outcome:
     return Outcome.UNDECIDED if solution.gave_up and not reduced.overturned else reduced
 
 
-def _run(scene: Scene, own: SpatialSettings, certified: Certified, options: RunOptions, begin: float) -> Run:
+def _run(
+    scene: Scene,
+    own: SpatialSettings,
+    certified: Certified,
+    unfinished: Sequence[tuple[float, Solution]],
+    options: RunOptions,
+    begin: float,
+) -> Run:
     solution = certified.solution
     plain: dict[str, object] = own.as_dict()
     report = Report(
@@ -235,8 +277,9 @@ def _run(scene: Scene, own: SpatialSettings, certified: Certified, options: RunO
             "impacts": solution.work.impacts,
             "rejected_steps": solution.work.rejected,
             "ambiguous_states": solution.ambiguous_states,
+            "levels_given_up": len(unfinished),
         },
-        warnings=_warnings(certified),
+        warnings=_warnings(certified, unfinished),
     )
     run = reduce_trajectory(scene, trajectory_of(scene, solution), report)
     return replace(

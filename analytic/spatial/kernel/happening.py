@@ -54,14 +54,14 @@ def happen(s: Run, m: Memory) -> None:
 
 @jit
 def _stop(s: Run, m: Memory, vertex: int) -> None:
-    """A vertex' velocity along its direction has passed zero: it stops, unless it has only turned."""
+    """A vertex' velocity along its direction has passed zero: it stops, unless it has only turned, as none can about a pivot."""
     moving = False
-    if vertex >= 0:
+    if vertex >= 0 and s.mode != codes.EDGE_PIVOT:
         vertex_velocities(s, m, m.y)
         x = to_table(axes(m.y), row3(m.u, vertex))
         moving = math.sqrt(x[0] * x[0] + x[1] * x[1]) > 10.0 * s.still_m_s
     if moving:
         s.fresh = True
         return
-    decide(s, m)
+    decide(s, m, 0.0)
     note_event(s, m, codes.STICK_ONSET, vertex, 0.0, 0.0)

@@ -33,6 +33,10 @@ from analytic.spatial.kernel.vectors import (
 
 ROUNDED: Final = 4.4e-16
 """Two roundings, relative: of a sum and of its parts."""
+PUSHED_M_S: Final = 1e-11
+"""A vertex that is pushed down more slowly than this is turned by any force before its gap is more than rounding."""
+DROPPED: Final = 4.0
+"""Slip over the approach speed up to which an impact of less than `settle_m_s` leaves its vertices standing."""
 CHOICES: Final = 4
 """So often a mode is chosen again where its own forces, once the state is in it, pull by more than"""
 PULLED: Final = 1e-6
@@ -82,10 +86,11 @@ def find_mode(s: Run, m: Memory, still_m_s: float) -> bool:
 
 
 @jit
-def decide(s: Run, m: Memory) -> None:
-    """Choose the mode of the vertices that are down, and put the state into it."""
+def decide(s: Run, m: Memory, dropped_m_s: float) -> None:
+    """Choose the mode of the vertices that are down, and put the state into it; what slides more slowly than `dropped_m_s` may
+    stand still in it."""
     for _ in range(CHOICES):
-        if not _choose_slowly(s, m):
+        if not _choose_slowly(s, m, dropped_m_s):
             s.outcome = codes.NO_MODE
             return
         enter(s, m)
@@ -94,8 +99,10 @@ def decide(s: Run, m: Memory) -> None:
 
 
 @jit
-def _choose_slowly(s: Run, m: Memory) -> bool:
+def _choose_slowly(s: Run, m: Memory, dropped_m_s: float) -> bool:
     """Set a mode; False if none is possible, whatever the directions of slow vertices are."""
+    if dropped_m_s > 10.0 * s.still_m_s and find_mode(s, m, dropped_m_s):
+        return True
     # What a slow vertex' direction is lies within the errors of its velocity: where no mode goes with it, others are asked. Last
     # one whose rebound was dropped: where impacts of two vertices by turns come to their end both stand still.
     for slower_m_s in (10.0 * s.still_m_s, s.still_m_s, 100.0 * s.still_m_s, 1000.0 * s.still_m_s, s.settle_m_s):
@@ -127,7 +134,7 @@ def _drop_rebounds(s: Run, m: Memory) -> None:
     rows, least_m_s = axes(m.y), 0.0
     for k in range(s.touching):
         least_m_s = min(least_m_s, dot(rows[2], row3(m.u, m.touch[k])))
-    if least_m_s < -s.still_m_s:
+    if least_m_s < -PUSHED_M_S:
         m.y[:] = m.ys
         hold_level(s, m, m.y)
 
@@ -163,6 +170,9 @@ def collide(s: Run, m: Memory, vertex: int) -> None:
     set_touch(s, m)
     rows, before_j = axes(m.y), kinetic_energy(s, m, m.y)
     size = limits(s, m, 10.0 * s.still_m_s, True)
+    lands_m_s = 0.0
+    for k in range(s.touching):
+        lands_m_s = max(lands_m_s, -dot(rows[2], row3(m.u, m.touch[k])))
     v0, w0 = vector(m.y, 7), vector(m.y, 10)
     possible, returns = strike(s, m, rows, size)
     if not possible:
@@ -188,7 +198,8 @@ def collide(s: Run, m: Memory, vertex: int) -> None:
     loss = before_j - kinetic_energy(s, m, m.y)
     s.impact_loss_j += loss
     s.cone_residual = max(s.cone_residual, cone)
-    decide(s, m)
+    # From less than what is dropped of a rebound: the slip that such an impact sets off ends by itself as soon.
+    decide(s, m, DROPPED * lands_m_s if lands_m_s <= s.settle_m_s else 0.0)
     note_event(s, m, codes.SETTLED if settled else codes.IMPACT, vertex, loss, cone)
     m.impulse[:] = 0.0
 

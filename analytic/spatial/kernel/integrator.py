@@ -16,7 +16,7 @@ from analytic.spatial.kernel.holding import hold_place, hold_velocity, take_head
 from analytic.spatial.kernel.impact import collide, decide
 from analytic.spatial.kernel.motion import all_over, field, pass_breaks
 from analytic.spatial.kernel.rates import kinetic_energy, rates
-from analytic.spatial.kernel.records import MEMORY, MOST, RUN, STATE, Memory, Run
+from analytic.spatial.kernel.records import MEMORY, RUN, STATE, Memory, Run
 from analytic.spatial.kernel.rest import rests
 from analytic.spatial.kernel.resting import hold, needed
 from analytic.spatial.kernel.slow import bend, extrapolations, is_slow, slow_step, turning_time_s
@@ -143,7 +143,7 @@ def write_samples(s: Run, m: Memory, h: float) -> None:
 @jit
 def step(s: Run, m: Memory) -> None:
     """One step, up to its first event at most."""
-    if s.steps + s.rejected >= MOST:
+    if s.steps + s.rejected >= s.most_steps:
         s.outcome = codes.GAVE_UP
         return
     if s.fresh:
@@ -215,7 +215,7 @@ def begin(s: Run, m: Memory) -> None:
     if down:
         collide(s, m, -1)
     else:
-        decide(s, m)
+        decide(s, m, 0.0)
         note_event(s, m, codes.START, -1, 0.0, 0.0)
     note_peak(s, m.y)
 
@@ -240,7 +240,7 @@ def run_one(s: Run, m: Memory) -> None:
             pass_breaks(s, m)
             if jump:
                 mode = s.mode
-                decide(s, m)
+                decide(s, m, 0.0)
                 if mode != s.mode:
                     note_event(s, m, codes.BREAK, -1, 0.0, 0.0)
     audit(s, m, s.start_j)

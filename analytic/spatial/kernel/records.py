@@ -51,6 +51,8 @@ class Run:
     settle_m_s: float
     """A vertex that leaves an impact more slowly than this stays."""
     step_cap_s: float
+    most_steps: int
+    """Steps, rejected ones included, after which the run is given up."""
     output_step_s: float
     """0: no history."""
     keep_events: bool
@@ -200,4 +202,4 @@ EVENT_HEAD: Final = 6
 INTERVAL_HEAD: Final = 2
 """Items of an interval before the vertices' states: start and mode."""
 MOST: Final = 1_000_000
-"""Steps, rejected ones included, after which a run is given up: a hundred times those of the usual slow slide, some 5 s."""
+"""Steps after which a run is given up where nothing else is asked: a hundred times those of the usual slow slide, some 20 s."""

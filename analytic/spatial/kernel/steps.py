@@ -91,4 +91,4 @@ def succeed(s: Run, m: Memory) -> None:
     if possible:
         enter(s, m)
     else:
-        decide(s, m)
+        decide(s, m, 0.0)

@@ -92,7 +92,9 @@ def _synchronous(values: Array, t_s: Array, kick_s: Array, jump: float) -> Array
     accel = np.diff(values, axis=0) / np.where(between > 0.0, between, 1.0)[:, None]
     smooth = (between > 0.0) & (np.max(np.abs(accel), axis=1) < jump)
     slope = np.where(smooth[:, None], accel, 0.0)
-    result += np.vstack([slope, slope[-1:]]) * (t_s - kick_s)[:, None]
+    # A run of one sample has no acceleration: its velocities stay.
+    last = slope[-1:] if len(slope) else np.zeros_like(values)
+    result += np.vstack([slope, last]) * (t_s - kick_s)[:, None]
     return result
 
 

@@ -10,7 +10,8 @@ import pytest
 import analytic
 from analytic import AnalyticInputError, spatial
 from analytic.constants import GRAVITY_M_S2 as GRAVITY
-from tests.budgets_spatial import AUDIT, IMPULSE, MIRROR
+from analytic.rotation import rotation_matrices
+from tests.budgets_spatial import AUDIT, ENERGY_REL, IMPULSE, MIRROR
 
 BODY = spatial.Body.block(400.0, 0.35, 0.45, 1.1)
 DURATION_S = 1.2
@@ -147,3 +148,24 @@ def test_numbers_that_cannot_be_run_are_refused() -> None:
         spatial.Problem(BODY, 1.0, 0.3, quaternion_wxyz=(1.0, 1.0, 0.0, 0.0))
     with pytest.raises(AnalyticInputError, match="colour"):
         spatial.outcomes(spatial.Problem(BODY, 1.0, 0.3), {"colour": [1.0]})
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_the_start_has_the_energy_of_what_was_given(turned: bool) -> None:
+    """½ m v² + ½ ω · I ω with the centroid's velocity as given; about a vertex that is ½ ω · I_vertex ω."""
+    body, spin = spatial.Body.block(400.0, 0.35, 0.45, 1.1), np.array([0.3, -0.2, 0.5])
+    half = 0.05
+    turn = np.array([math.cos(half), 0.6 * math.sin(half), 0.8 * math.sin(half), 0.0])
+    rotation = rotation_matrices(turn[None])[0]
+    arm = body.vertices_m[np.argmin(body.vertices_m @ rotation[2])]
+    velocity = rotation @ np.cross(spin, -arm) if turned else np.zeros(3)
+    given = spatial.Problem(
+        body, 1.0, 0.5, quaternion_wxyz=turn, velocity_m_s=velocity, angular_velocity_rad_s=spin, gravity_m_s2=GRAVITY
+    )
+    start = given.start
+    energy = 0.5 * body.mass_kg * start[7:10] @ start[7:10] + 0.5 * start[10:] @ body.inertia_kg_m2 @ start[10:]
+    about = body.inertia_kg_m2 + (body.mass_kg * (arm @ arm * np.eye(3) - np.outer(arm, arm)) if turned else 0.0)
+    assert energy == pytest.approx(0.5 * spin @ about @ spin, rel=ENERGY_REL)
+    run = spatial.solve(given, dt_out_s=1e-4)
+    if turned:
+        np.testing.assert_allclose(run.velocity_m_s[0], velocity, rtol=0.0, atol=ENERGY_REL)

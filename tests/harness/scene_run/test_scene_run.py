@@ -6,6 +6,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 from threading import Event
+from typing import Never
 
 import numpy as np
 import pytest
@@ -16,9 +17,10 @@ from harness import engines
 from harness.accuracy.simulation import RunTarget, check_target, simulate
 from harness.campaign import task
 from harness.cli import summary
-from harness.engines.base import Engine
+from harness.engines.base import Engine, EngineFailure, Settings, own_failures
 from harness.model.errors import InputError
 from harness.model.history import Outcome
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.scores import Verdict
@@ -26,7 +28,7 @@ from harness.scene_run import confirmation as confirm
 from harness.scene_run import scene_run as run
 from harness.scene_run.scene_run import run_scene, write_result
 from tests import doubles
-from tests.scenes_for_tests import paestum
+from tests.scenes_for_tests import paestum, rectangle, scene
 
 needs_pybullet = pytest.mark.skipif(
     engines.load("pybullet").missing() is not None, reason="pybullet is not installed here"
@@ -97,6 +99,33 @@ def test_an_engine_that_is_not_here_is_an_outcome(monkeypatch: pytest.MonkeyPatc
     assert result.scores == {}
     write_result(result, tmp_path / "out")
     assert not (tmp_path / "out" / "history_pymunk.csv").exists()
+
+
+@pytest.mark.parametrize("where", ["simulate", "refinement_levels"])
+def test_a_fault_of_one_engine_is_its_own_row(where: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever an engine raises, in its run or in what prepares it, the others' answers stand."""
+
+    def fault(*arguments: object) -> Never:
+        raise ValueError("no such shape")
+
+    guarded = own_failures("pymunk")(fault) if where == "simulate" else fault
+    monkeypatch.setattr(type(engines.load("pymunk")), where, guarded)
+    result = run_scene(scene(rectangle(0.2, 1.0), theta_rad=0.05), ("analytic", "pymunk"), accuracy_rad=1e-3)
+    assert result.runs["pymunk"].outcome is Outcome.CRASHED
+    assert "no such shape" in result.runs["pymunk"].message
+    assert result.runs["analytic"].outcome is Outcome.STANDS
+    assert result.failed
+
+
+def test_a_class_of_engines_lets_out_nothing_but_its_failures() -> None:
+    class Faulty(Engine):
+        name = "faulty"
+
+        def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
+            raise IndexError("three of two")
+
+    with pytest.raises(EngineFailure, match="three of two"):
+        Faulty.simulate(engines.load("pymunk"), paestum(), Settings(1e-3, 1e-3), RunOptions())  # type: ignore[arg-type]
 
 
 def test_an_old_result_is_replaced_whole(tmp_path: Path) -> None:

@@ -1,0 +1,53 @@
+"""The engine `spatial` where a level's runs do not reach their end: the next coarser level answers, and is named."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from analytic.excitation import Pulse
+from harness import engines
+from harness.engines import spatial
+from harness.engines.spatial import LEVELS
+from harness.model.history import Outcome
+from harness.model.options import RunOptions
+from harness.model.scene import BaseExcitation, Scene
+from tests.scenes_for_tests import block, scene
+
+
+def between_two_feet() -> Scene:
+    statue = block(
+        mass_kg=400.0,
+        corner_left_m=0.15,
+        corner_right_m=0.17,
+        centroid_height_m=0.7,
+        inertia_kg_m2=72.0,
+        height_m=1.4,
+        depth_m=0.4,
+    )
+    motion = BaseExcitation(Pulse("one_sine", 3.66, 0.7), Pulse("one_sine", 3.37, 0.9, 0.2))
+    return replace(scene(statue, mu_statue=0.354, duration_s=2.0), base_excitation=motion)
+
+
+@pytest.mark.parametrize("level", range(len(LEVELS)))
+def test_every_level_answers_by_itself(level: int) -> None:
+    given, engine = between_two_feet(), engines.load("spatial")
+    run = engine.simulate(given, engine.refinement_levels(given)[level], RunOptions())
+    assert run.settings["tolerance"] == LEVELS[level][0]
+    assert run.work["levels_given_up"] == 0
+    assert run.outcome is Outcome.OVERTURNED_RIGHT
+
+
+def test_a_level_that_takes_too_many_steps_is_answered_by_the_next_coarser(monkeypatch: pytest.MonkeyPatch) -> None:
+    given, engine = between_two_feet(), engines.load("spatial")
+    monkeypatch.setattr(spatial, "LEAST_STEPS", 1500)
+    monkeypatch.setattr(spatial, "STEPS_SHARE", 1.0)
+    coarse, *_, fine = engine.refinement_levels(given)
+    run = engine.simulate(given, fine, RunOptions())
+    alone = engine.simulate(given, coarse, RunOptions())
+    assert run.settings == alone.settings
+    assert run.work["levels_given_up"] == len(LEVELS) - 1
+    assert run.outcome is alone.outcome
+    assert run.peak_theta_rad == alone.peak_theta_rad
+    assert run.numerical_uncertainty_rad == alone.numerical_uncertainty_rad
