@@ -69,3 +69,6 @@ GAL_3: Final = 0.501e-3 * 0.01
 
 SINGLE_PRECISION_M_S2: Final = 3e-9
 """SAC holds numbers of 24 bits: 2⁻²⁴ of the largest, 0.041 m/s², is 2.4e-9."""
+
+RATE_DIGITS = 1e-6
+"""A step of 1/128 s is 0.0078125: a clock keeps nine decimals, seven digits of the shortest step."""

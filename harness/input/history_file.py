@@ -31,6 +31,8 @@ UNITS: Final[Mapping[str, tuple[str, float]]] = {
 }
 """Columns in other units than the contract's: what they become, and the factor."""
 SEPARATORS: Final = (",", ";", "\t")
+_PLAIN: Final = str.maketrans({",": ".", "d": "e", "D": "E"})
+"""Decimal commas, and Fortran's exponents of double precision."""
 ENDLESS: Final = ("nan", "inf", "infinity")
 MOST_BYTES: Final = 2**30
 """Largest history read: an hour at 1 ms with ten columns takes half of it."""
@@ -90,7 +92,7 @@ def _resolutions(
     factors = {name: (index, factor) for index, (name, factor) in enumerate(meant)}
 
     def cells(name: str) -> list[str]:
-        return [row[factors[name][0]].replace(",", ".") for row in table.rows]
+        return [row[factors[name][0]].translate(_PLAIN) for row in table.rows]
 
     def of(name: str, values: Array) -> float:
         own = resolution(cells(name)) * factors[name][1] if name in factors else 0.0

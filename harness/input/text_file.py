@@ -27,21 +27,24 @@ PACKED: Final = {
 UTF16_MARKS: Final = (b"\xff\xfe", b"\xfe\xff")
 FOREIGN: Final = re.compile(r"[^0-9+\-.eE \t]")
 """What no decimal number holds. Python's float also takes underscores, "nan", "infinity" and the digits of other scripts."""
+_DOUBLE = re.compile(r"(?<=[0-9.])[dD](?=[+-]?[0-9])")
+"""Fortran's mark of an exponent in double precision."""
 _BARE_EXPONENT = re.compile(r"(?<=[0-9.])([+-][0-9]{3})$|(?<=\.)([0-9]*)([+-][0-9]{1,2})$")
 """Fortran leaves the E out where an exponent takes three digits; some programs always do (1.234+5)."""
 
 
 def decimal(text: str) -> float:
-    """The decimal number that `text` is, blanks around it allowed; ValueError for anything else."""
-    if FOREIGN.search(text):
+    """The decimal number that `text` is, blanks around it and an exponent after D allowed; ValueError for anything else."""
+    plain = _DOUBLE.sub("E", text)
+    if FOREIGN.search(plain):
         raise ValueError(f"{text!r} is no decimal number")
-    return float(text)
+    return float(plain)
 
 
 def decimals(texts: Sequence[str]) -> list[float]:
     """`decimal` of each."""
     if FOREIGN.search(" ".join(texts)):
-        raise ValueError("one of these is no decimal number")
+        return [decimal(text) for text in texts]
     return [float(text) for text in texts]
 
 

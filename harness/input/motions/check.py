@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
 
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, UNITS_M_S2, Channel, RecordFile
-from harness.input.motions.series import Series, displacement_m, velocity_m_s
+from harness.input.motions.series import Floats, Series, displacement_m, velocity_m_s
 from harness.input.motions.text import mistake
 
 LARGEST_PEAK_G: Final = 10.0
@@ -28,6 +29,19 @@ DRIFT_VELOCITY: Final = 0.25
 DRIFT_PATH: Final = (0.9, 0.01)
 """Shares of the peak displacement, and of the way at peak velocity, that lie between start and end. Corrected records keep less
 than 0.008 of the way; a fling's lasting displacement is reached in a second or two of strong velocity, not over a minute."""
+FILLERS: Final = np.array(
+    [float("9" * whole + "." + "9" * part) for whole in range(3, 10) for part in range(5)]
+    + [2.0**bits - less for bits in (15, 23, 31) for less in (0, 1)]
+)
+"""Numbers that programs write where they have none: nines, and the ends of a recorder's whole numbers."""
+FILLER_STEP: Final = (0.5, 0.1)
+"""Of a filler: how far it is from its neighbours, where it is whole, and where it has decimals (none is a sample by chance)."""
+FILLER_TIMES: Final = 3
+FILL: Final = "cut the record, or fill its gap in the program that made it"
+SPIKE: Final = 3.0
+"""Times all other samples: no floor moves so for one sample."""
+SPIKES: Final = 0.01
+FEWEST: Final = 100
 _END_SHARE, _FLAT_SAMPLES, _STRONG = 0.01, 10, (0.05, 0.95)
 
 
@@ -48,15 +62,19 @@ def _channel(channel: Channel, record: RecordFile) -> list[str]:
     least_s, most_s = STEPS_S
     if not least_s <= channel.dt_s <= most_s:
         raise mistake(record.path, channel.name, f"a step between {least_s:g} and {most_s:g} s", f"{channel.dt_s:g} s")
+    if record.unit in UNITS_M_S2:
+        refuse_fillers(accel / UNITS_M_S2[record.unit], record.path, lambda row: f"{channel.name}, sample {row + 1}")
     peak_g = float(np.abs(accel).max()) / STANDARD_GRAVITY_M_S2
     if peak_g == 0.0:
         raise mistake(record.path, channel.name, "a motion", "nothing but zeros")
     if peak_g > LARGEST_PEAK_G:
-        likely = _likely_units(peak_g, record.unit)
+        likely = _spikes(channel, record) or _likely_units(peak_g, record.unit)
         raise mistake(
             record.path, channel.name, f"a peak below {LARGEST_PEAK_G:g} g", f"{peak_g:.4g} g in {record.unit}", likely
         )
     doubts = _of_clock_and_sense(channel)
+    if spikes := _spikes(channel, record):
+        doubts.append(spikes)
     if peak_g < SMALLEST_PEAK_G:
         claimed = channel.stated_peak_m_s2 is not None and not _against_header(channel)
         why = "its header says so too" if claimed else _likely_units(peak_g, record.unit)
@@ -71,6 +89,55 @@ def _channel(channel: Channel, record: RecordFile) -> list[str]:
     if run > _FLAT_SAMPLES:
         doubts.append(f"constant over {run * channel.dt_s:.3g} s of its strong part: a gap that was filled?")
     return doubts
+
+
+def refuse_fillers(values: Floats, where: str, place: Callable[[int], str]) -> None:
+    """InputError at a number that programs write where a sample is missing (999.99, -9999, …) and that leaves the others' course.
+
+    `values` (n,) are as the file has them; `place` names the place of one by its row. A whole number, which a sample can be by
+    chance, must also be the largest of all, come again, or bend the others' course as nothing else does.
+    """
+    size = np.abs(values)
+    rows = np.flatnonzero(np.isin(np.round(size, 6), FILLERS))
+    if not rows.size:
+        return
+    before, after = (np.flatnonzero(np.concatenate(ends)) for ends in (
+        ([True], np.diff(values) != 0.0), (np.diff(values) != 0.0, [True])
+    ))  # fmt: skip
+    runs = np.isin(before, rows)
+    first, last = before[runs], after[runs]
+    step = FILLER_STEP[0] * size[first]
+    step[size[first] % 1.0 > 0.0] *= FILLER_STEP[1] / FILLER_STEP[0]
+    left = np.where(first > 0, np.abs(values[first] - values[first - 1]), np.inf)
+    right = np.where(last < values.size - 1, np.abs(values[last] - values[(last + 1) % values.size]), np.inf)
+    alone = (left > step) & (right > step)
+    bends = np.abs(np.diff(values, 2))
+    bends = np.pad(bends, (1, values.size - 1 - bends.size))
+    near = np.concatenate([first - 1, first, last, last + 1]).clip(0, values.size - 1)
+    usual = float(np.delete(bends, near).max(initial=0.0))
+    for value in np.unique(values[first[alone]]):
+        same = alone & (values[first] == value)
+        row, times = int(first[same][0]), int((last - first + 1)[same].sum())
+        sure = size[row] % 1.0 > 0.0 or size[row] >= size.max() or times >= FILLER_TIMES
+        if sure or bends[row] > SPIKE * usual > 0.0:
+            got = f"{value:.10g} ({times} such), which programs write where a sample is missing"
+            raise mistake(where, place(row), "an acceleration", got, FILL)
+
+
+def _spikes(channel: Channel, record: RecordFile) -> str:
+    """What is to be said of samples that stand alone above all others; "" where none does."""
+    size = np.abs(channel.accel_m_s2)
+    low = size[size < size.max() * (1.0 - FILLER_STEP[1])]
+    highest = float(low.max()) if low.size else 0.0
+    if size.size < FEWEST or highest <= 0.0 or size.max() < SPIKE * highest or low.size < (1.0 - SPIKES) * size.size:
+        return ""
+    row = int(np.argmax(size))
+    unit = record.unit if record.unit in UNITS_M_S2 else "m/s2"
+    peak, others = (value / UNITS_M_S2[unit] for value in (channel.accel_m_s2[row], highest))
+    return (
+        f"{size.size - low.size} of {size.size} samples stand alone at {peak:.5g} {unit} (the first at "
+        f"{channel.t_s[row]:.6g} s) where all others stay below {others:.4g}: spikes, or missing samples?"
+    )
 
 
 def _of_clock_and_sense(channel: Channel) -> list[str]:

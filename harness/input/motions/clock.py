@@ -17,6 +17,38 @@ GAP_STEPS: Final = 5.0
 MOST_SAMPLES: Final = 2e7
 """Twenty hours at 250 a second: more come of times that are damaged."""
 _QUANTA: Final = (1e-2, 1e-3, 1e-4, 1e-5)
+_USUAL_STEPS_S: Final = tuple(
+    1.0 / rate
+    for rate in (
+        20,
+        25,
+        40,
+        50,
+        60,
+        64,
+        80,
+        100,
+        120,
+        125,
+        128,
+        160,
+        200,
+        240,
+        250,
+        256,
+        300,
+        400,
+        500,
+        512,
+        600,
+        1000,
+        1024,
+    )
+)
+_ROUND_STEPS_S: Final = tuple(round(digits * power, 6) for power in (1e-4, 1e-3) for digits in range(10, 100))
+"""Steps of accelerographs, and the others that two digits write: one of them is what rounded times stand for."""
+_SAME: Final = 1e-6
+"""Of a digit, or of a step: rounding of doubles."""
 _FINEST: Final = 12
 """An even clock that meets every sample may be finer than the smallest step by this factor, not by more."""
 
@@ -50,23 +82,32 @@ def clock_of(t_s: Floats, where: str, lines: tuple[int, ...] | None = None, *, l
     if largest is not None and (np.diff(t_s) == 0.0).any():
         t_s, doubled = _spread(t_s), ("times printed alike for lack of digits: spread evenly",)
     steps = np.diff(t_s)
+    start_s, end_s = float(t_s[0]), float(t_s[-1])
+    exact = (end_s - start_s) / (t_s.size - 1)
+    dt_s = float(np.median(steps)) or exact
 
     def place(row: int) -> str:
         return f"line {lines[row]}" if lines else f"sample {row + 1}"
 
-    if (steps <= 0.0).any():
-        row = int(np.flatnonzero(steps <= 0.0)[0]) + 1
-        got = f"{t_s[row]:g} s after {t_s[row - 1]:g} s"
-        raise mistake(where, place(row), "increasing times", got, "sort the rows and drop doubled ones")
-    dt_s = float(np.median(steps))
-    if largest is None and steps.max() > GAP_STEPS * dt_s:
+    if exact > 0.0 and np.abs(t_s - start_s - exact * np.arange(t_s.size)).max() <= JITTER * exact:
+        return Clock(start_s, round(exact, 9), t_s.size, None, doubled)
+    forward = largest is None and bool((steps >= 0.0).all())
+    if forward and (even := _of_rounded(t_s)):
+        return even
+    if forward and steps.max() > GAP_STEPS * dt_s:
         row = int(np.argmax(steps)) + 1
         got = f"a gap of {steps[row - 1]:g} s from {t_s[row - 1]:g} s"
         raise mistake(where, place(row), f"a step of about {dt_s:g} s", got, "cut the record there or fill it")
-    start_s, end_s = float(t_s[0]), float(t_s[-1])
-    exact = (end_s - start_s) / (t_s.size - 1)
-    if np.abs(t_s - start_s - exact * np.arange(t_s.size)).max() <= JITTER * exact:
-        return Clock(start_s, round(exact, 9), t_s.size, None, doubled)
+    if (steps <= 0.0).any():
+        row = int(np.flatnonzero(steps <= 0.0)[0]) + 1
+        got = f"{t_s[row]:g} s after {t_s[row - 1]:g} s"
+        raise mistake(
+            where,
+            place(row),
+            "increasing times",
+            got,
+            "sort the rows, drop doubled ones, or print the times with more digits",
+        )
     fine = _common_step(t_s)
     if fine is None:
         fine = float(steps.min()) if largest is None else 0.5 * dt_s
@@ -80,8 +121,34 @@ def clock_of(t_s: Floats, where: str, lines: tuple[int, ...] | None = None, *, l
             where, "", f"steps that make at most {MOST_SAMPLES:.0e} samples when evened", got, "cut the record"
         )
     count = int((end_s - start_s) / fine + 1e-6) + 1
-    said = f"uneven steps, {steps.min():g} to {steps.max():g} s: interpolated linearly at {fine:.6g} s"
+    at_s = float(t_s[np.argmax(steps)])
+    said = (
+        f"uneven steps, {steps.min():g} to {steps.max():g} s (from {at_s:g} s): interpolated linearly at {fine:.6g} s"
+    )
     return Clock(start_s, fine, count, t_s, (*doubled, said))
+
+
+def _of_rounded(t_s: Floats) -> Clock | None:
+    """The even clock of which these times are what few digits left; None where no usual one is, or several are."""
+    quantum = next(
+        (each for each in (1.0, 0.1, *_QUANTA) if np.abs(t_s / each - np.round(t_s / each)).max() < 1e-4), None
+    )
+    if quantum is None:
+        return None
+    count = t_s.size - 1
+    least, most = ((float(t_s[-1] - t_s[0]) + off) / count for off in (-quantum, quantum))
+    for steps in (_USUAL_STEPS_S, _ROUND_STEPS_S):
+        fits = [
+            step
+            for step in steps
+            # Times of a whole number of digits to a step lose nothing by rounding: where they stray, samples are missing.
+            if least <= step <= most and abs(step / quantum - round(step / quantum)) > _SAME * max(step / quantum, 1.0)
+            and np.ptp(t_s - step * np.arange(t_s.size)) <= quantum * (1.0 + _SAME)
+        ]  # fmt: skip
+        if fits:
+            said = f"times printed to {quantum:g} s: read as even steps of {fits[0]:g} s"
+            return Clock(float(t_s[0]), fits[0], t_s.size, None, (said,)) if len(fits) == 1 else None
+    return None
 
 
 def _common_step(t_s: Floats) -> float | None:

@@ -34,7 +34,10 @@ FORMATS: Final[Mapping[str, bool]] = {
 
 def unit_named(text: str) -> str | None:
     """The key of UNITS_M_S2 that `text` means (cm/sec/sec, cm/s^2, m/s², gal, g. …), or None."""
-    bare = re.sub(r"[\s^*.()\[\]_]|-(?=2)", "", text.lower().replace("²", "2").replace("sec", "s").replace("s/s", "s2"))
+    plain = re.sub(
+        r"met(?:er|re)s?", "m", re.sub(r"sec(?:ond)?s?", "s", text.lower().replace("⁻²", "2").replace("²", "2"))
+    )
+    bare = re.sub(r"[\s^*.·()\[\]_]|-(?=2)", "", plain.replace("s/s", "s2"))
     return bare if bare in UNITS_M_S2 else _SPELLINGS.get(bare)
 
 

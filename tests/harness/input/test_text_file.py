@@ -14,18 +14,36 @@ from harness.input.motions.readers import read_record
 from harness.input.text_file import MOST_BYTES, decimal, decimals, decoded, fortran, read_bytes
 from harness.model.errors import InputError
 
-NO_NUMBERS = ("1_0.0", "nan", "-inf", "infinity", "0x10", "١٢", "1.0d-2", "", " ", "1,5", "--1", "1e", "e5", ".", "5 5")
+NO_NUMBERS = (
+    "1_0.0",
+    "nan",
+    "-inf",
+    "infinity",
+    "0x10",
+    "١٢",
+    "1.0d",
+    "d5",
+    "",
+    " ",
+    "1,5",
+    "--1",
+    "1e",
+    "e5",
+    ".",
+    "5 5",
+)
 BOMB_BYTES = 3 * 2**30
 
 
 def test_a_decimal_number_is_digits_a_point_and_an_exponent() -> None:
-    assert [decimal(text) for text in ("1", " -1.5 ", "+.5", "2.", "1E-02", "1.e+2")] == [
+    assert [decimal(text) for text in ("1", " -1.5 ", "+.5", "2.", "1E-02", "1.e+2", "1.D-2")] == [
         1.0,
         -1.5,
         0.5,
         2.0,
         0.01,
         100.0,
+        0.01,
     ]
     for text in NO_NUMBERS:
         with pytest.raises(ValueError, match=r"decimal|float"):

@@ -113,8 +113,14 @@ def _versions(text: str) -> Iterator[tuple[str, tuple[str, ...]]]:
 
 def _with_proposal(error: InputError, text: str, where: str) -> InputError:
     """The error with the options that would read the text as plain numbers, where no unit is all that is missing."""
-    first = error.mistakes[0]
-    if first.wanted == csv.UNIT or not (said := table.proposal(text, where, headed=csv.names_times(text))):
+    first, headed = error.mistakes[0], csv.names_times(text)
+    if first.wanted == csv.UNIT:
+        return error
+    try:
+        said = table.proposal(text, where, headed=headed)
+    except InputError as contradiction:
+        return error if headed else contradiction
+    if not said:
         return error
     advice = f"its numbers alone are read by: {said}; new and assess take the same options"
     return InputError(replace(first, advice=advice))

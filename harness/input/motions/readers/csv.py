@@ -11,10 +11,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.input.motions.check import refuse_fillers
 from harness.input.motions.clock import clock_of
-from harness.input.motions.orientation import Orientation, parse_orientation
-from harness.input.motions.readers.table import LABEL, likely_unit
-from harness.input.motions.recordfile import Channel, RecordFile, unit_named
+from harness.input.motions.readers.table import LABEL, NO_COMPONENT, heading, likely_unit
+from harness.input.motions.recordfile import UNIT_NAMES, Channel, RecordFile, unit_named
 from harness.input.motions.text import mistake
 from harness.input.text_file import decimals, is_decimal
 
@@ -24,17 +24,15 @@ _HEAD: Final = 2000
 """Characters at a file's beginning that may speak of a unit."""
 UNIT: Final = "an acceleration unit"
 _TIME = re.compile(
-    rf"^(?:t|time|zeit|tempo|temps|tiempo|epoch|timestamp)[\s_\-]*[\[(]?({'|'.join(_SECONDS)})?[\])]?$", re.IGNORECASE
-)
-_PREFIX = re.compile(r"^(acc(el(eration)?)?|a)[\s_\-]+", re.IGNORECASE)
-_UNIT = re.compile(r"^(.*?)[\s_\-]*[\[(\s_\-]([cm]?m_s2|[a-z%]+[a-z0-9²^/*]*)[\])]?$", re.IGNORECASE)
-_NO_COMPONENT = re.compile(
-    r"^(index|sample|absolute|total|magnitude|vel|disp)|[\[(]([cm]?m(/s(ec)?)?|volts?|m?v|counts?)[\])]$|_[cm]?ms?$",
+    rf"^(?:t|times?|elapsed(?:[\s_]time)?|seconds?|secs?|zeit|tempo|temps|tiempo|epoch|timestamp)[\s_\-]*[\[(]?({'|'.join(_SECONDS)})?[\])]?$",
     re.IGNORECASE,
 )
-"""Headers of a sample's number, a resultant, a velocity, a displacement, or a recorder's volts and counts."""
+_OTHER_UNIT = re.compile(
+    r"[\[(]([a-zµ]+/s\S*2|[a-zµ]+/s/s|[a-zµ]+ ?s-2)[\])]$|_((?:in|ft|km|um|nm|dm)_?s2)$", re.IGNORECASE
+)
+"""A unit of acceleration that is none of those which are read."""
 _COMMENT: Final = ("#", "%")
-_DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?|[+-]?[0-9]+")
+_DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eEdD][+-]?[0-9]+)?|[+-]?[0-9]+")
 
 
 @dataclass(frozen=True)
@@ -71,19 +69,33 @@ def read(text: str, where: str, *, unit: str | None = None) -> RecordFile:
     clock = clock_of(table.values[:, time] * _seconds(table.headers[time]), where, table.lines)
     channels: list[Channel] = []
     units: set[str] = set()
-    others = [header for header in table.headers if header in table.words or _NO_COMPONENT.search(header)]
+    counted = {
+        header
+        for header, of in zip(table.headers, table.values.T, strict=True)
+        if of.size > 2 and (np.diff(of) == 1.0).all()
+    }
+    others = [
+        header for header in table.headers if header in table.words or header in counted or NO_COMPONENT.search(header)
+    ]
     for column, header in enumerate(table.headers):
         if column == time or header in others:
             continue
-        orientation, stated = _column(header)
+        orientation, stated = heading(header)
         if stated is not None and unit is not None and stated != unit:
             raise mistake(where, header, f"the unit that the file states, {stated}", unit, "leave unit out")
+        if stated is None and (other := _OTHER_UNIT.search(header)):
+            raise mistake(where, header, UNIT_NAMES, other.group().strip("_()[]"), "convert the column")
         used = stated or unit
         if used is None:
             likely, said_so = likely_unit(text[:_HEAD], float(np.abs(table.values[:, column]).max()))
             advice = f'say --motion-unit {likely}, or unit = "{likely}" in a scene, if {said_so}' if likely else said_so
             raise mistake(where, header, UNIT, "none in the header and none given", advice)
         units.add(used)
+        refuse_fillers(
+            table.values[:, column],
+            where,
+            lambda row, name=header: f"line {table.lines[row]}, {name}",  # type: ignore[misc]
+        )
         values = clock.on(table.values[:, column])
         channels.append(Channel.read(header, orientation, clock.dt_s, values, used, start_s=clock.start_s))
     if not channels:
@@ -99,14 +111,6 @@ def _seconds(header: str) -> float:
     """The factor from the unit that a column of times names to seconds, one where it names none."""
     match = _TIME.match(header)
     return _SECONDS[match.group(1).casefold()] if match and match.group(1) else 1.0
-
-
-def _column(header: str) -> tuple[Orientation, str | None]:
-    """Direction and unit stated by a column's header such as a_N28W_ms2 or "UP (g)"."""
-    match = _UNIT.match(header)
-    unit = unit_named(match.group(2)) if match else None
-    name = _PREFIX.sub("", match.group(1) if match and unit else header)
-    return parse_orientation(name), unit
 
 
 def _split(line: str, decimal_comma: bool = False) -> list[str]:
@@ -159,7 +163,8 @@ def _table(text: str, where: str) -> _Table:
             advice = f"words among numbers: take out line {number}, and what is no number below it"
             raise mistake(where, f"line {number}", "numbers", repr(line.strip()[:60]), advice)
         if len(parts) != len(headers):
-            advice = "the file is cut off" if row == len(body) - 1 else "the file is damaged, or has decimal commas"
+            damage = "the file is damaged, or has decimal commas" if "," in line else "the file is damaged"
+            advice = "the file is cut off" if row == len(body) - 1 else damage
             raise mistake(where, f"line {number}", f"{len(headers)} columns", str(len(parts)), advice)
         parts = ["0" if column in words else part for column, part in enumerate(parts)] if words else parts
         try:
@@ -232,7 +237,9 @@ def _time_column(table: _Table, where: str) -> int:
     named = [i for i, header in enumerate(table.headers) if _TIME.match(header) and header not in table.words]
     if named:
         return named[0]
-    if table.headers[0] == "1" and len(table.headers) > 1:
-        return 0
     advice = "name the column of times t_s"
+    if table.headers[0] == "1" and len(table.headers) > 1:
+        if not (np.diff(table.values[:, 0]) == 1.0).all():
+            return 0
+        raise mistake(where, "column 1", "a column of times", "the samples' numbers, in steps of one", advice)
     raise mistake(where, "", "a column of times", f"the columns {', '.join(table.headers)}", advice)

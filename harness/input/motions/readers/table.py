@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from harness.input.motions.check import check, refuse_fillers
 from harness.input.motions.clock import clock_of
 from harness.input.motions.orientation import Orientation, parse_orientation
 from harness.input.motions.recordfile import (
@@ -24,6 +25,7 @@ from harness.input.motions.recordfile import (
 )
 from harness.input.motions.series import Floats
 from harness.input.motions.text import free_format, mistake
+from harness.input.text_file import fortran
 from harness.model.errors import InputError
 
 _LEAST_NUMBERS: Final = 16
@@ -31,20 +33,66 @@ _LEAST_NUMBERS: Final = 16
 _HEADER_ROWS: Final = 8
 """Lines of as many numbers as the columns that a header may hold; more are data before a damaged line."""
 _PLAUSIBLE_G: Final = (0.005, 3.0)
-_SHORTEST_S, _LONGEST_S = 1e-4, 0.1
+_SHORTEST_S, _LONGEST_S = _STEP = 1e-4, 0.1
 """Between the steps of accelerographs, 1 to 50 ms, and what no text means by a step."""
+_ONE: Final = (1.0, np.inf)
+"""Steps of a column of samples' numbers, or of milliseconds."""
+_HEADER_NUMBERS: Final = 3
+"""Lines of numbers alone, a count or a step, that stand under a header."""
+CONTRADICTS: Final = "the file contradicts itself: look into its source"
 _PLACE = re.compile(r"[0-9]{1,9}")
 _DATE = re.compile(r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}(?:[T_]\d\S*)?|\d{1,2}:\d\d(?::\d\d(?:[.,]\d*)?)?Z?")
 LABEL = re.compile(r"(?!(?:nan|inf|infinity|null|none|na|n/a)$)[^\W\d_]", re.IGNORECASE)
 """How a word of a column of flags, stations or remarks begins, which is no number that is missing."""
-_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][-+]?\d+)?")
+_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eEdD][-+]?\d+)?")
 _TIME_OF_DAY = re.compile(r"(?<!\d)(\d{1,2}):(\d\d):(\d\d(?:[.,]\d+)?)")
-_STEPS: Final = (
-    (re.compile(r"\b(?:dt|delta\s*t|step|interval)\b[^0-9.\n]{0,20}(\d*\.\d+(?:[eE][-+]?\d+)?)", re.IGNORECASE), False),
-    (re.compile(r"(\d*\.\d+)\s*s(?:ec)?\b", re.IGNORECASE), False),
-    (re.compile(r"(\d+(?:\.\d+)?)\s*(?:hz|sps|samples?\s*(?:/|per)\s*s)", re.IGNORECASE), True),
+_NUMBER = r"(\d*\.?\d+(?:[eEdD][-+]?\d+)?)"
+_NAMED_STEP = re.compile(
+    r"\b(?:dt|delta[ _]*t|(?:time|sampling|sample)?[ _]*(?:step|interval|increment))\b[^0-9.]{0,20}"
+    rf"{_NUMBER}\s*(m(?:illi)?s\w*)?"
+    rf"|\d+[\s,]+{_NUMBER}[\s,]+NPTS\s*,\s*DT\b",
+    re.IGNORECASE,
 )
-_UNIT_WORDS = re.compile(r"(?<![\w/])(?:c?m+/s\S*|gals?|%?g|(?<=[(\[])mg)(?![\w/])", re.IGNORECASE)
+_RATE = re.compile(
+    rf"{_NUMBER}\s*(?:hz|sps|samples?\s*(?:/|per)\s*s|(?:points|pts)\s*(?:/|per)\s*s)"
+    rf"|(?:\brate|\bfs|\bsps|frequency|samples?\s*(?:/|per)\s*s\w*)\b[^0-9.]{{0,20}}{_NUMBER}",
+    re.IGNORECASE,
+)
+_SECONDS = re.compile(rf"{_NUMBER}\s*s(?:ec\w*)?\b", re.IGNORECASE)
+_OTHER_TIMES = re.compile(
+    r"filt|pass|corner|cut|natural|period|damp|peak|max|min|pga|freq|instr|durat|length", re.IGNORECASE
+)
+"""Lines that speak of a filter, an instrument or a peak have hertz and seconds that are no step's."""
+_SAMPLING = re.compile(r"sampl|\brate|\bsps\b|\bfs\b|points|pts", re.IGNORECASE)
+_COUNT = re.compile(
+    r"(?:\bnpts|\bndata|\bnpoints|(?:no\.?|number|num\.?) of (?:points|samples|data|values)(?: points)?)\b"
+    r"[^0-9\n]{0,12}(\d{1,9})\b"
+    r"|\b(\d{1,9})[\s,]+\S+[\s,]+NPTS\s*,\s*DT\b|\b(\d{1,9})\s+(?:data )?(?:points|samples|values|pts)\b(?!\s*(?:/|per))",
+    re.IGNORECASE,
+)
+_SAME: Final = 0.01
+"""Steps that differ by less are one, rounded."""
+_RISING: Final = 0.95
+"""Share of a clock's steps that do not fall; an acceleration's do in half of them."""
+NO_COMPONENT = re.compile(
+    r"^(index|sample|absolute|total|magnitude|vel|disp)|[\[(]([cm]?m(/s(ec)?)?|volts?|m?v|counts?)[\])]$|_[cm]?ms?$",
+    re.IGNORECASE,
+)
+"""Headers of a sample's number, a resultant, a velocity, a displacement, or a recorder's volts and counts."""
+_PREFIX = re.compile(r"^(acc(el(eration)?)?|a)[\s_\-]+", re.IGNORECASE)
+_UNIT = re.compile(r"^(.*?)[\s_\-]*[\[(\s_\-]([cm]?m_s2|[cm]?m ?s\^?-2|[a-z%]+[a-z0-9²⁻·^/*]*)[\])]?$", re.IGNORECASE)
+_UNIT_WORDS = re.compile(
+    r"(?<![\w/.])(?<!\d\s)(?:c?m+/s\S*|c?m+ ?s\^?-2|gals?|%?g|(?<=[(\[])mg)(?![\w/])", re.IGNORECASE
+)
+"""Units, but of a number that stands before them: a peak of 0.3 g says nothing of the samples."""
+
+
+def heading(header: str) -> tuple[Orientation, str | None]:
+    """Direction and unit stated by a column's header such as a_N28W_ms2 or "UP (g)"."""
+    match = _UNIT.match(header)
+    unit = unit_named(match.group(2)) if match else None
+    name = _PREFIX.sub("", match.group(1) if match and unit else header)
+    return parse_orientation(name), unit
 
 
 def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFile:
@@ -68,6 +116,16 @@ def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFi
         named = _named(layout, table.shape[1], where)
         if dated := [name for column, name in named.items() if np.isnan(table[:, column]).any()]:
             raise mistake(where, "columns", "columns of numbers", f"dates, times of day or words in {', '.join(dated)}")
+    headers = _headers("\n".join(text.splitlines()[:skip]), table.shape[1])
+    for column, name in named.items():
+        stated = heading(headers[column])[1]
+        if stated not in (None, unit):
+            raise mistake(where, headers[column], f"the unit that the file states, {stated}", unit, "say that one")
+        refuse_fillers(
+            table[:, column],
+            where,
+            lambda row, name=name: f"number {row + 1}" if layout.columns == WHOLE else f"line {places[row]}, {name}",  # type: ignore[misc]
+        )
     if layout.time_column is None:
         dt_s, start_s = float(layout.dt_s or 0.0), 0.0
         said: tuple[str, ...] = ()
@@ -156,7 +214,8 @@ def _named(layout: Layout, width: int, where: str) -> dict[int, str]:
 def proposal(text: str, where: str, *, headed: bool = False) -> str:
     """What to type so that the text is read as the table of numbers that it seems to be; "" where it seems to be none.
 
-    Where it is `headed` by names, one of them the times', no line above the numbers may be one of theirs, damaged.
+    Where it is `headed` by names, one of them the times', only times of day keep it from being read. InputError, naming it,
+    for what contradicts itself in the text: what is typed would not cure that.
     """
     lines = text.splitlines()
     block = _block(lines)
@@ -164,48 +223,121 @@ def proposal(text: str, where: str, *, headed: bool = False) -> str:
         return ""
     skip, rows = block
     head = "\n".join(lines[:skip])
-    layout, samples = _layout(rows, skip, head)
+    headers = _headers(head, rows[0].size)
+    if headed and not np.isnan(rows[0]).any():
+        return ""
+    layout, samples = _layout(rows, skip, headers)
     if not samples.size:
         return ""
+    _must_count(head, rows, where)
     if samples.ndim == 2 and np.isnan(rows[0]).any():
         layout = replace(layout, dt_s=_dated_step([line for line in lines[skip:] if line.strip()][: len(rows)]))
-    unit, remark = likely_unit(head, float(np.abs(samples).max()))
+    steps = _steps(head, rows)
+    if layout.time_column:
+        clock = clock_of(np.array(rows)[:, layout.time_column - 1], where, tuple(_places(lines, skip)))
+        steps = [clock.dt_s, *steps]
+    elif layout.dt_s is None and steps:
+        layout = replace(layout, dt_s=steps[0])
+    else:
+        steps = [layout.dt_s, *steps] if layout.dt_s else []
+    if steps and max(steps) > (1.0 + _SAME) * min(steps):
+        raise mistake(where, "", "one step", " and ".join(f"{each:g} s" for each in dict.fromkeys(steps)), CONTRADICTS)
+    used = [column for column in range(rows[0].size) if samples.ndim == 2 and column in _used(layout, rows[0].size)]
+    stated = {unit for column in used if (unit := heading(headers[column])[1])} or set(_units(head))
+    unit, remark = (stated.pop(), "") if len(stated) == 1 else likely_unit(head, float(np.abs(samples).max()))
+    if stated:  # more than one
+        raise mistake(where, "", "one unit in all columns", " and ".join(sorted(stated)), "read them one by one")
     if not unit:
         return ""
+    record = read(
+        text, where, unit=unit, layout=layout if layout.time_column or layout.dt_s else replace(layout, dt_s=0.01)
+    )
+    check(record)
+    remark = f"--motion-unit if {remark}" if remark else ""
+    options = layout.options()
     if not (layout.time_column or layout.dt_s):
-        layout, remark = (
-            replace(layout, dt_s=0.01),
-            f"--dt as its source says{remark and f'; --motion-unit if {remark}'}",
+        options, remark = (
+            f"{options} --dt STEP",
+            "; ".join(filter(None, ("STEP in seconds as its source says", remark))),
         )
-    elif remark:
-        remark = f"--motion-unit if {remark}"
-    command = f"rockcheck motion inspect {shlex.quote(where)} {layout.options()} --motion-unit {unit}"
+    command = f"rockcheck motion inspect {shlex.quote(where)} {options} --motion-unit {unit}"
     return f"{command} ({remark})" if remark else command
 
 
-def _layout(rows: list[Floats], skip: int, head: str) -> tuple[Layout, Floats]:
-    """How `rows` below the lines `head` seem to be laid out, and the samples: in columns (n, k), or of one channel (n,)."""
+def _layout(rows: list[Floats], skip: int, headers: Sequence[str]) -> tuple[Layout, Floats]:
+    """How `rows` under these `headers` seem to be laid out, and the samples: in columns (n, k), or of one channel (n,)."""
     width = rows[0].size
     even = [row for row in rows if row.size == width]
     table = np.array(even)
     dated = np.isnan(table).any(axis=0)
-    if dated.any() and len(even) == len(rows):
-        names = _names(head, width)
-        columns = ",".join(f"{i + 1}{names[i]}" for i in np.flatnonzero(~dated))
-        return Layout(None, skip, columns), table[:, ~dated]
-    steps = np.diff(table[:, 0])
-    if width > 1 and len(even) == len(rows) > 2 and (steps > 0.0).all() and steps.max() < 1.5 * steps.min():
-        return Layout(skip_lines=skip, time_column=1), table[:, 1:]
+    if len(even) == len(rows) > 2 and width > 1:
+        clock, counted = (next((i for i in range(width) if _rises(table[:, i], by)), None) for by in (_STEP, _ONE))
+        left = [
+            i
+            for i in range(width)
+            if not dated[i] and i not in (clock, counted) and not NO_COMPONENT.search(headers[i])
+        ]
+        whole = len(left) == width - (clock is not None)
+        columns = None if whole else ",".join(f"{i + 1}{_named_by(headers[i])}" for i in left)
+        if clock is not None and not dated.any():
+            return Layout(skip_lines=skip, time_column=clock + 1, columns=columns), table[:, left]
+        if dated.any() or counted is not None:
+            return Layout(skip_lines=skip, columns=columns), table[:, left]
     samples = np.concatenate(rows)
     runs_on = width > 1 and (len(even) < len(rows) or _rough(samples) < float(np.mean([_rough(c) for c in table.T])))
-    return Layout(_step(head, samples.size), skip, WHOLE if runs_on or width == 1 else None), samples
+    return Layout(
+        skip_lines=skip, columns=WHOLE if runs_on or width == 1 else None
+    ), samples if runs_on or width == 1 else table
 
 
-def _names(head: str, width: int) -> list[str]:
-    """For every column ":" and the word that the last line above it names it by, or "" where that line names none."""
-    last = re.sub(r"\s*[\[(][^\])]*[\])]", "", head.splitlines()[-1]) if head else ""
-    words = [cell if re.fullmatch(r"\w+", cell) else "" for cell in _cells(last)]
-    return [word and f":{word}" for word in words] if len(words) == width else [""] * width
+def _rises(values: Floats, by: tuple[float, float]) -> bool:
+    """Whether a column is a clock's, or counts: it hardly ever falls, by steps within these bounds as most are."""
+    steps = np.diff(values)
+    if not np.isfinite(steps).all() or (steps >= 0.0).mean() < _RISING:
+        return False
+    usual = float(np.median(steps)) or float(steps.mean())
+    near = (
+        (np.abs(steps - usual) <= 0.5 * abs(usual)) | (steps == 0.0) | (np.abs(steps) <= 2.0 * by[1]) & (steps >= 0.0)
+    )
+    return by[0] <= usual <= by[1] and bool(near.mean() >= _RISING)
+
+
+def _used(layout: Layout, width: int) -> list[int]:
+    """The columns (from 0) that a layout takes for accelerations."""
+    return [] if layout.columns == WHOLE else list(_named(layout, width, ""))
+
+
+def _headers(head: str, width: int) -> list[str]:
+    """For every column the words that the last line above it, or the one above that line's units, names it by; or ""."""
+    above = [line.lstrip(" #%") for line in head.splitlines() if line.strip()][-2:]
+    cells = [_names(line, width) for line in above]
+    if not cells or not cells[-1]:
+        return [""] * width
+    last = cells[-1]
+    if (
+        len(cells) == 2
+        and cells[0]
+        and all(unit_named(cell) or cell.strip("[]() ").lower() in ("s", "sec", "ms") for cell in last)
+    ):
+        return [f"{name} ({unit})" for name, unit in zip(cells[0], last, strict=True)]
+    return last
+
+
+def _names(line: str, width: int) -> list[str]:
+    for pattern in (r"[;\t|]", r",", r"\s{2,}|(?<=[\])])\s+", r"\s+"):
+        if len(cells := [cell.strip().strip('"') for cell in re.split(pattern, line.strip().strip(";,"))]) == width:
+            return cells if not any(_or_none(cell) is not None for cell in cells) else []
+    return []
+
+
+def _named_by(header: str) -> str:
+    """ ":" and the word by which a header names its column, or ""."""
+    word = re.sub(r"\s*[\[(][^\])]*[\])]", "", header)
+    return f":{word}" if re.fullmatch(r"\w+", word) else ""
+
+
+def _places(lines: Sequence[str], skip: int) -> list[int]:
+    return [i + 1 for i, line in enumerate(lines) if i >= skip and line.strip() and line.lstrip()[0] not in "#%"]
 
 
 def _dated_step(lines: Sequence[str]) -> float | None:
@@ -233,14 +365,33 @@ def _block(lines: Sequence[str]) -> tuple[int, list[Floats]] | None:
     """The last block of lines that hold numbers only, and the lines above it; None where such lines stand above it, too."""
     read = [_or_none(line) if line.strip() else np.empty(0) for line in lines]
     first = next((i + 1 for i in range(len(lines) - 1, -1, -1) if read[i] is None), 0)
-    rows = [row for row in read[first:] if row is not None and row.size]
-    wide = max((row.size for row in rows), default=0)
-    while rows and rows[0].size < wide:  # a header's last line may be a number
-        first += 1
-        rows = [row for row in read[first:] if row is not None and row.size]
-    above = sum(row is not None and row.size == wide for row in read[:first])
-    few = sum(row.size for row in rows) < _LEAST_NUMBERS
-    return None if few or above > _HEADER_ROWS else (first, rows)
+    places = [i for i in range(first, len(lines)) if (row := read[i]) is not None and row.size]
+    sizes = [row.size for i in places if (row := read[i]) is not None]
+    if sum(sizes) < _LEAST_NUMBERS:
+        return None
+    usual = max(set(sizes), key=sizes.count)
+    above = next((i for i, size in enumerate(sizes) if size == usual), 0)  # a header's last lines may be numbers
+    for more in range(above, min(above + _HEADER_NUMBERS, len(sizes))):
+        counts = {float(sum(sizes[more:])), float(len(sizes) - more)}
+        if any(counts & set(np.ravel(read[i]).tolist()) for i in places[:more]):
+            above = more
+            break
+    rows = [row for i in places[above:] if (row := read[i]) is not None]
+    before = sum(row is not None and row.size == usual for row in read[:first])
+    return None if before > _HEADER_ROWS or not rows else (places[above], rows)
+
+
+def _must_count(head: str, rows: list[Floats], where: str) -> None:
+    """InputError where the lines above the numbers say how many there are, and there are others."""
+    counts = {int(next(filter(None, match.groups()))) for match in _COUNT.finditer(head)}
+    for row in filter(lambda row: row is not None and row.size == 2, map(_or_none, head.splitlines())):
+        whole, step = sorted(np.abs(np.ravel(row)).tolist(), reverse=True)
+        if whole >= _LEAST_NUMBERS and whole % 1.0 == 0.0 and _SHORTEST_S <= step <= _LONGEST_S:
+            counts.add(int(whole))
+    found = {sum(row.size for row in rows), len(rows)}
+    if counts and not counts & found:
+        said, there = (" or ".join(map(str, sorted(each))) for each in (counts, found))
+        raise mistake(where, "", f"{said} numbers, as the lines above them say", there, CONTRADICTS)
 
 
 def _or_none(line: str) -> Floats | None:
@@ -250,15 +401,27 @@ def _or_none(line: str) -> Floats | None:
         return None
 
 
-def _step(head: str, count: int) -> float | None:
-    """The step in seconds that the lines above the numbers speak of, or that stands beside their `count`."""
-    for pattern, rate in _STEPS:
-        for text in pattern.findall(head):
-            value = float(text)
-            if value > 0.0 and _SHORTEST_S <= (dt_s := 1.0 / value if rate else value) <= _LONGEST_S:
-                return dt_s
-    beside = [row for row in map(_or_none, head.splitlines()) if row is not None and count in row]
-    return next((float(v) for row in beside for v in row if _SHORTEST_S <= v <= _LONGEST_S), None)
+def _steps(head: str, rows: list[Floats]) -> list[float]:
+    """The steps in seconds that the lines above the numbers speak of, or that stand beside their count."""
+    found: list[float] = []
+    counts = {float(sum(row.size for row in rows)), float(len(rows))}
+    numbers = [row for row in map(_or_none, head.splitlines()) if row is not None and row.size]
+    if any(counts & set(row.tolist()) for row in numbers):
+        found += [value for row in numbers for value in row.tolist()]
+    for line in head.splitlines():
+        for match in _NAMED_STEP.finditer(line):
+            value = fortran(match[1] or match[3])
+            found.append(value / 1000.0 if match[2] else value)
+        if not _OTHER_TIMES.search(line) or _SAMPLING.search(line):
+            found += [1.0 / rate for match in _RATE.finditer(line) if (rate := fortran(match[1] or match[2])) > 0.0]
+        if not _OTHER_TIMES.search(line) and not _NAMED_STEP.search(line):
+            found += [fortran(match[1]) for match in _SECONDS.finditer(line)]
+    return [value for value in dict.fromkeys(found) if _SHORTEST_S <= value <= _LONGEST_S]
+
+
+def _units(head: str) -> list[str]:
+    """The units that the lines above the numbers name."""
+    return list(dict.fromkeys(unit for word in _UNIT_WORDS.findall(head) if (unit := unit_named(word))))
 
 
 def likely_unit(head: str, largest: float) -> tuple[str, str]:
@@ -266,9 +429,8 @@ def likely_unit(head: str, largest: float) -> tuple[str, str]:
 
     "" and why where they would be none in any unit.
     """
-    for word in _UNIT_WORDS.findall(head):
-        if unit := unit_named(word):
-            return unit, ""
+    if named := _units(head):
+        return ("", f"the lines above name {' and '.join(named)}") if named[1:] else (named[0], "")
     low, high = _PLAUSIBLE_G
     peaks = {name: largest * factor / STANDARD_GRAVITY_M_S2 for name, factor in UNITS_M_S2.items()}
     fits = [name for name, peak in peaks.items() if low <= peak <= high]

@@ -11,6 +11,7 @@ import pytest
 
 from harness.input.motions.readers import read_record
 from harness.model.errors import InputError
+from tests.budgets_motions import CSV_DIGITS, RATE_DIGITS
 from tests.harness.input.motions import writers
 from tests.harness.input.motions.writers import wave
 
@@ -140,3 +141,80 @@ def test_the_last_whole_originals_line_matters(data_dir: Path, tmp_path: Path) -
         cut.write_text("\n".join(lines[:400]))
         with pytest.raises(InputError, match="cut off"):
             read_record(cut)
+
+
+@pytest.mark.parametrize("digits", [1, 2, 3])
+@pytest.mark.parametrize("dt_s", [0.005, 0.0025, 1.0 / 128.0, 0.001, 0.012])
+@pytest.mark.parametrize("start_s", [0.0, 12.347])
+def test_times_of_too_few_digits_keep_their_clock(tmp_path: Path, dt_s: float, digits: int, start_s: float) -> None:
+    printed = np.round(start_s + dt_s * np.arange(2000), digits)
+    record = read_record(csv(tmp_path / "a.csv", wave(2000), printed))
+    assert record.channels[0].dt_s == pytest.approx(dt_s, rel=RATE_DIGITS)
+    np.testing.assert_allclose(record.channels[0].accel_m_s2, wave(2000), rtol=CSV_DIGITS, atol=CSV_DIGITS)
+    assert len(record.channels) == 1
+
+
+def test_rounded_times_with_samples_missing_are_no_even_clock(tmp_path: Path) -> None:
+    kept = np.delete(np.arange(2000), range(900, 907))
+    with pytest.raises(InputError, match="increasing times"):
+        read_record(csv(tmp_path / "a.csv", wave(2000)[kept], np.round(0.005 * kept, 2)))
+
+
+@pytest.mark.parametrize("missing", [[300], [300, 301], [20, 300, 550]])
+def test_a_missing_sample_is_no_slower_clock(tmp_path: Path, missing: list[int]) -> None:
+    kept = np.delete(np.arange(600), missing)
+    record = read_record(csv(tmp_path / "a.csv", wave(600)[kept], np.round(0.01 * kept, 2)))
+    assert record.channels[0].dt_s == pytest.approx(0.01, rel=RATE_DIGITS)
+    np.testing.assert_allclose(record.channels[0].accel_m_s2[kept], wave(600)[kept], rtol=CSV_DIGITS, atol=CSV_DIGITS)
+
+
+@pytest.mark.parametrize("times", [1, 4])
+@pytest.mark.parametrize("filler", [999.99, -999.99, 9999.0, -9999.0, 99999.9, -999.0, -32768.0, 999999.0])
+@pytest.mark.parametrize("unit", ["gal", "mms2"])
+def test_what_programs_write_for_a_missing_sample_is_none(tmp_path: Path, unit: str, filler: float, times: int) -> None:
+    values = np.round(wave(600, peak_m_s2=2.5) * {"gal": 100.0, "mms2": 1000.0}[unit], 4 if unit == "gal" else 0)
+    header = f"t_s,a_N_{unit}"
+    assert read_record(csv(tmp_path / "good.csv", values, header=header)).channels[0].accel_m_s2.size == 600
+    values[100 : 100 + times] = filler
+    with pytest.raises(InputError) as error:
+        read_record(csv(tmp_path / "a.csv", values, header=header))
+    assert [each.key for each in error.value.mistakes] == [f"line 102, a_N_{unit}"]
+    assert error.value.mistakes[0].got.startswith(f"{filler:.10g} ({times} such)")
+
+
+def test_a_sample_may_be_a_filler_s_number_and_a_spike_is_told(tmp_path: Path) -> None:
+    passing = np.round(1000.0 * wave(600, peak_m_s2=1.5))
+    passing[np.argmin(np.abs(passing - 999.0))] = 999.0
+    assert read_record(csv(tmp_path / "a.csv", passing, header="t_s,a_N_mms2")).warnings == ()
+    spike = wave(600)
+    spike[77] = 7.7 * np.abs(spike).max()
+    assert any("1 of 600 samples stand alone" in said for said in read_record(csv(tmp_path / "b.csv", spike)).warnings)
+    spike[77] = 1e10
+    with pytest.raises(InputError, match="1 of 600 samples stand alone"):
+        read_record(csv(tmp_path / "c.csv", spike))
+
+
+def test_fortran_s_double_precision_stands_in_a_csv(tmp_path: Path) -> None:
+    path = csv(tmp_path / "a.csv", wave(200))
+    plain = read_record(path).channels[0].accel_m_s2
+    for mark in "Dd":
+        path.write_text(
+            "t_s,a_UP_ms2\n" + "".join(f"{0.01 * i:.3f},{v:.17E}\n".replace("E", mark) for i, v in enumerate(wave(200)))
+        )
+        np.testing.assert_allclose(read_record(path).channels[0].accel_m_s2, plain, rtol=CSV_DIGITS, atol=CSV_DIGITS)
+
+
+def test_a_column_of_the_samples_numbers_is_no_channel_and_no_clock(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("n,t_s,a_N_ms2\n" + "".join(f"{i},{0.01 * i:.2f},{v:.9g}\n" for i, v in enumerate(wave(200), 1)))
+    assert [channel.name for channel in read_record(path).channels] == ["a_N_ms2"]
+    path.write_text("".join(f"{i} {v:.9g}\n" for i, v in enumerate(wave(200), 1)))
+    with pytest.raises(InputError, match=r"column of times, got the samples' numbers"):
+        read_record(path, unit="m/s2")
+
+
+@pytest.mark.parametrize("unit", ["(in/s2)", "[ft/s/s]", "(dm s-2)"])
+def test_a_unit_that_is_not_known_is_not_replaced(tmp_path: Path, unit: str) -> None:
+    with pytest.raises(InputError) as error:
+        read_record(csv(tmp_path / "a.csv", wave(200), header=f"t_s,a_N {unit}"), unit="m/s2")
+    assert error.value.mistakes[0].got == unit.strip("()[]")

@@ -89,8 +89,10 @@ def test_the_error_names_the_options_that_read_the_file(tmp_path: Path, name: st
     words = shlex.split(re.sub(r"( \(.*\))?; new and .*$", "", str(error.value).partition("read by: ")[2]))
     assert words[3] == str(path)
     said = dict(zip(words[4::2], words[5::2], strict=True))
+    assert ("STEP" in said.values()) == (name == "no header"), "what the file does not say is left to its reader"
+    dt_s = said.get("--dt", "").replace("STEP", "0.01")
     layout = Layout(
-        float(said["--dt"]) if "--dt" in said else None, int(said.get("--skip-lines", 0)), said.get("--columns"),
+        float(dt_s) if dt_s else None, int(said.get("--skip-lines", 0)), said.get("--columns"),
         int(said["--time-column"]) if "--time-column" in said else None,
     )  # fmt: skip
     record = read_file(path, unit=said["--motion-unit"], layout=layout)
@@ -194,6 +196,7 @@ def test_nothing_is_proposed_for_a_damaged_table_or_prose(tmp_path: Path) -> Non
         "headed": ["t_s,a_N_gal", *(line.replace(" ", ",", 1).split()[0] for line in TABLE[:50]), "0.9,x"],
         "prose": ["some words", "and more"],
         "broken": [*TABLE[:200], "nan nan nan", *TABLE[200:]],
+        "velocity and displacement alone": ["sample;v (cm/s);d (cm)", *(line.replace(" ", ";") for line in TABLE)],
     }.items():
         with pytest.raises(InputError) as error:
             read_file(_write(tmp_path / f"{name}.txt", lines), unit="gal")
@@ -204,3 +207,74 @@ def test_decimal_commas_of_a_csv_need_no_options(tmp_path: Path) -> None:
     lines = ["t_s;a_N_gal;a_E_gal", *(line.replace(".", ",").replace(" ", ";") for line in TABLE)]
     record = read_file(_write(tmp_path / "a.csv", lines))
     np.testing.assert_allclose(record.channels[1].accel_m_s2, EAST, rtol=0.0, atol=GAL_6)
+
+
+ONE = [f"{100 * v:.6f}" for v in NORTH]
+COUNTS = {
+    "in words": ["NPTS= 403, DT= .01 SEC"],
+    "alone": ["403 0.01"],
+    "alone, turned": ["1.0D-02, 403"],
+    "one below the other": ["403", "0.01"],
+    "as in AT2 of old": ["403   0.0100   NPTS, DT"],
+    "by its rate": ["No. of points: 403", "band-pass 0.1 - 25 Hz", "Sampling rate: 100 Hz"],
+    "beside an instrument": ["INSTR PERIOD = .049 SEC  DAMPING = .57  peak 0.204 g at 0.05 s", "DT = 10 ms"],
+}
+
+
+@pytest.mark.parametrize("name", COUNTS)
+@pytest.mark.parametrize("body", [ONE, rows(100.0 * NORTH, 5, "{:14.6f}")])
+def test_a_line_of_count_and_step_is_no_sample(tmp_path: Path, name: str, body: list[str]) -> None:
+    head = ["made up", "cm/s2", *COUNTS[name]]
+    with pytest.raises(InputError) as error:
+        read_file(_write(tmp_path / "a.txt", [*head, *body]))
+    assert f"--skip-lines {len(head)} --columns all --dt 0.01 --motion-unit cm/s2;" in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("lines", "wanted", "got"),
+    [
+        (["gal", "NPTS= 500, DT=.01", *ONE], "500 numbers, as the lines above them say", "403"),
+        (["gal", "500 .01", *ONE], "500 numbers, as the lines above them say", "403"),
+        (["gal", "dt=.01", "Sampling rate: 200 Hz", *ONE], "one step", "0.01 s and 0.005 s"),
+        (["gal", "dt=.005", *TABLE], "one step", "0.01 s and 0.005 s"),
+        (["values in cm/s2 or g", "dt=.01", *ONE], "one unit in all columns", "cm/s2 and g"),
+        (["when;N (m/s2);E [gal]", *(line.replace(" ", ";") for line in TABLE)], "one unit in all columns", "cm/s2 and m/s2"),
+        (["in gal", *TABLE[:200], *TABLE[300:]], "a step of about 0.01 s", "a gap of 1.01 s from 1.99 s"),
+        (["in gal", *TABLE[:200], *TABLE[100:]], "increasing times", "1 s after 1.99 s"),
+        (["gal, 100 Hz", *ONE[:50], "999.99", *ONE[51:]], "an acceleration",
+         "999.99 (1 such), which programs write where a sample is missing"),
+    ],
+)  # fmt: skip
+def test_what_contradicts_itself_is_named_and_nothing_proposed(
+    tmp_path: Path, lines: list[str], wanted: str, got: str
+) -> None:
+    with pytest.raises(InputError) as error:
+        read_file(_write(tmp_path / "a.txt", lines))
+    assert [(each.wanted, each.got) for each in error.value.mistakes] == [(wanted, got)]
+    assert "read by:" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("line", "options"),
+    [
+        ("{n} {t:.3f}", "--skip-lines 1 --time-column 2 --motion-unit cm/s2;"),
+        ("{k};{t:.3f};{n}", "--skip-lines 1 --time-column 2 --columns 3 --motion-unit cm/s2;"),
+        ("{t:.2f}\t{n}", "--skip-lines 1 --time-column 1 --motion-unit cm/s2;"),
+        ("{k} {n}", "--skip-lines 1 --columns 2 --dt STEP --motion-unit cm/s2 (STEP in seconds as its source says);"),
+    ],
+)
+def test_the_column_of_times_is_kept_wherever_it_stands_and_the_samples_numbers_are_none(
+    tmp_path: Path, line: str, options: str
+) -> None:
+    lines = [line.format(k=k, t=0.01 * k, n=n) for k, n in enumerate(ONE)]
+    with pytest.raises(InputError) as error:
+        read_file(_write(tmp_path / "a.txt", ["values in cm/s2", *lines]))
+    assert options in str(error.value)
+
+
+def test_a_unit_against_the_header_that_is_skipped_is_refused(tmp_path: Path) -> None:
+    path = _write(tmp_path / "a.txt", ["Zeitpunkt;N (m/s2);E (m/s2)", *(line.replace(" ", ";") for line in TABLE)])
+    with pytest.raises(InputError) as error:
+        read_file(path, unit="g", layout=Layout(skip_lines=1, time_column=1))
+    assert [(each.key, each.got) for each in error.value.mistakes] == [("N (m/s2)", "g")]
+    assert read_file(path, unit="m/s2", layout=Layout(skip_lines=1, time_column=1)).unit == "m/s2"
