@@ -269,7 +269,7 @@ def _layout(rows: list[Floats], skip: int, headers: Sequence[str]) -> tuple[Layo
     width = rows[0].size
     even = [row for row in rows if row.size == width]
     table = np.array(even)
-    dated = np.isnan(table).any(axis=0)
+    dated: list[bool] = np.isnan(table).any(axis=0).tolist()
     if len(even) == len(rows) > 2 and width > 1:
         clock, counted = (next((i for i in range(width) if _rises(table[:, i], by)), None) for by in (_STEP, _ONE))
         left = [
@@ -279,9 +279,9 @@ def _layout(rows: list[Floats], skip: int, headers: Sequence[str]) -> tuple[Layo
         ]
         whole = len(left) == width - (clock is not None)
         columns = None if whole else ",".join(f"{i + 1}{_named_by(headers[i])}" for i in left)
-        if clock is not None and not dated.any():
+        if clock is not None and not any(dated):
             return Layout(skip_lines=skip, time_column=clock + 1, columns=columns), table[:, left]
-        if dated.any() or counted is not None:
+        if any(dated) or counted is not None:
             return Layout(skip_lines=skip, columns=columns), table[:, left]
     samples = np.concatenate(rows)
     runs_on = width > 1 and (len(even) < len(rows) or _rough(samples) < float(np.mean([_rough(c) for c in table.T])))
@@ -373,7 +373,7 @@ def _block(lines: Sequence[str]) -> tuple[int, list[Floats]] | None:
     above = next((i for i, size in enumerate(sizes) if size == usual), 0)  # a header's last lines may be numbers
     for more in range(above, min(above + _HEADER_NUMBERS, len(sizes))):
         counts = {float(sum(sizes[more:])), float(len(sizes) - more)}
-        if any(counts & set(np.ravel(read[i]).tolist()) for i in places[:more]):
+        if any(counts & set(row.tolist()) for i in places[:more] if (row := read[i]) is not None):
             above = more
             break
     rows = [row for i in places[above:] if (row := read[i]) is not None]
@@ -384,8 +384,8 @@ def _block(lines: Sequence[str]) -> tuple[int, list[Floats]] | None:
 def _must_count(head: str, rows: list[Floats], where: str) -> None:
     """InputError where the lines above the numbers say how many there are, and there are others."""
     counts = {int(next(filter(None, match.groups()))) for match in _COUNT.finditer(head)}
-    for row in filter(lambda row: row is not None and row.size == 2, map(_or_none, head.splitlines())):
-        whole, step = sorted(np.abs(np.ravel(row)).tolist(), reverse=True)
+    for row in map(_or_none, head.splitlines()):
+        whole, step = sorted(np.abs(row).tolist(), reverse=True) if row is not None and row.size == 2 else (0.0, 0.0)
         if whole >= _LEAST_NUMBERS and whole % 1.0 == 0.0 and _SHORTEST_S <= step <= _LONGEST_S:
             counts.add(int(whole))
     found = {sum(row.size for row in rows), len(rows)}
