@@ -269,7 +269,7 @@ def _layout(rows: list[Floats], skip: int, headers: Sequence[str]) -> tuple[Layo
     width = rows[0].size
     even = [row for row in rows if row.size == width]
     table = np.array(even)
-    dated: list[bool] = np.isnan(table).any(axis=0).tolist()
+    dated = [bool(each.any()) for each in np.isnan(table).T]
     if len(even) == len(rows) > 2 and width > 1:
         clock, counted = (next((i for i in range(width) if _rises(table[:, i], by)), None) for by in (_STEP, _ONE))
         left = [
