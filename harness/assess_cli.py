@@ -60,7 +60,7 @@ class Scanned:
         # At the depth of the result's folder: the scene's relative path to the record is then the same in both.
         with tempfile.TemporaryDirectory(dir=folder.parent, prefix=FRESH) as made:
             first = Path(made) / SCENE_NAME
-            yield new(path, self.motion, first, self.known, self.around, Layout(**vars(self.layout)))
+            yield new(path, self.motion, first, self.known, self.around, Layout(**vars(self.layout)))[0]
 
 
 def run(

@@ -113,7 +113,10 @@ class Known:
         float | None, typer.Option("--height", metavar="M", help="The statue's known height, to scale by.")
     ] = None
     up: Annotated[
-        str | None, typer.Option("--up", help="The scan's vertical axis: x, y, z, -x, -y, -z. Default: found.")
+        str | None,
+        typer.Option(
+            "--up", help="The scan's vertical axis: x, y, z, -x, -y, -z or a direction X,Y,Z. Default: found."
+        ),
     ] = None
     density_kg_m3: Annotated[
         float | None, typer.Option("--density", metavar="KG_M3", help="Density. Default: marble, 2700.")

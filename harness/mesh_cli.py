@@ -73,8 +73,9 @@ def new(
     known: Known,
     around: Surroundings | None = None,
     layout: Layout | None = None,
-) -> Path:
-    """Write a first scene `out` (TOML) for a scan and a record, with the prepared mesh beside it; returns its path.
+) -> tuple[Path, tuple[str, ...]]:
+    """Write a first scene `out` (TOML) for a scan and a record, with the prepared mesh beside it; returns its path, and what was
+    found doubtful in the scan.
 
     Everything assumed stands in the scene as a comment. Raises `InputError`; then no scene is written.
     """
@@ -111,7 +112,7 @@ def new(
         for written in (out, mesh, log):
             written.unlink(missing_ok=True)
         raise
-    return out
+    return out, inspection.prepared.log.found
 
 
 def _plane(text: str | None) -> tuple[float, float] | None:

@@ -9,7 +9,8 @@ import numpy as np
 from meshes.attached import Floor, attached_floor
 from meshes.beside import attached_beside
 from meshes.errors import MeshError
-from meshes.mesh import Array, Faces
+from meshes.mesh import Array, Faces, RawMesh
+from meshes.orientation import up_doubted
 from meshes.self_intersection import crossings, pinched, wrongly_sided
 from meshes.solid import mass_properties
 from meshes.topology import parts
@@ -68,6 +69,7 @@ def doubts(vertices: Array, faces: Faces, how: str) -> tuple[str, ...]:
     attached = floor_refused(attached_floor(vertices, faces), how) or other_attached(vertices, faces, how)
     refusals = attached, not_one_body(vertices, faces)
     said = [str(each) for each in refusals if each is not None]
+    said.extend(up_doubted(RawMesh(vertices, faces, "")))
     if pairs.faces:
         said.append(
             f"{pairs.faces} of {pairs.looked_at} faces looked at pass through another one ({100 * pairs.share:.3f} %)"

@@ -159,6 +159,8 @@ def _stood_up(state: Prepared, wanted: Wanted) -> Prepared:
     what = tilt if orientation.axis == "z" else f"{orientation.axis} of the file turned to z, {tilt}"
     if orientation.axis != "z" or orientation.tilt_rad > 1e-6:
         log = log.and_changed(Change("up axis", what, 1))
+    for doubt in orientation.doubts:
+        log = log.with_finding(doubt)
     return Prepared(mesh.moved(mesh.vertices @ orientation.rotation.T), log, orientation.rotation)
 
 

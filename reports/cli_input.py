@@ -107,8 +107,10 @@ def new(
     from harness.input.motions.recordfile import Layout
     from harness.mesh_cli import new as write_scene
 
-    written = write_scene(scan, motion_file, out or Path(f"{scan.stem}.toml"), known, around, Layout(**vars(text)))
-    saying.say({"scene": str(written)}, f"scene: {written}\nrun it: rockcheck run {written}")
+    path = out or Path(f"{scan.stem}.toml")
+    written, found = write_scene(scan, motion_file, path, known, around, Layout(**vars(text)))
+    lines = [*(f"found: {sentence}" for sentence in found), f"scene: {written}", f"run it: rockcheck run {written}"]
+    saying.say({"scene": str(written), "found": list(found)}, "\n".join(lines))
 
 
 @command(

@@ -53,3 +53,9 @@ BOXES_REL = 2e-3
 
 CUT_VOLUME_REL = 0.06
 """A cut above a floor may take 4 cm of the plinth's 0.31 m² with it: 0.0124 m³ of the statue's 0.262, rounded up."""
+
+LEVELLED_RAD = 0.03
+"""A base ragged by 3 mm over 220 mm may tip by twice their ratio, 0.027; a clean one is level to rounding."""
+
+NAMED_UP_RAD = 0.2
+"""A cut ragged by 12 mm (three times that at its peaks) over 220 mm rests within 0.16 of its mean plane."""

@@ -82,6 +82,7 @@ def _statue(inspection: Inspection, scan: Path, mesh: Path, user_input: UserInpu
     comments = [
         f"Prepared from {scan.name}; what was changed stands in {mesh.with_suffix('.account.json').name}.",
         *(f"  {change}" for change in inspection.prepared.log.changes),
+        *(f"  FOUND: {sentence}" for sentence in inspection.prepared.log.found),
         f"{solid.mass_kg:.5g} kg, {solid.height_m:.4g} m high, centroid at {solid.centroid_height_m:.4g} m;"
         f" density: {density}.",
         f"ASSUMED: turned so that its weakest direction ({slender:.1f}°) lies along +x: the least favourable placing.",

@@ -96,7 +96,8 @@ def test_the_scan_is_never_overwritten(scan: Path, tmp_path: Path) -> None:
 
 
 def test_new_writes_a_scene_that_loads(scan: Path, motion: Path, tmp_path: Path) -> None:
-    out = new(scan, motion, tmp_path / "first.toml", Known(unit="m", up="z"))
+    out, found = new(scan, motion, tmp_path / "first.toml", Known(unit="m", up="z"))
+    assert found == ()
     text = out.read_text()
     assert text.count("ASSUMED") >= 4
     scene = load_scene(out)
@@ -110,7 +111,7 @@ def test_new_writes_a_scene_that_loads(scan: Path, motion: Path, tmp_path: Path)
 
 def test_new_takes_pedestal_friction_and_scale(scan: Path, motion: Path, tmp_path: Path) -> None:
     around = Surroundings(pedestal="250,0.6,0.8,0.2", friction=0.35, scale=2.5)
-    out = new(scan, motion, tmp_path / "second.toml", Known(unit="m", up="z", mass_kg=650.0), around)
+    out, _ = new(scan, motion, tmp_path / "second.toml", Known(unit="m", up="z", mass_kg=650.0), around)
     scene = load_scene(out)
     assert scene.pedestal is not None
     told = scene.pedestal.mass_kg, scene.pedestal.width_m, scene.pedestal.depth_m, scene.pedestal.height_m
@@ -127,7 +128,7 @@ def test_new_takes_a_record_that_no_reader_knows(scan: Path, tmp_path: Path) -> 
     text.write_text("a logger's file\n" + "".join(f"{0.1 * math.sin(0.3 * k):.5f}\n" for k in range(200)))
     layout = Layout(dt_s=0.01, skip_lines=1, columns="all")
     around = Surroundings(motion_unit="g")
-    scene = load_scene(new(scan, text, tmp_path / "any.toml", Known(unit="m", up="z"), around, layout))
+    scene = load_scene(new(scan, text, tmp_path / "any.toml", Known(unit="m", up="z"), around, layout)[0])
     assert scene.base_excitation.x.peak_m_s2 == pytest.approx(0.1 * STANDARD_GRAVITY_M_S2, rel=1e-3)
 
 

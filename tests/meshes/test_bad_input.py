@@ -138,7 +138,7 @@ def test_unit_and_height_exclude_each_other() -> None:
 
 
 def test_an_unclear_up_axis_is_asked_for() -> None:
-    with pytest.raises(MeshError, match="up axis"):
+    with pytest.raises(MeshError, match="--up"):
         prepare_mesh(RawMesh(*box(1.0, 1.0, 1.0), "cube"), Wanted(unit="m"))
 
 
