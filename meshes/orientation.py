@@ -130,7 +130,7 @@ def find_orientation(mesh: RawMesh) -> Orientation:
     doubts = []
     other = _other_end(best, bases, hull)
     if other is not None:
-        if not other.flat or abs(best.centroid_share - _of_cone((other.area / best.area) ** 0.5)) > TAPER:
+        if not _is_column(best, other):
             raise _unclear("one end that is the base", [best, other], hull, mesh)
         doubts.append(f"a column that may stand on its other end as well, --up {other}; taken was {best}")
     orientation = _levelled(best)
@@ -157,9 +157,11 @@ def _other_end(best: _Base, bases: list[_Base], hull: _Hull) -> _Base | None:
     )
 
 
-def _of_cone(ratio: float) -> float:
-    """Height of a cut cone's centroid over its larger end, as a share of its height; `ratio` is that of its ends' widths."""
-    return (1.0 + 2.0 * ratio + 3.0 * ratio**2) / (4.0 * (1.0 + ratio + ratio**2))
+def _is_column(base: _Base, other: _Base) -> bool:
+    """Whether the centroid lies as in a cone cut off between both ends."""
+    ratio = (other.area / base.area) ** 0.5
+    share = (1.0 + 2.0 * ratio + 3.0 * ratio**2) / (4.0 * (1.0 + ratio + ratio**2))
+    return other.flat and abs(base.centroid_share - share) < TAPER
 
 
 _LOOK: Final = "look at it with each (rockcheck mesh inspect --picture), and set --up"
@@ -177,15 +179,18 @@ def _unclear(wanted: str, candidates: list[_Base], hull: _Hull, mesh: RawMesh) -
 
 def up_doubted(mesh: RawMesh) -> tuple[str, ...]:
     """What speaks against z as the up axis of a mesh, in sentences."""
-    try:
-        found = find_orientation(mesh)
-    except MeshError as error:
-        return (f"which way is up is in doubt: wanted {error.wanted}, got {error.got}; taken was z",)
-    if found.rotation[2, 2] < np.cos(SAME_RAD):
-        return (
-            f"which way is up is in doubt: the broadest base says {name_direction(found.rotation[2])}; taken was z",
-        )
-    return found.doubts
+    hull = _Hull.of(mesh)
+    bases = _bases(mesh, hull)
+    standing = [base for base in bases if base.up[2] > np.cos(SAME_RAD)]
+    if standing:
+        other = _other_end(standing[0], bases, hull)
+        if other is None or _is_column(standing[0], other):
+            return ()
+    else:
+        other = max(bases, key=lambda base: base.area, default=None)
+        if other is None:
+            return ()
+    return (f"which way is up is in doubt: z was taken, and its base may be that of up {other}",)
 
 
 def _levelled(base: _Base) -> Orientation:
