@@ -151,3 +151,9 @@ WRITTEN_IN_FLIGHT: Final = 1e-3
 """Share of what a statue fell through in flight that is written to it: measured 6e-5; 2e-3 where its landing was taken back."""
 WRITTEN_AT_WALL_J: Final = 5.0
 """Measured 2.6 J at most over 1.4 s of a statue of 707 kg that leans on a wall, none of it given; 16 J where its depth was."""
+LAST_STATE_RAD: Final = 2e-3
+"""Of a peak that follows from the last state of a run of 0.5 ms: a plain engine's rate errs by a step's fall, 5e-3 rad/s."""
+TOUCH_S: Final = 5e-5
+"""When a wall is touched, at 0.5 ms: what slides and turns at 0.5 m/s and more errs by up to SLIP_M."""
+PLAIN_TOUCH_S: Final = 5e-4
+"""One step."""

@@ -154,6 +154,8 @@ def _validity(scene: Scene, solution: Solution) -> dict[str, object]:
         "energy_gained_j": solution.energy_gained_j,
         "energy_lost_j": solution.energy_lost_j,
     }
+    if solution.outcome.value == "touches_wall":
+        values["wall_touch_time_s"] = solution.end_s
     if limits is None:
         return values
     values |= {

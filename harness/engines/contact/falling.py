@@ -42,13 +42,15 @@ class Fall:
 
     `no_return_s` is None for a run that begins beyond the balance point. `overturn_s` is the time of `OVERTURN_RAD`, or the first
     at which a statue that ends lying had the rotation in which it lies; None while it still falls when the scene ends. `outcome`
-    is `undecided` where it may yet come back; `whole` says that it reached `OVERTURN_RAD`.
+    is `undecided` where it may yet come back; `whole` says that it reached `OVERTURN_RAD`, `lies` that it ends carried by a point
+    further out than its centroid.
     """
 
     outcome: Outcome
     no_return_s: float | None
     overturn_s: float | None
     whole: bool = False
+    lies: bool = False
 
     @property
     def across(self) -> bool:
@@ -67,13 +69,13 @@ def fall(scene: Scene, motion: Trajectory, overturn_s: float | None) -> Fall | N
     up = _up(motion)
     first, no_return_s = last_outward(motion.t_s, body.excess_rad(up))
     if overturn_s is not None or up[-1, 2] <= OVERTURN_COS:
-        return Fall(_side(motion), no_return_s, overturn_s or float(motion.t_s[-1]), whole=True)
+        return Fall(side_of(motion), no_return_s, overturn_s or float(motion.t_s[-1]), whole=True)
     looks = np.unique(np.linspace(first, len(up) - 1, LOOKS).round().astype(np.int64))
     carried = [body.carried(up[k]) for k in looks]
     if _rests(scene, motion, up, carried[-1]) or _cannot_return(scene, motion, body, up, carried=any(carried)):
         reached = _first_reach_s(motion.t_s[first:], _tilt_rad(up[first:])) if any(carried) else None
-        return Fall(_side(motion), no_return_s, reached)
-    return Fall(Outcome.UNDECIDED, no_return_s, None)
+        return Fall(side_of(motion), no_return_s, reached, lies=carried[-1])
+    return Fall(Outcome.UNDECIDED, no_return_s, None, lies=carried[-1])
 
 
 def last_outward(t_s: Array, excess_rad: Array) -> tuple[int, float | None]:
@@ -217,7 +219,7 @@ def _tilt_rad(up: Array) -> Array:
     return tilt
 
 
-def _side(motion: Trajectory) -> Outcome:
+def side_of(motion: Trajectory) -> Outcome:
     """To which side the statue's axis ends."""
     theta, across = float(motion.theta_rad[-1]), 0.0
     if "out_of_plane_rad" in motion.extra:

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from harness.engines.contact import forces, support
 from harness.engines.contact.coulomb import check_friction, friction_is_known, friction_used
-from harness.engines.contact.falling import Fall, fall
+from harness.engines.contact.ending import by_energy
+from harness.engines.contact.falling import Fall, fall, side_of
 from harness.engines.contact.rocking import patterns, rocking
 from harness.engines.contact.trajectory import Trajectory
 from harness.engines.event_stepping.domain import PlainSpells, plain_spells
@@ -64,7 +65,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
     motion = trajectory.until(until_s)
     theta, rate = motion.theta_rad, motion.theta_rate_rad_s
     cycles = rocking(motion.t_s, theta, rate, report.resolution_rad)
-    wall = support.wall_touch(scene, motion)
+    wall_s = support.wall_touch_s(scene, motion)
     inside = motion.t_s <= end_s
     peak = int(np.abs(np.where(inside, theta, 0.0)).argmax())
     derived = _derive(scene, motion)
@@ -72,14 +73,19 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
         used = friction_used(scene, motion, derived.impulses, derived.plain["plain_from_s"], report.stuck_below_m_s)
         check_friction(scene, used, report.interventions if report.repeats else None)
     fallen = fall(scene, motion, overturn_s)
-    outcome = _outcome(scene, motion, fallen, wall, derived.slip_m)
+    outcome, ahead_rad = _outcome(scene, motion, fallen, wall_s, derived, report.stuck_below_m_s)
     if not outcome.overturned and overturn_s is None:
         fallen = None
+    peak_rad, peak_s = float(abs(theta[peak])), float(motion.t_s[peak])
+    if overturn_s is not None:
+        peak_rad, peak_s = OVERTURN_RAD, overturn_s
+    elif ahead_rad > peak_rad:
+        peak_rad, peak_s = ahead_rad, end_s
     validity = _validity(scene, motion, derived) | _energies(scene, motion, derived.energy_j, cycles.impact_times_s)
     validity |= dict(derived.plain)
     validity |= {"impact_ratios": _ratios(cycles.rates_before_rad_s, cycles.rates_after_rad_s)}
-    if wall is not None:
-        validity["wall_touch_time_s"] = float(motion.t_s[wall])
+    if wall_s is not None:
+        validity["wall_touch_time_s"] = wall_s
     return Run(
         engine=report.engine,
         outcome=outcome,
@@ -87,8 +93,8 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
         settings=report.settings,
         steps=report.steps,
         wall_s=report.wall_s,
-        peak_theta_rad=float(abs(theta[peak])) if overturn_s is None else OVERTURN_RAD,
-        peak_time_s=float(motion.t_s[peak]) if overturn_s is None else overturn_s,
+        peak_theta_rad=peak_rad,
+        peak_time_s=peak_s,
         end_s=end_s,
         overturn_time_s=None if fallen is None else fallen.overturn_s,
         no_return_time_s=None if fallen is None else fallen.no_return_s,
@@ -118,6 +124,7 @@ class _Derived:
     penetration_m: float
     energy_j: Array
     plain: PlainSpells
+    corners: support.Corners
 
 
 def _derive(scene: Scene, motion: Trajectory) -> _Derived:
@@ -127,7 +134,13 @@ def _derive(scene: Scene, motion: Trajectory) -> _Derived:
     over = gap if scene.pedestal is None else support.gap_m(scene, at, 0.5 * scene.pedestal.width_m)
     plain = plain_spells(motion, slip, gap, at, scene.pedestal)
     return _Derived(
-        forces.impulses(scene, motion), slip, gap, float(max(-over.min(), 0.0)), forces.energy_j(scene, motion), plain
+        forces.impulses(scene, motion),
+        slip,
+        gap,
+        float(max(-over.min(), 0.0)),
+        forces.energy_j(scene, motion),
+        plain,
+        at,
     )
 
 
@@ -168,17 +181,26 @@ def _ending(scene: Scene, trajectory: Trajectory, rested: bool) -> tuple[float, 
     return last, None, min(count, t_s.size)
 
 
-def _outcome(scene: Scene, motion: Trajectory, fallen: Fall | None, wall: int | None, statue_slip_m: Array) -> Outcome:
-    """What came first: the wall before a fall across the plane, the slide off the support before the balance point."""
+def _outcome(
+    scene: Scene, motion: Trajectory, fallen: Fall | None, wall_s: float | None, derived: _Derived, still_m_s: float
+) -> tuple[Outcome, float]:
+    """What came first: the wall before a fall across the plane, the slide off the support before the balance point; else what
+    the energy that is left gives. With the largest rotation, rad, of what it has yet to give.
+    """
     passed_s = math.inf if fallen is None or fallen.no_return_s is None else fallen.no_return_s
-    if wall is not None and (fallen is None or not fallen.across or motion.t_s[wall] <= passed_s):
-        return Outcome.TOUCHES_WALL
+    if wall_s is not None and (fallen is None or not fallen.across or wall_s <= passed_s):
+        return Outcome.TOUCHES_WALL, 0.0
     if fallen is not None and fallen.whole:
-        return fallen.outcome
+        return fallen.outcome, 0.0
     until = int(np.searchsorted(motion.t_s[:-1], passed_s))
-    if _left_support(scene, motion, float(statue_slip_m[until])):
-        return Outcome.LEFT_PEDESTAL
-    return Outcome.STANDS if fallen is None else fallen.outcome
+    if _left_support(scene, motion, float(derived.slip_m[until])):
+        return Outcome.LEFT_PEDESTAL, 0.0
+    own = Outcome.STANDS if fallen is None else fallen.outcome
+    ahead = None if fallen is not None and fallen.lies else by_energy(scene, motion, derived.corners, still_m_s)
+    # The model knows no flank: one over which a statue that tips on may not come is asked of its own silhouette.
+    if ahead is None or (own is Outcome.UNDECIDED and ahead[0] is side_of(motion)):
+        return own, 0.0
+    return ahead
 
 
 def _left_support(scene: Scene, motion: Trajectory, statue_slip_m: float) -> bool:

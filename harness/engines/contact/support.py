@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 
 CORNERS_ONLY_RAD: Final = 0.3
 """Below this lean a statue on a flat base is taken to touch with its corners only; above it every point is asked."""
+TOUCHES_M: Final = 1e-6
+"""A body that its engine stops at a wall stands off by no more: solvers leave a share of what they correct."""
 FLAT_M: Final = 1e-9
 """Vertices within this height of the lowest touch at first: more is no rounding of a mesh."""
 
@@ -98,16 +100,31 @@ def flat_base(scene: Scene) -> bool:
     return bool(np.all(apart.min(axis=0) <= FLAT_M) and np.min(statue.section_m[:, 1]) >= -FLAT_M)
 
 
-def wall_touch(scene: Scene, trajectory: Trajectory) -> int | None:
-    """First sample at which the statue's silhouette reaches the wall, None if it never does or there is no wall."""
+def wall_touch_s(scene: Scene, trajectory: Trajectory) -> float | None:
+    """When the statue's silhouette or the pedestal's side reaches the wall; None if neither does or there is no wall.
+
+    The time is that at which what is left at the sample before would close at the speed with which it came: an engine's own wall
+    stops a body inside the step in which it arrives.
+    """
     if scene.wall is None:
         return None
     statue, sign = scene.statue, scene.wall.sign
-    reach = statue.corner_m(sign) + scene.wall.distance_m
     cos, sin = np.cos(trajectory.theta_rad), np.sin(trajectory.theta_rad)
     furthest = np.full(trajectory.t_s.size, -np.inf)
     for x, z in statue.section_m:
         along = x * cos + (z - statue.centroid_height_m) * sin
         furthest = np.maximum(furthest, sign * (trajectory.statue_xz_m[:, 0] + along))
-    touching = np.flatnonzero(furthest >= reach)
-    return int(touching[0]) if touching.size else None
+    if scene.pedestal is not None and trajectory.pedestal_xz_m is not None:
+        half, _, half_height = scene.pedestal.half_m
+        tilt = trajectory.tilt_rad
+        side = half * np.cos(tilt) + half_height * np.abs(np.sin(tilt))
+        furthest = np.maximum(furthest, sign * trajectory.pedestal_xz_m[:, 0] + side)
+    gap = statue.corner_m(sign) + scene.wall.distance_m - furthest
+    touching = np.flatnonzero(gap <= TOUCHES_M)
+    if not touching.size:
+        return None
+    t_s, k = trajectory.t_s, int(touching[0])
+    if k < 2:
+        return float(t_s[k])
+    speed = (gap[k - 2] - gap[k - 1]) / (t_s[k - 1] - t_s[k - 2])
+    return float(min(t_s[k - 1] + gap[k - 1] / speed, t_s[k]) if speed > 0.0 else t_s[k])

@@ -131,7 +131,7 @@ def test_an_option_whose_draws_come_to_no_end_is_not_recommended(tmp_path: Path)
     """A wall that the statue strikes before it falls: no draw falls any more, none is shown to stand."""
     scene = load_scene(SCENES / "paestum_block.toml", ["duration_s=3.0", "motion.x.amplitude_g=1.0"])
     path = tmp_path / "mine.toml"
-    path.write_text('[[option]]\nname = "wall"\nset = {"wall.side" = "right", "wall.distance_m" = 0.001}\n')
+    path.write_text('[[option]]\nname = "wall"\nset = {"wall.side" = "right", "wall.distance_m" = 0.08666}\n')
     record = compare(scene, uncertain_inputs(scene), made.read_options(path, scene), {}, draws=60)
     wall = record.options[-1]
     assert record.as_it_is.probability_overturned > wall.probability_overturned + 0.4

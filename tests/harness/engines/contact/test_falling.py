@@ -71,11 +71,14 @@ def test_beyond_balance_on_its_corner_the_shaking_may_bring_it_back() -> None:
 
 
 @pytest.mark.parametrize(
-    ("sign", "outcome"), [(1.0, Outcome.OVERTURNED_RIGHT), (-1.0, Outcome.UNDECIDED)], ids=["outwards", "back"]
+    ("rate", "outcome"),
+    [(2.0, Outcome.OVERTURNED_RIGHT), (-0.3, Outcome.STANDS), (-3.0, Outcome.OVERTURNED_LEFT)],
+    ids=["outwards", "back", "over to the other side"],
 )
-def test_with_energy_to_come_back_it_is_overturned_when_it_moves_outwards(sign: float, outcome: Outcome) -> None:
-    theta = 1.2 * ALPHA + sign * 2.0 * (T_S - 2.0)
-    assert ended(BLOCK, np.clip(theta, 0.0, 1.4)).outcome is outcome
+def test_with_energy_to_come_back_it_is_overturned_when_it_moves_outwards(rate: float, outcome: Outcome) -> None:
+    theta = np.clip(1.2 * ALPHA + rate * (T_S - 2.0), 0.0, 1.4)
+    assert ended(BLOCK, theta).outcome is outcome
+    assert ended(BLOCK, theta, SHAKEN).outcome is Outcome.UNDECIDED
 
 
 def test_a_higher_hill_ahead_may_send_it_back() -> None:
