@@ -72,3 +72,6 @@ SINGLE_PRECISION_M_S2: Final = 3e-9
 
 RATE_DIGITS = 1e-6
 """A step of 1/128 s is 0.0078125: a clock keeps nine decimals, seven digits of the shortest step."""
+
+CLOCK_S = 1e-6
+"""Seconds since 1970 in doubles: 2e-7 s apart in 2010."""

@@ -26,8 +26,8 @@ _SPELLINGS: Final = {"ms2": "m/s2", "mps2": "m/s2", "cms2": "cm/s2", "cmps2": "c
 FORMATS: Final[Mapping[str, bool]] = {
     "GeoNet V2A": True, "GeoNet V1A": False, "K-NET": True, "KiK-net": False, "USGS SMC": True,
     "USGS SMC, uncorrected": False, "CSMIP V1": False, "USC V1": False, "RENADIC V1": False, "BHRC V1": False,
-    "CSMIP V2": True, "COSMOS": True, "COSMOS V0": False, "ITACA/ESM ASCII": True, "PEER AT2": True, "NSMN (AFAD)": False,
-    "UNAM": False, "CWB": False, "CSV": True, "miniSEED/SAC": False,
+    "CSMIP V2": True, "USC V2": False, "COSMOS": True, "COSMOS V0": False, "ITACA/ESM ASCII": True, "PEER AT2": True,
+    "NSMN (AFAD)": False, "UNAM": False, "CWB": False, "CSV": True, "miniSEED/SAC": False,
 }  # fmt: skip
 """Every format's name, and whether its reader was tried on files as the network publishes them."""
 

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.input.text_file import FOREIGN, decoded, fortran
+from harness.input.text_file import FOREIGN, UTF16_MARKS, decoded, fortran
 from harness.model.errors import InputError, Mistake
 
 WIDEST: Final = 64
@@ -18,6 +18,7 @@ WIDEST: Final = 64
 NOT_NUMBERS: Final = "the file is damaged, not of this format, or has notes after its numbers: take these out"
 DOS_END: Final = b"\x1a"
 """Programs of DOS ended a text with this byte, and files of the 1980s and 1990s still do."""
+_PADDING = re.compile(rb"\x00+(?=[\r\n])|(?<=\n)\x00+")
 _NUMBER = r"[+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+(?=[eEdD]))(?:[eEdD][+-]?[0-9]+|[+-][0-9]{1,3}(?![0-9.]))?"
 _NUMBERS = re.compile(_NUMBER)
 NUMERIC: Final = re.compile(r"[\s0-9.+\-eEdD]*[0-9][\s0-9.+\-eEdD]*")
@@ -31,8 +32,12 @@ def mistake(where: str, key: str, wanted: str, got: str, advice: str = "") -> In
 
 
 def text_of(raw: bytes, where: str) -> str:
-    """The text of a file's bytes (UTF-8, UTF-16 by its mark, else Latin-1), without DOS's end mark; InputError for none."""
-    return decoded(raw.rstrip(DOS_END), where, "an accelerogram", latin=True)
+    """The text of a file's bytes (UTF-8, UTF-16 by its mark, else Latin-1), without what fills it up; InputError for none.
+
+    Programs of tapes and disks filled lines, or the file's last block, with NULs, and ended a text with DOS's mark.
+    """
+    plain = raw if raw.startswith(UTF16_MARKS) else _PADDING.sub(b"", raw.rstrip(DOS_END + b"\x00"))
+    return decoded(plain.rstrip(DOS_END), where, "an accelerogram", latin=True)
 
 
 def header_number(text: str, where: str, place: str, what: str) -> float:

@@ -163,7 +163,9 @@ def _table(text: str, where: str) -> _Table:
             advice = f"words among numbers: take out line {number}, and what is no number below it"
             raise mistake(where, f"line {number}", "numbers", repr(line.strip()[:60]), advice)
         if len(parts) != len(headers):
-            damage = "the file is damaged, or has decimal commas" if "," in line else "the file is damaged"
+            damage = (
+                "the file is damaged, or has decimal commas" if re.search(r"\d,\d", line) else "the file is damaged"
+            )
             advice = "the file is cut off" if row == len(body) - 1 else damage
             raise mistake(where, f"line {number}", f"{len(headers)} columns", str(len(parts)), advice)
         parts = ["0" if column in words else part for column, part in enumerate(parts)] if words else parts

@@ -11,6 +11,8 @@ from harness.input.motions.text import Header, free_format, mistake
 
 _KEY = re.compile(r"^\s*([A-Z][A-Z0-9_/^() ]*):(.*)$", re.IGNORECASE)
 _EPOCH: Final = datetime(1970, 1, 1)
+_STAMPS: Final = ("%Y%m%d_%H%M%S.%f", "%d/%m/%Y %H:%M:%S.%f", "%Y/%m/%d %H:%M:%S.%f", "%Y-%m-%d %H:%M:%S.%f")
+"""Of DYNA as a rule; the second in files of its version 1.2."""
 _CLOCK_KEY = "DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS"
 
 
@@ -67,8 +69,10 @@ def _clock_s(stamp: str, where: str) -> float:
     """Time of the first sample since _EPOCH, s, so that a record's three files share one clock; 0 where it is not said."""
     if not stamp:
         return 0.0
-    try:
-        first = datetime.strptime(stamp if "." in stamp else stamp + ".0", "%Y%m%d_%H%M%S.%f")
-    except ValueError:
-        raise mistake(where, _CLOCK_KEY, "YYYYMMDD_HHMMSS.sss", repr(stamp)) from None
-    return (first - _EPOCH).total_seconds()
+    whole = stamp if "." in stamp else stamp + ".0"
+    for form in _STAMPS:
+        try:
+            return (datetime.strptime(whole, form) - _EPOCH).total_seconds()
+        except ValueError:
+            continue
+    raise mistake(where, _CLOCK_KEY, "YYYYMMDD_HHMMSS.sss, or DD/MM/YYYY HH:MM:SS.sss", repr(stamp))

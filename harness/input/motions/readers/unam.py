@@ -1,6 +1,8 @@
-"""UNAM's standard acceleration file (Mexico): Spanish "KEY : value" lines, then a column for each channel in gal."""
+"""UNAM's standard acceleration file (Mexico, also of CICESE's RAC): Spanish "KEY : value" lines, then columns in gal."""
 
 from __future__ import annotations
+
+import re
 
 from harness.input.motions.recordfile import Channel, RecordFile, unit_named
 from harness.input.motions.text import Header, fixed_width, fortran_format, header_count, header_number, mistake
@@ -15,7 +17,7 @@ def recognises(text: str) -> bool:
 def read(text: str, where: str) -> RecordFile:
     """All channels; InputError where the header or a column is incomplete."""
     lines = text.splitlines()
-    rules = [i for i, line in enumerate(lines) if line.startswith("---------+")]
+    rules = [i for i, line in enumerate(lines) if re.match(r"\s*-{5,}\+", line)]
     if len(rules) < 2:
         raise mistake(
             where, "", "two ruled lines about the columns' names", f"{len(rules)} of them", "the file is cut off"
@@ -25,8 +27,8 @@ def read(text: str, where: str) -> RecordFile:
     names = [part.split(";")[0].strip() for part in _parts(head, r"^ORIENTACION C1-C6[^:]*:(.*)", "an orientation")]
     steps = _parts(head, r"^INTERVALO DE MUESTREO, C1-C6[^:]*:(.*)", "a sampling interval")
     counts = _parts(head, r"^NUM\. TOTAL DE MUESTRAS, C1-C6[^:]*:(.*)", "a number of samples")
-    peaks = _parts(head, r"^ACEL\. MAX\.\(Gal\), C1-C6[^:]*:(.*)", "a largest acceleration")
-    at = _parts(head, r"^ACEL\. MAX\., C1-C6, EN LA MUESTRA[^:]*:(.*)", "the largest acceleration's sample")
+    peaks = _behind_slashes(head.words(r"^ACEL\. MAX\.?\s*\(Gal\)[^:]*:(.*)"))
+    at = _behind_slashes(head.words(r"^ACEL\. MAX[^:]*EN LA MUESTRA[^:]*:(.*)"))
     if len({len(each) for each in (names, steps, counts)}) > 1:
         got = f"{len(names)}, {len(steps)} and {len(counts)}"
         raise mistake(where, "header", "as many orientations, intervals and numbers of samples", got)
@@ -55,8 +57,12 @@ def read(text: str, where: str) -> RecordFile:
 
 
 def _parts(head: Header, pattern: str, what: str) -> list[str]:
+    return _behind_slashes(head.needed(pattern, what)[0])
+
+
+def _behind_slashes(text: str) -> list[str]:
     """The channels' values, which stand behind a slash each."""
-    return [part.strip() for part in head.needed(pattern, what)[0].split("/") if part.strip()]
+    return [part.strip() for part in text.split("/") if part.strip()]
 
 
 def _stated(peaks: list[str], samples: list[str], i: int, step: str) -> tuple[float | None, float | None]:

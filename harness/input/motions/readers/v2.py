@@ -1,15 +1,19 @@
-"""CSMIP volume 2: per channel a text, an integer and a real header, then acceleration, velocity and displacement blocks."""
+"""Volume 2 of CSMIP and USC: per channel a text, an integer and a real header, then accelerations, velocities, displacements."""
 
 from __future__ import annotations
 
 import re
 
+import numpy as np
+
+from harness.input.motions.check import STATED_PEAK_TOLERANCE
 from harness.input.motions.recordfile import Channel, RecordFile, unit_named
 from harness.input.motions.text import Header, fixed_width, fortran_format, header_count, header_number, mistake
 
 _FLOAT = r"([-+.\deEdD]+)"
 _BLOCK = re.compile(
-    r"^\s*(\d+)\s+POINTS OF ACCEL DATA EQUALLY SPACED AT\s+(\S+)\s+SEC[.,]\s+(?:\(UNITS:\s*|IN\s+)([^\s).]+)[).]?\.?\s*(\(.*)?",
+    r"^\s*(\d{1,9})\s+POINTS OF (?:[A-Z ,&]*\s)?(ACC(?:EL\w*)?)\.?\s+DATA,?\s+EQUALLY SPACED AT\s+(\S+)\s+SEC(?:ONDS?)?\b[.,]?\s*"
+    r"(?:\(?\s*UNITS?\s*(?::|=|ARE)?\s*|IN\s+|\((?=[A-Z]))?(?:([A-Z/*^²2]*?)[).]?\.?)?\s*(\(\s*\d.*)?$",
     re.IGNORECASE,
 )
 _OLD_FORMAT = "(8F10.3)"
@@ -34,19 +38,28 @@ def read(text: str, where: str) -> RecordFile:
         channels.append(_channel(lines, head_from, start, block, where))
         head_from = start + 1
     facts = {"event": lines[2].strip(), "station": lines[6].strip() if len(lines) > 6 else ""}
-    return RecordFile(where, "CSMIP V2", "cm/s2", tuple(channels), facts)
+    name = "CSMIP V2" if all(block[2].upper() == "ACCEL" for _, block in blocks) else "USC V2"
+    return RecordFile(where, name, "cm/s2", tuple(channels), facts)
 
 
 def _channel(lines: list[str], head_from: int, start: int, block: re.Match[str], where: str) -> Channel:
-    place, unit = f"line {start + 1}", unit_named(block.group(3))
+    place = f"line {start + 1}"
     count = header_count(block.group(1), where, place, "number of points")
-    dt_s = header_number(block.group(2), where, place, "step in seconds")
+    dt_s = header_number(block.group(3), where, place, "step in seconds")
+    head = Header([line for line in lines[head_from:start] if not line.startswith("/&")], where)
+    # USC's lines need not name the unit: their peak does.
+    written = block.group(4) or head.words(rf"PEAK\s+ACC\w*\.?\s*=\s*{_FLOAT.replace('(', '(?:')}\s+(\S+?),?\s+AT\b")
+    unit = unit_named(written)
     if unit is None:
-        raise mistake(where, place, "accelerations in cm/sec/sec or g", repr(block.group(3)))
-    per_line, width = fortran_format(block.group(4) or _OLD_FORMAT, where, place)
+        raise mistake(where, place, "accelerations in cm/sec/sec or g", repr(written))
+    per_line, width = fortran_format(block.group(5) or _OLD_FORMAT, where, place)
     data = lines[start + 1 : start + 1 + -(-count // per_line)]
     values = fixed_width(data, width, count, where=where, first_line=start + 2)
-    head = Header([line for line in lines[head_from:start] if not line.startswith("/&")], where)
-    name = head.words(r"CHAN\s+\d+:\s*(\S+)") or "1"
-    peak = head.peak(rf"PEAK ACCELERATION\s*=\s*{_FLOAT}\s+\S+\s+AT\s+{_FLOAT}")
+    name = head.words(r"CHAN\s+\d+:\s*(\S+)") or head.words(r"\bCOMP(?:ONENT)?\s*:?\s+(\S+)") or "1"
+    peak = head.peak(rf"PEAK\s+ACC\w*\.?\s*=\s*{_FLOAT}\s+\S+\s+AT\s+{_FLOAT}")
+    largest = float(np.abs(values).max())
+    if not block.group(4) and abs(largest - abs(peak[0] or 0.0)) > STATED_PEAK_TOLERANCE * largest:
+        raise mistake(
+            where, place, f"accelerations in the unit of their peak, {peak[0]} {written}", f"a peak of {largest:g}"
+        )
     return Channel.read(name, None, dt_s, values, unit, peak)

@@ -178,6 +178,34 @@ def smc_pairs(path: Path, t_s: Floats, accel: Floats) -> Path:
     return _write(path, [*text, *numbers, "|", *("".join(body[i : i + 8]) for i in range(0, len(body), 8))])
 
 
+def usc_v2(path: Path, channels: Sequence[tuple[Floats, str]], dt_s: float, line: str) -> Path:
+    """USC's volume 2: 25 text lines, 7 of integers, 13 of reals, then accelerations; velocities and displacements but in the last channel.
+
+    `line` is the one above the accelerations, {n} and {dt} in it.
+    """
+    lines: list[str] = []
+    for accel, name in channels:
+        at = int(np.argmax(np.abs(accel)))
+        text = ["CORRECTED ACCELEROGRAM   USC 0003   94.017.1", "NORTHRIDGE", "JANUARY 17, 1994", *["-"] * 21]
+        text[8], text[14] = (
+            f"COMP {name}",
+            f"PEAK ACCELERATION = {100.0 * accel[at]:9.3f} CM/SEC/SEC AT {at * dt_s:7.3f} SEC",
+        )
+        lines += [
+            *text,
+            "-",
+            *["".join(f"{0:5d}" for _ in range(16))] * 7,
+            *["".join(f"{0.0:10.3f}" for _ in range(8))] * 13,
+        ]
+        lines += [line.format(n=accel.size, dt=dt_s), *rows(100.0 * accel, 8, "{:10.3f}")]
+        for what in ("VEL", "DIS") if accel is not channels[-1][0] else ():
+            lines += [
+                f"{accel.size:5d} POINTS OF {what} DATA EQUALLY SPACED AT {dt_s:.3f} SEC",
+                *rows(accel, 8, "{:10.3f}"),
+            ]
+    return _write(path, lines)
+
+
 def cosmos_of_today(path: Path, numbers: Floats, dt_s: float, code: int, line: str, *, seed: str = "HNN") -> Path:
     """One COSMOS channel with the data line as CGS and NCSN write it ({n} and {s} in `line`), and what scales counts."""
     ints, reals = [-999] * 100, [-999.0] * 100

@@ -15,7 +15,7 @@ from harness.input.motions.orientation import Orientation
 from harness.input.motions.readers import read_file, read_record
 from harness.input.motions.text import NUMERIC
 from harness.model.errors import InputError
-from tests.budgets_motions import COUNTS_M_S2, GAL_3, GAL_6, TENTH_G_3
+from tests.budgets_motions import CLOCK_S, COUNTS_M_S2, GAL_3, GAL_6, TENTH_G_3
 from tests.harness.input.motions import layouts, writers
 from tests.harness.input.motions.writers import GRAVITY, Floats, wave
 
@@ -42,6 +42,10 @@ BUILDERS: dict[str, Callable[[Path], Path]] = {
     "COSMOS V0": lambda path: layouts.cosmos_of_today(
         path / "a.v0c", np.round(THREE[0] * 1e5).astype(int) - 982416, 0.005, 90,
         "   {n} raw accel.   pts, approx  {s} secs, units=counts (50),Format=(10I8)",
+    ),
+    "USC V2": lambda path: layouts.usc_v2(
+        path / "usc0003.v2", [(THREE[0], "S00E")], 0.02,
+        "{n:5d} POINTS OF ACC DATA EQUALLY SPACED AT  {dt:.4f} SEC.  (UNITS: CM/SEC/SEC)",
     ),
     "AT2": lambda path: writers.at2(path / "a.AT2", THREE[0], 0.01, "090", stuck=True),
     "SMC": lambda path: writers.smc(path / "b.smc", THREE[0], 100.0, 45, 90, 200.0),
@@ -277,3 +281,80 @@ def test_a_damaged_width_or_time_asks_for_no_endless_memory(tmp_path: Path) -> N
     cwb.write_text("\n".join(lines[: next(i for i, line in enumerate(lines) if line[:1] == " ") + 1]))
     with pytest.raises(InputError, match=r"two samples or more"):
         read_file(cwb)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "{n} POINTS OF ACC DATA EQUALLY SPACED AT {dt} SEC",
+        "{n} POINTS OF ACC DATA, EQUALLY SPACED AT {dt} SEC (CM/SEC**2)",
+        " {n} POINTS OF ACC DATA EQUALLY SPACED AT .0200 SECONDS, IN CM/SEC/SEC (8F10.3)",
+        "{n} POINTS OF INSTRUMENT AND BASELINE CORRECTED ACCEL. DATA EQUALLY SPACED AT  .020 SEC.",
+    ],
+)
+def test_usc_s_second_volume_has_its_unit_on_the_line_or_in_the_peak(tmp_path: Path, line: str) -> None:
+    path = layouts.usc_v2(tmp_path / "a.v2", [(THREE[0], "S00E"), (THREE[1], "N90E")], 0.02, line)
+    record = read_file(path)
+    assert [(channel.name, channel.dt_s) for channel in record.channels] == [("S00E", 0.02), ("N90E", 0.02)]
+    for channel, accel in zip(record.channels, THREE, strict=False):
+        np.testing.assert_allclose(channel.accel_m_s2, accel, rtol=0.0, atol=GAL_3)
+    if "CM" not in line:
+        path.write_text(path.read_text().replace("CM/SEC/SEC AT", "G AT"))
+        with pytest.raises(InputError, match=r"10 g|unit of their peak"):
+            read_record(path)
+        path.write_text(path.read_text().replace("PEAK ACC", "PEAK POT"))
+        with pytest.raises(InputError, match="accelerations in cm/sec/sec or g"):
+            read_file(path)
+
+
+def test_nuls_that_fill_lines_or_the_last_block_are_no_text(tmp_path: Path) -> None:
+    path = BUILDERS["SMC"](tmp_path)
+    plain, text = read_file(path).channels[0].accel_m_s2, path.read_bytes()
+    for filled in (
+        text + bytes(700), text.rstrip(b"\n") + bytes(3) + b"\x1a" + bytes(90), text.replace(b"\n", bytes(2) + b"\r\n"),
+        text.replace(b"\n", b"\n" + bytes(5)),
+    ):  # fmt: skip
+        path.write_bytes(filled)
+        assert np.array_equal(read_file(path).channels[0].accel_m_s2, plain)
+    path.write_bytes(text.replace(b" ", b"\0", 900))
+    with pytest.raises(InputError, match="a text file, got binary data"):
+        read_file(path)
+
+
+@pytest.mark.parametrize("stamp", ["14/11/2010 23:09:19.300", "14/11/2010 23:09:19", "2010-11-14 23:09:19.300"])
+def test_dyna_may_write_its_first_sample_as_a_date(tmp_path: Path, stamp: str) -> None:
+    plain = read_file(writers.esm(tmp_path / "a.ASC", THREE[0], 0.01, "HNE", "20101114_230919.300")).channels[0]
+    dated = read_file(writers.esm(tmp_path / "b.ASC", THREE[0], 0.01, "HNE", stamp)).channels[0]
+    assert plain.start_s - dated.start_s == pytest.approx(0.0 if stamp.endswith("300") else 0.3, abs=CLOCK_S)
+    assert np.array_equal(plain.accel_m_s2, dated.accel_m_s2)
+    with pytest.raises(InputError, match=r"DD/MM/YYYY HH:MM:SS"):
+        read_file(writers.esm(tmp_path / "c.ASC", THREE[0], 0.01, "HNE", "14 Nov 2010"))
+
+
+def test_the_standard_file_of_mexico_needs_no_peaks(tmp_path: Path) -> None:
+    path = BUILDERS["UNAM"](tmp_path)
+    plain, text = read_file(path), path.read_text()
+    others = {
+        "none": "\n".join(line for line in text.splitlines() if not line.startswith("ACEL. MAX.")),
+        "other": text.replace("ACEL. MAX.(Gal), C1-C6", "ACEL. MAX. (Gal) C1-C6").replace(
+            "MAX., C1-C6, EN", "MAX. C1-C6, EN"
+        ),
+    }
+    for name, other in others.items():
+        path.write_text(other)
+        found = read_file(path)
+        assert [c.stated_peak_m_s2 for c in found.channels] == [
+            None if name == "none" else c.stated_peak_m_s2 for c in plain.channels
+        ]
+        assert all(
+            np.array_equal(a.accel_m_s2, b.accel_m_s2) for a, b in zip(found.channels, plain.channels, strict=True)
+        )
+
+
+def test_a_text_without_commas_is_not_told_to_have_decimal_ones(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    for line in ("0.02 1.0", "0.02 1.0 2.0 3.0"):
+        path.write_text(f"0.00 0.1 0.2\n0.01 0.3 0.4\n{line}\n0.03 0.5 0.6\n")
+        with pytest.raises(InputError) as error:
+            read_file(path, unit="g")
+        assert error.value.mistakes[0].advice == "the file is damaged"

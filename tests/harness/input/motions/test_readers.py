@@ -144,7 +144,8 @@ def test_readers_without_originals_say_so(tmp_path: Path) -> None:
     assert dict(FORMATS) == {
         "GeoNet V2A": True, "GeoNet V1A": False, "K-NET": True, "KiK-net": False, "USGS SMC": True,
         "USGS SMC, uncorrected": False,
-        "CSMIP V1": False, "USC V1": False, "RENADIC V1": False, "BHRC V1": False, "CSMIP V2": True, "COSMOS": True,
+        "CSMIP V1": False, "USC V1": False, "RENADIC V1": False, "BHRC V1": False, "CSMIP V2": True, "USC V2": False,
+        "COSMOS": True,
         "COSMOS V0": False, "ITACA/ESM ASCII": True, "PEER AT2": True, "NSMN (AFAD)": False, "UNAM": False, "CWB": False,
         "CSV": True, "miniSEED/SAC": False,
     }  # fmt: skip
