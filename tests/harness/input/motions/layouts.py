@@ -179,7 +179,7 @@ def smc_pairs(path: Path, t_s: Floats, accel: Floats) -> Path:
 
 
 def usc_v2(path: Path, channels: Sequence[tuple[Floats, str]], dt_s: float, line: str) -> Path:
-    """USC's volume 2: 25 text lines, 7 of integers, 13 of reals, then accelerations; velocities and displacements but in the last channel.
+    """USC's volume 2: 25 text lines, 7 of integers, 13 of reals, then accelerations; last of all no velocities and displacements.
 
     `line` is the one above the accelerations, {n} and {dt} in it.
     """
