@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final, Unpack, final
+from typing import Any, Final, Literal, final
 
 import numpy as np
 
-from analytic.block import Block
-from analytic.constants import GRAVITY_M_S2
+from analytic.block import Block, Form, Pedestal, Wall
+from analytic.constants import GRAVITY_M_S2, OVERTURN_RAD
 from analytic.excitation import Excitation, ZeroExcitation
 from analytic.motion import Floats
-from analytic.problem import CommonKeywords
+from analytic.problem import DEFAULT_OPTIONS, CommonKeywords
 from analytic.results import Solution
 from analytic.solver import simulate
 
@@ -56,29 +56,65 @@ def certify(
     motion_x: Excitation,
     motion_z: Excitation | None = None,
     *,
+    duration_s: float,
+    pedestal: Pedestal | None = None,
+    floor_static: float = 0.0,
+    floor_kinetic: float = 0.0,
+    floor_impact: float | Literal["kinetic", "static"] = "kinetic",
+    statue_friction: float = math.inf,
+    form: Form | None = None,
+    theta0_rad: float = 0.0,
+    theta_rate0_rad_s: float = 0.0,
+    gravity_m_s2: float = GRAVITY_M_S2,
+    wall: Wall | None = None,
+    overturn_rad: float = OVERTURN_RAD,
     accuracy_rad: float = 1e-9,
     base_accuracy_rad: float = BASE_ACCURACY_RAD,
     step_cap_s: float = math.inf,
-    **scene: Unpack[CommonKeywords],
+    dt_s: float | None = DEFAULT_OPTIONS.dt_s,
+    skip_start: bool = True,
+    skip_rest: bool = True,
+    skip_energy: bool = True,
+    events: bool = True,
+    validity: bool = True,
 ) -> Certified:
     """Run the model three times (finer local error, shorter steps) and say how far the numbers hold.
 
     accuracy_rad: error up to which the history counts as reliable; base_accuracy_rad, step_cap_s: of the run that is given back;
-    scene: the other keywords of ``simulate``. Without a history (dt_s None) no list of events is kept and one further run, with
+    the others are those of ``simulate``. Without a history (dt_s None) no list of events is kept and one further run, with
     the finer error and the shorter steps together, is the check; where the two lose other energy, the peak is reliable up to its
     own time only; the slip's uncertainty is then that of its peak over the whole run.
     Raises AnalyticInputError as ``simulate`` does.
     """
     motion_z = motion_z if motion_z is not None else ZeroExcitation()
     base = min(accuracy_rad, base_accuracy_rad)
-    gravity = scene.get("gravity_m_s2", GRAVITY_M_S2)
-    cap = min(step_cap_s, longest_step_s(block, gravity))
+    cap = min(step_cap_s, longest_step_s(block, gravity_m_s2))
+    scene: CommonKeywords = {
+        "duration_s": duration_s,
+        "pedestal": pedestal,
+        "floor_static": floor_static,
+        "floor_kinetic": floor_kinetic,
+        "floor_impact": floor_impact,
+        "statue_friction": statue_friction,
+        "form": form,
+        "theta0_rad": theta0_rad,
+        "theta_rate0_rad_s": theta_rate0_rad_s,
+        "gravity_m_s2": gravity_m_s2,
+        "wall": wall,
+        "overturn_rad": overturn_rad,
+        "dt_s": dt_s,
+        "skip_start": skip_start,
+        "skip_rest": skip_rest,
+        "skip_energy": skip_energy,
+        "events": events,
+        "validity": validity,
+    }
     quick = scene | {"events": False, "validity": False}
     checks: tuple[tuple[float, float], ...] = ((base * SECOND_RUN_SHARE, step_cap_s), (base, 0.5 * cap))
-    if scene.get("dt_s", 0.0) is None:
-        scene, checks = {"events": False} | scene, ((base * SECOND_RUN_SHARE, 0.5 * cap),)
+    if dt_s is None:
+        scene, checks = {**scene, "events": False}, ((base * SECOND_RUN_SHARE, 0.5 * cap),)
     first = simulate(block, motion_x, motion_z, accuracy_rad=base, step_cap_s=step_cap_s, **scene)
-    quick = quick | {"gravity_m_s2": gravity * (1.0 + rounding(first.work.steps))}
+    quick = quick | {"gravity_m_s2": gravity_m_s2 * (1.0 + rounding(first.work.steps))}
     others = tuple(
         simulate(block, motion_x, motion_z, accuracy_rad=finer, step_cap_s=shorter, **quick)
         for finer, shorter in checks

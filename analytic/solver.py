@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import ctypes
 import math
-from typing import Final, NamedTuple, TypeVar, Unpack
+from typing import Final, Literal, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.block import Block
+from analytic.block import Block, Form, Pedestal, Wall
+from analytic.constants import GRAVITY_M_S2, OVERTURN_RAD
 from analytic.encode import encode, encode_base, encode_motion
-from analytic.excitation import Excitation
+from analytic.excitation import Excitation, ZeroExcitation
 from analytic.kernel.layout import EVENT_ROW, TASK, packing
 from analytic.kernel.records import Base, Counts, MotionParams, Output, Params, Records, Results, State
 from analytic.machine_code import Entry
-from analytic.problem import DEFAULT_OPTIONS, Keywords, Options, Problem, stated
+from analytic.problem import CONSISTENT, DEFAULT_OPTIONS, Options, Problem
 from analytic.results import Solution, solution_of
 
 run: Final = Entry("analytic.kernel.entries", "run")
@@ -117,11 +118,63 @@ def solve(problem: Problem, options: Options = DEFAULT_OPTIONS) -> Solution:
 
 
 def simulate(
-    block: Block, motion_x: Excitation, motion_z: Excitation | None = None, **keywords: Unpack[Keywords]
+    block: Block,
+    motion_x: Excitation,
+    motion_z: Excitation | None = None,
+    *,
+    duration_s: float,
+    pedestal: Pedestal | None = None,
+    floor_static: float = 0.0,
+    floor_kinetic: float = 0.0,
+    floor_impact: float | Literal["kinetic", "static"] = "kinetic",
+    statue_friction: float = math.inf,
+    form: Form | None = None,
+    theta0_rad: float = 0.0,
+    theta_rate0_rad_s: float = 0.0,
+    gravity_m_s2: float = GRAVITY_M_S2,
+    wall: Wall | None = None,
+    overturn_rad: float = OVERTURN_RAD,
+    accuracy_rad: float = DEFAULT_OPTIONS.accuracy_rad,
+    dt_s: float | None = DEFAULT_OPTIONS.dt_s,
+    step_cap_s: float = math.inf,
+    skip_start: bool = True,
+    skip_rest: bool = True,
+    skip_energy: bool = True,
+    events: bool = True,
+    validity: bool = True,
 ) -> Solution:
     """Run the model of docs/model.md, sections 1 to 5 and 8: ``solve`` with the fields of `Problem` and `Options` as keywords.
 
-    motion_x, motion_z: the floor's accelerations; duration_s must be given. Raises AnalyticInputError for numbers that cannot
-    be run.
+    motion_x, motion_z: the floor's accelerations. Raises AnalyticInputError for numbers that cannot be run.
+
+    >>> block = analytic.Block.rectangle(width_m=0.2, height_m=1.0, mass_kg=500.0)
+    >>> solution = analytic.simulate(block, analytic.Harmonic(amplitude_m_s2=3.0, frequency_hz=2.0), duration_s=5.0)
     """
-    return solve(*stated(block, motion_x, motion_z, keywords))
+    problem = Problem(
+        block=block,
+        motion_x=motion_x,
+        motion_z=ZeroExcitation() if motion_z is None else motion_z,
+        duration_s=duration_s,
+        pedestal=pedestal,
+        floor_static=floor_static,
+        floor_kinetic=floor_kinetic,
+        floor_impact=floor_impact,
+        statue_friction=statue_friction,
+        form=CONSISTENT if form is None else form,
+        theta0_rad=theta0_rad,
+        theta_rate0_rad_s=theta_rate0_rad_s,
+        gravity_m_s2=gravity_m_s2,
+        wall=wall,
+        overturn_rad=overturn_rad,
+    )
+    options = Options(
+        accuracy_rad=accuracy_rad,
+        dt_s=dt_s,
+        step_cap_s=step_cap_s,
+        skip_start=skip_start,
+        skip_rest=skip_rest,
+        skip_energy=skip_energy,
+        events=events,
+        validity=validity,
+    )
+    return solve(problem, options)

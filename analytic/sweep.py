@@ -7,12 +7,13 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple, Self, Unpack, final
+from typing import Any, Final, Literal, NamedTuple, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.block import Block
+from analytic.block import Block, Form, Pedestal, Wall
+from analytic.constants import GRAVITY_M_S2, OVERTURN_RAD
 from analytic.encode import encode, encode_base, encode_motion
 from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation
@@ -84,13 +85,6 @@ _MOTION: Final = ("amplitude_m_s2", "frequency_hz", "phase_rad", "scale", "verti
 _BASE: Final = ("corner_left_m", "corner_right_m")
 SWEEPABLE: Final = (*_PARAMETERS, *_MOTION, *_BASE)
 """Names that a sweep may vary."""
-_KEYWORDS: Final = (Keywords.__required_keys__ | Keywords.__optional_keys__) - {
-    "dt_s",
-    "events",
-    "validity",
-    "statue_friction",
-}
-"""What belongs to a history is not asked of an outcome."""
 
 
 def ensemble(
@@ -102,21 +96,52 @@ def ensemble(
     domain: bool = False,
     threads: int | None = None,
     progress: Progress | bool = False,
-    **keywords: Unpack[Keywords],
+    duration_s: float,
+    pedestal: Pedestal | None = None,
+    floor_static: float = 0.0,
+    floor_kinetic: float = 0.0,
+    floor_impact: float | Literal["kinetic", "static"] = "kinetic",
+    form: Form | None = None,
+    theta0_rad: float = 0.0,
+    theta_rate0_rad_s: float = 0.0,
+    gravity_m_s2: float = GRAVITY_M_S2,
+    wall: Wall | None = None,
+    overturn_rad: float = OVERTURN_RAD,
+    accuracy_rad: float = ACCURACY_RAD,
+    step_cap_s: float = math.inf,
+    skip_start: bool = True,
+    skip_rest: bool = True,
+    skip_energy: bool = True,
 ) -> Ensemble:
     """Run every parameter set of a sweep for its outcome.
 
     sweep: arrays by name (SWEEPABLE) that broadcast against each other, their common shape being the result's: amplitude_m_s2,
     frequency_hz and phase_rad replace those of a harmonic or sine motion_x, scale and vertical_scale multiply the motions.
     domain: tell when each run left the model's domain (the pedestal tips, contact is lost), at the cost of looking at its forces.
-    threads: None for all cores; the result does not depend on it. progress: a callback, or True for a bar. keywords: those of
-    ``simulate`` that decide an outcome. Raises AnalyticInputError for unknown names and numbers that cannot be run.
+    threads: None for all cores; the result does not depend on it. progress: a callback, or True for a bar. The others
+    are those of ``simulate`` that decide an outcome. Raises AnalyticInputError for unknown names and numbers that cannot be run.
     """
     shape, flat = flattened(sweep, SWEEPABLE)
-    strange = sorted(set(keywords) - _KEYWORDS)
-    if strange:
-        raise AnalyticInputError(f"ensemble: keywords of simulate are wanted, {', '.join(strange)} came.")
-    outcome_only: Keywords = {"accuracy_rad": ACCURACY_RAD, **keywords, "dt_s": None, "validity": domain}
+    outcome_only: Keywords = {
+        "duration_s": duration_s,
+        "pedestal": pedestal,
+        "floor_static": floor_static,
+        "floor_kinetic": floor_kinetic,
+        "floor_impact": floor_impact,
+        "form": form,
+        "theta0_rad": theta0_rad,
+        "theta_rate0_rad_s": theta_rate0_rad_s,
+        "gravity_m_s2": gravity_m_s2,
+        "wall": wall,
+        "overturn_rad": overturn_rad,
+        "accuracy_rad": accuracy_rad,
+        "step_cap_s": step_cap_s,
+        "skip_start": skip_start,
+        "skip_rest": skip_rest,
+        "skip_energy": skip_energy,
+        "dt_s": None,
+        "validity": domain,
+    }
     rows = _rows(*stated(block, motion_x, motion_z, outcome_only), flat)
     size = math.prod(shape)
     out = Out.of(size)

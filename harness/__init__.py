@@ -1,10 +1,14 @@
 """One scene, several models, one comparison.
 
 >>> import harness
->>> scene = harness.load_scene("scenes/paestum_floor.toml", motion__x__amplitude_g=0.3)
+>>> scene = harness.load_scene("scenes/paestum_floor.toml").replace(motion__x__amplitude_g=0.3)
 >>> run = harness.simulate(scene, "pymunk", accuracy_rad=1e-3)
 >>> reference = harness.simulate(scene, "analytic")
 >>> print(harness.compare(run, reference).verdict_sentence)
+
+`scene(mapping)` makes a scene without a file, `scene.with_motion(accel_m_s2, dt_s)` shakes it by one's own array, `sweep` runs
+it many times into a table, `assess` says how probable a fall is, `read_mesh` what a scan weighs, `History.from_arrays` takes
+one's own history to `compare`.
 
 Scenes, runs, histories, scores and studies show themselves in a notebook, and have `to_dataframe()`, `to_xarray()` (extra
 [frames]) and `plot(ax)`; docs/example.ipynb uses them all.
@@ -20,41 +24,47 @@ if TYPE_CHECKING:
     from harness.comparison.comparator import compare
     from harness.comparison.history_files import compare_files
     from harness.input.history_file import read_history
-    from harness.input.scene_file import load_scene
+    from harness.input.mesh_file import Mesh, read_mesh
+    from harness.input.scene_file import load_scene, scene
     from harness.model.errors import InputError, Mistake
     from harness.model.history import History, Outcome
     from harness.model.options import RunOptions
     from harness.model.run import Run
     from harness.model.scene import Scene
+    from harness.probability.assessment import assess
     from harness.records.kinds import read_result
     from harness.records.run import RunRecord
     from harness.records.scores import Scores, Verdict
     from harness.records.study import StudyRecord
     from harness.scene_run.scene_run import run_scene
+    from harness.studies.sweep import RunSet, sweep
 
 _NAMES: Final = {
     "harness.accuracy.simulation": "simulate",
     "harness.comparison.comparator": "compare",
     "harness.comparison.history_files": "compare_files",
     "harness.input.history_file": "read_history",
-    "harness.input.scene_file": "load_scene",
+    "harness.input.mesh_file": "Mesh read_mesh",
+    "harness.input.scene_file": "load_scene scene",
     "harness.model.errors": "InputError Mistake",
     "harness.model.history": "History Outcome",
     "harness.model.options": "RunOptions",
     "harness.model.run": "Run",
     "harness.model.scene": "Scene",
+    "harness.probability.assessment": "assess",
     "harness.records.kinds": "read_result",
     "harness.records.run": "RunRecord",
     "harness.records.scores": "Scores Verdict",
     "harness.records.study": "StudyRecord",
     "harness.scene_run.scene_run": "run_scene",
+    "harness.studies.sweep": "RunSet sweep",
 }
 """The public names by their modules."""
 _HOMES: Final = {name: module for module, names in _NAMES.items() for name in names.split()}
 __all__ = [
-    "History", "InputError", "Mistake", "Outcome", "Run", "RunOptions", "RunRecord", "Scene", "Scores",
-    "StudyRecord", "Verdict", "compare", "compare_files", "load_scene", "read_history", "read_result", "run_scene",
-    "simulate",
+    "History", "InputError", "Mesh", "Mistake", "Outcome", "Run", "RunOptions", "RunRecord", "RunSet", "Scene", "Scores",
+    "StudyRecord", "Verdict", "assess", "compare", "compare_files", "load_scene", "read_history", "read_mesh",
+    "read_result", "run_scene", "scene", "simulate", "sweep",
 ]  # fmt: skip
 
 

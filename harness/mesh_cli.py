@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from harness.command import Known, Surroundings
 from harness.input import paths
+from harness.input.mesh_file import MARBLE_KG_M3
 from harness.input.mesh_statue import mesh_mistake
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
@@ -18,9 +19,6 @@ from harness.records.result_folder import check_listed, listing, writing
 if TYPE_CHECKING:
     from harness.input.motions.recordfile import Layout
     from meshes.inspection import Inspection
-
-MARBLE_KG_M3 = 2700.0
-"""Density assumed for a statue of which nothing is said, and said so: marble."""
 
 
 def inspect(file: Path, known: Known) -> Inspection:

@@ -11,3 +11,10 @@ LIMIT_ROUNDING: Final = 1e-15
 
 IMPACT_LOSS_REL: Final = 1e-2
 """Drawn out over 4 ms a rate misses by half its second derivative, 60 rad/s³, times 16e-6 s²: 5e-4 of 0.2, twice in energy."""
+
+OWN_MOTION_REL: Final = 1e-15
+"""An array divided by the scene's factor and multiplied again: two roundings of 1.1e-16."""
+HOLED_REL: Final = 1e-6
+"""A box in single precision, as PLY holds it: 6e-8 of each of its sizes."""
+DIFFERENCED: Final = 1e-12
+"""Differences over steps of 5 ms of numbers up to 0.5: their rounding, 1.1e-16, over the step."""

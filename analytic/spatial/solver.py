@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple, final
+from typing import Final, NamedTuple, final
 
 import numpy as np
 
 from analytic.block import positive
 from analytic.certainty import SECOND_RUN_SHARE, within
+from analytic.constants import GRAVITY_M_S2, OVERTURN_RAD
 from analytic.encode import encode_motion
 from analytic.kernel.layout import row
 from analytic.kernel.records import MotionParams, Records
@@ -20,7 +21,7 @@ from analytic.rotation import rotation_matrices
 from analytic.solver import FIRST_EVENTS
 from analytic.spatial.body import Body, Floats
 from analytic.spatial.kernel.records import EVENT_HEAD, INTERVAL_HEAD, MEMORY, MOST, RUN, STATE, Run
-from analytic.spatial.problem import Problem
+from analytic.spatial.problem import UPRIGHT, Problem
 from analytic.spatial.solution import (
     KINDS,
     MODES,
@@ -163,14 +164,23 @@ def simulate(
     tolerance: float = TOLERANCE,
     dt_out_s: float | None = 0.001,
     step_cap_s: float = math.inf,
-    **start: Any,
+    gravity_m_s2: float = GRAVITY_M_S2,
+    position_m: Sequence[float] | None = None,
+    quaternion_wxyz: Sequence[float] = UPRIGHT,
+    velocity_m_s: Sequence[float] = (0.0, 0.0, 0.0),
+    angular_velocity_rad_s: Sequence[float] = (0.0, 0.0, 0.0),
+    overturn_rad: float = OVERTURN_RAD,
+    restitution: float = 0.0,
 ) -> Solution:
     """Run the model of docs/spatial.md: ``solve`` with the fields of `Problem` as keywords.
 
     motion_x, motion_y, motion_z: the floor's accelerations, None for none; dt_out_s: output step, None for no history.
     """
     x, y, z = (ZeroExcitation() if each is None else each for each in (motion_x, motion_y, motion_z))
-    problem = Problem(body, duration_s, friction_static, friction_kinetic, x, y, z, **start)
+    start = (position_m, quaternion_wxyz, velocity_m_s, angular_velocity_rad_s)
+    problem = Problem(
+        body, duration_s, friction_static, friction_kinetic, x, y, z, gravity_m_s2, *start, overturn_rad, restitution
+    )
     return solve(problem, tolerance=tolerance, dt_out_s=dt_out_s, step_cap_s=step_cap_s)
 
 

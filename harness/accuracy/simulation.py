@@ -39,18 +39,17 @@ def simulate(
     dt_s: float | None = None,
     options: RunOptions | None = None,
     overrides: Overrides = (),
-    **keys: object,
 ) -> Run:
     """Compute one scene with one engine to an accuracy (default 1e-3 rad) or with an expert's own step.
 
-    `overrides` and `keys` replace keys of the scene's file as in `load_scene`. An engine's own failure is a `Run` whose outcome
-    says so. Raises `InputError` for an unknown engine or key, an accuracy or step out of range, or both given.
+    >>> run = harness.simulate(scene, "pymunk", accuracy_rad=1e-3)
+
+    `overrides` replace keys of the scene as `scene.replace` does. An engine's own failure is a `Run` whose outcome says so.
+    Raises `InputError` for an unknown engine or key, an accuracy or step out of range, or both given.
     """
     check_target(accuracy_rad, dt_s)
-    if overrides or keys:
-        from harness.input.scene_file import changed
-
-        scene = changed(scene, overrides, **keys)
+    if overrides:
+        scene = scene.replace(overrides)
     return simulate_with(engines.load(engine), scene, RunTarget(accuracy_rad, dt_s, options or RunOptions()))
 
 

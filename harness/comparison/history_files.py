@@ -18,8 +18,8 @@ from harness.records.scores import Scores
 
 
 def compare_files(
-    a: Path,
-    b: Path,
+    a: Path | str,
+    b: Path | str,
     *,
     uncertainty_rad: float | None = None,
     slip_uncertainty_m: float | None = None,
@@ -27,12 +27,15 @@ def compare_files(
 ) -> Scores:
     """Score history file a against history file b, the reference, of whatever software; raises `InputError`.
 
+    >>> scores = harness.compare_files("mine.csv", "theirs.csv")
+
     `uncertainty_rad` and `slip_uncertainty_m` are the numerical errors of either rotation and slip, where they are known.
     """
     if slip_uncertainty_m is not None and not 0.0 <= slip_uncertainty_m < math.inf:
         raise InputError(Mistake("--slip-uncertainty", "", "a length from 0 m", f"{slip_uncertainty_m!r}"))
     if uncertainty_rad is not None and not 0.0 <= uncertainty_rad < 1.0:
         raise InputError(Mistake("--uncertainty", "", "a rotation from 0 to 1 rad", f"{uncertainty_rad!r}"))
+    a, b = Path(a), Path(b)
     histories = [read_history(a), read_history(b)]
     a_s, b_s = (history.t_s for history in histories)
     if a_s.size != b_s.size or not np.allclose(a_s, b_s, rtol=UNIFORM, atol=UNIFORM):

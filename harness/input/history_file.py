@@ -54,14 +54,16 @@ class _Table:
     comma: bool
 
 
-def read_history(path: Path) -> History:
+def read_history(path: Path | str) -> History:
     """Read a history from CSV: `t_s` and `theta_rad` (or `t_ms`, `theta_deg`, ...) wanted, the others optional.
+
+    >>> theirs = harness.read_history("theirs.csv")
 
     Columns may be separated by commas, semicolons or tabs; with the latter two a decimal comma is read as well. Lines that
     begin with # are comments. Rates that are not given are differences. Half a unit of the last digit written, in the file's own
     unit, is the history's resolution. Raises `InputError` naming file, line and column.
     """
-    wanted = "a CSV file with a header line and at least one row"
+    path, wanted = Path(path), "a CSV file with a header line and at least one row"
     table = _table(path, decoded(read_bytes(path, "a history", MOST_BYTES), str(path), wanted))
     meant = _meant(path, table.names)
     numbers = _numbers(path, table)

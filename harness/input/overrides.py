@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
+from os import PathLike, fspath
+from types import MappingProxyType
 from typing import Final, cast
 
 from pydantic import JsonValue
@@ -20,15 +22,26 @@ DOT: Final = "__"
 """Stands for a dot where a key is a Python keyword argument: `motion__x__amplitude_g`. No key of a scene holds it."""
 
 
-def replacements(overrides: Overrides, keywords: Mapping[str, object]) -> list[Replacement]:
+def plain(value: object) -> object:
+    """A program's value as a scene file holds it: numbers and arrays of any library, tuples, paths; no key without a value."""
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items() if item is not None}
+    if isinstance(value, PathLike):
+        return fspath(value)
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    return [plain(item) for item in value] if isinstance(value, list | tuple) else value
+
+
+def replacements(overrides: Overrides, keywords: Mapping[str, object] = MappingProxyType({})) -> list[Replacement]:
     """Both ways of a program to replace keys, in one list."""
     given = [overrides] if isinstance(overrides, str) else overrides
     items: list[Replacement] = []
     if isinstance(given, Mapping):
-        items += [("overrides", key, value) for key, value in given.items()]
+        items += [("overrides", key, plain(value)) for key, value in given.items()]
     else:
         items += given
-    return [*items, *((f"keyword {key}", key.replace(DOT, "."), value) for key, value in keywords.items())]
+    return [*items, *((f"keyword {key}", key.replace(DOT, "."), plain(value)) for key, value in keywords.items())]
 
 
 def override(content: dict[str, JsonValue], items: Iterable[Replacement]) -> dict[tuple[str, ...], str]:

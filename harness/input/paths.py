@@ -41,7 +41,7 @@ def resolve(file: str, *, base_dir: Path, where: str, key: str) -> Path:
         advice = (
             f"set {DATA_VARIABLE} to the folder of scans and records"
             if in_data
-            else "a relative path starts at the scene's folder"
+            else ("" if Path(file).is_absolute() else "a relative path starts at the scene's folder")
         )
         raise InputError(Mistake(where, key, "an existing file", str(path), advice))
     return path.resolve()
@@ -49,11 +49,9 @@ def resolve(file: str, *, base_dir: Path, where: str, key: str) -> Path:
 
 def read_files(content: Mapping[str, JsonValue], source: Path | None) -> list[Path]:
     """The existing files that a scene's content (as read from `source`) names, whatever their keys, and the scene's own."""
-    if source is None:
-        return []
-    files = [source]
+    files, folder = ([], Path()) if source is None else ([source], source.parent)
     for text in _texts(content):
-        path = data_folder() / text[len(_PREFIX) + 1 :] if text.startswith(_PREFIX) else source.parent / text
+        path = data_folder() / text[len(_PREFIX) + 1 :] if text.startswith(_PREFIX) else folder / text
         try:
             files += [path] if path.is_file() else []
         except (OSError, ValueError):  # a title is no path

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Final
+from types import MappingProxyType
+from typing import Final, cast
 
 import numpy as np
-import tomli_w
 from pydantic import JsonValue
 
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.input import motions, tables
 from harness.input.mesh_statue import statue_from_mesh
-from harness.input.overrides import Overrides, replacements
+from harness.input.overrides import Overrides, plain, replacements
 from harness.input.tables import ContactTable, InitialTable, ModelTable, PedestalTable, SceneFile, StatueTable
 from harness.input.uncertain import uncertain_inputs
 from harness.model.errors import InputError, Mistake
@@ -31,26 +33,72 @@ BELOW_M: Final = 1e-6
 PRESETS: Final = {"consistent": Form("dynamic", "momentum"), "paper": Form("static", "unchanged")}
 
 
-def load_scene(path: Path | str, overrides: Overrides = (), **keys: object) -> Scene:
-    """Read, validate and resolve a scene.
+UNNAMED: Final = Path("scene")
+"""What names a scene of no file in messages; what it names is looked for from the working directory."""
+
+
+def load_scene(path: Path | str, overrides: Overrides = ()) -> Scene:
+    """Read, validate and resolve a scene file.
+
+    >>> scene = harness.load_scene("scenes/paestum_floor.toml")
 
     `overrides` replace keys before validation: `{"motion.x.amplitude_g": 0.4}`, or texts `KEY=VALUE` as on the command line;
-    so do `keys`, with two underscores for each dot: `motion__x__amplitude_g=0.4`. None removes a key. Raises `InputError` with
-    every mistake found.
+    None removes a key. Raises `InputError` with every mistake found.
     """
+    if not isinstance(path, str | os.PathLike):
+        advice = "harness.scene(mapping) takes a scene's tables"
+        raise InputError(Mistake("load_scene", "path", "the path of a scene file", type(path).__name__, advice))
     path = Path(path)
-    text = tables.read(path)
-    model, content = tables.parse(text, str(path), replacements(overrides, keys))
+    model, content = tables.parse(tables.read(path), str(path), replacements(overrides))
     return resolve(model, path, content)
 
 
-def changed(scene: Scene, overrides: Overrides = (), **keys: object) -> Scene:
-    """A loaded scene with keys of its file replaced as in `load_scene`. Raises `InputError`, also for a scene of no file."""
-    if not scene.given or scene.source is None:
+def scene(mapping: Mapping[str, object]) -> Scene:
+    """A scene from the tables of a scene file as nested mappings; numbers and arrays of numpy are taken too.
+
+    >>> scene = harness.scene({
+    ...     "title": "a block", "duration_s": 5.0,
+    ...     "statue": {
+    ...         "mass_kg": 500.0, "centroid_height_m": 0.5, "corner_left_m": 0.1, "corner_right_m": 0.1, "inertia_kg_m2": 43.3,
+    ...     },
+    ...     "motion": {"x": {"kind": "harmonic", "amplitude_g": 0.3, "frequency_hz": 2.0}},
+    ... })
+
+    Files are looked for from the working directory. Raises `InputError` with every mistake found, as for a file.
+    """
+    if not isinstance(mapping, Mapping):
+        advice = "harness.load_scene(path) reads a file"
+        wanted = "the tables of a scene as a mapping"
+        raise InputError(Mistake("scene", "mapping", wanted, type(mapping).__name__, advice))
+    model, content = tables.checked(_from_here(cast(dict[str, JsonValue], plain(mapping))), str(UNNAMED))
+    return resolve(model, None, content)
+
+
+def changed(scene: Scene, overrides: Overrides = (), keys: Mapping[str, object] = MappingProxyType({})) -> Scene:
+    """A scene with keys of its tables replaced (`Scene.replace`). Raises `InputError`, also for one made of resolved parts."""
+    if not scene.given:
         wanted = "a scene that was loaded, whose keys are known"
         raise InputError(Mistake(scene.title, "overrides", wanted, "one made in Python", "use dataclasses.replace"))
-    model, content = tables.parse(tomli_w.dumps(scene.given), str(scene.source), replacements(overrides, keys))
+    asked = replacements(overrides, keys)
+    model, content = tables.checked(copy.deepcopy(dict(scene.given)), str(scene.source or UNNAMED), asked)
+    if scene.source is None and (content := _from_here(content)) != scene.given:
+        model, content = tables.checked(content, str(UNNAMED))
     return resolve(model, scene.source, content)
+
+
+def _from_here(content: dict[str, JsonValue]) -> dict[str, JsonValue]:
+    """The content of no file, its paths absolute: where it is computed the working directory may be another."""
+
+    def absolute(key: str, value: JsonValue) -> JsonValue:
+        if isinstance(value, dict):
+            return _from_here(value)
+        return (
+            os.path.abspath(os.path.expanduser(value))
+            if key == "file" and isinstance(value, str) and value[:1] != "$"
+            else value
+        )
+
+    return {key: absolute(key, value) for key, value in content.items()}
 
 
 Statues = dict[str, tuple["Statue", Sequence[str]]]
@@ -58,12 +106,16 @@ Statues = dict[str, tuple["Statue", Sequence[str]]]
 
 
 def resolve(
-    model: SceneFile, path: Path, content: Mapping[str, JsonValue] | None = None, statues: Statues | None = None
+    model: SceneFile,
+    source: Path | None,
+    content: Mapping[str, JsonValue] | None = None,
+    statues: Statues | None = None,
 ) -> Scene:
-    """Resolve a validated scene; files it names are relative to the folder of `path`. Raises `InputError`.
+    """Resolve a validated scene; files it names are relative to the folder of its `source`, None of no file. Raises `InputError`.
 
     `statues` keeps those of earlier scenes of the same folder: thousands of scenes of one study share one.
     """
+    path = source or UNNAMED
     notes: list[str] = []
     mistakes: list[Mistake] = []
     base_excitation = _base_excitation(model, path, mistakes, notes)
@@ -90,10 +142,11 @@ def resolve(
         initial=_initial(model.initial, statue, path),
         table=model.table,
         output_dt_s=model.output.dt_s,
-        source=path,
+        source=source,
         given=content or {},
         notes=tuple(notes),
         uncertainty=uncertain_inputs(model, model.uncertainty),
+        _reader=changed,
     )
     _check_wall(scene, path)
     return scene

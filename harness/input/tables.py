@@ -233,7 +233,13 @@ def parse(text: str, where: str, overrides: Sequence[Replacement] = ()) -> tuple
 
     Raises `InputError` with every mistake.
     """
-    content = toml_table(text, where)
+    return checked(toml_table(text, where), where, overrides, text)
+
+
+def checked(
+    content: dict[str, JsonValue], where: str, overrides: Sequence[Replacement] = (), text: str = ""
+) -> tuple[SceneFile, dict[str, JsonValue]]:
+    """The same of a content that is a table already, which is changed."""
     overridden = override(content, overrides)
     try:
         model = SceneFile.model_validate(content)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from harness.model.errors import InputError, Mistake
 from harness.model.shown import Shown, new_axes
 
 if TYPE_CHECKING:
@@ -92,6 +93,13 @@ def _frozen(values: ArrayLike) -> Array:
     return array
 
 
+def _numbers(name: str, values: ArrayLike) -> Array:
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(Mistake("from_arrays", name, "an array of numbers", str(error))) from error
+
+
 def history_file(engine: str) -> str:
     """Name of an engine's history in a result folder; a colon is no character of a file's name on every system."""
     return f"history_{engine.replace(':', '-')}.csv"
@@ -134,6 +142,45 @@ class History(Shown):
                 raise ValueError(f"column {name} is not finite at sample {first}")
         if (self.t_s[1:] <= self.t_s[:-1]).any():
             raise ValueError("times of a history must increase strictly")
+
+    @classmethod
+    def from_arrays(
+        cls,
+        t_s: ArrayLike,
+        theta_rad: ArrayLike,
+        *,
+        theta_rate_rad_s: ArrayLike | None = None,
+        slip_m: ArrayLike | None = None,
+        slip_rate_m_s: ArrayLike | None = None,
+    ) -> History:
+        """A history of one's own arrays: rates that are not given are differences of second order, a slip none at all.
+
+        >>> t_s = np.arange(0.0, 5.0, 0.01)
+        >>> mine = harness.History.from_arrays(t_s, 0.05 * np.exp(-t_s) * np.cos(6.0 * t_s))
+
+        Raises `InputError` for fewer than two samples, lengths that differ, numbers that are not finite, times that do not rise.
+        """
+        times, theta = _numbers("t_s", t_s), _numbers("theta_rad", theta_rad)
+        if times.ndim != 1 or times.size < 2:
+            raise InputError(
+                Mistake("from_arrays", "t_s", "at least two times in one dimension", f"shape {times.shape}")
+            )
+        if not (np.diff(times) > 0.0).all():
+            raise InputError(Mistake("from_arrays", "t_s", "times that rise", "some that do not, or are no numbers"))
+        slip = np.zeros(times.shape) if slip_m is None else _numbers("slip_m", slip_m)
+        given = {"theta_rate_rad_s": (theta_rate_rad_s, theta), "slip_rate_m_s": (slip_rate_m_s, slip)}
+        for name, values in (("theta_rad", theta), ("slip_m", slip)):
+            if values.shape != times.shape:
+                wanted = f"{times.size} numbers, one for each time"
+                raise InputError(Mistake("from_arrays", name, wanted, f"shape {values.shape}"))
+        rates = {
+            name: np.gradient(of, times, edge_order=2 if times.size > 2 else 1) if own is None else _numbers(name, own)
+            for name, (own, of) in given.items()
+        }
+        try:
+            return cls(times, theta, rates["theta_rate_rad_s"], slip, rates["slip_rate_m_s"])
+        except ValueError as error:
+            raise InputError(Mistake("from_arrays", "", "finite numbers, one for each time", str(error))) from error
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A read-only view of a mapping cannot be pickled; workers send histories home.

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from analytic.constants import OVERTURN_RAD as OVERTURN_RAD
 from analytic.excitation import Excitation, ZeroExcitation
+from harness.model.errors import InputError, Mistake
 from harness.model.history import Array
 from harness.model.run import OMITTED
 from harness.model.shown import Shown, new_axes
@@ -227,6 +229,9 @@ class Uncertain:
     rho: float = 0.0
 
 
+Reader = Callable[["Scene", "Mapping[str, object] | Sequence[str]", "Mapping[str, object]"], "Scene"]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Scene(Shown):
     """One scene, resolved. `notes` are sentences on what was assumed or reconciled; `given` is the file's content as read."""
@@ -247,6 +252,55 @@ class Scene(Shown):
     given: Mapping[str, JsonValue] = field(default_factory=dict)
     notes: Sequence[str] = ()
     uncertainty: Sequence[Uncertain] = ()
+    _reader: Reader | None = field(default=None, repr=False)
+    """What reads its tables anew with other values (`harness.input.scene_file.changed`); None of a scene of resolved parts."""
+
+    def replace(self, overrides: Mapping[str, object] | Sequence[str] = (), /, **keys: object) -> Scene:
+        """The scene with keys of its tables replaced, all of it read again: a value, a whole table, or None to remove a key.
+
+        >>> stronger = scene.replace({"motion.x.amplitude_g": 0.4})
+        >>> stronger = scene.replace(motion__x__amplitude_g=0.4, duration_s=5.0)
+
+        Keywords have two underscores for each dot. Raises `InputError` for a key or value that makes no scene.
+        """
+        if self._reader is None:
+            wanted = "a scene that was loaded, whose keys are known"
+            raise InputError(Mistake(self.title, "replace", wanted, "one made of parts", "use dataclasses.replace"))
+        return self._reader(self, overrides, keys)
+
+    def with_motion(self, accel_m_s2: ArrayLike, dt_s: float, axis: str = "x") -> Scene:
+        """The scene shaken along an axis by samples of an acceleration, m/s², every `dt_s` from t = 0, linear between them.
+
+        >>> shaken = scene.with_motion(3.0 * np.sin(2.0 * np.pi * 2.0 * np.arange(0.0, 4.0, 0.005)), dt_s=0.005)
+
+        They take the place of what the scene has along that axis (x in the rocking plane, y across it, z up), and of what is not
+        known of it. Raises `InputError` for samples that are no numbers, or fewer than two.
+        """
+        place = "with_motion"
+        if axis not in ("x", "y", "z"):
+            raise InputError(Mistake(place, "axis", "x, y or z", repr(axis)))
+        try:
+            samples = np.asarray(accel_m_s2, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise InputError(Mistake(place, "accel_m_s2", "an array of numbers", str(error))) from error
+        if not isinstance(dt_s, int | float) or not dt_s > 0.0:
+            raise InputError(Mistake(place, "dt_s", "a positive step", repr(dt_s)))
+        if samples.ndim != 1:
+            raise InputError(Mistake(place, "accel_m_s2", "an array of one dimension", f"one of shape {samples.shape}"))
+        wrong = np.flatnonzero(~np.isfinite(samples))
+        if wrong.size:
+            got = f"{samples[wrong[0]]} at sample {wrong[0]}"
+            raise InputError(Mistake(place, "accel_m_s2", "finite numbers", got))
+        motion, unknown = self.given.get("motion"), self.given.get("uncertainty")
+        # What the file multiplies all axes by multiplies these too.
+        scale = motion.get("scale") if isinstance(motion, Mapping) else None
+        own = samples / scale if isinstance(scale, int | float) else samples
+        keys: dict[str, object] = {f"motion.{axis}": {"kind": "samples", "dt_s": dt_s, "accel_m_s2": own}}
+        if isinstance(unknown, Mapping):
+            keys["uncertainty"] = {
+                key: value for key, value in unknown.items() if not key.startswith(f"motion.{axis}.")
+            }
+        return self.replace(keys)
 
     def facts(self) -> dict[str, str]:
         """Title, statue, what it stands on, the floor's motion, how long."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from harness.campaign.store import Store
 from harness.model.errors import InputError, Mistake
 from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain
+from harness.model.shown import Shown, new_axes
 from harness.probability.by_model import MODEL, probability_of
 from harness.probability.clearance import of_engine, of_model
 from harness.probability.compared import OPTION_DRAWS, compare
@@ -42,6 +43,9 @@ from harness.records.assess import (
 from harness.records.base import RunCounts
 from harness.records.scene import SceneRecord
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 ASSESS_DRAWS: Final = 20_000
 HALF_WIDTH: Final = 0.05
 """Half width to which a contact engine's probability is asked, at `LEVEL`."""
@@ -54,8 +58,8 @@ BATCH: Final = 16
 """Runs between two looks at the interval."""
 
 
-@dataclass(frozen=True, eq=False)
-class Assessed:
+@dataclass(frozen=True, eq=False, repr=False)
+class Assessed(Shown):
     """A whole assessment: its record, the draws by key, the model's answers to them, and each engine's to those it ran."""
 
     record: AssessRecord
@@ -63,10 +67,37 @@ class Assessed:
     model: ModelDraws
     fell: Mapping[str, Mapping[int, bool | None]]
 
+    def facts(self) -> dict[str, str]:
+        """Title, and by engine how probable a fall is, with its interval."""
+        answers = self.record.answers.items()
+        said = {
+            name: f"falls with {item.probability_overturned:.3g} ({item.low:.3g} to {item.high:.3g})"
+            for name, item in answers
+        }
+        return {"title": self.record.title, "not known": ", ".join(self.values), **said}
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """One row for each draw: what was drawn by key, and whether the analytic model's statue overturns."""
+        size = len(self.model.overturned)
+        return {"draw": np.arange(size), **self.values, "overturned": self.model.overturned}
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw how probable a fall is by the strength of the whole motion, as a factor on it. Raises `InputError` without any."""
+        curve = self.record.fragility
+        if curve is None:
+            raise InputError(Mistake("assess", "plot", "a scene with a motion to make stronger", self.record.title))
+        ax = new_axes(ax)
+        ax.plot(curve.factor, curve.probability_overturned, marker="o", label=curve.model)
+        if curve.low and curve.high:
+            ax.fill_between(curve.factor, curve.low, curve.high, alpha=0.2)
+        ax.axvline(1.0, linestyle=":", linewidth=1.0)
+        ax.set(xlabel="factor on the motion", ylabel="probability of a fall", title=self.record.title)
+        return ax
+
 
 def assess(
     scene: Scene,
-    names: Sequence[str] | None = None,
+    names: Sequence[str] | None = (MODEL,),
     *,
     draws: int = ASSESS_DRAWS,
     seed: int = 0,
@@ -77,10 +108,14 @@ def assess(
     pool: Pool | None = None,
     on_progress: Callable[[str], None] = lambda text: None,
 ) -> Assessed:
-    """The whole assessment: by engine, the differences to the model, options, clearance, fragility, which input matters.
+    """How probable a fall is over what a scene does not know: by engine, and options, clearance, fragility, which input matters.
 
-    `names` None: the engines of every run. `more_options` are the user's own beside the scene's; None compares no options. Engine
-    runs that the `store` holds are not computed again; `pool` is used, and not closed, where the caller has one.
+    >>> answer = harness.assess(scene, draws=2000)
+    >>> answer.record.assessment["analytic"].probability_overturned
+
+    `names`: the models asked (None: those of every run, some hundred runs of each contact engine). `more_options` are the user's
+    own beside the scene's; None compares no options. Engine runs that the `store` holds are not computed again; `pool` is used,
+    and not closed, where the caller has one.
     Raises `InputError` for a scene of which nothing is uncertain, or that begins from a pose in space (the draws are stratified
     by the planar model).
     """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,9 +91,9 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
     if sweep.keys() & {"floor_static", "floor_kinetic"}:
         static = sweep.get("floor_static", scene.contact.floor_static)
         sweep["floor_kinetic"] = np.minimum(sweep.get("floor_kinetic", scene.contact.floor_kinetic), static)
-    options = twoblock.keywords(scene)
+    options: dict[str, Any] = dict(twoblock.keywords(scene))
     # Whether the statue would slip on its support is told of single runs only.
-    options.pop("statue_friction", None)
+    del options["statue_friction"]
     swept = ensemble(
         twoblock.block_of(scene),
         scene.base_excitation.x,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from analytic.excitation import Harmonic
@@ -110,7 +109,7 @@ def reread(scene: Scene, values: Mapping[str, object], place: str) -> Scene:
     for key, value in values.items():
         put(content, place, key, value)
     try:
-        return resolve(SceneFile.model_validate(content), scene.source or Path("scene.toml"), content)
+        return resolve(SceneFile.model_validate(content), scene.source, content)
     except (ValidationError, InputError) as error:
         mistakes = error.mistakes if isinstance(error, InputError) else mistakes_of(error, SceneFile, place)
         reasons = "; ".join(str(replace(item, where=item.key, key="")) for item in mistakes)

@@ -21,7 +21,10 @@ def class_of(kind: str) -> type[Record]:
 
 
 def read_result(folder: Path | str) -> Record:
-    """The record of a result folder. Raises `InputError` when it is absent, damaged, or of another schema."""
+    """The record of a result folder. Raises `InputError` when it is absent, damaged, or of another schema.
+
+    >>> record = harness.read_result("out/paestum_floor")
+    """
     path = Path(folder) / RECORD
     if not path.is_file():
         advice = "run `rockcheck run SCENE --out DIR` first"

@@ -96,6 +96,9 @@ def run_scene(
 ) -> Result:
     """Run a scene with the named engines and score every pair; `on_progress` hears which engine is at work.
 
+    >>> result = harness.run_scene(scene, ["analytic", "pymunk"])
+    >>> result.scores["analytic_vs_pymunk"].verdict_sentence
+
     `names` None: those that the scene needs (`engines.default_engines`).
 
     A model that certifies its own error also finds its horizon of prediction from its own perturbed starts (some twenty runs, of

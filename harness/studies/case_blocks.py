@@ -24,8 +24,8 @@ from harness.studies import case_selection as selection
 from harness.studies.case_columns import Columns, Shaken, Values, columns_of_record, swept, table_of, varied_column
 from harness.studies.case_scenes import CaseScenes
 from harness.studies.case_tasks import CaseRun, run_case, run_key
-from harness.studies.cases import Base, Case, expand
-from harness.studies.file import StudyFile
+from harness.studies.cases import Base, expand
+from harness.studies.file import StudyFile, Value
 
 LEAST_RUNS: Final = 50_000
 """From so many runs on a study's results stand in columns: rows of a kilobyte each would take most of the time."""
@@ -74,9 +74,9 @@ def run_block(block: Block) -> Answer:
     """Run every case of a block; its columns travel as the file that the store keeps."""
     begin = time.perf_counter()
     cases = list(expand(block.study, block.base, block.numbers))
-    runs = _Runs(block)
+    runs = SweptRuns(block.base, block.study.asked_rad.get(selection.REFERENCE, DEFAULT_ACCURACY_RAD))
     for place, case in enumerate(cases):
-        runs.add(place, case)
+        runs.add(place, case.setting)
     varied = {key: varied_column(block.study, key, [case.varied[key] for case in cases]) for key in cases[0].varied}
     named: Values = {"number": np.array(block.numbers), "variant": [case.variant for case in cases]}
     table = table_of({**named, **varied, **runs.columns()})
@@ -86,27 +86,27 @@ def run_block(block: Block) -> Answer:
     return Answer("columns", {}, seconds, inside_s=runs.inside_s, failed=runs.failed, table=data)
 
 
-class _Runs:
-    """Cases that are gathered and run together; one that the model refuses is run, and fails, as any single run does."""
+class SweptRuns:
+    """Cases of a base scene, gathered and run together; one that the model refuses is run, and fails, as any single run does."""
 
-    def __init__(self, block: Block) -> None:
-        self._block, self._asked = block, block.study.asked_rad.get(selection.REFERENCE, DEFAULT_ACCURACY_RAD)
-        levels = engines.load(selection.REFERENCE).refinement_levels(block.base.scene({}))
+    def __init__(self, base: Base, asked_rad: float) -> None:
+        self._base, self._asked = base, asked_rad
+        levels = engines.load(selection.REFERENCE).refinement_levels(base.scene({}))
         chosen = twoblock.own(first_level(levels, self._asked, 1.0)[0])
         self.settings = twoblock.stated_settings(chosen)
-        self._scenes = _scenes(block.base, min(RELIABLE_RAD, chosen.accuracy_rad))
+        self._scenes = _scenes(base, min(RELIABLE_RAD, chosen.accuracy_rad))
         self._gathered: list[Shaken] = []
         self._samples = 0
         self._parts: list[Columns] = []
         self.inside_s = 0.0
         self.failed = 0
 
-    def add(self, place: int, case: Case) -> None:
-        """Gather a case, or run it. Raises `InputError` for a case that is no scene."""
+    def add(self, place: int, setting: Mapping[str, Value]) -> None:
+        """Gather a case by the keys that it sets, or run it. Raises `InputError` for a case that is no scene."""
         try:
-            shaken = Shaken(place, self._scenes.still(case.setting), self._scenes.motion(case.setting))
+            shaken = Shaken(place, self._scenes.still(setting), self._scenes.motion(setting))
         except AnalyticInputError:
-            self._run_single(place, case)
+            self._run_single(place, setting)
             return
         self._gathered.append(shaken)
         axes = shaken.motion.x, shaken.motion.z
@@ -133,8 +133,8 @@ class _Runs:
         self.inside_s += time.perf_counter() - start
         self._gathered, self._samples = [], 0
 
-    def _run_single(self, place: int, case: Case) -> None:
-        run = CaseRun(selection.REFERENCE, self._block.base, tuple(case.setting.items()), self._asked, False, False)
+    def _run_single(self, place: int, setting: Mapping[str, Value]) -> None:
+        run = CaseRun(selection.REFERENCE, self._base, tuple(setting.items()), self._asked, False, False)
         answer = run_case(run)
         self.failed += answer.failed
         self._parts.append({"place": np.array([place]), **columns_of_record(answer.record)})

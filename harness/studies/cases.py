@@ -37,13 +37,13 @@ class Case:
 
 @dataclass(frozen=True)
 class Base:
-    """The base scene's content and where it stands."""
+    """The base scene's content and where it stands (None: in no file)."""
 
-    path: Path
+    path: Path | None
     content: Mapping[str, JsonValue]
     _statues: load.Statues = field(default_factory=dict, compare=False, repr=False)
 
-    def __reduce__(self) -> tuple[type[Base], tuple[Path, Mapping[str, JsonValue]]]:
+    def __reduce__(self) -> tuple[type[Base], tuple[Path | None, Mapping[str, JsonValue]]]:
         """Sent to a worker as it was read, without the statues that were resolved here."""
         return Base, (self.path, self.content)
 
@@ -52,7 +52,8 @@ class Base:
         content = _copied(self.content)
         for key, value in setting.items():
             put(content, key, value)
-        where = f"{self.path} with {', '.join(f'{key} = {value}' for key, value in setting.items()) or 'nothing set'}"
+        said = ", ".join(f"{key} = {value}" for key, value in setting.items()) or "nothing set"
+        where = f"{self.path or load.UNNAMED} with {said}"
         try:
             model = SceneFile.model_validate(content)
         except ValidationError as error:

@@ -6,6 +6,7 @@ import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from harness.model.run import MANY
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.witness import sentences
 from reports.charts.histories import histories_figure, pattern_words
@@ -79,7 +80,7 @@ def command(source: RunSource) -> str:
 
 
 def toml_text(content: Mapping[str, object]) -> str:
-    """TOML of nested mappings of strings, numbers, booleans and lists; keys without a value are left out."""
+    """TOML of nested mappings of strings, numbers, booleans and lists; keys without a value are left out, long lists counted."""
     import tomli_w
 
     return tomli_w.dumps(_stated(content))
@@ -87,7 +88,12 @@ def toml_text(content: Mapping[str, object]) -> str:
 
 def _stated(content: Mapping[str, object]) -> dict[str, object]:
     return {
-        key: _stated(value) if isinstance(value, Mapping) else value
+        key: _stated(value) if isinstance(value, Mapping) else _counted(value)
         for key, value in content.items()
         if value is not None
     }
+
+
+def _counted(value: object) -> object:
+    """A value, of a long list its length: `result.json` has it whole."""
+    return f"{len(value)} numbers" if isinstance(value, list) and len(value) > MANY else value

@@ -3,22 +3,32 @@
 from __future__ import annotations
 
 import ast
+import doctest
 import inspect
 import json
 import pickle
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
+import numpy as np
 import pytest
+import tomli_w
+import trimesh
 
 import harness
+from harness import engines
+from harness.campaign.cache_key import scene_key
 from harness.model.history import Outcome
 from harness.model.shown import Shown
 from harness.records.study import CaseRun, StudyRecord, StudyRow
+from harness.scene_run.scene_run import write_result
+from tests import budgets
 
 REFERENCE = ("analytic", "analytic.closed_form", "analytic.pulse_response", "meshes", "harness")
 """What `make docs` documents."""
@@ -26,7 +36,7 @@ REFERENCE = ("analytic", "analytic.closed_form", "analytic.pulse_response", "mes
 
 @pytest.fixture(scope="module")
 def scene(root: Path) -> harness.Scene:
-    return harness.load_scene(root / "scenes/free_rocking.toml", duration_s=1.0)
+    return harness.load_scene(root / "scenes/free_rocking.toml", {"duration_s": 1.0})
 
 
 @pytest.fixture(scope="module")
@@ -103,32 +113,200 @@ def test_packages_say_that_they_are_typed(package: str, root: Path) -> None:
 
 def test_keys_are_replaced_as_keywords_as_a_mapping_and_as_texts(root: Path) -> None:
     file = root / "scenes/paestum_floor.toml"
+    loaded = harness.load_scene(file)
     ways = (
-        harness.load_scene(file, motion__x__amplitude_g=0.4),
-        harness.load_scene(file, **{"motion.x.amplitude_g": 0.4}),
-        harness.load_scene(file, {"motion.x.amplitude_g": 0.4}),
+        harness.load_scene(file, {"motion.x.amplitude_g": np.float32(0.4)}),
         harness.load_scene(file, ["motion.x.amplitude_g=0.4"]),
+        loaded.replace(motion__x__amplitude_g=0.4),
+        loaded.replace({"motion.x.amplitude_g": 0.4}),
     )
-    assert {way.base_excitation.x.peak_m_s2 for way in ways} == {0.4 * ways[0].gravity_m_s2}
+    assert [way.base_excitation.x.peak_m_s2 for way in ways] == pytest.approx([0.4 * loaded.gravity_m_s2] * 4)
+    assert loaded.replace(uncertainty=None).uncertainty == ()
     said = r"^keyword motion__x__amplitud_g: motion.x.amplitud_g: .*did you mean amplitude_g"
     with pytest.raises(harness.InputError, match=said):
-        harness.load_scene(file, motion__x__amplitud_g=0.4)
+        loaded.replace(motion__x__amplitud_g=0.4)
     with pytest.raises(harness.InputError, match=r"^overrides: duration_s: wanted a number"):
         harness.load_scene(file, {"duration_s": "x"})
 
 
 def test_a_run_of_a_changed_scene_is_the_run_of_the_scene_so_loaded(scene: harness.Scene, run: harness.Run) -> None:
     assert scene.source is not None
-    loaded = harness.load_scene(scene.source, duration_s=1.0, contact__restitution=0.8)
-    wanted = harness.simulate(loaded, "analytic")
-    for changed in ({"overrides": {"contact.restitution": 0.8}}, {"contact__restitution": 0.8}):
-        got = harness.simulate(scene, "analytic", **changed)
+    changed = {"contact.restitution": 0.8}
+    wanted = harness.simulate(harness.load_scene(scene.source, {"duration_s": 1.0, **changed}), "analytic")
+    for got in (
+        harness.simulate(scene, "analytic", overrides=changed),
+        harness.simulate(scene.replace(changed), "analytic"),
+    ):
         assert got.impact_times_s == wanted.impact_times_s
     assert wanted.impact_times_s != run.impact_times_s
-    with pytest.raises(harness.InputError, match="unknown key"):
-        harness.simulate(scene, "analytic", acuracy_rad=1e-3)
     with pytest.raises(harness.InputError, match="a scene that was loaded"):
-        harness.simulate(replace(scene, given={}), "analytic", title="other")
+        replace(scene, _reader=None).replace(title="other")
+
+
+TABLES: dict[str, Any] = {
+    "title": "a block",
+    "duration_s": 2.0,
+    "statue": dict(
+        zip(
+            ("mass_kg", "centroid_height_m", "corner_left_m", "corner_right_m", "inertia_kg_m2"),
+            (500.0, 0.5, 0.1, 0.1, 43.3),
+            strict=True,
+        )
+    ),
+    "motion": {"x": {"kind": "harmonic", "amplitude_g": np.float64(0.3), "frequency_hz": np.int64(2)}},
+    "pedestal": None,
+}
+
+
+def test_a_scene_of_a_mapping_is_that_of_the_file(tmp_path: Path) -> None:
+    made = harness.scene(TABLES)
+    file = tmp_path / "scene.toml"
+    file.write_text(tomli_w.dumps(made.given))
+    loaded = harness.load_scene(file)
+    assert (made.source, made.given) == (None, loaded.given)
+    engine = engines.load("pybullet")
+    assert scene_key(made, engine.capabilities) == scene_key(loaded, engine.capabilities)
+    assert made.replace(duration_s=1).duration_s == 1.0
+
+
+@pytest.mark.parametrize(
+    ("call", "where", "key"),
+    [
+        (lambda: harness.scene({}), "scene", "title"),
+        (lambda: harness.scene("scene.toml"), "scene", "mapping"),
+        (lambda: harness.scene({**TABLES, "motion": {"x": {"kind": "samples", "dt_s": 0.01}}}), "scene", "motion.x.accel_m_s2"),
+        (lambda: harness.load_scene({}), "load_scene", "path"),
+        (lambda: harness.scene(TABLES).with_motion([0.0, np.nan], 0.01), "with_motion", "accel_m_s2"),
+        (lambda: harness.scene(TABLES).with_motion(np.zeros((2, 2)), 0.01), "with_motion", "accel_m_s2"),
+        (lambda: harness.scene(TABLES).with_motion([0.0, 1.0], 0.0), "with_motion", "dt_s"),
+        (lambda: harness.scene(TABLES).with_motion([0.0, 1.0], 0.1, "w"), "with_motion", "axis"),
+        (lambda: harness.sweep(harness.scene(TABLES), {}), "sweep", "values"),
+        (lambda: harness.sweep(harness.scene(TABLES), {"motion.x.amplitude_g": 0.3}), "sweep", "motion.x.amplitude_g"),
+        (lambda: harness.read_mesh("absent.ply"), "absent.ply", ""),
+        (lambda: harness.read_mesh("absent.ply", density_kg_m3=-1.0), "read_mesh", "density_kg_m3"),
+        (lambda: harness.History.from_arrays([0.0, 0.0], [0.0, 0.0]), "from_arrays", "t_s"),
+        (lambda: harness.History.from_arrays([0.0, 1.0], [0.0]), "from_arrays", "theta_rad"),
+    ],
+)  # fmt: skip
+def test_mistakes_of_a_call_are_named(call: Callable[[], object], where: str, key: str) -> None:
+    with pytest.raises(harness.InputError) as caught:
+        call()
+    assert (caught.value.mistakes[0].where, caught.value.mistakes[0].key) == (where, key)
+
+
+def test_files_of_no_scene_file_are_looked_for_from_here(
+    root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(root / "scenes")
+    made = harness.scene({**TABLES, "statue": {"mesh": {"file": "togatus.ply", "density_kg_m3": 2700.0}}})
+    monkeypatch.chdir(tmp_path)
+    assert made.replace(duration_s=1.0).statue.mass_kg == made.statue.mass_kg
+
+
+def test_an_own_array_is_a_motion_of_the_scene(tmp_path: Path) -> None:
+    """As it is, though the scene's file multiplies all its axes; in the record, and in another process."""
+    t_s = np.arange(0.0, 1.0, 0.005)
+    own = 4.0 * np.sin(12.0 * t_s)
+    base = harness.scene({**TABLES, "motion": {**TABLES["motion"], "scale": 2.5}, "uncertainty": UNKNOWN})
+    made = base.with_motion(own, dt_s=0.005)
+    assert np.max(np.abs(made.base_excitation.x.accel_m_s2(t_s) - own)) < budgets.OWN_MOTION_REL * np.max(own)
+    assert [item.key for item in made.uncertainty] == ["statue.mass_kg"]
+    sent = pickle.loads(pickle.dumps(made))
+    assert sent.replace(motion__scale=5.0).base_excitation.x.peak_m_s2 == pytest.approx(2.0 * np.max(np.abs(own)))
+    run = harness.simulate(made, "analytic")
+    written = write_result(harness.run_scene(made, ["analytic"]), tmp_path)
+    toml = json.loads(written.read_text())["scene"]["toml"]
+    assert harness.simulate(harness.scene(toml), "analytic").peak_theta_rad == run.peak_theta_rad
+
+
+UNKNOWN = {
+    "motion.x.amplitude_g": {"kind": "lognormal", "cov": 0.1},
+    "statue.mass_kg": {"kind": "lognormal", "cov": 0.1},
+}
+
+
+def test_a_sweep_s_rows_are_single_runs() -> None:
+    made, outcome = harness.scene(TABLES), harness.RunOptions(history=False)
+    values = {"motion.x.amplitude_g": np.array([0.2, 0.6]), "statue.mass_kg": (400, 500.0)}
+    runs = harness.sweep(made, values)
+    rows = runs.columns()
+    assert [*zip(rows["motion.x.amplitude_g"], rows["statue.mass_kg"], strict=True)] == [
+        (0.2, 400.0), (0.2, 500.0), (0.6, 400.0), (0.6, 500.0)
+    ]  # fmt: skip
+    for k in range(len(runs)):
+        changed = {key: rows[key][k] for key in values}
+        run = harness.simulate(made.replace(changed), "analytic", options=outcome)
+        assert (rows["outcome"][k], rows["overturned"][k]) == (run.outcome.value, run.outcome.overturned)
+        assert (rows["peak_theta_rad"][k], rows["steps"][k]) == (abs(run.peak_theta_rad), run.steps)
+    other = harness.sweep(made, {"motion.x.amplitude_g": [0.6]}, "pymunk", accuracy_rad=1e-2)
+    assert list(other.columns()) == list(harness.sweep(made, {"motion.x.amplitude_g": [0.6]}).columns())
+    assert other.table["outcome"].tolist() == [runs.table["outcome"][3]]
+
+
+def test_a_mesh_that_is_not_clean_has_mass_properties_and_doubts(tmp_path: Path) -> None:
+    box = trimesh.creation.box((0.4, 0.3, 1.2))
+    box.apply_translation((1.0, 2.0, 0.6))
+    for name, mesh in {"whole": box, "open": open_box(box), "wound": wound_box(box)}.items():
+        mesh.export(tmp_path / f"{name}.ply")
+        found = harness.read_mesh(tmp_path / f"{name}.ply", density_kg_m3=1000.0)
+        assert (found.solid is not None, not found.doubts) == (name == "whole", name == "whole")
+        assert found.mass_kg == pytest.approx(144.0, rel=budgets.HOLED_REL)
+        assert found.centroid_m == pytest.approx((1.0, 2.0, 0.6), rel=budgets.HOLED_REL)
+        assert found.inertia_kg_m2[1, 1] == pytest.approx(144.0 * (0.4**2 + 1.2**2) / 12.0, rel=budgets.HOLED_REL)
+    assert harness.read_mesh(tmp_path / "whole.ply", unit="dm").mass_kg == pytest.approx(2700.0 * 0.144e-3, rel=1e-6)
+
+
+def open_box(box: trimesh.Trimesh) -> trimesh.Trimesh:
+    """Without one triangle of a flat side, which a cone closes as it was."""
+    return trimesh.Trimesh(box.vertices, box.faces[1:], process=False)
+
+
+def wound_box(box: trimesh.Trimesh) -> trimesh.Trimesh:
+    """With one triangle the other way round."""
+    return trimesh.Trimesh(box.vertices, np.vstack([box.faces[:1, ::-1], box.faces[1:]]), process=False)
+
+
+def test_a_history_of_arrays_has_its_rates() -> None:
+    t_s = np.linspace(0.0, 1.0, 201)
+    found = harness.History.from_arrays(t_s.tolist(), (0.1 * t_s**2).tolist(), slip_m=0.5 * t_s)
+    # Differences of second order are exact for a parabola, at both ends too.
+    assert found.theta_rate_rad_s == pytest.approx(0.2 * t_s, abs=budgets.DIFFERENCED)
+    assert found.slip_rate_m_s == pytest.approx(0.5, abs=budgets.DIFFERENCED)
+    assert harness.History.from_arrays([0.0, 1.0], [0.0, 0.1]).slip_m.tolist() == [0.0, 0.0]
+
+
+def test_every_docstring_s_call_runs(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the docstrings of the library show, in one session: `dir(harness)`, its functions, the methods that make a scene."""
+    made = harness.scene(TABLES)
+    reference = harness.simulate(made, "analytic")
+    (tmp_path / "scenes").symlink_to(root / "scenes")
+    monkeypatch.chdir(tmp_path)
+    assert reference.history is not None
+    for name in ("mine.csv", "theirs.csv"):
+        reference.history.write_csv(tmp_path / name)
+    write_result(harness.run_scene(made, ["analytic"]), tmp_path / "out" / "paestum_floor")
+    functions = [getattr(harness, name) for name in harness.__all__ if inspect.isfunction(getattr(harness, name))]
+    assert len(functions) >= 11
+    methods = [harness.Scene.replace, harness.Scene.with_motion, harness.History.from_arrays]
+    for function in (*functions, *methods):
+        examples = doctest.DocTestParser().get_examples(function.__doc__)
+        assert examples, f"{function.__name__}: its docstring shows no call"
+        names = {"harness": harness, "np": np, "scene": made, "run": reference, "reference": reference}
+        for example in examples:
+            exec(example.source, names)
+
+
+@pytest.mark.parametrize("package", ["harness", "analytic", "analytic.spatial", "meshes"])
+def test_no_public_function_hides_its_options(package: str) -> None:
+    module = import_module(package)
+    items = [item for name, item in inspect.getmembers(module) if not name.startswith("_")]
+    items += [getattr(module, name) for name in getattr(module, "__all__", ())]
+    assert any(map(inspect.isfunction, items))
+    hidden = [
+        item.__name__ for item in items if inspect.isfunction(item)
+        if any(each.kind is each.VAR_KEYWORD for each in inspect.signature(item).parameters.values())
+    ]  # fmt: skip
+    assert not hidden
 
 
 def shown(scene: harness.Scene, run: harness.Run) -> list[Shown]:
@@ -248,8 +426,10 @@ def test_the_example_notebook_runs(root: Path, monkeypatch: pytest.MonkeyPatch) 
             assert value is not None, f"a cell shows nothing: {cell}"
         else:
             exec(compile(ast.Module([last], []), "example", "exec"), names)
-    assert len(cells) >= 6
+    assert len(cells) == 10
+    assert max(len(cell.replace("\n\n", "\n").splitlines()) for cell in cells) <= 5
     assert isinstance(names["scores"], harness.Scores)
+    assert len(names["frame"]) == 100  # type: ignore[arg-type]
 
 
 def test_tab_completion_shows_the_library_and_nothing_else() -> None:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from analytic.excitation import Excitation, Harmonic, Pulse, ZeroExcitation
 from harness.input.motions import compatible, process, records
 from harness.input.motions.compatible import NoMatchError
@@ -20,6 +22,7 @@ from harness.input.motions.spec import (
     PulseSpec,
     RecordSpec,
     RestSpec,
+    SamplesSpec,
     SpectrumSpec,
 )
 from harness.input.motions.spectra import DesignSpectrum, design_spectrum
@@ -82,6 +85,8 @@ def prepare(motion: SceneMotion) -> Prepared:
         ground = Prepared(Pulse(component.shape, amplitude, component.duration_s, component.start_s))
     elif isinstance(component, RecordSpec):
         ground = _of_series(*records.load(component, base_dir=motion.base_dir, where=motion.where, key=motion.key))
+    elif isinstance(component, SamplesSpec):
+        ground = _of_series(Series(component.dt_s, np.array(component.accel_m_s2)), ())
     else:
         ground = _compatible(component, motion)
     return _on_floor(ground, component.floor, motion) if component.floor else ground

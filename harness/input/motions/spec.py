@@ -24,9 +24,12 @@ Code = Literal["ntc2008", "ntc2018", "ec8"]
 Soil = Literal["A", "B", "C", "D", "E"]
 LARGEST_G: Final = 1e3
 """Far beyond any floor's acceleration, and far from where products of numbers overflow; so the next two."""
+LARGEST_M_S2: Final = 1e4
 LARGEST_SCALE: Final = 1e6
 LARGEST_M_S: Final = 1e3
 LONGEST_S: Final = 3600.0
+MOST_SAMPLES: Final = 2_000_000
+"""Samples that a scene holds itself: more stand in a file."""
 
 
 class Oscillator(Table):
@@ -131,6 +134,18 @@ class RecordSpec(Source, _Filtered):
     kind: Literal["record"]
 
 
+class SamplesSpec(_Filtered):
+    """Samples of an acceleration that stand in the scene itself, every `dt_s` from t = 0, joined by straight lines."""
+
+    kind: Literal["samples"]
+    dt_s: float = Field(ge=1e-6, le=LONGEST_S)
+    accel_m_s2: Annotated[
+        tuple[Annotated[float, Field(ge=-LARGEST_M_S2, le=LARGEST_M_S2)], ...],
+        Field(min_length=2, max_length=MOST_SAMPLES),
+        BeforeValidator(list_to_tuple),
+    ]
+
+
 class Target(Table):
     """An elastic design spectrum from its parameters (docs/motions.md, "Target spectra").
 
@@ -200,7 +215,9 @@ class SpectrumSpec(Target, _Filtered):
         return self
 
 
-Component = Annotated[RestSpec | HarmonicSpec | PulseSpec | RecordSpec | SpectrumSpec, Field(discriminator="kind")]
+Component = Annotated[
+    RestSpec | HarmonicSpec | PulseSpec | RecordSpec | SamplesSpec | SpectrumSpec, Field(discriminator="kind")
+]
 
 
 class Motion(Table):

@@ -28,7 +28,7 @@ def test_a_scan_shaken_in_space_is_the_same_in_pybullet_and_exactly(root: Path, 
     pytest.importorskip("pybullet")
     if not (data_dir / "meshes" / "maria_acephalous.obj").is_file():
         pytest.skip(f"real data absent: {data_dir}")
-    scene = load_scene(root / "scenes" / "maria.toml", motion__scale=2.5, duration_s=FIRST_IMPACTS_S)
+    scene = load_scene(root / "scenes" / "maria.toml", {"motion.scale": 2.5, "duration_s": FIRST_IMPACTS_S})
     assert (len(scene.statue.footprint_m), len(scene.statue.feet_m)) == (16, 26)
     turns = []
     for name, level in (("spatial", 0), ("pybullet", -1)):
@@ -60,7 +60,7 @@ def test_a_scan_that_barely_turns_goes_on(root: Path, data_dir: Path, size: floa
     """
     if not (data_dir / "meshes" / "maria_acephalous.obj").is_file():
         pytest.skip(f"real data absent: {data_dir}")
-    scene, engine = load_scene(root / "scenes" / "maria.toml", motion__scale=2.5), engines.load("spatial")
+    scene, engine = load_scene(root / "scenes" / "maria.toml", {"motion.scale": 2.5}), engines.load("spatial")
     for start in perturbed(scene, size)[:2]:
         run = engine.simulate(start, engine.refinement_levels(start)[-1], RunOptions())
         assert run.outcome is Outcome.OVERTURNED_BACK

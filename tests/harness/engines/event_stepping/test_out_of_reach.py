@@ -41,7 +41,7 @@ def thrown(seed: int, *, height_m: float = 0.15, duration_s: float = 0.8) -> Sce
         "initial.velocity_m_s": [float(v) for v in drawn.normal(0.0, 1.0, 2)] + [0.0],
         "initial.angular_velocity_rad_s": [float(v) for v in drawn.normal(0.0, 6.0, 3)],
     }
-    return load_scene(CUBE, **initial, duration_s=duration_s)
+    return load_scene(CUBE, {**initial, "duration_s": duration_s})
 
 
 def given_and_taken_j(of: Run) -> float:
