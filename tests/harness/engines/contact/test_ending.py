@@ -59,14 +59,14 @@ def test_a_run_ends_by_the_models_rule(name: str, end: str) -> None:
 
 def test_while_the_floor_still_moves_nothing_is_foretold() -> None:
     on = scene(rectangle(0.2, 1.0), duration_s=0.05, **OVER_THE_HILL)
-    shaken = on.but(base_excitation=replace(on.base_excitation, x=PUSH))
+    shaken = replace(on, base_excitation=replace(on.base_excitation, x=PUSH))
     assert {run(name, shaken).outcome for name in ("analytic", "pymunk")} == {Outcome.STANDS}
 
 
-SLIDES = scene(
+SLIDES = replace(scene(
     rectangle(0.3, 1.0), PUSH, pedestal=Pedestal(20.0, 0.6, 0.6, 0.05), mu=0.05, mu_statue=3.0, duration_s=0.5
-).but(wall=Wall("left", 0.25))  # fmt: skip
-TIPS = paestum(0.429, 2.0, mu=0.03, duration_s=0.3).but(initial=Initial(0.0, -1.0), wall=Wall("left", 0.15))
+), wall=Wall("left", 0.25))  # fmt: skip
+TIPS = replace(paestum(0.429, 2.0, mu=0.03, duration_s=0.3), initial=Initial(0.0, -1.0), wall=Wall("left", 0.15))
 
 
 @pytest.mark.parametrize("name", ENGINES[:4])
