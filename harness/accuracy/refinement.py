@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from harness.accuracy.outlook import MOST_ORDER, beyond, hopeless, last_s
+from harness.accuracy.outlook import MOST_ORDER, beyond, hopeless, last_s, outgrows
 from harness.accuracy.sensitivity import PARTED, moved, stronger_run
 from harness.accuracy.spread import CLEAR, NONE, Error, Spread, factor, plain_from_s, plain_share, spread, target_of
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
@@ -38,6 +38,8 @@ LEFT_AGREEMENTS: Final = 2
 """Comparisons that must hold in a row where a run leaves what its events are located for: from there plain steps err unevenly."""
 MOST_TIMES: Final = 40.0
 """Steps of all runs of a climb over those of its first level, at most: a level nearly twenty times as fine is reached."""
+LONG_STEPS: Final = 4000
+"""The analytic model is asked whether errors outgrow the target where a climb takes so many steps that its answer pays."""
 RESPONSES: Final = 2
 """So many times a climb goes on because a small change of the motion moves more than the target; then finer steps gain little."""
 
@@ -79,6 +81,7 @@ class _Climb:
 
     `agreed_s` is until when the last two agree, None where they do not or a third is needed; `answer` is what a slightly
     stronger motion changed in the last two runs that were asked for it; `not_tried_s` the step that would have taken too many.
+    `outgrown`: the finest level's errors outgrow the target.
     """
 
     engine: Engine
@@ -93,6 +96,7 @@ class _Climb:
     answers: int = 0
     costs: list[tuple[int, float]] = field(default_factory=list)
     not_tried_s: float | None = None
+    outgrown: bool = False
 
     def order(self) -> Iterator[Settings]:
         """Settings in the order in which they are tried: a level, its verification runs, then levels finer than these.
@@ -103,6 +107,9 @@ class _Climb:
         index = first_level(levels, self.target.rotation_rad, START_SHARE)[1]
         if not self.promised:
             index = max(sum(item.dt_s > COARSER * levels[-1].dt_s for item in levels) - 1, 0)
+        elif self.scene.duration_s >= LONG_STEPS * levels[second := self._second(index)].dt_s:
+            self.outgrown = outgrows(self.scene, levels[-1].expected_error_rad, self.target.rotation_rad)
+            index = second if self.outgrown else index
         while index < len(levels):
             yield levels[index]
             finest = levels[index].dt_s
@@ -122,10 +129,16 @@ class _Climb:
         self.not_tried_s = settings.dt_s
         return False
 
+    def _second(self, first: int) -> int:
+        """The level that follows the first and its verification run."""
+        levels = self.refinement_levels
+        finest_s = VERIFICATION_STEP_SHARE * levels[first].dt_s
+        return next((i for i in range(first + 1, len(levels)) if levels[i].dt_s < CLIMB_SHARE * finest_s), first)
+
     def check(self, settings: Settings) -> _Check:
         """What may end a run with these settings early."""
         before = self.whole[-1][1] if self.whole else None
-        return _Check(before, self.spreads, settings.dt_s, self.refinement_levels[-1].dt_s, self.target)
+        return _Check(before, self, settings.dt_s)
 
     def ends_with(self, settings: Settings, run: Run, check: _Check) -> bool:
         """Take a run; whether no further one is worth its cost."""
@@ -145,10 +158,15 @@ class _Climb:
             self.agreed_s = run.no_return_time_s or 0.0
         else:
             finest_s = self.refinement_levels[-1].dt_s
-            return hopeless(self.spreads, last_s(run), finest_s, self.target) or (
+            return self.given_up(self.spreads, run) or (
                 not self.promised and beyond(self.spreads, finest_s, self.target)
             )
         return False
+
+    def given_up(self, spreads: list[Spread], run: Run) -> bool:
+        """Whether no finer run is expected to agree with its neighbour as long as a run is to be bounded."""
+        finest_s = self.refinement_levels[-1].dt_s
+        return bool(spreads) and (self.outgrown or hopeless(spreads, last_s(run), finest_s, self.target))
 
     def met(self, answer: Spread | None, until_s: float) -> bool:
         """Whether a slightly stronger motion moves less than the target until then, or finer steps would change little."""
@@ -175,9 +193,9 @@ class _Climb:
     def response(self, until_s: float) -> Spread | None:
         """What a stronger motion changes in the coarser of the last two runs; None where it cannot be asked."""
         good = [(settings, run) for settings, run in self.whole if not run.outcome.failed]
-        if len(good) < 2 or self.answer is not None:
+        if not good or not self.spreads or self.answer is not None:
             return self.answer
-        settings, run = good[-2]
+        settings, run = good[-2] if len(good) > 1 else good[-1]
         share = good[-1][0].expected_error_rad
         other = self.engine.simulate(*stronger_run(self.engine, self.scene, settings, run, share, self.target, until_s))
         self.answer = moved(run, other, self.target)
@@ -242,16 +260,16 @@ class _Climb:
 class _Check:
     """Ends a run that has parted from the one before it, once no finer one is expected to bring the two together to the end."""
 
-    def __init__(
-        self, before: Run | None, spreads: list[Spread], dt_s: float, finest_dt_s: float, target: Error
-    ) -> None:
+    def __init__(self, before: Run | None, climb: _Climb, dt_s: float) -> None:
         self.before = None if before is None or before.outcome.failed else before
-        self.spreads, self.dt_s, self.finest_dt_s, self.target = spreads, dt_s, finest_dt_s, target
+        self.climb, self.target, self.dt_s = climb, climb.target, dt_s
         self.parted_s = math.inf
         self.stopped = False
 
     def __call__(self, t_s: float, theta_rad: float) -> bool:
-        if self.before is None or self.before.history is None or not self.spreads or t_s > self.before.end_s:
+        if self.before is None or self.before.history is None or t_s > self.before.end_s:
+            return False
+        if not self.climb.spreads and not self.climb.outgrown:
             return False
         apart = abs(float(self.before.history.at(t_s)) - theta_rad)
         before_s = number(self.before.settings, "dt_s")
@@ -259,7 +277,7 @@ class _Check:
             self.parted_s = min(self.parted_s, t_s)
         if apart > PARTED * self.target.rotation_rad:
             now = Spread(NONE, self.parted_s, False, before_s, self.dt_s)
-            self.stopped = hopeless([*self.spreads, now], last_s(self.before), self.finest_dt_s, self.target)
+            self.stopped = self.climb.given_up([*self.climb.spreads, now], self.before)
         return self.stopped
 
 

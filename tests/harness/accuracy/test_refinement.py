@@ -10,11 +10,11 @@ import pytest
 
 from harness import engines
 from harness.accuracy import refinement
-from harness.accuracy.outlook import hopeless
+from harness.accuracy.outlook import hopeless, outgrows
 from harness.accuracy.refinement import run_to_accuracy
 from harness.accuracy.simulation import simulate
 from harness.accuracy.spread import NONE, SAFETY, Error, Spread, spread, target_of
-from harness.engines.base import Engine, Settings
+from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
 from harness.engines.pymunk import Munk2D
 from harness.model.history import History, Outcome
 from harness.model.options import Capabilities, RunOptions
@@ -356,6 +356,35 @@ def test_wide_scenes_are_reproducible_and_reach_what_the_others_do_not() -> None
     assert max(friction) > 0.9
     tall = [s for s in scenes if s.pedestal is not None and s.pedestal.height_m > s.pedestal.width_m]
     assert len(tall) > 10
+
+
+@pytest.mark.parametrize(
+    ("scene", "expected"),
+    [
+        (paestum(0.334, 4.5, mu=(0.2, 0.15), duration_s=10.0), True),
+        (paestum(0.334, 4.5, mu=(0.2, 0.15), duration_s=1.0), False),
+        (paestum(0.429, 1.5, pedestal=False, duration_s=10.0), False),
+    ],
+)
+def test_the_model_tells_whether_errors_of_the_finest_level_outgrow_the_target(scene: Scene, expected: bool) -> None:
+    """Ten seconds of rocking and sliding outgrow them; one second does not, nor does a statue that is overturned at once."""
+    assert outgrows(scene, Munk2D().refinement_levels(scene)[-1].expected_error_rad, 1e-3) is expected
+
+
+def test_a_scene_that_outgrows_every_level_costs_one_whole_run_and_says_as_much(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = paestum(0.334, 4.5, mu=(0.2, 0.15), duration_s=8.0)
+    run = run_to_accuracy(Munk2D(), scene, 1e-3, RunOptions())
+    monkeypatch.setattr(refinement, "outgrows", lambda *given: False)
+    climbed = run_to_accuracy(Munk2D(), scene, 1e-3, RunOptions())
+    assert run.settings == climbed.settings
+    assert run.bounded_until_s == pytest.approx(climbed.bounded_until_s, abs=0.05)
+    assert run.bounded_until_s < scene.duration_s
+    assert run.work["steps_of_all_runs"] < 0.8 * climbed.work["steps_of_all_runs"]
+    # Whole is the run that is kept; its check has 1/0.45 of its steps, as far as it goes, and a third run goes as far as both.
+    share = 1.1 * run.bounded_until_s / scene.duration_s
+    assert run.work["steps_of_all_runs"] < run.steps * (1.0 + share * (1.0 / VERIFICATION_STEP_SHARE + 1.0) + 0.2)
 
 
 @pytest.mark.parametrize("name", ["analytic", "pymunk"])
