@@ -17,6 +17,7 @@ from harness.model.scene import BaseExcitation, Scene
 from harness.model.two_block import block_of as block_of
 from harness.model.two_block import form_of
 from harness.model.two_block import keywords as keywords
+from harness.model.two_block import wall_of as wall_of
 
 if TYPE_CHECKING:
     from analytic import CommonKeywords, Solution

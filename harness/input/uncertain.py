@@ -15,6 +15,8 @@ from harness.model.scene import Uncertain
 
 JOINT: Final = {"contact.floor": "contact.floor_static"}
 """Keys that stand for several numbers moved by one factor, and the number that their median is told by."""
+IMPACT: Final = "contact.floor_impact"
+"""Told, and drawn, by its place between the two coefficients of the floor: 0 is the kinetic one, 1 the static."""
 FACTORS: Final = {"motion.time_scale": 1.0}
 """Keys that stand for no number of the file but for a factor on what it holds, and that factor as the scene is."""
 WIDTHS: Final = {"lognormal": "cov", "normal": "sd", "uniform": "half_width"}
@@ -80,8 +82,10 @@ def _moves(key: str) -> set[str]:
 
 
 def _uncertain(model: BaseModel, key: str, spread: Lognormal | Normal | Uniform | Assumed) -> Uncertain:
-    value = FACTORS.get(key, _number(model, JOINT.get(key, key)))
     place = f'uncertainty."{key}"'
+    if key == IMPACT:
+        return _impact(model, place, spread)
+    value = FACTORS.get(key, _number(model, JOINT.get(key, key)))
     if value is None or key.startswith("uncertainty"):
         raise Contradiction(
             place,
@@ -98,6 +102,20 @@ def _uncertain(model: BaseModel, key: str, spread: Lognormal | Normal | Uniform 
     if kind == "lognormal" and value <= 0.0:
         raise Contradiction(place, "a positive value for a lognormal distribution", f"{key} = {value:g}")
     return Uncertain(key, kind, value, width)
+
+
+def _impact(model: BaseModel, place: str, spread: Lognormal | Normal | Uniform | Assumed) -> Uncertain:
+    """The coefficient at an impact by its place between the other two; its width is given in its own unit."""
+    static, kinetic = (_number(model, f"contact.floor_{name}") for name in ("static", "kinetic"))
+    if static is None or kinetic is None or not kinetic < static or spread.kind == "lognormal":
+        wanted = "a uniform, normal or assumed width between floor_kinetic and a floor_static that is more"
+        raise Contradiction(place, wanted, f"{spread.kind} between {kinetic} and {static}")
+    if spread.kind == "assumed":
+        return Uncertain(IMPACT, "uniform", 0.5, 0.5)
+    whole: Any = model
+    acts, width = whole.contact.floor_impact, float(getattr(spread, WIDTHS[spread.kind]))
+    value = {"kinetic": 0.0, "static": 1.0}[acts] if isinstance(acts, str) else (acts - kinetic) / (static - kinetic)
+    return Uncertain(IMPACT, spread.kind, value, width / (static - kinetic))
 
 
 def _or_default(table: BaseModel, name: str) -> Any:

@@ -26,6 +26,12 @@ ASSUMPTIONS: Final = (
     ),
     Assumption("contact.statue", "lognormal", 0.15, "as for contact.floor"),
     Assumption(
+        "contact.floor_impact",
+        "uniform",
+        0.5,
+        "of the way from the kinetic to the static coefficient: which one acts at an impact is a choice between laws",
+    ),
+    Assumption(
         "motion.scale", "lognormal", 0.10, "how far a strength is known once a record or a peak has been chosen"
     ),
     Assumption(

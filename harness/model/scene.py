@@ -123,6 +123,15 @@ class Contact:
             return self.floor_static if acts == "static" else self.floor_kinetic
         return acts
 
+    def with_floor(self, static: float, kinetic: float, share: float | None = None) -> Contact:
+        """The same with other coefficients of the floor; what acts at an impact lies as far between them, or at that share."""
+        acts, apart = self.floor_impact, self.floor_static - self.floor_kinetic
+        if share is None and not isinstance(acts, str):
+            share = (acts - self.floor_kinetic) / apart if apart > 0.0 else 0.0
+        if share is not None:
+            acts = min(max(kinetic + share * (static - kinetic), kinetic), static)
+        return replace(self, floor_static=static, floor_kinetic=kinetic, floor_impact=acts)
+
 
 @dataclass(frozen=True)
 class BaseExcitation:

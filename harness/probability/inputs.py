@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from analytic.excitation import Harmonic, ZeroExcitation
 from harness.model.assumed import assumption
 from harness.model.scene import Scene, Uncertain
-from harness.probability.variation import file_scale
+from harness.model.written import written
+from harness.probability.variation import IMPACT, file_scale
 
 Array = NDArray[np.float64]
 
@@ -21,10 +22,15 @@ LEAST_SHARE: Final = 1e-3
 
 
 def uncertain_inputs(scene: Scene) -> tuple[Uncertain, ...]:
-    """The scene's own `[uncertainty]`, or the assumed one: friction on the floor, strength and a harmonic motion's frequency."""
+    """The scene's own `[uncertainty]`, or the assumed one: friction on the floor, strength and a harmonic motion's frequency.
+
+    Which of two coefficients acts at an impact is drawn too, where it matters and the scene does not choose.
+    """
     if scene.uncertainty:
         return tuple(scene.uncertainty)
     assumed = [] if scene.pedestal is None else [_assumed("contact.floor", scene.contact.floor_static)]
+    contact, chosen = scene.contact, written(scene, "contact", "floor_impact")
+    matters = contact.floor_kinetic < contact.floor_static and scene.form.pedestal_at_impact == "momentum"
     axes = {"x": scene.base_excitation.x, "y": scene.base_excitation.y, "z": scene.base_excitation.z}
     if not all(isinstance(item, ZeroExcitation) for item in axes.values()):
         assumed.append(_assumed("motion.scale", file_scale(scene)))
@@ -33,6 +39,9 @@ def uncertain_inputs(scene: Scene) -> tuple[Uncertain, ...]:
             assumed.append(_assumed(f"motion.{axis}.frequency_hz", item.frequency_hz))
     if scene.pedestal is None and assumed:
         assumed.append(_assumed("contact.statue", scene.contact.statue))
+    # The last, so that the others' draws are the same with it and without.
+    if scene.pedestal is not None and matters and chosen is None:
+        assumed.append(_assumed(IMPACT, 0.5))
     return tuple(item for item in assumed if item.value > 0.0)
 
 

@@ -10,13 +10,15 @@ from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, ZeroExcitation
 from harness.engines import analytic as twoblock
+from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene, Uncertain
 from harness.probability.inputs import draw, row
-from harness.probability.variation import KINETIC, STATIC, file_scale, varied
+from harness.probability.variation import IMPACT, KINETIC, STATIC, file_scale, varied
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
+START: Final = "initial.theta_rad"
 SWEPT: Final = {
     "statue.mass_kg": "mass_kg",
     "statue.inertia_kg_m2": "inertia_kg_m2",
@@ -24,11 +26,12 @@ SWEPT: Final = {
     "statue.corner_left_m": "corner_left_m",
     "statue.corner_right_m": "corner_right_m",
     "pedestal.mass_kg": "pedestal_mass_kg",
-    "initial.theta_rad": "theta0_rad",
+    START: "theta0_rad",
     "initial.theta_rate_rad_s": "theta_rate0_rad_s",
     "contact.restitution": "restitution",
     STATIC: "floor_static",
     KINETIC: "floor_kinetic",
+    IMPACT: "floor_impact",
 }
 """Keys that the compiled sweep takes as they are."""
 FACTORS: Final = ("scale", "vertical_scale")
@@ -88,9 +91,17 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
     for key, values in draws.items():
         for name, column in (_sweep_of(scene, key, values) or {}).items():
             sweep[name] = sweep.get(name, 1.0) * column if name in FACTORS else column
+    _check_starts(scene, draws.get(START))
+    contact = scene.contact
+    static, kinetic = sweep.get("floor_static", contact.floor_static), sweep.get("floor_kinetic", contact.floor_kinetic)
     if sweep.keys() & {"floor_static", "floor_kinetic"}:
-        static = sweep.get("floor_static", scene.contact.floor_static)
-        sweep["floor_kinetic"] = np.minimum(sweep.get("floor_kinetic", scene.contact.floor_kinetic), static)
+        sweep["floor_kinetic"] = kinetic = np.minimum(kinetic, static)
+    share: float | Array | None = sweep.get("floor_impact")
+    if share is None and not isinstance(contact.floor_impact, str):
+        apart = contact.floor_static - contact.floor_kinetic
+        share = (contact.floor_impact - contact.floor_kinetic) / apart if apart > 0.0 else 0.0
+    if share is not None and sweep.keys() & {"floor_static", "floor_kinetic", "floor_impact"}:
+        sweep["floor_impact"] = np.clip(kinetic + np.asarray(share) * (static - kinetic), kinetic, static)
     options: dict[str, Any] = dict(twoblock.keywords(scene))
     # Whether the statue would slip on its support is told of single runs only.
     del options["statue_friction"]
@@ -112,6 +123,19 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
         np.asarray(stands | over, dtype=bool), np.asarray(over), swept.peak_theta_rad / alpha, swept.peak_slip_m
     )
     return repeated(answers, len(next(iter(draws.values()), (0,))))
+
+
+def _check_starts(scene: Scene, theta_rad: Array | None) -> None:
+    """Raise `InputError` for draws of the start that lie behind the wall."""
+    wall, block = twoblock.wall_of(scene), twoblock.block_of(scene)
+    if wall is None or theta_rad is None:
+        return
+    behind = [theta for theta in (float(theta_rad.min()), float(theta_rad.max())) if not wall.gap_m(block, theta) > 0.0]
+    if behind:
+        wanted = f"starts before the wall, which {scene.wall_rotation_rad:.6g} rad to the {wall.side} reach"
+        raise InputError(
+            Mistake(str(scene.source or "the scene"), f'uncertainty."{START}"', wanted, f"{behind[0]:.6g}")
+        )
 
 
 def repeated(draws: ModelDraws, size: int) -> ModelDraws:

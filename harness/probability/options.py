@@ -90,8 +90,7 @@ def _with_friction(pair: Pair, own: float) -> Option:
     def change(scene: Scene) -> Scene:
         # What is drawn of the friction as it is moves the new friction by the same factor.
         factor = scene.contact.floor_static / own if own > 0.0 else 1.0
-        contact = replace(scene.contact, floor_static=factor * pair.static, floor_kinetic=factor * pair.kinetic)
-        return replace(scene, contact=contact)
+        return replace(scene, contact=scene.contact.with_floor(factor * pair.static, factor * pair.kinetic))
 
     return Option(name, what, change, pair.source)
 

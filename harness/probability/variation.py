@@ -19,6 +19,8 @@ AXES: Final = ("x", "y", "z")
 STATIC: Final = "contact.floor_static"
 KINETIC: Final = "contact.floor_kinetic"
 """The floor's two coefficients drawn apart: where one in motion would be more than the one at rest, it is that."""
+IMPACT: Final = "contact.floor_impact"
+"""Which of the two, or what between them, acts at an impact: drawn by its place between them, 0 the kinetic one, 1 the static."""
 TIME_SCALE: Final = "motion.time_scale"
 """The factor τ on the motion's axis of time, by which its step, its periods and its duration grow, and the run's with it.
 
@@ -36,15 +38,15 @@ def varied(scene: Scene, values: Mapping[str, float]) -> Scene:
     other = {key: value for key, value in values.items() if not _direct(scene, key)}
     if other:
         scene = reread(scene, other, f"{scene.source or 'the scene'}: uncertainty")
-    # What is at rest first: friction in motion is at most that.
-    for key in sorted(values, key=KINETIC.__eq__):
+    # What is at rest first: friction in motion is at most that, and what acts at an impact lies between them.
+    for key in sorted(values, key=lambda key: (key == KINETIC, key == IMPACT)):
         if key not in other:
             scene = _changed(scene, key, values[key])
     return scene
 
 
 def _direct(scene: Scene, key: str) -> bool:
-    if key in ("contact.floor", STATIC, KINETIC, "contact.statue", "motion.scale", TIME_SCALE):
+    if key in ("contact.floor", STATIC, KINETIC, IMPACT, "contact.statue", "motion.scale", TIME_SCALE):
         return True
     parts = key.split(".")
     if len(parts) == 3 and parts[0] == "motion" and parts[2] == "frequency_hz":
@@ -55,13 +57,14 @@ def _direct(scene: Scene, key: str) -> bool:
 def _changed(scene: Scene, key: str, value: float) -> Scene:
     if key == "contact.floor":
         factor = value / scene.contact.floor_static if scene.contact.floor_static > 0.0 else 1.0
-        kinetic = scene.contact.floor_kinetic * factor
-        return replace(scene, contact=replace(scene.contact, floor_static=value, floor_kinetic=kinetic))
+        return replace(scene, contact=scene.contact.with_floor(value, scene.contact.floor_kinetic * factor))
+    static, kinetic = scene.contact.floor_static, scene.contact.floor_kinetic
     if key == STATIC:
-        contact = replace(scene.contact, floor_static=value, floor_kinetic=min(scene.contact.floor_kinetic, value))
-        return replace(scene, contact=contact)
+        return replace(scene, contact=scene.contact.with_floor(value, min(kinetic, value)))
     if key == KINETIC:
-        return replace(scene, contact=replace(scene.contact, floor_kinetic=min(value, scene.contact.floor_static)))
+        return replace(scene, contact=scene.contact.with_floor(static, min(value, static)))
+    if key == IMPACT:
+        return replace(scene, contact=scene.contact.with_floor(static, kinetic, share=value))
     if key == "contact.statue":
         return replace(scene, contact=replace(scene.contact, statue=value))
     base_excitation = scene.base_excitation

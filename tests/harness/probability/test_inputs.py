@@ -11,12 +11,12 @@ from scipy.stats import spearmanr
 
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
-from harness.model.scene import Uncertain
+from harness.model.scene import Scene, Uncertain
 from harness.probability.compared import option_draws
 from harness.probability.inputs import draw, groups, row, uncertain_inputs
 from harness.probability.model_draws import model_draws, sweepable
 from harness.probability.options import options_of
-from harness.probability.variation import KINETIC, STATIC, varied
+from harness.probability.variation import IMPACT, KINETIC, STATIC, varied
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import paestum
 
@@ -168,3 +168,63 @@ def test_the_floor_s_two_coefficients_drawn_apart_keep_their_order(tmp_path: Pat
     smooth = next(item for item in options_of(scene)[0] if "PTFE" in item.name)
     slips = option_draws(scene, inputs, smooth, values).peak_slip_m
     assert np.median(slips) > 1.5 * np.median(alone)
+
+
+def between(scene: Scene, value: float) -> float:
+    contact = scene.contact
+    return (value - contact.floor_kinetic) / (contact.floor_static - contact.floor_kinetic)
+
+
+def test_what_acts_at_an_impact_is_drawn_between_the_two_coefficients_unless_the_scene_chooses(tmp_path: Path) -> None:
+    path = SCENES / "paestum_block.toml"
+    usual = load_scene(path)
+    *others, last = uncertain_inputs(usual)
+    assert (last.key, last.kind, last.value - last.width, last.value + last.width) == (IMPACT, "uniform", 0.0, 1.0)
+    for changes in ({IMPACT: "kinetic"}, {STATIC: 0.15}, {"model.pedestal_at_impact": "unchanged"}, {"pedestal": None}):
+        assert IMPACT not in [item.key for item in uncertain_inputs(load_scene(path, changes))]
+    values = draw([*others, last], 16, seed=5)
+    for k in range(16):
+        drawn = varied(usual, row(values, k))
+        assert between(drawn, drawn.contact.at_impact) == pytest.approx(values[IMPACT][k], abs=budget.ROUNDING)
+    own = load_scene(stated(tmp_path, f'\n[uncertainty]\n"{IMPACT}" = {{ kind = "uniform", half_width = 0.01 }}\n'))
+    (only,) = uncertain_inputs(own)
+    assert (only.value, only.width) == (0.0, pytest.approx(0.2))
+    # Half of its draws are below the kinetic coefficient: they are that.
+    acts = [varied(own, {IMPACT: value}).contact.at_impact for value in (-0.1, 0.0, 0.1, 1.2)]
+    assert acts == pytest.approx([0.15, 0.15, 0.155, 0.20])
+
+
+@pytest.mark.parametrize("acts", ["kinetic", "static", 0.17, None])
+def test_what_acts_at_an_impact_keeps_its_place_as_the_floor_is_drawn(acts: float | str | None) -> None:
+    scene = load_scene(SCENES / "paestum_block.toml", {} if acts is None else {IMPACT: acts}, duration_s=2.0)
+    values = draw(uncertain_inputs(scene), 12, seed=2)
+    each = [varied(scene, row(values, k)) for k in range(12)]
+    if acts is not None:
+        assert {round(between(one, one.contact.at_impact), 9) for one in each} == {
+            round(between(scene, scene.contact.at_impact), 9)
+        }
+    alone = [float(model_draws(one, {}).peak_slip_m[0]) for one in each]
+    assert model_draws(scene, values).peak_slip_m == pytest.approx(alone, rel=budget.ROUNDING)
+    others = [item.change(scene).contact for item in options_of(scene)[0] if "friction" in item.name]
+    assert any(other.floor_kinetic < other.floor_static != scene.contact.floor_static for other in others)
+    for other in others:
+        place = between(scene, scene.contact.at_impact)
+        told = other.floor_kinetic + place * (other.floor_static - other.floor_kinetic)
+        assert other.at_impact == pytest.approx(told)
+
+
+@pytest.mark.parametrize("line", ['{ kind = "lognormal", cov = 0.1 }', '{ kind = "assumed" }'])
+def test_nothing_between_one_coefficient_and_itself_is_drawn(tmp_path: Path, line: str) -> None:
+    path = stated(tmp_path, f'\n[uncertainty]\n"{IMPACT}" = {line}\n')
+    with pytest.raises(InputError, match=IMPACT):
+        load_scene(path, {STATIC: 0.15})
+
+
+def test_draws_of_a_start_behind_the_wall_are_refused(tmp_path: Path) -> None:
+    path = stated(tmp_path, '\n[uncertainty]\n"initial.theta_rad" = { kind = "uniform", half_width = 0.2 }\n')
+    walled = {"wall": {"side": "right", "distance_m": 0.2}, "duration_s": 1.0}
+    scene = load_scene(path, walled)
+    with pytest.raises(InputError, match=r'uncertainty\."initial\.theta_rad"'):
+        model_draws(scene, draw(uncertain_inputs(scene), 200, seed=1))
+    far = load_scene(path, walled | {"wall.distance_m": 0.4})
+    assert model_draws(far, draw(uncertain_inputs(far), 200, seed=1)).decided.any()
