@@ -18,12 +18,13 @@ from harness.command import Asked, Known, Sampling, Surroundings, TextLayout
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
+from harness.model.files import FRESH
 from harness.probability.assessment import Assessed, assess
 from harness.probability.by_model import MODEL
 from harness.probability.options import read_options
 from harness.records.assess import AssessRecord
-from harness.records.result_folder import FRESH, PAGES, RECORD, check_folder, check_inputs, write_whole
-from harness.study_cli import ending_cleanly, unbegun
+from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
+from harness.study_cli import unbegun
 
 DRAWS_NAME, CLEARANCE_NAME = "draws.csv", "clearance.csv"
 SCENE_NAME, MESH_NAME, LOG_NAME = "scene.toml", "scene_statue.ply", "scene_statue.account.json"
@@ -83,11 +84,14 @@ def run(
     Engine runs in the store are not computed again. Raises `InputError` for wrong input, or `resume` where there is nothing to go
     on with.
     """
-    check_folder(folder, ("assess",))
+    of_scan = [SCENE_NAME, MESH_NAME, LOG_NAME]
+    names = [RECORD, COMING, *PAGES, *([DRAWS_NAME, CLEARANCE_NAME] if csv else [])]
+    names += [] if scanned.motion is None else of_scan
+    check_folder(folder, ("assess",), names)
     with scanned.scene_file(path, folder) as scene_file:
         scene = load_scene(scene_file, asked.overrides or ())
-        own = [*PAGES, RECORD, DRAWS_NAME, CLEARANCE_NAME, SCENE_NAME, MESH_NAME, LOG_NAME]
-        check_inputs(folder, own, [path, *read_files(scene.given, scene.source)])
+        given = [item for item in (path, scanned.motion, options) if item is not None]
+        check_inputs(folder, [*names, *of_scan], [*given, *read_files(scene.given, scene.source)])
         if no_options and options is not None:
             raise InputError(Mistake("--options", "", "either your own options or --no-options", "both"))
         if resume:
@@ -95,10 +99,9 @@ def run(
         own_options = () if options is None else read_options(options, scene)
         pool = LocalPool(jobs) if dask is None else DaskPool(dask)
         with (
-            ending_cleanly(),
             closing(pool),
             unbegun(folder),
-            Store(folder / STORE_NAME) as store,
+            Store(folder / STORE_NAME, "assess") as store,
             ProgressMessages(quiet) as messages,
         ):
             assessed = assess(

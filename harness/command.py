@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import errno
 import inspect
+import signal
 import sys
-from collections.abc import Callable, Mapping, Sequence
+import threading
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -238,7 +242,29 @@ def spread(function: Callable[..., None]) -> Callable[..., None]:
 
 
 def guarded(action: Any) -> int:
-    """Run a command; a user's mistake becomes a message on stderr and exit code 2, never a traceback."""
+    """Run a command; a user's mistake becomes a message on stderr and exit code 2, never a traceback.
+
+    A request to end (SIGTERM) does what an interrupt does: workers are stopped, a store is closed, what is kept is said. A
+    warning of Python's is said where progress is, on one line, or not at all.
+    """
+    with _ending_cleanly(), warnings.catch_warnings():
+        warnings.showwarning = lambda *_: None
+        return _guarded(action)
+
+
+@contextmanager
+def _ending_cleanly() -> Iterator[None]:
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _guarded(action: Any) -> int:
     try:
         code = action()
     except InputError as error:
@@ -249,7 +275,7 @@ def guarded(action: Any) -> int:
         # Typer turns an interrupt into this exit code and says nothing.
         if isinstance(ending, SystemExit) and ending.code != INTERRUPTED:
             raise
-        print("interrupted: no result was written; what a study has finished is kept in its store", file=sys.stderr)
+        print("interrupted: what a study has finished is kept in its store", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
         sys.stderr.close()

@@ -14,7 +14,8 @@ from harness.input.mesh_file import MARBLE_KG_M3
 from harness.input.mesh_statue import mesh_mistake
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
-from harness.records.result_folder import check_listed, listing, writing
+from harness.model.files import check_own, checksum, write_text, writing
+from harness.records.result_folder import listed
 
 if TYPE_CHECKING:
     from harness.input.motions.recordfile import Layout
@@ -52,15 +53,17 @@ def prepare(file: Path, out: Path, known: Known) -> tuple[Inspection, Path]:
     Raises `InputError` for a scan that cannot be prepared or does not stand; then nothing is written.
     """
     log = out.with_suffix(".account.json")
-    _check_out(out, log, file)
+    sums = listed(log).get(out.name, set())
+    _check_out(out, log, file, sums)
     inspection = inspect(file, known)
     if inspection.refusal is not None:
         raise InputError(mesh_mistake(inspection.refusal, str(file)))
     out.parent.mkdir(parents=True, exist_ok=True)
-    with writing(out) as fresh:
+    with writing(out, sums) as fresh:
         inspection.prepared.write(fresh)
-    said = {"known": asdict(known), "files": listing([out], pages=False)}
-    record.write_json(log, {**inspection.as_dict(), **said})
+        # Before the mesh is in its place: where there is no room for its log, both are as they were.
+        said = {"known": asdict(known), "files": {out.name: checksum(fresh)}}
+        record.write_json(log, {**inspection.as_dict(), **said})
     return inspection, log
 
 
@@ -104,9 +107,9 @@ def new(
             raise InputError(Mistake("--out", "", f"a name beside which {beside.name} does not exist yet", str(beside)))
     inspection, log = prepare(scan, mesh, known)
     try:
-        record.write_text(out, scene_text(inspection, scan, mesh, shaking, motion, user_input))
+        write_text(out, scene_text(inspection, scan, mesh, shaking, motion, user_input))
         load_scene(out)
-    except Exception:
+    except BaseException:
         for written in (out, mesh, log):
             written.unlink(missing_ok=True)
         raise
@@ -126,7 +129,7 @@ def _plane(text: str | None) -> tuple[float, float] | None:
     return azimuth, distance
 
 
-def _check_out(out: Path, log: Path, file: Path) -> None:
+def _check_out(out: Path, log: Path, file: Path, sums: set[str]) -> None:
     """Refuse an output that is no mesh format, would overwrite the scan, or anything but a mesh that was prepared before."""
     from meshes.intake import FORMATS
 
@@ -134,4 +137,5 @@ def _check_out(out: Path, log: Path, file: Path) -> None:
         raise InputError(Mistake("--out", "", f"a file ending in {', '.join(FORMATS)}", str(out)))
     if out.resolve() == file.resolve():
         raise InputError(Mistake("--out", "", "another file than the scan itself", str(out)))
-    check_listed(out, log)
+    check_own(out, sums, "--out")
+    check_own(log)

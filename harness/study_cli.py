@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import sqlite3
-import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
@@ -20,11 +17,10 @@ from harness.campaign.store import STORE_NAME, Store, check_begun
 from harness.effects3d.study import KIND as EFFECTS
 from harness.effects3d.study import run_effects
 from harness.input.tables import kind_of
-from harness.model import run as record
 from harness.model.errors import InputError, Mistake
-from harness.records.base import as_file
+from harness.model.files import check_own, checksum, is_sealed
 from harness.records.effects3d import EffectsRecord, EffectsSummary
-from harness.records.result_folder import RECORD, checksum, read_own
+from harness.records.result_folder import RECORD, check_folder, read_own, write_whole
 from harness.records.rocking_spectrum import RockingSpectrumRecord, SpectrumSummary
 from harness.records.study import StudyRecord
 from harness.records.study_files import ExportRecord
@@ -60,6 +56,7 @@ def run(
     for a wrong study, a store that cannot be used, or `resume` where there is nothing to go on with.
     """
     kind = kind_of(path)
+    check_folder(folder, (kind if kind in (rocking_spectrum.KIND, EFFECTS) else "study",))
     with ExitStack() as stack:
         if kind == rocking_spectrum.KIND:
             _check_spectrum(export, resume, dask)
@@ -77,7 +74,6 @@ def run(
         if pool is None:
             limit_s = LIMIT_S if study is None else estimate.limit_s(study, base_of(study, path).scene({}))
             pool = stack.enter_context(closing(LocalPool(jobs, limit_s) if dask is None else DaskPool(dask, limit_s)))
-        stack.enter_context(ending_cleanly())
         if study is None:
             on_progress = stack.enter_context(progress(path.stem, quiet))
             effects = run_effects(path, folder, pool, on_progress, resume=resume)
@@ -118,10 +114,9 @@ def _run(
         finished = study_record(study, path, store, summary, time.perf_counter() - start, seen)
         if export is not None:
             writer = export_parquet if export.suffix == ".parquet" else export_csv
-            writer(every, study_name(study), export)
+            writer(every, study_name(study), export, _exported(export, folder))
             finished = replace(finished, export=ExportRecord(str(export.resolve()), checksum(export)))
-        record.write_json(folder / RECORD, as_file(finished))
-    return finished, summary
+        return write_whole(folder, finished), summary
 
 
 def columns_of_study(study: StudyFile, path: Path, folder: Path) -> ColumnStore | None:
@@ -141,19 +136,6 @@ def _check_spectrum(export: Path | None, resume: bool, dask: str | None) -> None
 
 
 @contextmanager
-def ending_cleanly() -> Iterator[None]:
-    """Let a request to end (SIGTERM) do what an interrupt does: stop the workers, close the store, say what is kept."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
-
-
-@contextmanager
 def unbegun(folder: Path) -> Iterator[None]:
     """Take a store away that was made here when the study turns out to be wrong before anything was computed."""
     store = folder / STORE_NAME
@@ -164,11 +146,13 @@ def unbegun(folder: Path) -> Iterator[None]:
     except InputError:
         if not fresh or not store.is_file():
             raise
-        with closing(sqlite3.connect(store)) as db:
-            empty = db.execute("SELECT 1 FROM result LIMIT 1").fetchone() is None
+        try:
+            with closing(sqlite3.connect(store)) as db:
+                empty = db.execute("SELECT 1 FROM result LIMIT 1").fetchone() is None
+        except sqlite3.Error:  # a full disk: what is there stays
+            empty = False
         if empty:
-            for path in (store, *folder.glob(f"{STORE_NAME}-*")):
-                path.unlink()
+            store.unlink()
             for path in made:
                 path.rmdir()
         raise
@@ -179,17 +163,15 @@ def _check(folder: Path, resume: bool, export: Path | None) -> None:
         raise InputError(Mistake("--export", "", "a file ending in .csv or .parquet", str(export)))
     if export is not None and not export.resolve().parent.is_dir():
         raise InputError(Mistake("--export", "", "a file in an existing folder", str(export)))
-    if export is not None and os.path.lexists(export) and not _exported(export, folder):
-        got = f"the file {export}, which this study has not written, or which was changed since"
-        raise InputError(Mistake("--export", "", "a file that does not exist yet", got))
+    if export is not None:
+        check_own(export, _exported(export, folder), "--export")
     if resume:
         check_begun(folder, "a study", STORE_NAME, COLUMNS_NAME)
 
 
-def _exported(export: Path, folder: Path) -> bool:
-    """Whether the study in `folder` wrote a file, and it is as it was written."""
-    export_record = (read_own(folder / RECORD) or {}).get("export")
-    return isinstance(export_record, dict) and export_record == {
-        "file": str(export.resolve()),
-        "sha256": checksum(export),
-    }
+def _exported(export: Path, folder: Path) -> set[str]:
+    """The checksum of what the study in `folder` wrote into that file, where it wrote it."""
+    path = folder / RECORD
+    written = (read_own(path) or {}).get("export")
+    mine = isinstance(written, dict) and written.get("file") == str(export.resolve()) and is_sealed(path)
+    return {str(written["sha256"])} if mine and isinstance(written, dict) and "sha256" in written else set()

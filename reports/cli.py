@@ -25,6 +25,7 @@ from harness.command import (
     command,
     guarded,
 )
+from harness.model.terminal import printable
 from reports import cli_bench, cli_input, cli_record
 from reports.cli_result import OUT, Out, say_result
 
@@ -88,7 +89,7 @@ def run(
     from harness.accuracy.simulation import check_target
     from harness.records.base import plain
     from harness.records.result_folder import check_folder, named_after
-    from harness.scene_run.scene_run import write_result
+    from harness.scene_run.scene_run import Ended, write_result
 
     folder = out or OUT / named_after(scene)
     check_folder(folder, ("run",))
@@ -99,9 +100,16 @@ def run(
         check_target(target.accuracy, target.dt)
         saying.say(*harness_cli.explain(load_scene(scene, asked.overrides or ()), asked.engine, no_skip))
         return
-    result = harness_cli.compute(
-        scene, asked, target, no_skip, quiet=saying.silent, out=folder, assess=not no_assess, witness=witness
-    )
+    try:
+        result = harness_cli.compute(
+            scene, asked, target, no_skip, quiet=saying.silent, out=folder, assess=not no_assess, witness=witness
+        )
+    except Ended as ending:
+        write_result(ending.result, folder)
+        typer.echo(
+            printable(f"{folder} holds what had finished; `rockcheck report {folder}` writes its pages"), err=True
+        )
+        raise
     write_result(result, folder)
     say_result(plain(result.record()), harness_cli.summary(result), folder, saying, language)
     # An engine that nobody named and that has no wheels here is said, and no failure.
@@ -175,11 +183,10 @@ def study(
     """Run many scenes with several engines; what is finished is kept, and never computed again."""
     from harness import study_cli
     from harness.records.base import as_file
-    from harness.records.result_folder import check_folder, named_after
+    from harness.records.result_folder import named_after
     from harness.records.study import StudyRecord
 
     folder = out or OUT / named_after(study_file)
-    check_folder(folder, ("study", "effects3d", "rocking_spectrum"))
     cli_record.check_language(language)
     record, summary = study_cli.run(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent,
@@ -226,12 +233,12 @@ def validate(
     from harness.validation.words import summary
 
     folder = out or OUT / named_after(experiments)
-    check_folder(folder, ("validation", "tosses"))
     thrown = body_of_tosses(experiments, body, samples=samples, resume=resume, fit_share=fit_share)
     if thrown is not None:
         measured = validate_tosses(experiments, folder, thrown, models=engine, seed=seed, jobs=jobs)
         say_result(as_file(measured), "", folder, saying)
         return
+    check_folder(folder, ("validation",))
     record = run_validation(
         experiments,
         folder,

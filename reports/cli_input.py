@@ -67,7 +67,7 @@ def mesh_inspect(
 def _check_picture(picture: Path) -> None:
     """Raise `InputError` unless a picture of that name can be written without a loss."""
     from harness.model.errors import InputError, Mistake
-    from harness.records.result_folder import check_marked
+    from harness.model.files import check_own
     from reports.export.figures import FORMATS
 
     kinds = (*FORMATS, "html")
@@ -75,7 +75,7 @@ def _check_picture(picture: Path) -> None:
         raise InputError(Mistake("--picture", "", f"a file ending in .{', .'.join(kinds)}", str(picture)))
     if not picture.resolve().parent.is_dir():
         raise InputError(Mistake("--picture", "", "a file in an existing folder", str(picture)))
-    check_marked([picture])
+    check_own(picture, option="--picture")
 
 
 @command(mesh, "prepare", "rockcheck mesh prepare statue.obj --unit mm --out statue.ply")
@@ -136,18 +136,17 @@ def motion_inspect(
     from harness.model.run import write_json
     from harness.records.base import plain
     from harness.records.inspection import InspectionRecord
-    from harness.records.result_folder import check_folder, check_listed, listing, named_after
+    from harness.records.result_folder import INSPECTED, check_folder, listing, named_after
     from reports.export.motion_figure import motion_picture
     from reports.export.paper import write_picture
 
     folder = out or OUT / named_after(file.with_name(file.name.split(".")[0] or file.name))
-    picture, record = folder / "motion.png", folder / "motion.json"
-    check_folder(folder)
-    check_listed(picture, record)
+    picture, record = (folder / name for name in INSPECTED)
+    check_folder(folder, names=INSPECTED)
     inspected = _inspected(file, unit, axis, Layout(**vars(text)))
     folder.mkdir(parents=True, exist_ok=True)
     write_picture(motion_picture(inspected), picture, dpi=150)
-    write_json(record, plain(InspectionRecord.of(inspected, listing([picture], pages=False))))
+    write_json(record, plain(InspectionRecord.of(inspected, listing([picture]))))
     rows = [[printable(cell) for cell in row] for row in inspected.table()]
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = [printable("; ".join(f"{key}: {said}" for key, said in inspected.source.items() if said))]

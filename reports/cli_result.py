@@ -19,7 +19,7 @@ Out = Annotated[Path | None, typer.Option("--out", help="Folder of the result. D
 
 def say_result(record: Mapping[str, object], text: str, folder: Path, saying: Saying, language: str = "en") -> None:
     """Say what was computed, then write its pages, none with `--json`: most of a short run's time, for a program that reads the
-    record. A page that cannot be written is no mistake of the user's, and costs no other.
+    record. A page that cannot be made is no mistake of the user's, and costs no other.
     """
     if text or saying.as_json:
         saying.say(record, text)
@@ -33,6 +33,9 @@ def say_result(record: Mapping[str, object], text: str, folder: Path, saying: Sa
         for mistake in error.mistakes:
             typer.echo(f"error: {mistake}", err=True)
         raise typer.Exit(FAILED) from error
+    except OSError:
+        typer.echo(printable(f"the result stands in {folder}; `rockcheck report {folder}` writes its pages"), err=True)
+        raise
     except Exception as fault:
         page_name = ", ".join(getattr(fault, "__notes__", ["a page"]))
         fault_text = (

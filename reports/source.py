@@ -15,7 +15,7 @@ from harness.model.errors import InputError, Mistake
 from harness.model.history import History, history_file
 from harness.records.base import REWRITE
 from harness.records.kinds import read_result
-from harness.records.result_folder import RECORD, as_written, owned
+from harness.records.result_folder import RECORD, as_written
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scene import SceneRecord
 
@@ -70,8 +70,7 @@ def source_of(folder: Path, record: RunRecord) -> RunSource:
         raise InputError(
             [Mistake(str(path), "", "the file that result.json names", "none there", REWRITE) for path in lost]
         )
-    sums = owned(folder)
-    changed = [path for path in (*paths.values(), mesh) if path.is_file() and not as_written(path, sums)]
+    changed = [path for path in (*paths.values(), mesh) if path.is_file() and not as_written(path, record)]
     if changed:
         wanted = "the file that result.json lists"
         raise InputError([Mistake(str(path), "", wanted, "another content", REWRITE) for path in changed])

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Final
 
 from harness.campaign.serialization import Packed
 from harness.model.errors import InputError, Mistake
-from harness.records.result_folder import writing
+from harness.model.files import writing
+from harness.records.result_folder import COLUMNS
 
 if TYPE_CHECKING:
     import pyarrow
 
-COLUMNS_NAME: Final = "outcomes"
+COLUMNS_NAME: Final = COLUMNS
 """The folder of such stores in a result folder; each study has one of its own in it."""
 SUFFIX: Final = ".parquet"
 SECONDS: Final = b"seconds"
@@ -46,13 +47,13 @@ class ColumnStore:
             path = self.folder / f"{item.key}-{zlib.crc32(item.table):08x}{SUFFIX}"
             try:
                 self.folder.mkdir(parents=True, exist_ok=True)
+                # What is there of this block has no end, else it would not be asked for.
+                for torn in self._files(item.key):
+                    torn.unlink()
                 with writing(path) as fresh:
                     fresh.write_bytes(item.table)
-                for other in self._files(item.key):
-                    if other != path:
-                        other.unlink()
             except OSError as error:
-                advice = "free some space and run again with --resume: what was finished is kept"
+                advice = "free some space and give the command again: what was finished is kept"
                 raise InputError(Mistake(str(path), "", "a file that can be written", str(error), advice)) from error
 
     def tables(self) -> Iterator[pyarrow.Table]:

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable
-from typing import Any
+from concurrent.futures import CancelledError
+from typing import Any, Final
 
-from harness.campaign.runner import AHEAD, LIMIT_S, Crash, Done, Hung, Work
+from harness.campaign.runner import AHEAD, LIMIT_S, LOOK_S, Crash, Done, Hung, Work
 from harness.model.errors import InputError, Mistake
+
+GONE_S: Final = 60.0
+"""Time that a cluster without a worker is given to have one again."""
 
 
 class DaskPool:
@@ -27,16 +31,36 @@ class DaskPool:
         # When a task begins only its worker knows; on each there are at most so many before it.
         self._limit_s = AHEAD * limit_s
         self._hung = 0
+        self._last_s = time.monotonic()
 
     @property
     def workers(self) -> int:
         """Threads of all workers of the cluster as it is now."""
-        return max(sum(int(count) for count in self._client.nthreads().values()), 1)
+        return max(self._threads(), 1)
+
+    def _threads(self) -> int:
+        """Raises `InputError` where the scheduler is gone, or no worker was there for `GONE_S`."""
+        try:
+            threads = sum(self._client.nthreads().values()) if self._client.status == "running" else 0
+        except OSError as error:
+            raise self._gone(str(error)) from error
+        if self._client.status != "running":
+            raise self._gone("no scheduler any more")
+        if threads:
+            self._last_s = time.monotonic()
+        elif time.monotonic() - self._last_s > GONE_S:
+            raise self._gone(f"no worker for {GONE_S:g} s")
+        return threads
+
+    def _gone(self, got: str) -> InputError:
+        advice = "start it anew and give the command again: what was finished is kept"
+        return InputError(Mistake("--dask", "", "a cluster that answers", got, advice))
 
     def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
         """See `Pool.run`; a worker that dies has its tasks moved by the scheduler, a task that kills workers is a `Crash`.
 
-        A task that hangs is given up, and keeps its worker's thread. Raises `InputError` when it has taken them all.
+        A task that hangs is given up, and keeps its worker's thread. Raises `InputError` when it has taken them all, or where the
+        cluster is gone.
         """
         waiting = enumerate(tasks)
         under_way: dict[Any, tuple[Any, float]] = {}
@@ -60,21 +84,25 @@ class DaskPool:
                     task, _ = under_way.pop(future)
                     done(task, self._given_up(future))
         finally:
-            self._client.cancel(list(under_way), force=True)
+            if self._client.status == "running":
+                self._client.cancel(list(under_way), force=True)
 
     def close(self) -> None:
         """Leave the cluster as it was."""
         self._client.close()
 
     def _finished(self, under_way: dict[Any, tuple[Any, float]]) -> list[Any]:
-        """Those that have an answer; none where there is none before the time of the oldest has passed."""
+        """Those that have an answer; none where there is none within a look at the clock, or in the time of the oldest."""
         from distributed import wait
 
         left_s = min(since_s for _, since_s in under_way.values()) + self._limit_s - time.monotonic()
         try:
-            return list(wait(list(under_way), timeout=max(left_s, 0.01), return_when="FIRST_COMPLETED").done)
+            some = wait(list(under_way), timeout=min(max(left_s, 0.01), LOOK_S), return_when="FIRST_COMPLETED")
         except TimeoutError:
             return []
+        except CancelledError as error:
+            raise self._gone("no scheduler any more") from error
+        return list(some.done)
 
     def _result(self, future: Any) -> Any:
         """Its answer, which is computed once more where it was lost with its worker."""
@@ -84,6 +112,8 @@ class DaskPool:
             return future.result(timeout=self._limit_s)
         except KilledWorker as error:
             return Crash(str(error))
+        except CancelledError as error:
+            raise self._gone("no scheduler any more") from error
         except TimeoutError:
             return self._given_up(future)
 

@@ -17,9 +17,8 @@ from harness.campaign.store import STORE_NAME, Store
 from harness.campaign.task import Answer, Task
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
-from harness.records.base import as_file
 from harness.records.bench import BenchRecord, PartRow
-from harness.records.result_folder import RECORD, check_folder, listing
+from harness.records.result_folder import check_folder, full_kind, write_whole
 from harness.records.stress import StressRecord
 
 Row = dict[str, Any]
@@ -77,13 +76,10 @@ class Measurement(Generic[R]):
         What was interrupted goes on where it was. `on_progress` hears of it. Raises `InputError` for a folder that cannot be
         written, or an unknown part.
         """
-        listed = self.parts(quick)
-        check_folder(folder, ("bench", "stress"))
-        measured = measure(folder, listed, only, stamp(quick), on_progress)
-        assembled = self.assembled(listed, measured, command(self.name, quick, measured))
-        complete = replace(assembled, files=listing(()))
-        record.write_json(folder / RECORD, as_file(complete))
-        return complete
+        listed, kind = self.parts(quick), full_kind(self.name, "--quick" if quick else "")
+        check_folder(folder, (kind,))
+        measured = measure(folder, listed, only, stamp(quick), on_progress, kind)
+        return write_whole(folder, self.assembled(listed, measured, command(self.name, quick, measured)))
 
 
 def source() -> str:
@@ -106,6 +102,7 @@ def measure(
     only: Sequence[str] | None,
     stamp: Mapping[str, object],
     on_progress: Callable[[str], None],
+    kind: str = "bench",
 ) -> dict[str, Measured]:
     """Measure the parts (of them `only` these), keeping every finished task in the store of `folder`; the others as they are.
 
@@ -115,7 +112,7 @@ def measure(
     chosen = _chosen(parts, only)
     keys = {part.name: {task: _key(part, task, stamp) for task in part.tasks} for part in parts}
     folder.mkdir(parents=True, exist_ok=True)
-    with Store(folder / STORE_NAME) as store:
+    with Store(folder / STORE_NAME, kind) as store:
         store.remove(store.keys() - {key for of_part in keys.values() for key in of_part.values()})
         # Read now, so that damage is told before hours of work.
         stored = {key for of_part in keys.values() for key in of_part.values() if store.get(key) is not None}

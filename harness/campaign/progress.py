@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+import warnings
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -34,11 +35,14 @@ class ProgressMessages:
         self._now = ("reading", time.monotonic())
         self._said = time.monotonic()
         self._before: str | None = None
+        self._warns = ExitStack()
 
     def __enter__(self) -> ProgressMessages:
         from analytic.compiling import listeners  # not for help
 
         listeners.append(self.compiling)
+        self._warns.enter_context(warnings.catch_warnings())
+        warnings.showwarning = lambda message, *place: self.say(printable(f"warning: {message}"))
         if self._lines:
             Thread(target=self._remind, daemon=True).start()
         elif self._bar is not None:
@@ -49,6 +53,7 @@ class ProgressMessages:
         from analytic.compiling import listeners
 
         listeners.remove(self.compiling)
+        self._warns.close()
         self._done.set()
         if self._bar is not None:
             self._bar.stop()

@@ -10,6 +10,7 @@ import signal
 import threading
 import time
 import traceback
+import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from multiprocessing import connection
@@ -97,7 +98,12 @@ class _Worker:
         context = multiprocessing.get_context("spawn")
         self._ours, theirs = context.Pipe()
         self.process = context.Process(target=_serve, args=(theirs,))
-        self.process.start()
+        # An interrupt is the parent's: until the new interpreter is at its orders, it waits.
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        try:
+            self.process.start()
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
         theirs.close()
         threading.Thread(target=self._hand_out, daemon=True).start()
 
@@ -252,6 +258,8 @@ def _cause(code: int | None) -> str:
 def _serve(parent: connection.Connection) -> None:
     """In a worker: answer orders until there are none; interrupts are the parent's; end when it is gone, however it went."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
+    warnings.showwarning = lambda *_: None  # what is to be said of a run stands in it
     threading.Thread(target=_end_with_parent, daemon=True).start()
     while True:
         try:

@@ -3,24 +3,38 @@
 from __future__ import annotations
 
 import json
+import os
 import sqlite3
+import sys
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 from harness.campaign.serialization import Packed, history_sum, record_sum, unpack
 from harness.model.errors import InputError, Mistake
+from harness.model.files import NO_ROOM, writing
 from harness.model.history import COLUMNS, History
 from harness.model.run import Run, to_plain
 from harness.records.base import Plain, part
+from harness.records.result_folder import STORE, STORE_KINDS, STORE_NUMBER, store_kind
 from harness.records.run import EngineRunRecord
 from harness.records.study import Value
 
-STORE_NAME: Final = "store.sqlite"
-STORE_VERSION: Final = 4
+STORE_NAME: Final = STORE
+STORE_VERSION: Final = 5
+BESIDE: Final = {
+    "-wal": (b"\x37\x7f\x06\x82", b"\x37\x7f\x06\x83"),
+    "-shm": ((3_007_000).to_bytes(4, sys.byteorder),),
+    "-journal": (b"\xd9\xd5\x05\xf9",),
+}
+"""What SQLite keeps beside a store while it is open, and how each file begins (its file format, sections 3 and 4)."""
+FULL: Final = ("SQLITE_FULL", "SQLITE_IOERR_WRITE", "SQLITE_IOERR_SHM", "SQLITE_IOERR_TRUNCATE", "SQLITE_IOERR_FSYNC")
+"""How the names begin of what SQLite says where there is no room, or a file may not grow."""
+MEMORY: Final = ":memory:"
+"""The path of a store in no file."""
 BUSY_MS: Final = 60_000
 """Longest wait for another writer: many workers share one file, each holding it for well under a millisecond."""
 
@@ -28,19 +42,18 @@ RECOVER: Final = "move the file away and run the same command again: its results
 
 # Results stand in the order in which they came: in a tree of keys each row of a kilobyte would take a page of its own.
 _SCHEMA: Final = """
-CREATE TABLE IF NOT EXISTS result (
+CREATE TABLE result (
     key TEXT PRIMARY KEY, kind TEXT NOT NULL, record TEXT NOT NULL, has_history INTEGER NOT NULL, crc32 INTEGER NOT NULL
 );
-CREATE TABLE IF NOT EXISTS timing (key TEXT PRIMARY KEY, seconds REAL NOT NULL, clock_s REAL NOT NULL) WITHOUT ROWID;
-CREATE TABLE IF NOT EXISTS history (
+CREATE TABLE timing (key TEXT PRIMARY KEY, seconds REAL NOT NULL, clock_s REAL NOT NULL) WITHOUT ROWID;
+CREATE TABLE history (
     key TEXT PRIMARY KEY, columns TEXT NOT NULL, samples INTEGER NOT NULL, data BLOB NOT NULL, crc32 INTEGER NOT NULL
 );
-CREATE TABLE IF NOT EXISTS plan (
+CREATE TABLE plan (
     study TEXT NOT NULL, number INTEGER NOT NULL, engine TEXT NOT NULL, key TEXT, reason TEXT NOT NULL, settings TEXT NOT NULL,
     PRIMARY KEY (study, number, engine)
 ) WITHOUT ROWID;
 """
-_TABLES: Final = frozenset(("result", "timing", "history", "plan"))
 
 
 @dataclass(frozen=True)
@@ -62,16 +75,48 @@ def check_begun(folder: Path, what: str, *names: str) -> None:
         raise InputError(Mistake("--resume", "", wanted, "no store there", "leave --resume out to begin"))
 
 
+def _begin(path: Path, kind: str) -> None:
+    """Make a store where there is none, whole or not at all; raises `InputError` for what is no store of this kind.
+
+    What a file is stands in its head, and its head is read before SQLite is: of another program's nothing is touched.
+    """
+    fresh_store = not os.path.lexists(path)
+    for end, heads in BESIDE.items():
+        beside = path.with_name(path.name + end)
+        if os.path.lexists(beside) and (fresh_store or not beside.is_file() or not _begins(beside, heads)):
+            raise InputError(Mistake(str(beside), "", "nothing that SQLite would write over", "a file", "move it away"))
+    if fresh_store:
+        with writing(path) as fresh, closing(sqlite3.connect(fresh)) as db:
+            db.executescript(_SCHEMA)
+            db.execute(f"PRAGMA application_id={STORE_NUMBER + STORE_KINDS.index(kind)}")
+            db.execute(f"PRAGMA user_version={STORE_VERSION}")
+        return
+    found_kind = store_kind(path)
+    if found_kind != kind:
+        got = "no store of this version" if found_kind is None else f"that of a {found_kind}"
+        raise InputError(Mistake(str(path), "", f"the store of a {kind}", got, "use another folder"))
+
+
+def _begins(path: Path, heads: tuple[bytes, ...]) -> bool:
+    """Whether a file is empty, or begins with one of these."""
+    with path.open("rb") as stream:
+        head = stream.read(len(heads[0]))
+    return not head or head in (*heads, bytes(len(heads[0])))
+
+
 class Store:
     """A store in one file; every write is one transaction, so a killed process loses nothing that was finished.
 
-    Raises `InputError` when the file cannot be opened, written or is no store; the message says what can be done.
+    `kind` is what its results are of (see `STORE_KINDS`): no other command may take them for its own. Raises `InputError` when
+    the file cannot be opened, written or is no store of that kind; another program's is not opened.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, kind: str = "study") -> None:
         self.path = path
         with self._naming_damage("opened"):
             path.parent.mkdir(parents=True, exist_ok=True)
+            if str(path) != MEMORY:
+                _begin(path, kind)
             self._db = sqlite3.connect(path, isolation_level=None, timeout=BUSY_MS / 1000.0)
         try:
             self._prepare(path)
@@ -83,17 +128,15 @@ class Store:
     def _prepare(self, path: Path) -> None:
         with self._naming_damage("read"):
             self._db.execute(f"PRAGMA busy_timeout={BUSY_MS}")
-            # Before anything is written: 0 is the version of a new file, and of most other programs' databases.
+            if str(path) == MEMORY:
+                self._db.executescript(_SCHEMA)
             version = self._db.execute("PRAGMA user_version").fetchone()[0]
-            names = {name for (name,) in self._db.execute("SELECT name FROM sqlite_master WHERE sql NOT NULL")}
-            if version not in (0, STORE_VERSION) or (version == 0 and not names <= _TABLES):
-                got = f"version {version}" if version else "another program's database"
-                raise InputError(Mistake(str(path), "", f"a store of version {STORE_VERSION}", got, "use another file"))
+            if version not in (0, STORE_VERSION):
+                wanted, advice = f"a store of version {STORE_VERSION}", "use another folder"
+                raise InputError(Mistake(str(path), "", wanted, f"version {version}", advice))
             self._db.execute("PRAGMA journal_mode=WAL")
             # In WAL mode NORMAL survives a killed process; only a power cut may lose the last results, never damage the file.
             self._db.execute("PRAGMA synchronous=NORMAL")
-            self._db.executescript(_SCHEMA)
-            self._db.execute(f"PRAGMA user_version={STORE_VERSION}")
 
     def __enter__(self) -> Store:
         return self
@@ -229,8 +272,8 @@ class Store:
             yield
         except (sqlite3.Error, OSError, UnicodeDecodeError) as error:  # a damaged schema is quoted as it stands
             advice = (
-                "free some space (or allow larger files) and run again with --resume: what was finished is kept"
-                if "full" in str(error) or getattr(error, "sqlite_errorname", "").startswith("SQLITE_IOERR_WRITE")
+                "free some space (or allow larger files) and give the command again: what was finished is kept"
+                if getattr(error, "errno", None) in NO_ROOM or getattr(error, "sqlite_errorname", "").startswith(FULL)
                 else RECOVER
             )
             raise InputError(Mistake(str(self.path), "", f"a store that can be {done}", str(error), advice)) from error

@@ -13,7 +13,7 @@ from harness.input.history_file import UNIFORM, between_samples, gaps, read_hist
 from harness.model.errors import InputError, Mistake
 from harness.model.run import machine, versions
 from harness.records.compare import FILES, CompareRecord
-from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, write_whole
+from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.records.scores import Scores
 
 
@@ -69,8 +69,9 @@ def compare_files(
 
 def write_comparison(a: Path, b: Path, scores: Scores, folder: Path) -> None:
     """Write the scores of two files, with both histories, into a result folder; raises `InputError` rather than lose a file."""
-    check_folder(folder, ("compare",))
-    check_inputs(folder, [*PAGES, RECORD, *FILES], (a, b))
+    names = [*PAGES, RECORD, COMING, *FILES]
+    check_inputs(folder, names, (a, b))
+    check_folder(folder, ("compare",), names)
     record = CompareRecord(title=f"{a.name} against {b.name}", scores=scores, versions=versions(), machine=machine())
 
     def write(fresh: Path) -> None:

@@ -27,7 +27,7 @@ from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.options import Capabilities
 from harness.model.scene import Scene
-from harness.records.base import as_file, part
+from harness.records.base import part
 from harness.records.effects3d import (
     BASELINE,
     SOLID,
@@ -39,7 +39,7 @@ from harness.records.effects3d import (
     EffectsRecord,
     EffectsSummary,
 )
-from harness.records.result_folder import listing
+from harness.records.result_folder import check_folder, write_whole
 from harness.records.scene import SceneRecord
 from harness.studies.cases import Base, base_of_scene
 from harness.studies.file import EngineName
@@ -53,6 +53,8 @@ OWN_STEPS: Final = (
     "the exact model chooses its steps; each of its amplitudes was asked again at a thousandth of the local error"
 )
 
+REPLAY: Final = "replay"
+"""The folder of the case that is run to be watched, in the result's."""
 KINDS: Final[dict[type, str]] = {Amplitude: "search", Band: "band", Departure: "departure"}
 """What is asked for an answer of each class."""
 T = TypeVar("T", Amplitude, Band, Departure)
@@ -134,10 +136,11 @@ def run_effects(
     study = read_model(EffectsFile, path)
     if resume:
         check_begun(folder, "a study")
+    check_folder(folder / REPLAY, ("run",))
     base = base_of_scene(path.parent / study.scene)
     scene = base.scene({})
     _check(scene, path)
-    with Store(folder / STORE_NAME) as store:
+    with Store(folder / STORE_NAME, "effects3d") as store:
         questions = Questions(base, scene, store, pool, on_progress)
         answers = _answers(study, scene, questions)
         counts = questions.asked, questions.found, questions.runs, questions.failed, questions.seconds
@@ -150,15 +153,13 @@ def run_effects(
         notes=[scan_directions(scene), *scene.notes],
         study=part(AskedRecord, study.model_dump(), path),
         unit_g=peak_g(scene),
-        replay=write_replay(scene, answers.rows, answers.departures, study.search.dt_s, folder / "replay"),
+        replay=write_replay(scene, answers.rows, answers.departures, study.search.dt_s, folder / REPLAY),
         summary=replace(summary, sentence=sentence(summary)),
         versions=record.versions(),
         machine=record.machine(),
         seconds=time.perf_counter() - start,
-        files=listing(()),
     )
-    record.write_json(folder / "result.json", as_file(finished))
-    return finished
+    return write_whole(folder, finished)
 
 
 def _check(scene: Scene, path: Path) -> None:

@@ -35,12 +35,11 @@ def resolve(file: str, *, base_dir: Path, where: str, key: str) -> Path:
     """
     if file.startswith("$") and not file.startswith(_PREFIX + "/"):
         raise InputError(Mistake(where, key, f'a path, of variables only "{_PREFIX}/…"', repr(file), "write it out"))
-    in_data = file.startswith(_PREFIX)
-    path = data_folder() / file[len(_PREFIX) + 1 :] if in_data else base_dir / Path(file).expanduser()
+    path = _named(file, base_dir)
     if not is_file(path):
         advice = (
             f"set {DATA_VARIABLE} to the folder of scans and records"
-            if in_data
+            if file.startswith(_PREFIX)
             else ("" if Path(file).is_absolute() else "a relative path starts at the scene's folder")
         )
         raise InputError(Mistake(where, key, "an existing file", str(path), advice))
@@ -51,12 +50,16 @@ def read_files(content: Mapping[str, JsonValue], source: Path | None) -> list[Pa
     """The existing files that a scene's content (as read from `source`) names, whatever their keys, and the scene's own."""
     files, folder = ([], Path()) if source is None else ([source], source.parent)
     for text in _texts(content):
-        path = data_folder() / text[len(_PREFIX) + 1 :] if text.startswith(_PREFIX) else folder / text
-        try:
-            files += [path] if path.is_file() else []
-        except (OSError, ValueError):  # a title is no path
-            continue
+        files += [path] if is_file(path := _named(text, folder)) else []
     return files
+
+
+def _named(file: str, base_dir: Path) -> Path:
+    """The path that a scene's text names."""
+    if file.startswith(_PREFIX):
+        return data_folder() / file[len(_PREFIX) + 1 :]
+    # Unlike that of a Path, it leaves a title that begins with a tilde as it is.
+    return base_dir / os.path.expanduser(file)
 
 
 def _texts(value: object) -> Iterator[str]:

@@ -6,7 +6,6 @@ import json
 import math
 import os
 import platform
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import Enum
@@ -16,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from harness.model.errors import InputError, Mistake
+from harness.model.files import write_text
 from harness.model.history import History, Outcome
 from harness.model.interventions import Intervention
 from harness.model.shown import Shown
@@ -186,20 +186,6 @@ def _value(value: Any) -> str:
     if isinstance(value, list) and len(value) > MANY:
         return "[\n" + ",\n".join(json.dumps(item, ensure_ascii=False, allow_nan=False) for item in value) + "\n]"
     return json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False).replace("\n", "\n ")
-
-
-def write_text(path: Path, text: str) -> None:
-    """Replace a text file in one step, whole or not at all."""
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        # A file's name may be no UTF-8: its odd bytes stand in the text as escapes.
-        with os.fdopen(handle, "w", encoding="utf-8", errors="backslashreplace") as stream:
-            stream.write(text)
-        os.chmod(name, 0o644)
-        os.replace(name, path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
 
 
 @cache

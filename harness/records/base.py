@@ -18,11 +18,13 @@ from pydantic_core import ErrorDetails
 
 from harness.input.mistakes import TYPE_NAME, Contradiction, got_of, wanted_of
 from harness.model.errors import InputError, Mistake
+from harness.model.files import MARK
 from harness.model.run import OMITTED, SCHEMA_VERSION, to_plain
 
 REWRITE: Final = "write the result anew with this version"
 MOST_MISTAKES: Final = 10
 """Mistakes told of one record: more say nothing that these do not."""
+SEAL: Final = {"type": "string", "pattern": f"^{MARK}[0-9a-f]{{64}}$"}
 LONE: Final = re.compile("[\ud800-\udfff]")
 Plain = dict[str, JsonValue]
 """What stands in a file of JSON."""
@@ -108,12 +110,12 @@ def part(kind: type[T], values: Any, where: Path) -> T:
 
 
 def schema_of(kind: type[Record]) -> Plain:
-    """The JSON Schema of a kind of record as it stands in a file: beside its fields the name of the schema."""
+    """The JSON Schema of a kind of record as it stands in a file: beside its fields the name of the schema, and the seal."""
     shape = _adapter(kind).json_schema(schema_generator=_Untitled)
     properties = shape.pop("properties")
     name = schema_name(properties["kind"]["const"])
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": name}
-    return {**head, **shape, "properties": {"$schema": {"const": name}, **properties}}
+    return {**head, **shape, "properties": {"$schema": {"const": name}, **properties, "seal": SEAL}}
 
 
 class _Untitled(GenerateJsonSchema):

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from harness import engines
-from harness.accuracy.simulation import RunTarget, check_target, simulate_with
+from harness.accuracy.simulation import RunTarget, check_target, failed, simulate_with
 from harness.engines.base import Engine, EngineFailure
 from harness.input.paths import read_files
 from harness.model.history import Outcome, history_file
@@ -20,7 +20,7 @@ from harness.model.options import RunOptions
 from harness.model.run import Run, machine, versions
 from harness.model.scene import Scene
 from harness.records.assess import Assessment
-from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, write_whole
+from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.records.run import EngineRunRecord, HorizonRecord, RunRecord
 from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores
@@ -31,6 +31,8 @@ from harness.scene_run.left_out import TakenAway, explained, with_reasons
 from harness.statics.plan import Step, plan
 from harness.statics.standstill import standstill
 
+ENDED: Final = "the run was ended before this engine had finished"
+"""Why an engine has no answer in the result of a run that the user ended."""
 KILLED_S: Final = 0.05
 """Between two looks whether a process that was killed is gone."""
 
@@ -79,6 +81,14 @@ class Result:
         )
 
 
+class Ended(KeyboardInterrupt):
+    """A run that the user ended: `result` holds what had finished, and that the other engines gave no answer."""
+
+    def __init__(self, result: Result) -> None:
+        super().__init__()
+        self.result = result
+
+
 def run_scene(
     scene: Scene,
     names: Sequence[str] | None = None,
@@ -106,7 +116,8 @@ def run_scene(
     three-dimensional engines beside the others in a process of their own (the caller's script must be importable, as
     `multiprocessing` wants it); the results are the same. With `assess` the analytic model's probability of overturning is found
     from what the scene does not know. With `witness` engines as they come are run beside those that locate events
-    (`harness.scene_run.witness`). `stored` are runs of this very scene and target that are there already.
+    (`harness.scene_run.witness`). `stored` are runs of this very scene and target that are there already. An
+    interrupt after one of the engines has finished raises `Ended` with the result so far.
     """
     check_target(accuracy_rad, dt_s)
     options = options or RunOptions()
@@ -114,37 +125,68 @@ def run_scene(
     steps = plan(scene, loaded, options, engines.REGISTRY)
     start = time.perf_counter()
     target = RunTarget(accuracy_rad, dt_s, options)
-    runs = dict(stored or {})
+    runs, refined = dict(stored or {}), list[str]()
+    horizons, scores = dict[str, HorizonRecord](), dict[str, Scores]()
+    assessment, witness_answers = dict[str, Assessment](), dict[str, Witness]()
+
+    def known() -> dict[str, Run]:
+        return {item.name: runs.get(item.name) or failed(item.name, Outcome.CRASHED, ENDED) for item in loaded}
+
+    def result() -> Result:
+        told = replace(scene, notes=(*scene.notes, *_notes(scene, known(), refined, target)))
+        seconds = time.perf_counter() - start
+        return Result(told, known(), scores, steps, seconds, horizons, assessment, witness_answers)
+
+    try:
+        _run_engines(scene, loaded, target, runs, on_progress, apart=apart)
+        horizons |= _horizons(scene, answers_of(known()), on_progress, every=horizon)
+        scores |= _scores(scene, known(), horizons, iso)
+        taken = TakenAway(scene)
+        if target.dt_s is None:
+            found = explained(known(), scores, taken)
+            refinable = {
+                item.name for item in loaded if not item.capabilities.certifies and item.name not in (stored or {})
+            }
+            doubts = doubted(each for pair, each in scores.items() if pair not in found)
+            names_refined, finer = finer_runs(scene, known(), doubts, refinable, target, on_progress)
+            refined += names_refined
+            if finer:
+                runs |= finer
+                scores |= _scores(scene, known(), horizons, iso)
+        scores |= with_reasons(known(), with_conventions(scene, known(), scores), taken)
+        witness_answers |= _witnessed(scene, known(), options, on_progress) if witness else {}
+        assessment |= _assessed(scene, on_progress) if assess else {}
+    except KeyboardInterrupt as ending:
+        if not answers_of(runs):
+            raise
+        scores |= {} if scores else _scores(scene, known(), horizons, iso)
+        raise Ended(result()) from ending
+    return result()
+
+
+def _run_engines(
+    scene: Scene,
+    loaded: Sequence[Engine],
+    target: RunTarget,
+    runs: dict[str, Run],
+    on_progress: Callable[[str], None],
+    *,
+    apart: bool,
+) -> None:
+    """Run the engines that have no run in `runs` yet; each run stands there as soon as it has finished, whatever comes after."""
     with _beside(scene, [item for item in loaded if item.name not in runs], target, apart=apart) as waiting:
-        for engine in loaded:
-            on_progress(engine.name)
-            if engine.name not in waiting and engine.name not in runs:
-                runs[engine.name] = simulate_with(engine, scene, target)
-        for engine in loaded:
-            if (future := waiting.get(engine.name)) is not None:
-                if not future.done():
-                    on_progress(f"{engine.name}, {engine.awaited()}")
-                runs[engine.name] = future.result()
-    runs = {item.name: runs[item.name] for item in loaded}
-    horizons = _horizons(scene, answers_of(runs), on_progress, every=horizon)
-    scores = _scores(scene, runs, horizons, iso)
-    taken = TakenAway(scene)
-    refined: list[str] = []
-    if target.dt_s is None:
-        found = explained(runs, scores, taken)
-        refinable = {
-            item.name for item in loaded if not item.capabilities.certifies and item.name not in (stored or {})
-        }
-        doubts = doubted(each for pair, each in scores.items() if pair not in found)
-        refined, finer = finer_runs(scene, runs, doubts, refinable, target, on_progress)
-        if finer:
-            runs |= finer
-            scores = _scores(scene, runs, horizons, iso)
-    scores = with_reasons(runs, with_conventions(scene, runs, scores), taken)
-    witness_answers = _witnessed(scene, runs, options, on_progress) if witness else {}
-    assessment = _assessed(scene, on_progress) if assess else {}
-    scene = replace(scene, notes=(*scene.notes, *_notes(scene, runs, refined, target)))
-    return Result(scene, runs, scores, steps, time.perf_counter() - start, horizons, assessment, witness_answers)
+        try:
+            for engine in loaded:
+                on_progress(engine.name)
+                if engine.name not in waiting and engine.name not in runs:
+                    runs[engine.name] = simulate_with(engine, scene, target)
+            for engine in loaded:
+                if (future := waiting.get(engine.name)) is not None:
+                    if not future.done():
+                        on_progress(f"{engine.name}, {engine.awaited()}")
+                    runs[engine.name] = future.result()
+        finally:
+            runs |= {name: future.result() for name, future in waiting.items() if future.done()}
 
 
 def answers_of(runs: Mapping[str, Run]) -> list[Run]:
@@ -249,7 +291,7 @@ def _horizons(
 
 def check_writing(folder: Path, scene: Scene, names: Sequence[str]) -> None:
     """Raise `InputError` unless the result of these engines can be written into `folder` without a loss (see `check_folder`)."""
-    written = [history_file(name) for name in names] + [*PAGES, RECORD, "statue.glb"]
+    written = [history_file(name) for name in names] + [*PAGES, RECORD, COMING, "statue.glb"]
     check_inputs(folder, written, read_files(scene.given, scene.source))
     check_folder(folder, ("run",), written if scene.statue.solid is not None else written[:-1])
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final
 
 from harness.campaign.store import PlannedRow, Store
 from harness.model.errors import InputError, Mistake
-from harness.records.result_folder import writing
+from harness.model.files import writing
 from harness.records.study import Value, impacts
 from harness.studies.column_rows import ColumnRows
 
@@ -20,11 +20,11 @@ FORMULA: Final = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "�
 """Beginnings of a text that spreadsheets take for a formula, their wide forms of East Asian keyboards among them."""
 
 
-def export_csv(store: Store | ColumnRows, study: str, path: Path) -> int:
+def export_csv(store: Store | ColumnRows, study: str, path: Path, sums: Collection[str] = ()) -> int:
     """Write a study's rows as CSV (one line per case and engine), read twice and never held; returns how many."""
     names = list(dict.fromkeys(name for row in store.rows(study) for name in flat(row)))
     written = 0
-    with writing(path) as fresh, fresh.open("w", newline="", encoding="utf-8") as stream:
+    with writing(path, sums) as fresh, fresh.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
         writer.writerow(map(cell, names))
         for line in map(flat, store.rows(study)):
@@ -41,7 +41,7 @@ def cell(value: Any) -> Any:
     return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA) else value
 
 
-def export_parquet(store: Store | ColumnRows, study: str, path: Path) -> int:
+def export_parquet(store: Store | ColumnRows, study: str, path: Path, sums: Collection[str] = ()) -> int:
     """Write a study's rows as Parquet, read twice and never held; needs the extra [parquet]. Returns how many."""
     try:
         import pyarrow
@@ -57,7 +57,7 @@ def export_parquet(store: Store | ColumnRows, study: str, path: Path) -> int:
 
     schema = pyarrow.unify_schemas([each.schema for each in tables()], promote_options="permissive")
     written = 0
-    with writing(path) as fresh, parquet.ParquetWriter(fresh, schema) as writer:
+    with writing(path, sums) as fresh, parquet.ParquetWriter(fresh, schema) as writer:
         for each in tables():
             absent = {name: pyarrow.nulls(each.num_rows) for name in schema.names if name not in each.column_names}
             for name, values in absent.items():

@@ -16,7 +16,6 @@ from harness.input.tables import ContactTable
 from harness.model import run as record
 from harness.model.history import Array
 from harness.model.scene import Scene
-from harness.records.result_folder import listing
 from harness.records.scene import SceneRecord
 from harness.records.study import Curve, Panel, StudyRecord, StudyRow, StudyWitness, SupportRecord
 from harness.studies import claims
@@ -74,7 +73,6 @@ def study_record(
         panels=panels(rows, store) if paper else None,
         rows=rows,
         table=columns,
-        files=listing(()),
     )
 
 

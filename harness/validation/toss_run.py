@@ -12,12 +12,12 @@ from typing import Any, Final
 import numpy as np
 
 from harness.campaign.runner import Crash, LocalPool
+from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
-from harness.records.base import as_file
-from harness.records.result_folder import RECORD, listing
+from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.records.tosses import Missed, PoseErrors, TossesRecord, TossModel, TossRow
 from harness.validation.jobs import Model, parse_model
 from harness.validation.toss_scores import Coefficients, Errors, TossTask, quartiles, scored
@@ -77,6 +77,9 @@ def validate_tosses(
     """
     start = time.perf_counter()
     base = load_scene(body)
+    names = [RECORD, COMING, *PAGES, SCORES]
+    check_folder(folder, ("tosses",), names)
+    check_inputs(folder, names, [table, *read_files(base.given, base.source)])
     tosses = read_tosses(table, base.statue, base.gravity_m_s2)[:most]
     if len(tosses) < 2:
         raise InputError(Mistake(str(table), "", "two tosses: one to fit, one to score", str(len(tosses))))
@@ -88,8 +91,6 @@ def validate_tosses(
         answers = {model.name: _of_model(pool, base, tosses, fitted, model) for model in known}
     finally:
         pool.close()
-    folder.mkdir(parents=True, exist_ok=True)
-    table_of_scores = _write_scores(folder / SCORES, answers)
     result = TossesRecord(
         tosses=table.name,
         body=body.name,
@@ -102,19 +103,16 @@ def validate_tosses(
         versions=record.versions(),
         machine=record.machine(),
         seconds=time.perf_counter() - start,
-        files=listing([table_of_scores]),
     )
-    record.write_json(folder / RECORD, as_file(result))
-    return result
+    return write_whole(folder, result, lambda fresh: _write_scores(fresh / SCORES, answers))
 
 
-def _write_scores(path: Path, models: Mapping[str, TossModel]) -> Path:
-    """Every scored toss by every model as a table; its path."""
+def _write_scores(path: Path, models: Mapping[str, TossModel]) -> None:
+    """Every scored toss by every model as a table."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(["model", *(each.name for each in fields(TossRow))])
         writer.writerows([name, *astuple(row)] for name, model in models.items() for row in model.rows)
-    return path
 
 
 def _of_model(pool: LocalPool, base: Scene, tosses: Sequence[Toss], fitted: Sequence[int], model: Model) -> TossModel:

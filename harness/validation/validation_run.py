@@ -20,8 +20,8 @@ from harness.input.history_file import read_history
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.run import Run
-from harness.records.base import RunCounts, as_file
-from harness.records.result_folder import listing
+from harness.records.base import RunCounts
+from harness.records.result_folder import write_whole
 from harness.records.study import CaseRun
 from harness.records.validation import (
     BaselineRecord,
@@ -70,7 +70,7 @@ def run_validation(
     chosen = [parse_model(text) for text in dict.fromkeys(models or engines.DEFAULT_ENGINES)]
     trials = read_table(experiments)
     intensities = _intensities(trials)
-    with closing(LocalPool(jobs)) as pool, Store(folder / STORE_NAME) as store:
+    with closing(LocalPool(jobs)) as pool, Store(folder / STORE_NAME, "validation") as store:
         with progress(experiments.name, quiet) as on_progress:
             campaign = Campaign(store, pool, on_progress, BATCH, BATCH_OTHERWISE)
             answered = [
@@ -100,11 +100,9 @@ def run_validation(
         seed=seed,
         versions=record.versions(),
         machine=record.machine(),
-        files=listing(()),
         seconds=time.perf_counter() - start,
     )
-    record.write_json(folder / "result.json", as_file(result))
-    return result
+    return write_whole(folder, result)
 
 
 class Runs:

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.model.errors import InputError, Mistake
+from harness.model.files import check_own, writing
 from harness.model.history import History
 from harness.model.in_space import SOLID_COLUMNS
 from harness.model.tilted import centroid_shift_m
-from harness.records.result_folder import MARK, check_marked, writing
 from reports.charts.histories import histories_figure
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
 from reports.charts.static_svg import picture
@@ -99,7 +99,9 @@ def write_gif(folder: File, path: File | None = None, model: str | None = None) 
     if model is not None and model not in source.histories:
         raise InputError(Mistake("--model", "", f"one of {', '.join(source.histories)}", repr(model)))
     target = path or folder / "replay.gif"
-    check_marked([target])
+    if target.suffix != ".gif":
+        raise InputError(Mistake("--out", "", "a file ending in .gif", str(target)))
+    check_own(target, option="--out")
     stage = _stage(source, model or default_model(source))
     start, end = _window(source.histories[stage.solid])
     times = np.arange(start, end + 0.5 / FRAMES_PER_S, 1.0 / FRAMES_PER_S)
@@ -114,7 +116,6 @@ def write_gif(folder: File, path: File | None = None, model: str | None = None) 
             duration=1000 // FRAMES_PER_S,
             loop=0,
             disposal=1,
-            comment=MARK,
         )
     return target
 

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Final, cast
 
 from harness.model.errors import InputError, Mistake
+from harness.model.files import check_own
 from harness.records.base import Record
 from harness.records.effects3d import EffectsRecord
 from harness.records.kinds import read_result
-from harness.records.result_folder import check_marked
 from harness.records.run import RunRecord
 from harness.records.study import Panel, StudyRecord
 from reports.charts import Json
@@ -56,7 +56,8 @@ def write_figures(
     target = folder / "figures"
     target.mkdir(exist_ok=True)
     paths = {target / f"{name}.{kind}": drawn for name, drawn in pictures.items() for kind in formats}
-    check_marked(paths)
+    for path in paths:
+        check_own(path)
     return [write_picture(drawn, path) for path, drawn in paths.items()]
 
 

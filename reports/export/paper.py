@@ -6,7 +6,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from harness.records.result_folder import MARK, writing
+from harness.model.files import writing
 from reports.charts.palette import INK, dark_css
 from reports.drawing.shapes import ANCHORS, Disc, Picture, Text
 from reports.drawing.shapes import Path as Line
@@ -38,9 +38,10 @@ def write_picture(picture: Picture, path: Path, dpi: int = DPI) -> Path:
             import matplotlib as mpl
 
             # Text stays text in a PDF; without a date the same record gives the same file.
-            marked = {"png": {"Software": MARK.decode()}, "pdf": {"Creator": MARK.decode(), "CreationDate": None}}
             with mpl.rc_context({"pdf.fonttype": 42}):
-                figure(picture).savefig(fresh, format=kind, dpi=dpi, metadata=marked[kind])
+                figure(picture).savefig(
+                    fresh, format=kind, dpi=dpi, metadata={"CreationDate": None} if kind == "pdf" else None
+                )
     return path
 
 
@@ -54,7 +55,7 @@ def _html(picture: Picture, name: str) -> str:
     head = f'<meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{escape(name)}</title>'
     style = f"<style>{look}{dark}{dark_css()}</style>"
     body = f"<main>{picture.svg(words)}</main>"
-    return f'<!doctype html>\n<html lang="en"><head>{head}{style}</head>\n<!-- {MARK.decode()} -->\n<body>{body}</body></html>\n'
+    return f'<!doctype html>\n<html lang="en"><head>{head}{style}</head>\n<body>{body}</body></html>\n'
 
 
 def _svg(picture: Picture) -> str:
@@ -62,7 +63,7 @@ def _svg(picture: Picture) -> str:
     size = f'width="{picture.width * per_px:.2f}mm" height="{picture.height * per_px:.2f}mm" '
     type_ = f'font-family="DejaVu Sans, sans-serif" font-size="{picture.type_px:g}" fill="{INK}" '
     drawn = picture.svg().replace("<svg ", f"<svg {size}{type_}", 1)
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n<!-- {MARK.decode()} -->\n{drawn}\n'
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{drawn}\n'
 
 
 def figure(picture: Picture) -> Figure:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Final
 
 from harness.model.errors import InputError, Mistake
-from harness.records.result_folder import MARK, check_marked, writing
+from harness.model.files import check_own, writing
 from reports.pages.assets import source_text
 
 BROWSERS: Final = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
@@ -37,7 +37,7 @@ def write_pdf(page: Path) -> Path:
     Raises `InputError` without a browser, for a PDF of another's making in the way, and where the browser fails.
     """
     program, target = browser(), page.with_suffix(".pdf")
-    check_marked([target])
+    check_own(target, option="--pdf")
     text = _PAGE_LINK.sub("", _SCRIPT.sub("", page.read_text(encoding="utf-8")))
     text = text.replace("</body>", f"<script>{source_text('units.js')}</script></body>")
     with tempfile.TemporaryDirectory() as spare, writing(target) as fresh:
@@ -56,6 +56,5 @@ def write_pdf(page: Path) -> Path:
         if not printed.is_file():
             said = done.stderr.strip().splitlines()[-1:] or ["nothing"]
             raise InputError(Mistake("--pdf", "", "a PDF", f"none: {program} ended with {done.returncode}, {said[0]}"))
-        # A comment after the end, which readers pass over: the file may be written again.
-        fresh.write_bytes(printed.read_bytes() + b"\n%" + MARK + b"\n")
+        fresh.write_bytes(printed.read_bytes())
     return target

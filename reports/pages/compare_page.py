@@ -14,7 +14,7 @@ from harness.model.history import Array, History
 from harness.model.history_pair import pair
 from harness.records.base import REWRITE
 from harness.records.compare import FILES, CompareRecord
-from harness.records.result_folder import as_written, owned
+from harness.records.result_folder import as_written
 from reports.charts.figure import axis, curve, figure, stroke
 from reports.charts.palette import MUTED, look
 from reports.charts.samples import packed_array, shown_samples
@@ -29,11 +29,11 @@ ROWS: Final = (((0.52, 1.0), "rotation θ  [rad]"), ((0.27, 0.47), "difference  
 
 def context(folder: Path, record: CompareRecord) -> dict[str, object]:
     """Everything that the compare template shows; raises `InputError` for a history that is lost or was changed."""
-    sums = owned(folder)
-    lost = [folder / name for name in FILES if not (folder / name).is_file() or not as_written(folder / name, sums)]
+    paths = [folder / name for name in FILES]
+    lost = [path for path in paths if not path.is_file() or not as_written(path, record)]
     if lost:
         raise InputError([Mistake(str(path), "", "the file that result.json lists", "none", REWRITE) for path in lost])
-    a, b = (read_history(folder / name) for name in FILES)
+    a, b = map(read_history, paths)
     scores = record.scores
     # Both may have the same name, in two folders.
     names = (scores.a, scores.b) if scores.a != scores.b else (f"{scores.a} (first)", f"{scores.b} (second)")

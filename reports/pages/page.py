@@ -11,7 +11,7 @@ from typing import Final
 from markupsafe import Markup
 
 from harness.model.errors import InputError, Mistake
-from harness.model.run import write_text
+from harness.model.files import write_text
 from harness.model.terminal import printable
 from harness.records.base import Record
 from harness.records.kinds import read_result

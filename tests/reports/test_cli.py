@@ -6,6 +6,7 @@ import json
 import os
 import re
 import shlex
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -15,7 +16,10 @@ from typing import Any
 import pytest
 
 from harness.command import INTERRUPTED, guarded
+from harness.engines.base import Engine
 from harness.model.errors import InputError
+from harness.model.run import Run
+from harness.scene_run import scene_run
 from reports.cli import app
 from reports.pages.page import write_report
 from tests.reports.invented_run import write_invented
@@ -387,6 +391,67 @@ def test_a_file_that_may_not_grow_is_told(scene: Path, tmp_path: Path) -> None:
     assert "File too large" in done.stderr
     assert "Traceback" not in done.stderr
     assert [path.name for path in (tmp_path / "out" / "block").iterdir()] == []
+
+
+def test_where_there_is_no_room_for_its_page_a_result_stands_without_an_older_one(scene: Path, tmp_path: Path) -> None:
+    line = f"{shlex.quote(sys.executable)} -c 'from reports.cli import main; main()' run block.toml -e analytic"
+    first, second = (
+        subprocess.run(
+            ["bash", "-c", f"{limit} {line} --set initial.theta_rad={theta}"],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        for limit, theta in (("", 0.05), ("ulimit -f 200;", 0.06))
+    )
+    assert (first.returncode, second.returncode) == (0, 1), second.stderr
+    folder = tmp_path / "out" / "block"
+    assert {path.name for path in folder.iterdir()} - {"conservator.html"} == {"result.json", "history_analytic.csv"}
+    assert json.loads((folder / "result.json").read_text())["scene"]["initial"]["theta_rad"] == 0.06
+    assert "report.html" in second.stderr
+    assert "`rockcheck report out/block`" in second.stderr
+    assert "fault" not in second.stderr
+
+
+def test_what_an_ended_run_had_finished_is_written(
+    scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    whole = scene_run.simulate_with
+
+    def ended(engine: Engine, *given: Any) -> Run:
+        if engine.name == "pymunk":
+            raise KeyboardInterrupt
+        return whole(engine, *given)
+
+    monkeypatch.setattr(scene_run, "simulate_with", ended)
+    line = ["run", "block.toml", "-q", "-e", "analytic", "-e", "pymunk"]
+    with pytest.raises(SystemExit) as ending:
+        sys.exit(guarded(lambda: app(line)))
+    assert ending.value.code == INTERRUPTED
+    assert "`rockcheck report out/block`" in capsys.readouterr().err
+    folder = tmp_path / "out" / "block"
+    assert {path.name for path in folder.iterdir()} == {"result.json", "history_analytic.csv"}
+    record = json.loads((folder / "result.json").read_text())
+    outcomes = {name: run["outcome"] for name, run in record["runs"].items()}
+    assert outcomes == {"analytic": "stands", "pymunk": "crashed"}
+    assert record["runs"]["pymunk"]["message"] == scene_run.ENDED
+    assert write_report(folder).is_file()
+
+
+def test_asked_to_end_a_command_is_interrupted(capsys: pytest.CaptureFixture[str]) -> None:
+    before = signal.getsignal(signal.SIGTERM)
+    assert guarded(lambda: signal.raise_signal(signal.SIGTERM)) == INTERRUPTED
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_an_output_that_is_a_file_is_one_mistake(scene: Path, tmp_path: Path) -> None:
+    for command in ("run block.toml", "assess block.toml", "motion inspect block.toml", "bench", "stress"):
+        for out in ("block.toml", "block.toml/below"):
+            done = rockcheck(*command.split(), "--out", out, cwd=tmp_path)
+            assert (done.returncode, done.stderr.count("wanted")) == (2, 1), done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["block.toml"]
 
 
 def test_asking_for_help_imports_no_simulator(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from harness.campaign import dask_pool
 from harness.campaign.dask_pool import DaskPool
 from harness.campaign.runner import AHEAD, Hung, LocalPool
 from harness.campaign.serialization import Packed
@@ -25,8 +26,11 @@ from tests.harness.studies.small_study import CONTACT, contents, written
 pytest.importorskip("distributed", reason="the extra [dask] is not installed")
 
 
+Cluster = tuple[str, list[subprocess.Popen[str]], subprocess.Popen[str]]
+
+
 @pytest.fixture
-def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[str]]]]:
+def cluster(tmp_path: Path) -> Iterator[Cluster]:
     """A real scheduler and two worker processes on this machine, reached on the loopback interface only."""
     command = [
         sys.executable,
@@ -58,21 +62,19 @@ def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[str]]]]
             subprocess.Popen(worker, text=True, cwd=tmp_path, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
         )
     processes += workers
-    yield address, workers
+    yield address, workers, processes[0]
     for process in processes:
         process.kill()
         process.wait()
     stream.close()
 
 
-def test_a_study_on_a_cluster_that_loses_a_worker_ends_in_the_same_store(
-    cluster: tuple[str, list[subprocess.Popen[str]]], tmp_path: Path
-) -> None:
+def test_a_study_on_a_cluster_that_loses_a_worker_ends_in_the_same_store(cluster: Cluster, tmp_path: Path) -> None:
     path = written(tmp_path / "study", CONTACT)
     study = load_study(path)
     with Store(tmp_path / "local.sqlite") as store:
         run_study(study, path, store, LocalPool(1))
-    address, workers = cluster
+    address, workers, _ = cluster
     pool = DaskPool(address)
     while pool.workers < 2:
         time.sleep(0.05)
@@ -108,7 +110,7 @@ HANG = "__import__('time').sleep(600.0)"
 
 
 def test_a_task_that_hangs_is_given_up_and_the_others_are_computed(
-    cluster: tuple[str, list[subprocess.Popen[str]]],
+    cluster: Cluster,
 ) -> None:
     pool = DaskPool(cluster[0], limit_s=LIMIT_S)
     while pool.workers < 2:
@@ -120,6 +122,23 @@ def test_a_task_that_hangs_is_given_up_and_the_others_are_computed(
     assert answers == {task: eval(task) for task in tasks if task != HANG}
     with pytest.raises(InputError, match="workers that answer"):
         pool.run(eval, [f"{HANG} or 1", "1 + 1"], answers.__setitem__)
+    pool.close()
+
+
+@pytest.mark.parametrize("gone", ["scheduler", "workers"])
+def test_a_cluster_that_is_gone_is_told(cluster: Cluster, gone: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    address, workers, scheduler = cluster
+    pool = DaskPool(address)
+    while pool.workers < 2:
+        time.sleep(0.05)
+    monkeypatch.setattr(dask_pool, "GONE_S", LIMIT_S)
+
+    def told(task: str, answer: Any) -> None:
+        for process in [scheduler] if gone == "scheduler" else workers:
+            process.kill()
+
+    with pytest.raises(InputError, match="a cluster that answers"):
+        pool.run(eval, ["1 + 1", *[HANG] * 4], told)
     pool.close()
 
 

@@ -95,7 +95,7 @@ def test_a_damaged_row_is_told_with_what_can_be_done(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         measure(tmp_path, parts(Counting("c")), None, STAMP, silent)
     path = tmp_path / STORE_NAME
-    with Store(path) as store:
+    with Store(path, "bench") as store:
         store._db.execute("UPDATE result SET record = substr(record, 1, 20) WHERE rowid = 2")
         store._db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
     with pytest.raises(InputError, match="move the file away"):

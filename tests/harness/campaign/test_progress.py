@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+import warnings
 
 import pytest
 
@@ -67,3 +68,13 @@ def test_the_time_left_is_that_of_the_clock(
         ", about 2 h left",
         ", about 2 days left",
     ]
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_a_warning_is_one_line_or_nothing(quiet: bool, capsys: pytest.CaptureFixture[str]) -> None:
+    before = warnings.showwarning
+    with ProgressMessages(quiet):
+        warnings.simplefilter("always")
+        warnings.warn("two\nlines", RuntimeWarning, stacklevel=1)
+    assert capsys.readouterr().err == ("" if quiet else "warning: two\\nlines\n")
+    assert warnings.showwarning == before

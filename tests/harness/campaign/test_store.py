@@ -5,7 +5,8 @@ from __future__ import annotations
 import sqlite3
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from harness.campaign.store import Store
 from harness.model.errors import InputError
 from harness.model.history import History, Outcome
 from harness.model.run import Run
+from harness.records.result_folder import STORE_NUMBER
 from harness.studies.export import export_csv
 from tests.stores_for_tests import is_sound, put
 
@@ -86,23 +88,47 @@ def test_a_failed_write_leaves_the_rest_whole(store: Store) -> None:
     assert is_sound(store)
 
 
-def test_a_file_that_is_no_store_is_a_mistake_of_the_user(tmp_path: Path) -> None:
-    path = tmp_path / "store.sqlite"
-    path.write_bytes(b"this is no database at all, but long enough to be read as one" * 20)
-    with pytest.raises(InputError, match="move the file away"):
-        Store(path)
+def database(path: Path, schema: str, *pragmas: str) -> None:
+    with closing(sqlite3.connect(path)) as db:
+        for pragma in pragmas:
+            db.execute(f"PRAGMA {pragma}")
+        db.executescript(schema)
 
 
-def test_another_programs_database_is_refused_and_keeps_its_bytes(tmp_path: Path) -> None:
+STORES: dict[str, Callable[[Path], object]] = {
+    "text": lambda path: path.write_bytes(b"this is no database at all, but long enough to be read as one" * 20),
+    "nothing": lambda path: path.touch(),
+    "another's": lambda path: database(path, "CREATE TABLE notes (text TEXT)"),
+    "another's with our tables": lambda path: database(path, "CREATE TABLE result (key TEXT)", "user_version=5"),
+    "another's in WAL mode": lambda path: database(path, "CREATE TABLE notes (text TEXT)", "journal_mode=WAL"),
+    "another's with a number": lambda path: database(path, "CREATE TABLE a (b)", f"application_id={STORE_NUMBER - 1}"),
+    "a folder": lambda path: path.mkdir(),
+    "a link to nothing": lambda path: path.symlink_to(path.with_name("elsewhere")),
+    "a write-ahead log without a store": lambda path: path.with_name("store.sqlite-wal").write_text("mine"),
+}
+
+
+@pytest.mark.parametrize("kind", STORES)
+def test_what_is_no_store_of_ours_is_refused_and_keeps_its_bytes(tmp_path: Path, kind: str) -> None:
     path = tmp_path / "store.sqlite"
-    with sqlite3.connect(path) as db:
-        db.execute("CREATE TABLE notes (text TEXT)")
-    db.close()
-    before = path.read_bytes()
-    with pytest.raises(InputError, match="another program's database"):
+    STORES[kind](path)
+    before = {each: each.read_bytes() for each in tmp_path.iterdir() if each.is_file()}
+    inside = list(tmp_path.iterdir())
+    with pytest.raises(InputError, match=r"store\.sqlite"):
         Store(path)
-    assert path.read_bytes() == before
-    assert [each.name for each in tmp_path.iterdir()] == ["store.sqlite"]
+    assert {each: each.read_bytes() for each in tmp_path.iterdir() if each.is_file()} == before
+    assert list(tmp_path.iterdir()) == inside
+
+
+@pytest.mark.parametrize("end", ["wal", "shm", "journal"])
+def test_another_s_file_beside_a_store_is_not_written_over(tmp_path: Path, end: str) -> None:
+    path, beside = tmp_path / "store.sqlite", tmp_path / f"store.sqlite-{end}"
+    with Store(path):
+        pass
+    beside.write_text("mine")
+    with pytest.raises(InputError, match="SQLite would write over"):
+        Store(path)
+    assert beside.read_text() == "mine"
 
 
 def test_a_store_of_another_version_is_refused(tmp_path: Path) -> None:

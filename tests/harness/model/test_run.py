@@ -15,21 +15,21 @@ from tests.harness.campaign.test_store import run
 
 def test_a_short_record_is_indented_throughout(tmp_path: Path) -> None:
     record = {"a": [{"x": 1.5, "y": None}] * 3, "b": {"c": ["two\nlines", True]}, "e": {}, "π": "θ"}
-    write_json(tmp_path / "r.json", record)
-    assert (tmp_path / "r.json").read_text() == json.dumps(record, indent=1, ensure_ascii=False) + "\n"
+    write_json(tmp_path / "record", record)
+    assert (tmp_path / "record").read_text() == json.dumps(record, indent=1, ensure_ascii=False) + "\n"
 
 
 def test_of_a_table_each_row_is_one_line(tmp_path: Path) -> None:
     record = {"rows": [{"number": i, "peak": 0.1 * i} for i in range(MANY + 1)]}
-    write_json(tmp_path / "r.json", record)
-    text = (tmp_path / "r.json").read_text()
+    write_json(tmp_path / "record", record)
+    text = (tmp_path / "record").read_text()
     assert json.loads(text) == record
     assert len(text.splitlines()) == MANY + 1 + 4
 
 
 def test_what_is_no_plain_value_becomes_one(tmp_path: Path) -> None:
-    write_json(tmp_path / "r.json", {"a": np.float64(2.5), "b": float("nan"), "c": np.arange(3), "d": (1, np.int64(2))})
-    assert json.loads((tmp_path / "r.json").read_text()) == {"a": 2.5, "b": None, "c": [0, 1, 2], "d": [1, 2]}
+    write_json(tmp_path / "record", {"a": np.float64(2.5), "b": float("nan"), "c": np.arange(3), "d": (1, np.int64(2))})
+    assert json.loads((tmp_path / "record").read_text()) == {"a": 2.5, "b": None, "c": [0, 1, 2], "d": [1, 2]}
 
 
 def test_a_run_comes_back_from_its_plain_values() -> None:

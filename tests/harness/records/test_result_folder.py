@@ -2,15 +2,34 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 from pathlib import Path
 
 import pytest
 
+from harness.campaign.store import Store
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
+from harness.model.files import is_own, is_sealed, write_text, writing
+from harness.model.run import write_json
 from harness.model.scene import Scene
-from harness.records.result_folder import COMING, check_folder, check_listed, listing, named_after, owned, writing
+from harness.records.base import as_file
+from harness.records.result_folder import (
+    COMING,
+    PAGES,
+    RECORD,
+    STORE,
+    STORE_KINDS,
+    check_folder,
+    check_inputs,
+    listed,
+    listing,
+    named_after,
+    owned,
+    store_kind,
+)
 from harness.scene_run.scene_run import Result, check_writing, run_scene, write_result
 from tests.scenes_for_tests import paestum
 
@@ -62,38 +81,108 @@ def test_the_record_lists_its_files_with_checksums(tmp_path: Path, result: Resul
     write_result(result, tmp_path)
     files = json.loads((tmp_path / "result.json").read_text())["files"]
     assert files == listing([tmp_path / "history_analytic.csv"])
-    assert files["report.html"] is None
+    assert is_sealed(tmp_path / "result.json")
+
+
+def sealed_record(folder: Path, **changes: object) -> None:
+    """A record that says something else than what was written, and proves to be ours all the same."""
+    record = json.loads((folder / RECORD).read_text())
+    record.pop("seal")
+    write_json(folder / RECORD, record | changes)
 
 
 def test_a_record_names_files_of_its_own_folder_only(tmp_path: Path, result: Result) -> None:
     folder = tmp_path / "out"
-    (tmp_path / "precious").write_text("mine")
+    precious = tmp_path / "precious"
+    precious.write_text("mine")
     write_result(result, folder)
-    record = json.loads((folder / "result.json").read_text())
-    record["files"] |= {"../precious": None, str(tmp_path / "precious"): None}
-    (folder / "result.json").write_text(json.dumps(record))
-    assert set(owned(folder)) == {"history_analytic.csv", "report.html", "conservator.html"}
+    mine = listing([folder / "history_analytic.csv"])
+    (mine_sum,) = listing([precious]).values()
+    sealed_record(folder, files=mine | dict.fromkeys(("../precious", str(precious), "..", ".", RECORD), mine_sum))
+    assert set(owned(folder)) == {"history_analytic.csv", RECORD}
     write_result(result, folder)
-    assert (tmp_path / "precious").read_text() == "mine"
+    assert precious.read_text() == "mine"
 
 
-def test_a_folder_without_a_list_owns_what_its_record_names(tmp_path: Path, result: Result) -> None:
-    """Records of older versions list no files."""
-    write_result(result, tmp_path)
-    record = json.loads((tmp_path / "result.json").read_text())
-    del record["files"]
-    (tmp_path / "result.json").write_text(json.dumps(record))
+FILES: list[object] = [{"thesis.docx": None}, None, [], "thesis.docx", {"thesis.docx": 1}, {"thesis.docx": ["x"]}, 0]
+
+
+@pytest.mark.parametrize("name", [RECORD, COMING])
+@pytest.mark.parametrize("files", [*FILES, "its checksum"])
+def test_a_record_of_another_s_making_owns_nothing(tmp_path: Path, result: Result, name: str, files: object) -> None:
+    (tmp_path / "thesis.docx").write_text("mine")
     (tmp_path / "history_measured.csv").write_text("mine")
+    listed_there = listing([tmp_path / "thesis.docx"]) if files == "its checksum" else files
+    record = {"kind": "run", "schema_version": 1, "histories": ["measured"], "files": listed_there}
+    (tmp_path / name).write_text(json.dumps(record))
+    before = contents(tmp_path)
+    with pytest.raises(InputError, match="--out"):
+        write_result(result, tmp_path)
+    assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize("files", FILES)
+def test_a_file_of_which_no_checksum_is_listed_is_nobody_s(tmp_path: Path, result: Result, files: object) -> None:
     write_result(result, tmp_path)
-    assert (tmp_path / "history_measured.csv").read_text() == "mine"
+    sealed_record(tmp_path, files=files)
+    (tmp_path / "thesis.docx").write_text("mine")
+    with pytest.raises(InputError, match=r"history_analytic\.csv"):
+        write_result(result, tmp_path)
+    assert (tmp_path / "thesis.docx").read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", [RECORD, *PAGES])
+def test_a_record_or_a_page_that_was_edited_is_not_lost(tmp_path: Path, result: Result, name: str) -> None:
+    write_result(result, tmp_path)
+    for page in PAGES:
+        write_text(tmp_path / page, "<p>a page</p>\n")
+    path = tmp_path / name
+    path.write_bytes(path.read_bytes().replace(b"a", b"e", 1))
+    before = contents(tmp_path)
+    with pytest.raises(InputError, match=name.replace(".", r"\.")):
+        write_result(result, tmp_path)
+    assert contents(tmp_path) == before
+
+
+def test_no_page_stays_beside_a_record_of_which_it_does_not_speak(tmp_path: Path, result: Result) -> None:
+    write_result(result, tmp_path)
+    for page in PAGES:
+        write_text(tmp_path / page, "<p>a page</p>\n")
+    write_result(result, tmp_path)
+    assert set(contents(tmp_path)) == {RECORD, "history_analytic.csv"}
+
+
+@pytest.mark.parametrize("end", ["link", "dangling link", "folder"])
+def test_what_is_no_file_of_ours_is_not_replaced(tmp_path: Path, result: Result, end: str) -> None:
+    folder, elsewhere = tmp_path / "out", tmp_path / "elsewhere"
+    write_result(result, folder)
+    page = folder / PAGES[0]
+    if end == "folder":
+        page.mkdir()
+    else:
+        page.symlink_to(elsewhere)
+    if end == "link":
+        write_text(tmp_path / "elsewhere.html", "<p>a page</p>\n")
+        (tmp_path / "elsewhere.html").rename(elsewhere)
+    with pytest.raises(InputError, match=r"report\.html"):
+        write_result(result, folder)
+    with pytest.raises(InputError, match=r"report\.html"):
+        write_text(page, "")
+    assert elsewhere.exists() is (end == "link")
+
+
+def test_a_folder_behind_a_link_to_nothing_is_not_made(tmp_path: Path) -> None:
+    (tmp_path / "link").symlink_to(tmp_path / "nothing")
+    for folder in (tmp_path / "link", tmp_path / "link" / "below"):
+        with pytest.raises(InputError, match="wanted a folder, got the link"):
+            check_folder(folder)
 
 
 def test_a_write_that_was_killed_can_be_done_again(tmp_path: Path, result: Result) -> None:
     write_result(result, tmp_path)
-    record = json.loads((tmp_path / "result.json").read_text())
     (tmp_path / "history_analytic.csv").write_text("the next history")
-    record["files"] = listing([tmp_path / "history_analytic.csv"])
-    (tmp_path / COMING).write_text(json.dumps(record))
+    files = listing([tmp_path / "history_analytic.csv"])
+    write_json(tmp_path / COMING, as_file(result.record()) | {"files": files})
     write_result(result, tmp_path)
     assert not (tmp_path / COMING).exists()
 
@@ -146,22 +235,53 @@ def test_a_name_that_is_too_long_is_a_mistake(tmp_path: Path) -> None:
         check_folder(tmp_path / ("a" * 300))
 
 
-def test_a_file_is_replaced_only_as_its_account_lists_it(tmp_path: Path) -> None:
-    path, account = tmp_path / "mesh.ply", tmp_path / "mesh.account.json"
-    check_listed(path, account)
-    path.write_text("a scan")
-    with pytest.raises(InputError, match="new file"):
-        check_listed(path, account)
-    account.write_text(json.dumps({"files": listing([path], pages=False)}))
-    check_listed(path, account)
-    path.write_text("another")
-    with pytest.raises(InputError, match="new file"):
-        check_listed(path, account)
+@pytest.mark.parametrize("kind", [".html", ".svg", ".pdf", ".json", ".gif", ".png"])
+def test_a_sealed_file_is_ours_until_one_byte_is_another(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / f"file{kind}"
+    ends = {".json": '{\n "a": 1\n}\n', ".gif": "GIF;", ".png": "PNG\0\0\0\0IEND\xaeB`\x82"}
+    with writing(path) as fresh:
+        fresh.write_bytes(ends.get(kind, "text").encode("latin-1"))
+    whole = path.read_bytes()
+    assert is_sealed(path)
+    for place in range(len(whole)):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :])
+        assert not is_own(path), place
+    for other in (b"", whole[:-1], whole + b"\n", whole[1:], b" " + whole, whole * 2):
+        path.write_bytes(other)
+        assert not is_own(path)
+    assert is_own(path, listing([path]).values())  # type: ignore[arg-type]
+
+
+def test_the_mode_of_a_file_is_that_of_the_user(tmp_path: Path) -> None:
+    before = os.umask(0o077)
+    try:
+        write_text(tmp_path / "private", "")
+        os.umask(0o002)
+        write_text(tmp_path / "shared", "")
+    finally:
+        os.umask(before)
+    assert [(tmp_path / name).stat().st_mode & 0o777 for name in ("private", "shared")] == [0o600, 0o664]
+
+
+def test_a_file_for_which_there_is_no_room_stays_as_it_was(tmp_path: Path) -> None:
+    path = tmp_path / "a.json"
+    write_json(path, {"a": 1})
+    before = contents(tmp_path)
+
+    def full() -> None:
+        with writing(path):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with pytest.raises(OSError, match=r"a\.json") as caught:
+        full()
+    assert (caught.value.errno, caught.value.filename) == (errno.ENOSPC, str(path))
+    assert contents(tmp_path) == before
 
 
 def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
-    path = tmp_path / "file"
-    path.write_text("before")
+    path = tmp_path / "file.html"
+    write_text(path, "before")
+    before = contents(tmp_path)
 
     def torn() -> None:
         with writing(path) as fresh:
@@ -170,14 +290,55 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
 
     with pytest.raises(KeyboardInterrupt):
         torn()
-    assert contents(tmp_path) == {"file": b"before"}
+    assert contents(tmp_path) == before
 
 
-@pytest.mark.parametrize("left", [["store.sqlite", "store.sqlite-wal"], ["parts"], ["motion.png", "motion.json"]])
-def test_what_was_begun_or_inspected_there_makes_no_foreign_folder(tmp_path: Path, left: list[str]) -> None:
-    for name in left:
+def test_what_was_inspected_there_makes_no_foreign_folder(tmp_path: Path) -> None:
+    for name in ("motion.png", "motion.json"):
         (tmp_path / name).write_text("")
     check_folder(tmp_path)
     (tmp_path / "more").write_text("")
     with pytest.raises(InputError, match="more"):
         check_folder(tmp_path)
+
+
+@pytest.mark.parametrize("kind", STORE_KINDS)
+def test_what_was_begun_is_for_its_own_command_only(tmp_path: Path, kind: str) -> None:
+    with Store(tmp_path / STORE, kind):
+        pass
+    assert store_kind(tmp_path / STORE) == kind
+    check_folder(tmp_path, (kind,))
+    before = contents(tmp_path)
+    for other in {"run", "compare", *STORE_KINDS} - {kind}:
+        with pytest.raises(InputError, match=f"what was begun of a {kind} "):
+            check_folder(tmp_path, (other,))
+    for other in set(STORE_KINDS) - {kind}:
+        with pytest.raises(InputError, match="use another folder"):
+            Store(tmp_path / STORE, other)
+    assert contents(tmp_path) == before
+
+
+def test_columns_are_a_study_s(tmp_path: Path) -> None:
+    (tmp_path / "outcomes" / "study").mkdir(parents=True)
+    (tmp_path / "outcomes" / "study" / "key-0.parquet").write_text("")
+    check_folder(tmp_path, ("study",))
+    with pytest.raises(InputError, match="begun of a study"):
+        check_folder(tmp_path, ("assess",))
+
+
+def test_an_input_that_an_earlier_result_listed_is_not_removed(tmp_path: Path, result: Result) -> None:
+    write_result(result, tmp_path)
+    with pytest.raises(InputError, match=r"history_analytic\.csv would be lost"):
+        check_inputs(tmp_path, ["history_pymunk.csv"], [tmp_path / ".." / tmp_path.name / "history_analytic.csv"])
+    assert listed(tmp_path / RECORD).keys() == {"history_analytic.csv"}
+
+
+def test_an_input_given_from_home_or_by_a_link_is_an_input(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = scan_scene(tmp_path)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    (tmp_path / "link.glb").symlink_to(tmp_path / "out" / "statue.glb")
+    for name in ("~/out/statue.glb", "link.glb", "./out/../out/statue.glb"):
+        (tmp_path / "scene.toml").write_text(SCENE.replace("out/statue.glb", name))
+        with pytest.raises(InputError, match=r"statue\.glb would be lost|link\.glb would be lost"):
+            check_writing(tmp_path / "out", load_scene(tmp_path / "scene.toml"), ["analytic"])
+    assert scene.source is not None

@@ -63,7 +63,9 @@ def written(folder: Path, text: str = STUDY) -> Path:
 
 def contents(path: Path) -> list[Any]:
     with closing(sqlite3.connect(path)) as db:
-        return [db.execute(f"SELECT * FROM {table} ORDER BY 1, 2").fetchall() for table in ("run", "plan", "history")]
+        return [
+            db.execute(f"SELECT * FROM {table} ORDER BY 1, 2").fetchall() for table in ("result", "plan", "history")
+        ]
 
 
 CONTACT = """

@@ -82,7 +82,7 @@ def test_the_command_writes_it_and_overwrites_nothing(tmp_path: Path, capsys: py
     assert 'aria-label="weakest towards' in page
     assert "<script" not in page
     (tmp_path / "mine.png").write_bytes(b"mine")
-    for name, said in (("box.bmp", r".png, .svg, .pdf"), ("mine.png", "a picture of rockcheck's")):
+    for name, said in (("box.bmp", r".png, .svg, .pdf"), ("mine.png", "as rockcheck wrote it")):
         code = guarded(lambda name=name: app([*line, str(tmp_path / name)], standalone_mode=False))
         assert code == WRONG_INPUT
         assert said in capsys.readouterr().err

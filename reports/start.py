@@ -1,0 +1,19 @@
+"""Where the command begins: an interrupt while its parts are still being read ends it as it does later."""
+
+from __future__ import annotations
+
+import sys
+from typing import Final
+
+INTERRUPTED: Final = 130
+"""As `harness.command` has it, which may not have been read yet."""
+
+
+def main() -> None:
+    """Entry point of the command."""
+    try:
+        from reports.cli import main as begin
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        sys.exit(INTERRUPTED)
+    begin()
