@@ -1,4 +1,4 @@
-"""Arrays that are costly to compute, kept in the user's cache folder under a digest of what they were computed from.
+"""Arrays and texts that are costly to compute, kept in the user's cache folder under a digest of what they were computed from.
 
 The folder is `rockcheck/meshes` in XDG_CACHE_HOME or `~/.cache`. It may be removed at any time. Where none can be written, or
 where others could write into it, nothing is kept.
@@ -7,13 +7,14 @@ where others could write into it, nothing is kept.
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import io
 import os
 import stat
 import tempfile
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -72,6 +73,26 @@ def store(key: str, arrays: Mapping[str, NDArray[Any]]) -> None:
     np.savez_compressed(content, **arrays)  # type: ignore[arg-type]
     put(home / f"{key}.npz", content.getvalue())
     prune(home, "*.npz", MOST_FILES)
+
+
+def made_once(name: str, state: bytes, make: Callable[[], str], room: str = "meshes", most: int = MOST_FILES) -> str:
+    """The text that `make` gives for `state` (everything that decides it): kept under a digest of it, made where none is kept.
+
+    The text's own digest stands before it: a file that was damaged is made again. Of a name the `most` last used are kept.
+    """
+    home = folder(room)
+    if home is None:
+        return make()
+    file = home / f"{name}-{hashlib.sha256(state).hexdigest()[:32]}.txt"
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        mark, _, text = file.read_bytes().decode().partition("\n")
+        if mark == hashlib.sha256(text.encode()).hexdigest():
+            os.utime(file)
+            return text
+    text = make()
+    put(file, f"{hashlib.sha256(text.encode()).hexdigest()}\n{text}".encode())
+    prune(home, f"{name}-*.txt", most)
+    return text
 
 
 def put(file: Path, content: bytes) -> None:

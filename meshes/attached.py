@@ -53,9 +53,7 @@ def attached_floor(vertices_m: Array, faces: Faces) -> Floor | None:
     """The floor under a body with z up, or None; its areas are those of convex hulls seen from above."""
     bottom, height = float(vertices_m[:, 2].min()), float(np.ptp(vertices_m[:, 2]))
     levels = bottom + LAYER * height * np.arange(1, STEPS + 1) / STEPS
-    start, end = vertices_m[faces.ravel()], vertices_m[np.roll(faces, -1, axis=1).ravel()]
-    areas = [_areas(vertices_m, start, end, level) for level in levels]
-    below, above = (np.array(column) for column in zip(*areas, strict=True))
+    below, above = _areas(vertices_m, faces, levels)
     if not above.min() > 0.0:
         return None
     sheet = round(SHEET / LAYER * STEPS) - 1
@@ -74,13 +72,41 @@ def attached_floor(vertices_m: Array, faces: Faces) -> Floor | None:
     return Floor(times, float(levels[first] - bottom), certain)
 
 
-def _areas(vertices: Array, start: Array, end: Array, level: float) -> tuple[float, float]:
-    """Areas of the hulls of what is below a level and of what is above it, the section itself in both."""
+def _areas(vertices: Array, faces: Faces, levels: Array) -> tuple[Array, Array]:
+    """Areas of the hulls of what is below each level and of what is above it, the sections themselves in both."""
+    band = np.searchsorted(levels, vertices[:, 2])
+    a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    through = band[a] != band[b]
+    start, end = vertices[a[through]], vertices[b[through]]
+    order = np.argsort(band, kind="stable")
+    bands = np.split(vertices[order], np.searchsorted(band[order], np.arange(1, len(levels) + 1)))
+    sections = [_section(start, end, level) for level in levels]
+    below, above, outer = [], [], np.empty((0, 3))
+    for points, section in zip(bands[:-1], sections, strict=True):
+        outer = _outer(np.vstack([outer, points]))
+        below.append(_area(np.vstack([outer, section])))
+    outer = np.empty((0, 3))
+    for points, section in zip(bands[:0:-1], sections[::-1], strict=True):
+        outer = _outer(np.vstack([outer, points]))
+        above.append(_area(np.vstack([outer, section])))
+    return np.array(below), np.array(above[::-1])
+
+
+def _section(start: Array, end: Array, level: float) -> Array:
+    """Where the edges between two sets of points (n, 3) pass a level."""
     through = (start[:, 2] - level) * (end[:, 2] - level) < 0.0
     a, b = start[through], end[through]
-    section = a + ((level - a[:, 2]) / (b[:, 2] - a[:, 2]))[:, None] * (b - a)
-    low = vertices[:, 2] <= level
-    return _area(np.vstack([vertices[low], section])), _area(np.vstack([vertices[~low], section]))
+    return np.asarray(a + ((level - a[:, 2]) / (b[:, 2] - a[:, 2]))[:, None] * (b - a))
+
+
+def _outer(points: Array) -> Array:
+    """Those of points (n, 3) that lie on their hull seen from above."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        return points[ConvexHull(points[:, :2]).vertices]
+    except (QhullError, ValueError):
+        return points
 
 
 def _area(points: Array) -> float:

@@ -47,10 +47,10 @@ def floor_refused(floor: Floor | None, how: str) -> MeshError | None:
 def other_attached(vertices: Array, faces: Faces, how: str) -> MeshError | None:
     """Why a body with z up, in metres, seems to have a wall or a second body on it; None where it does not (`how` as above)."""
     shell = parts(faces)
-    outward = np.array(
-        [mass_properties(vertices, faces[shell == k]).volume_m3 > 0.0 for k in range(int(shell.max()) + 1)]
-    )
-    other = attached_beside(vertices, faces[outward[shell]])  # the section of a hollow body is narrow, and no neck
+    if shell.any():  # the section of a hollow body is narrow, and no neck
+        shells = [faces[shell == k] for k in range(int(shell.max()) + 1)]
+        faces = np.vstack([each for each in shells if mass_properties(vertices, each).volume_m3 > 0.0])
+    other = attached_beside(vertices, faces)
     if other is None:
         return None
     cut = f"--cut-beyond {other.azimuth_deg:.5g},{other.distance_m:.3g}"
@@ -71,7 +71,5 @@ def doubts(vertices: Array, faces: Faces, how: str) -> tuple[str, ...]:
     said = [str(each) for each in refusals if each is not None]
     said.extend(up_doubted(RawMesh(vertices, faces, "")))
     if pairs.faces:
-        said.append(
-            f"{pairs.faces} of {pairs.looked_at} faces looked at pass through another one ({100 * pairs.share:.3f} %)"
-        )
+        said.append(str(pairs))
     return tuple(said)

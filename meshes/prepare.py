@@ -37,15 +37,14 @@ class Limits:
     """How far a repair may go before it is refused; each is a choice that the caller may change knowingly.
 
     `debris_area` is the largest share of the main part's area that is debris; `hole_share` the widest hole and `ragged_share` the
-    raggedness of the base's rim, as shares of the height; `branching_share` and `crossing_share` shares of the edges and faces;
-    `volume_rel` the volume removed as debris and invented under the base and over holes.
+    raggedness of the base's rim, as shares of the height; `branching_share` a share of the edges; `volume_rel` the volume removed
+    as debris and invented under the base and over holes.
     """
 
     debris_area: float = 0.02
     hole_share: float = 0.15
     ragged_share: float = 0.05
     branching_share: float = 1e-3
-    crossing_share: float = 1e-2
     volume_rel: float = 0.05
 
 
@@ -259,7 +258,7 @@ def _true_height(state: Prepared, wanted: Wanted) -> Prepared:
 
 
 def _checked(state: Prepared, wanted: Wanted) -> Prepared:
-    """What is still open, crosses itself too much or was changed too much is refused."""
+    """What is still open or was changed too much is refused; where it crosses itself is said."""
     mesh, log, limits = state.mesh, state.log, wanted.limits
     count = EdgeCount.of(mesh.faces)
     if not count.closed:
@@ -276,20 +275,5 @@ def _checked(state: Prepared, wanted: Wanted) -> Prepared:
             f"too much would be invented; scan again what is missing\n{log}",
             place=mesh.source,
         )
-    return Prepared(mesh, _crossings(mesh, log, limits))
-
-
-def _crossings(mesh: RawMesh, log: ProcessingLog, limits: Limits) -> ProcessingLog:
-    """The log with the self-intersections found; refused beyond the limit."""
     pairs = crossings(mesh.vertices, mesh.faces)
-    among = f"{pairs.faces} of {pairs.looked_at} faces"
-    if pairs.share > limits.crossing_share:
-        raise MeshError(
-            "a surface that does not pass through itself",
-            f"{among} that do",
-            "select them in MeshLab (Select Self Intersecting Faces), delete and close, or remesh in Blender"
-            " (Voxel Remesh)",
-            place=mesh.source,
-        )
-    text = f"{among} looked at pass through another one ({100 * pairs.share:.3f} %)"
-    return log.with_finding(text) if pairs.faces else log
+    return Prepared(mesh, log.with_finding(str(pairs)) if pairs.faces else log)

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from meshes.mesh import Array, Faces, double_areas
 from meshes.topology import Edges, parts
 
-CHUNK = 20_000
-"""Faces looked at in one go."""
+PAIRS = 2_000_000
+"""Pairs of faces looked at in one go, about: 200 MB."""
+MOST_PAIRS = 50_000_000
+"""Pairs after which no more faces are looked at: 30 for each face of a scan, but the square of their number in a fan."""
 SHIFT = 1e-9
 """Of the extent: a million times finer than a scan, a million times coarser than rounding."""
 SAMPLES = 400
@@ -31,30 +33,35 @@ class Crossings:
         """Share of the faces looked at."""
         return self.faces / self.looked_at
 
-
-def crossings(vertices: Array, faces: Faces, most: int = 100_000) -> Crossings:
-    """Self-intersections of a surface, each face against all others; of a larger surface a fixed random choice of
-    `most`."""
-    chosen = np.arange(len(faces))
-    if len(faces) > most:
-        chosen = np.sort(np.random.default_rng(0).choice(len(faces), most, replace=False))
-    return Crossings(len(_piercing(vertices, faces, chosen, shared=0)), len(chosen))
+    def __str__(self) -> str:
+        return f"{self.faces} of {self.looked_at} faces looked at pass through another one ({100 * self.share:.3f} %)"
 
 
-def _piercing(vertices: Array, faces: Faces, chosen: Faces, shared: int) -> Faces:
-    """Those of the faces `chosen` that pierce, or are pierced by, a face with at most `shared` corners in common."""
-    piercing = np.zeros(len(faces), dtype=bool)
-    for one, other in _close_pairs(vertices, faces, chosen):
+def crossings(vertices: Array, faces: Faces, most: int = 50_000) -> Crossings:
+    """Self-intersections of a surface, of a fixed random choice of at most `most` faces against all others."""
+    chosen = np.random.default_rng(0).permutation(len(faces))[:most]
+    piercing, looked_at = _piercing(vertices, faces, chosen, shared=0)
+    return Crossings(len(piercing), looked_at)
+
+
+def _piercing(vertices: Array, faces: Faces, chosen: Faces, shared: int) -> tuple[Faces, int]:
+    """Those of the faces `chosen` that pierce, or are pierced by, a face with at most `shared` corners in common, and how many of
+    them were looked at.
+    """
+    piercing, looked_at = np.zeros(len(faces), dtype=bool), 0
+    for one, other, begun in _close_pairs(vertices, faces, chosen):
+        looked_at = begun
         common = (faces[one][:, :, None] == faces[other][:, None, :]).sum(axis=(1, 2))
         one, other = one[common <= shared], other[common <= shared]
         through = _pierced(vertices, faces, one, other) | _pierced(vertices, faces, other, one)
         piercing[one[through]] = True
-    return np.flatnonzero(piercing)
+    return np.flatnonzero(piercing), looked_at
 
 
-def _close_pairs(vertices: Array, faces: Faces, chosen: Faces) -> Iterator[tuple[Faces, Faces]]:
-    """Pairs (chosen face, other face) whose bounding boxes overlap, some thousand at a time so that memory stays
-    small."""
+def _close_pairs(vertices: Array, faces: Faces, chosen: Faces) -> Iterator[tuple[Faces, Faces, int]]:
+    """Pairs (chosen face, other face) whose bounding boxes overlap, and how many were looked at so far; some at a time so that
+    memory stays small, and no more than `MOST_PAIRS`.
+    """
     from shapely import STRtree, box
 
     corners = vertices[faces]
@@ -62,12 +69,15 @@ def _close_pairs(vertices: Array, faces: Faces, chosen: Faces) -> Iterator[tuple
     first, second, third = np.argsort(np.ptp(vertices, axis=0))[::-1]
     boxes = box(low[:, first], low[:, second], high[:, first], high[:, second])
     tree = STRtree(boxes)
-    for begin in range(0, len(chosen), CHUNK):
-        some = chosen[begin : begin + CHUNK]
+    begin, seen, size = 0, 0, 100
+    while begin < len(chosen) and seen < MOST_PAIRS:
+        some = chosen[begin : begin + size]
         place, other = tree.query(boxes[some])
+        begin, seen = begin + len(some), seen + len(other)
+        size = max(1, min(2 * size, PAIRS * begin // seen))
         one = some[place]
         keep = (one != other) & (low[one, third] <= high[other, third]) & (low[other, third] <= high[one, third])
-        yield one[keep], other[keep]
+        yield one[keep], other[keep], begin
 
 
 def _pierced(vertices: Array, faces: Faces, triangle: Faces, edges_of: Faces) -> NDArray[np.bool_]:
@@ -99,7 +109,7 @@ def pinched(vertices: Array, faces: Faces) -> float:
 
     extent = float(np.ptp(vertices, axis=0).max())
     shifted = vertices + SHIFT * extent * np.random.default_rng(1).uniform(-1.0, 1.0, vertices.shape)
-    piercing, shell = _piercing(shifted, faces, np.arange(len(faces)), shared=1), parts(faces)
+    piercing, shell = _piercing(shifted, faces, np.arange(len(faces)), shared=1)[0], parts(faces)
     left = np.delete(faces, piercing, axis=0)
     if len(left) == 0:
         return 1.0

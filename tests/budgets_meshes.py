@@ -59,3 +59,9 @@ LEVELLED_RAD = 0.03
 
 NAMED_UP_RAD = 0.2
 """A cut ragged by 12 mm (three times that at its peaks) over 220 mm rests within 0.16 of its mean plane."""
+
+NOISE_REL = 2e-3
+"""Noise of 7 mm at each of 3500 vertices over a radius of 0.3 m: 2 · 7/300/sqrt(3500) is 8e-4 of the volume; rounded up."""
+
+FORMER_LIMIT = 0.01
+"""Share of faces that pass through another one from which scans were refused, noisy ones as well."""

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
+import os
 from collections.abc import Mapping
 from functools import lru_cache, partial
 from pathlib import Path
@@ -74,13 +77,21 @@ def _solid(
 
 @lru_cache(maxsize=8)
 def _doubts(file: Path, changed_ns: tuple[int, ...], unit: str | float, up: str) -> tuple[str, ...]:
-    """What makes the surface of a mesh file doubtful as a single statue, looked at once."""
+    """What makes the surface of a mesh file doubtful as a single statue: looked at once for its content, and kept."""
+    import meshes
+    from meshes.array_cache import made_once
     from meshes.doubts import doubts
     from meshes.intake import read_mesh, to_metres_z_up
 
-    mesh = to_metres_z_up(read_mesh(file), unit, up)
     how = f"rockcheck mesh prepare {file} --unit {unit} --up {up} --out statue.ply"
-    return doubts(mesh.vertices, mesh.faces, how)
+
+    def looked_at() -> str:
+        mesh = to_metres_z_up(read_mesh(file), unit, up)
+        return json.dumps(doubts(mesh.vertices, mesh.faces, how))
+
+    code = b"".join(each.read_bytes() for each in sorted(Path(meshes.__file__).parent.glob("*.py")))
+    digests = [hashlib.sha256(each).hexdigest() for each in (file.read_bytes(), code, os.fsencode(how))]
+    return tuple(json.loads(made_once("doubts", " ".join(digests).encode(), looked_at)))
 
 
 def _hollowed(solid: Solid, inner: InnerTable, weighed_kg: float | None) -> str:

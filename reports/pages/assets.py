@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import gzip
-import hashlib
 import json
 import zipfile
 from collections.abc import Callable, Iterable, Mapping
@@ -53,26 +51,8 @@ def folder() -> Path | None:
 
 
 def made_once(name: str, state: bytes, make: Callable[[], str]) -> str:
-    """The text that `make` gives for `state` (everything that decides it): kept under a digest of it, made where none is kept.
-
-    The text's own digest stands before it: a file that was damaged is made again.
-    """
-    home = folder()
-    if home is None:
-        return make()
-    file = home / f"{name}-{hashlib.sha256(state).hexdigest()[:32]}.txt"
-    with contextlib.suppress(OSError, UnicodeDecodeError):
-        mark, _, text = file.read_text(encoding="utf-8").partition("\n")
-        if mark == _digest(text):
-            return text
-    text = make()
-    array_cache.put(file, f"{_digest(text)}\n{text}".encode())
-    array_cache.prune(home, f"{name}-*.txt", MOST_TEXTS)
-    return text
-
-
-def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()
+    """The text that `make` gives for `state` (everything that decides it), kept in that folder."""
+    return array_cache.made_once(name, state, make, ROOM, MOST_TEXTS)
 
 
 @cache

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import resource
 from pathlib import Path
 
 import numpy as np
@@ -10,16 +11,16 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from harness.input.scene_file import load_scene
-from meshes import MeshError, Solid
+from meshes import MeshError, Solid, self_intersection
 from meshes.attached import SHEET, SHEET_WIDER, WIDER, attached_floor, cut_below
 from meshes.doubts import MOST_PINCHED, MOST_WRONG, doubts
 from meshes.inspection import inspect
 from meshes.mesh import RawMesh
 from meshes.prepare import Wanted, prepare, prepare_mesh
 from meshes.repair import Part
-from meshes.self_intersection import pinched, wrongly_sided
+from meshes.self_intersection import crossings, pinched, wrongly_sided
 from meshes.topology import EdgeCount
-from tests.budgets_meshes import CUT_VOLUME_REL
+from tests.budgets_meshes import CUT_VOLUME_REL, FORMER_LIMIT, NOISE_REL
 from tests.meshes import toadstool
 from tests.meshes.loft import loft
 from tests.meshes.scanner import Faults, scan, write
@@ -163,3 +164,35 @@ def test_good_bodies_raise_no_alarm(statue: Solid) -> None:
 def test_real_scans_raise_no_alarm(name: str, data_dir: Path) -> None:
     mesh = prepare(data_dir / "meshes" / name, Wanted(height_m=1.5)).mesh
     assert doubts(mesh.vertices, mesh.faces, "{}") == ()
+
+
+def test_noise_that_folds_a_few_faces_is_said_and_refuses_nothing() -> None:
+    turn = 2.0 * np.pi * np.arange(60) / 60
+    heights = np.linspace(0.0, 1.0, 60)
+    vertices, faces = loft(
+        np.stack([np.column_stack([0.3 * np.cos(turn), 0.3 * np.sin(turn), 0 * turn + z]) for z in heights])
+    )
+    quiet = RawMesh(vertices, faces, "quiet")
+    inside = (vertices[:, 2:] > 0.05) & (vertices[:, 2:] < 1.0)
+    noise = 0.4 / 59 * np.random.default_rng(0).normal(size=vertices.shape) * inside
+    clean, noisy = (
+        prepare_mesh(quiet.moved(vertices + each), Wanted(unit="m", up="z")) for each in (0.0 * noise, noise)
+    )
+    pairs = crossings(noisy.mesh.vertices, noisy.mesh.faces)
+    assert pairs.share > FORMER_LIMIT
+    assert str(pairs) in noisy.log.found
+    masses = [each.solid(density_kg_m3=2700.0).mass_kg for each in (clean, noisy)]
+    assert masses[1] == pytest.approx(masses[0], rel=NOISE_REL)
+
+
+def test_a_fan_of_20_000_triangles_is_looked_at_within_bounds(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(self_intersection, "MOST_PAIRS", 2_000_000)
+    around = 20_000
+    turn = 2.0 * np.pi * np.arange(around) / around
+    vertices = np.vstack([np.column_stack([np.cos(turn), np.sin(turn), 0.0 * turn]), [[0.0, 0.0, 0.0]]])
+    faces = np.column_stack([np.arange(around), (np.arange(around) + 1) % around, np.full(around, around)])
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    pairs = crossings(vertices, faces)
+    assert pairs.faces == 0
+    assert 0 < pairs.looked_at < around
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 1_000_000  # KiB; all pairs are 6 GB

@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.input import mesh_statue
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
+from meshes import doubts
 from meshes.mesh import RawMesh
 from tests.budgets_meshes import ROUND_OFF_REL
 from tests.meshes.scanner import write
@@ -125,3 +127,31 @@ def test_a_shell_facing_inward_in_the_file_is_a_hollow(folder: Path) -> None:
         folder.with_name("outer.ply"),
     )
     assert load_scene(folder).statue.mass_kg == pytest.approx(2000.0 * 0.39, rel=1e-6)
+
+
+def test_the_checks_of_a_scan_are_made_once_for_its_content(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(folder.parent / "cache"))
+    asked: list[int] = []
+
+    def counted(vertices: np.ndarray, faces: np.ndarray, how: str) -> tuple[str, ...]:
+        asked.append(len(faces))
+        return (f"looked at {len(asked)} times",)
+
+    def notes() -> list[str]:
+        mesh_statue._doubts.cache_clear()  # another process
+        return [note for note in load_scene(folder).notes if "looked at" in note]
+
+    monkeypatch.setattr(doubts, "doubts", counted)
+    assert notes() == notes() == ["statue.mesh: looked at 1 times"]
+    (kept,) = (folder.parent / "cache" / "rockcheck" / "meshes").glob("doubts-*.txt")
+    for damage in (b"", b"[]", b'word\n["looked at, said another"]', b"\xff"):
+        before = len(asked)
+        kept.write_bytes(damage)
+        assert notes() == notes() == [f"statue.mesh: looked at {before + 1} times"]
+    before = len(asked)
+    outer = folder.parent / "outer.ply"
+    write(RawMesh(box(0.4, 0.7, 1.6)[0], box(0.4, 0.7, 1.6)[1], "outer"), outer)
+    assert notes() == [f"statue.mesh: looked at {before + 1} times"]
+    kept.parent.chmod(0o777)  # where others may write nothing is taken
+    assert notes() == [f"statue.mesh: looked at {before + 2} times"]
+    mesh_statue._doubts.cache_clear()
