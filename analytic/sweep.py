@@ -75,6 +75,7 @@ _PARAMETERS: Final = (
     "floor_static",
     "floor_kinetic",
     "floor_impact",
+    "statue_friction",
     "restitution",
     "theta0_rad",
     "theta_rate0_rad_s",
@@ -101,6 +102,7 @@ def ensemble(
     floor_static: float = 0.0,
     floor_kinetic: float = 0.0,
     floor_impact: float | Literal["kinetic", "static"] = "kinetic",
+    statue_friction: float = math.inf,
     form: Form | None = None,
     theta0_rad: float = 0.0,
     theta_rate0_rad_s: float = 0.0,
@@ -117,7 +119,8 @@ def ensemble(
 
     sweep: arrays by name (SWEEPABLE) that broadcast against each other, their common shape being the result's: amplitude_m_s2,
     frequency_hz and phase_rad replace those of a harmonic or sine motion_x, scale and vertical_scale multiply the motions.
-    domain: tell when each run left the model's domain (the pedestal tips, contact is lost), at the cost of looking at its forces.
+    domain: tell when each run left the model's domain (the pedestal tips, contact is lost, the statue slips on its support, which
+    only this asks), at the cost of looking at its forces.
     threads: None for all cores; the result does not depend on it. progress: a callback, or True for a bar. The others
     are those of ``simulate`` that decide an outcome. Raises AnalyticInputError for unknown names and numbers that cannot be run.
     """
@@ -128,6 +131,7 @@ def ensemble(
         "floor_static": floor_static,
         "floor_kinetic": floor_kinetic,
         "floor_impact": floor_impact,
+        "statue_friction": statue_friction,
         "form": form,
         "theta0_rad": theta0_rad,
         "theta_rate0_rad_s": theta_rate0_rad_s,

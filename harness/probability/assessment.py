@@ -20,7 +20,7 @@ from harness.model.errors import InputError, Mistake
 from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain
 from harness.model.shown import Shown, new_axes
-from harness.probability.by_model import MODEL, probability_of
+from harness.probability.by_model import MODEL, SAMPLER, probability_of, sampled
 from harness.probability.clearance import of_engine, of_model
 from harness.probability.compared import OPTION_DRAWS, compare
 from harness.probability.engine_runs import EngineRuns
@@ -49,6 +49,8 @@ if TYPE_CHECKING:
 ASSESS_DRAWS: Final = 20_000
 HALF_WIDTH: Final = 0.05
 """Half width to which a contact engine's probability is asked, at `LEVEL`."""
+SAMPLERS: Final = (SAMPLER, "pybullet")
+"""Engines that follow a pedestal that tips and a statue that slips on it: the first of them that is asked."""
 MOST_RUNS: Final = 400
 """Engine runs after which an interval is told as it is."""
 SPACE_DIMENSIONS: Final = 3
@@ -126,7 +128,6 @@ def assess(
     on_progress(f"{MODEL}: {draws} draws")
     values = draws_of(scene, inputs, draws, seed)
     model = model_draws(scene, values)
-    own = probability_of(model, plane_only=shaken_across(scene))
     with _campaign(store, pool) as (storage, campaign, workers):
 
         def asked(name: str) -> tuple[Assessment, EngineRuns]:
@@ -136,6 +137,10 @@ def assess(
 
         others = _others(scene, [name for name in names if name != MODEL], values, model, asked, on_progress)
         counts = RunCounts(campaign.computed + len(campaign.reused), campaign.computed)
+    sampler = next((name for name in others.fell if name in SAMPLERS), SAMPLER)
+    own = probability_of(
+        model, sampler, others.fell.get(sampler) or sampled(scene, values, model), plane_only=shaken_across(scene)
+    )
     on_progress(f"{MODEL}: clearance")
     answers, room = {MODEL: own, **others.answers}, {MODEL: of_model(scene, values), **others.room}
     record = AssessRecord(

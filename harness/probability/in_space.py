@@ -61,15 +61,15 @@ def assess_in_space(scene: Scene, values: Mapping[str, Array], most_steps: int =
     ends = ends_in_space(scene, values, most_steps) if shaken_across(scene) else None
     if ends is None:
         return None
-    return SpaceDraws(assessment(int((ends == "overturned").sum()), ends.size, without_end(ends) / ends.size), ends)
+    return SpaceDraws(_assessment(int((ends == "overturned").sum()), ends.size, without_end(ends)), ends)
 
 
-def assessment(fell: int, draws: int, undecided: float, plane_only: bool = False) -> Assessment:
-    """The probability of overturning where so many of a model's draws fell, with Wilson's interval."""
-    share = wilson(fell, draws, LEVEL)
-    if share is None:
+def _assessment(fell: int, draws: int, open_: int) -> Assessment:
+    """The probability of overturning where so many of the draws fell and so many came to no end, with Wilson's intervals."""
+    share, most = wilson(fell, draws, LEVEL), wilson(fell + open_, draws, LEVEL)
+    if share is None or most is None:
         raise ValueError("a probability without draws")
-    return Assessment(share.value, share.low, share.high, LEVEL, draws, draws, undecided, plane_only)
+    return Assessment(share.value, share.low, most.high, LEVEL, draws, draws, open_ / draws)
 
 
 def without_end(ends: Ends) -> int:

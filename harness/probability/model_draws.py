@@ -45,14 +45,15 @@ SLOW_DRAWS: Final = 300
 class ModelDraws(NamedTuple):
     """What the model says of each draw, shape (n,): whether it decides, whether the statue overturns, peak |θ| over α, peak slip.
 
-    A draw that is not decided (still beyond α at the end, or outside the model's domain) did not overturn in the time computed.
-    On a pedestal also one in which that tips, or contact is lost, before a fall is decided: the model knows nothing of then.
+    A draw that is not decided (still beyond α at the end, or `left`) did not overturn in the time computed. `left`: the model
+    left its domain before a fall was decided (the pedestal tips, contact is lost, the statue slips on its support).
     """
 
     decided: Flags
     overturned: Flags
     peak_share: Array
     peak_slip_m: Array
+    left: Flags
 
     @property
     def probability(self) -> float:
@@ -103,24 +104,23 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
     if share is not None and sweep.keys() & {"floor_static", "floor_kinetic", "floor_impact"}:
         sweep["floor_impact"] = np.clip(kinetic + np.asarray(share) * (static - kinetic), kinetic, static)
     options: dict[str, Any] = dict(twoblock.keywords(scene))
-    # Whether the statue would slip on its support is told of single runs only.
-    del options["statue_friction"]
     swept = ensemble(
         twoblock.block_of(scene),
         scene.base_excitation.x,
         scene.base_excitation.z,
         sweep=sweep or {"mass_kg": [scene.statue.mass_kg]},
-        domain=scene.pedestal is not None,
+        domain=True,
         **options,
     )
     # Past its instant of no return a statue that falls falls, whatever its pedestal does then.
-    known = ~(swept.left_domain_s < np.where(swept.overturned, swept.no_return_time_s, np.inf))
-    stands, over = known & (swept.outcomes == Outcome.STANDS), known & swept.overturned
+    left = swept.left_domain_s < np.where(swept.overturned, swept.no_return_time_s, np.inf)
+    stands, over = ~left & (swept.outcomes == Outcome.STANDS), ~left & swept.overturned
+    left |= np.isin(swept.outcomes, (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX))
     height = sweep.get("centroid_height_m", scene.statue.centroid_height_m)
-    left = sweep.get("corner_left_m", scene.statue.corner_left_m)
-    alpha = np.arctan(np.minimum(left, sweep.get("corner_right_m", scene.statue.corner_right_m)) / height)
+    to_left = sweep.get("corner_left_m", scene.statue.corner_left_m)
+    alpha = np.arctan(np.minimum(to_left, sweep.get("corner_right_m", scene.statue.corner_right_m)) / height)
     answers = ModelDraws(
-        np.asarray(stands | over, dtype=bool), np.asarray(over), swept.peak_theta_rad / alpha, swept.peak_slip_m
+        np.asarray(stands | over, dtype=bool), np.asarray(over), swept.peak_theta_rad / alpha, swept.peak_slip_m, left
     )
     return repeated(answers, len(next(iter(draws.values()), (0,))))
 
@@ -164,7 +164,9 @@ def _sweep_of(scene: Scene, key: str, values: Array) -> dict[str, Array] | None:
         return own if key == "motion.scale" else {**own, "gravity_m_s2": scene.gravity_m_s2 * factor}
     if key == "motion.x.frequency_hz" and isinstance(base_excitation.x, Harmonic):
         return {"frequency_hz": values}
-    if key == "contact.statue" or (key == "motion.y.frequency_hz" and isinstance(base_excitation.y, Harmonic)):
-        # The planar statue neither slips nor moves across its plane.
+    if key == "contact.statue":
+        return {"statue_friction": values}
+    if key == "motion.y.frequency_hz" and isinstance(base_excitation.y, Harmonic):
+        # The planar statue does not move across its plane.
         return {}
     return None

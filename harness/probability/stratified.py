@@ -60,6 +60,16 @@ def estimate(model: ModelDraws, run: Runs, *, half_width: float, most_runs: int,
     return tally.estimate(strata.size)
 
 
+def jeffreys(fell: int, runs: int) -> tuple[float, float, float]:
+    """The share that fell of so many runs (a half of none), and its interval at `LEVEL` (Jeffreys)."""
+    from scipy.special import betaincinv
+
+    tail, missed = 0.5 - 0.5 * LEVEL, runs - fell
+    low = float(betaincinv(fell + 0.5, missed + 0.5, tail)) if fell else 0.0
+    high = float(betaincinv(fell + 0.5, missed + 0.5, 1.0 - tail)) if missed else 1.0
+    return fell / runs if runs else 0.5, low, high
+
+
 class _Tally:
     """Runs and falls of each stratum."""
 
@@ -99,13 +109,8 @@ class _Tally:
 
     def _interval(self) -> tuple[float, float]:
         """The interval of Σ w p_h from those of each p_h (Jeffreys), their arms added as squares (Zou, Huang and Zhang 2009)."""
-        from scipy.special import betaincinv
-
-        weights, fell, decided = (np.array(each, dtype=float) for each in (self.weights, self.fell, self.decided))
-        tail, missed, runs = 0.5 - 0.5 * LEVEL, decided - fell, np.maximum(decided, 1.0)
-        share = np.where(decided > 0.0, fell / runs, 0.5)
-        low = np.where(fell > 0.0, betaincinv(fell + 0.5, missed + 0.5, tail), 0.0)
-        high = np.where(missed > 0.0, betaincinv(fell + 0.5, missed + 0.5, 1.0 - tail), 1.0)
+        weights = np.array(self.weights)
+        share, low, high = np.array([jeffreys(*each) for each in zip(self.fell, self.decided, strict=True)]).T
         middle = float(weights @ share)
         below, above = (math.hypot(*(weights * arms)) for arms in (share - low, high - share))
         return max(middle - below, 0.0), min(middle + above, 1.0)
@@ -116,4 +121,5 @@ class _Tally:
         p = sum(w * share for w, share in known) / sum(w for w, _ in known) if known else math.nan
         low, high = self._interval() if known else (0.0, 1.0)
         undecided = self.undecided / self.runs
+        low, high = low * (1.0 - undecided), high + undecided * (1.0 - high)
         return Assessment(p, min(low, p), max(high, p), LEVEL, draws, self.runs, undecided)

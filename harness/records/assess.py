@@ -14,15 +14,17 @@ from harness.records.scene import SceneRecord
 from harness.records.scores import Interval
 
 MOSTLY: Final = 0.5
-"""Where more draws than this have no answer, the share that falls is no headline."""
+"""A share whose interval is wider than this is no headline."""
 
 
 @dataclass(frozen=True)
 class Assessment:
-    """One model's probability of overturning over the draws; `undecided` is the share without an answer: it came to no
-    end, failed, or left what the model knows (its pedestal tips, contact is lost) before a fall was decided.
+    """One model's probability of overturning over the draws; `undecided` is the share without an answer, which counts as standing
+    in `low` and as falling in `high`: it came to no end, failed, or left what the model knows and was not sampled.
 
-    `plane_only`: the scene is shaken across the rocking plane too, of which this model knows nothing.
+    `left_domain` is the share of draws in which the model left its domain (the pedestal tips, contact is lost, the statue slips
+    on its support) before a fall was decided; `sampled` runs of the engine `sampler` answer for them. `plane_only`: the scene is
+    shaken across the rocking plane too, of which this model knows nothing.
     """
 
     probability_overturned: float
@@ -33,11 +35,14 @@ class Assessment:
     engine_runs: int
     undecided: float = 0.0
     plane_only: bool = False
+    left_domain: float = 0.0
+    sampler: str = ""
+    sampled: int = 0
 
     @property
-    def most(self) -> float:
-        """The upper end of the interval were every draw without an answer a fall."""
-        return min(self.high + self.undecided, 1.0)
+    def tells(self) -> bool:
+        """Whether the interval is narrow enough for a number: else the statue may fall or stand."""
+        return self.high - self.low <= MOSTLY
 
     @property
     def sentence(self) -> str:
@@ -46,11 +51,15 @@ class Assessment:
             return "may fall or stand: the model has no answer in anything that may be true"
         low, high = percent(self.low), percent(self.high)
         falls, open_ = f"falls in {percent(self.probability_overturned)} %", f"in {percent(self.undecided)} %"
-        if self.undecided > MOSTLY:
-            said = f"may fall or stand: {open_} of what may be true the model has no answer; it {falls} ({low} to {high} %)"
-        else:
+        if self.tells:
             said = f"{falls} of what may be true ({low} to {high} %)"
-            said += f", and {open_} the model has no answer" if self.undecided else ""
+        else:
+            said = f"may fall or stand: it falls in {low} to {high} % of what may be true"
+        said += f", and {open_} the model has no answer" if self.undecided else ""
+        if self.sampled:
+            said += (
+                f"; for {percent(self.left_domain)} %, outside its domain, {self.sampled} runs of {self.sampler} answer"
+            )
         return said + (", the shaking across its plane left out" if self.plane_only else "")
 
 
@@ -83,7 +92,7 @@ def not_answered(answers: Mapping[str, Assessment], file: str | None, *, pedesta
             "The scene is shaken across the rocking plane too: that shaking is in none of these probabilities. In space"
         )
         said.append(f"{across}: {command_in_space(file)} (pybullet's own runs, stratified by the planar model).")
-    if pedestal and all(item.undecided > MOSTLY for item in answers.values()):
+    if pedestal and all(not item.tells for item in answers.values()):
         tips = "The model has no answer where the pedestal itself tips. A contact engine follows that"
         said.append(f"{tips}: rockcheck assess {file or 'SCENE'} -e analytic -e pymunk.")
     return said

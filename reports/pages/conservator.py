@@ -12,7 +12,7 @@ import numpy as np
 from analytic.results import LEFT_BY
 from harness.model.history import Outcome
 from harness.model.tilted import support_m
-from harness.records.assess import MOSTLY, Assessment, percent
+from harness.records.assess import Assessment, percent
 from harness.records.run import EngineRunRecord, RunRecord
 from reports.drawing.conservator_pictures import plan_svg, reach_svg
 from reports.drawing.display_mesh import silhouette_m
@@ -75,16 +75,16 @@ def _answer(source: RunSource, nominal: str, colour: str, say: Language) -> tupl
     known = any(not each.plane_only for each in source.record.assessment.values())
     plane = [say("chance.plane"), *([] if known else [say("chance.plane_open")])] if item.plane_only else []
     points = [say("chance.cases"), *open_, *([" ".join(plane)] if plane else []), given]
-    if item.undecided > MOSTLY:
-        share = _share(item.probability_overturned, say)
-        least = [say("chance.mostly_open", share=share)] if item.probability_overturned > 0.0 else []
+    if not item.tells:
+        share = _share(item.low, say)
+        least = [say("chance.mostly_open", share=share)] if item.low > 0.0 else []
         return say("chance.open"), tone, [*least, *points]
     return _falls(item, say), tone, points
 
 
 def _falls(item: Assessment, say: Language) -> str:
     """How probable a fall is; next to none and next to all have no digits."""
-    if item.most < NEXT_TO_NONE:
+    if item.high < NEXT_TO_NONE:
         return say("chance.rarely")
     if item.low > 1.0 - NEXT_TO_NONE:
         return say("chance.mostly")

@@ -31,14 +31,14 @@ def tone_of_study(families: Iterable[str]) -> Tone:
 
 def tone_of_probability(item: Assessment) -> Tone:
     """The colour of a probability: `agree` only where a fall is improbable, and its interval says so too."""
-    if item.probability_overturned <= SAFE and item.most < SAFE_HIGH:
+    if item.probability_overturned <= SAFE and item.high < SAFE_HIGH:
         return "agree"
     return "failed" if item.probability_overturned >= LIKELY else "differ"
 
 
 def worst(answers: Mapping[str, Assessment]) -> Assessment:
     """The answer in which a fall is the most probable; of equal ones one that knows all of the shaking."""
-    return max(answers.values(), key=lambda each: (each.most, not each.plane_only))
+    return max(answers.values(), key=lambda each: (each.high, not each.plane_only))
 
 
 def tone_of_answers(answers: Mapping[str, Assessment]) -> Tone:

@@ -67,7 +67,13 @@ def invented(random: np.random.Generator) -> Population:
     ]
     stratum = random.choice(3, SIZE, p=[1.0 - falls - near, near, falls])
     overturned = stratum == 2
-    model = ModelDraws(np.ones_like(overturned), overturned, np.array([0.2, 0.9, 17.0])[stratum], np.zeros(SIZE))
+    model = ModelDraws(
+        np.ones_like(overturned),
+        overturned,
+        np.array([0.2, 0.9, 17.0])[stratum],
+        np.zeros(SIZE),
+        np.zeros(SIZE, dtype=bool),
+    )
     return Population(model, random.random(SIZE) < np.array(shares)[stratum])
 
 

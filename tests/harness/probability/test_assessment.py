@@ -4,24 +4,29 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 import pytest
 
 from analytic import Harmonic, Pulse
 from harness import engines
+from harness.comparison.statistics.distributions import wilson
 from harness.input.scene_file import load_scene
 from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation, Pedestal
+from harness.probability import by_model
 from harness.probability.assessment import assess
-from harness.probability.by_model import assess_models
+from harness.probability.by_model import assess_models, probability_of
 from harness.probability.inputs import draw, row, uncertain_inputs
-from harness.probability.model_draws import model_draws
+from harness.probability.model_draws import ModelDraws, model_draws
+from harness.probability.stratified import jeffreys
 from harness.probability.variation import varied
 from harness.probability.words import summary
 from harness.records.assess import NotAssessed, not_answered
 from reports.text.chance import tone_of_answers, worse_tone
 from tests import budgets_assess as budget
+from tests.engines_for_tests import ready
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, rectangle, scene
 
 SCENES = Path(__file__).parents[3] / "scenes"
@@ -126,18 +131,74 @@ def test_an_assumed_strength_is_the_files_own(tmp_path: Path) -> None:
     assert assess_models(weak, draws=200)["analytic"].probability_overturned == 0.0
 
 
-def test_draws_in_which_the_pedestal_tips_have_no_answer() -> None:
-    """The model holds a tall pedestal upright: of what its statue does on one that tips it knows nothing, fall or stand."""
-    motion = Harmonic(0.24 * GRAVITY_M_S2, 1.2)
-    tall = scene(rectangle(0.25, 1.0), motion, pedestal=Pedestal(80.0, 0.35, 0.35, 1.1), mu=0.6, duration_s=2.0)
-    found = assess_models(tall)["analytic"]
-    assert found.undecided > 0.99
-    assert found.probability_overturned < 0.001
-    assert found.sentence.startswith("may fall or stand: ")
-    assert "where the pedestal itself tips" in not_answered({"analytic": found}, "tall.toml", pedestal=True)[0]
-    low = assess_models(replace(tall, pedestal=Pedestal(80.0, 1.0, 1.0, 0.2)))["analytic"]
-    assert low.undecided < 0.1
+TALL: Final = scene(
+    rectangle(0.25, 1.0),
+    Harmonic(0.24 * GRAVITY_M_S2, 1.2),
+    pedestal=Pedestal(80.0, 0.35, 0.35, 1.1),
+    mu=0.6,
+    duration_s=2.0,
+)
+"""The model holds its pedestal upright: of what the statue does on one that tips it knows nothing, fall or stand."""
+
+
+def test_draws_outside_the_models_domain_are_open_where_no_engine_answers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(type(engines.load("pymunk")), "missing", lambda self: "pymunk is not installed")
+    found = assess_models(TALL)["analytic"]
+    assert found.undecided == pytest.approx(found.left_domain)
+    assert found.left_domain > 0.99
+    assert (found.low, found.high, found.sampled) == (0.0, 1.0, 0)
+    assert not found.tells
+    assert not_answered({"analytic": found}, "tall.toml", pedestal=True)
+    low = assess_models(replace(TALL, pedestal=Pedestal(80.0, 1.0, 1.0, 0.2)))["analytic"]
+    assert low.tells
     assert not not_answered({"analytic": low}, "low.toml", pedestal=True)
+
+
+def test_an_engine_answers_draws_outside_the_models_domain(monkeypatch: pytest.MonkeyPatch) -> None:
+    ready("pymunk")
+    monkeypatch.setattr(by_model, "MOST_SAMPLED", 12)
+    found = assess_models(TALL, draws=500)["analytic"]
+    assert (found.sampler, found.sampled) == ("pymunk", 12)
+    assert found.undecided == 0.0
+    assert found.tells
+    own = wilson(0, 500, 0.9)
+    assert own is not None
+    assert (found.low, found.high) == pytest.approx((0.0, np.hypot(own.high, found.left_domain * jeffreys(0, 12)[2])))
+
+
+def test_a_statue_that_slips_on_its_support_is_no_fall_of_the_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At a friction of 0.1 a slender block is pushed along the floor; the model, which knows no slip, overturns it."""
+    ready("pymunk")
+    monkeypatch.setattr(by_model, "MOST_SAMPLED", 12)
+    slips = scene(rectangle(0.25, 1.0), Pulse("one_sine", 0.8 * GRAVITY_M_S2, 1.0), mu_statue=0.1, duration_s=2.0)
+    found = assess_models(slips, draws=500)["analytic"]
+    assert found.left_domain > 0.9
+    assert found.high < 0.3
+    rough = assess_models(replace(slips, contact=replace(slips.contact, statue=5.0)), draws=500)["analytic"]
+    assert rough.left_domain == 0.0
+    assert rough.low > 0.9
+
+
+def test_the_interval_holds_open_draws_either_way() -> None:
+    """Ten fall, 60 stand, 20 left the domain, 10 are open; of the 20 the engine ran 8: 3 fell, 4 stood, one came to no end."""
+    kind = np.repeat(np.arange(4), (10, 60, 20, 10))
+    model = ModelDraws(kind < 2, kind == 0, np.ones(100), np.zeros(100), kind == 2)
+    fell = dict(zip(range(70, 78), (True, True, True, False, False, False, False, None), strict=True))
+    none, some = probability_of(model, "pymunk", {}), probability_of(model, "pymunk", fell)
+    own, sample = wilson(10, 100, 0.9), jeffreys(3, 7)
+    assert none is not None
+    assert some is not None
+    assert own is not None
+    assert (none.probability_overturned, none.undecided, none.sampled) == pytest.approx((0.1, 0.3, 0))
+    assert (none.low, none.high) == pytest.approx((own.low, own.high + 0.3))
+    answered = 0.2 * 7 / 8
+    assert some.undecided == pytest.approx(0.3 - answered)
+    assert some.probability_overturned == pytest.approx(0.1 + answered * 3 / 7)
+    below = np.hypot(0.1 - own.low, answered * (sample[0] - sample[1]))
+    above = np.hypot(own.high - 0.1, answered * (sample[2] - sample[0])) + some.undecided
+    assert (some.low, some.high) == pytest.approx(
+        (some.probability_overturned - below, some.probability_overturned + above)
+    )
 
 
 def test_the_domain_of_an_ensemble_is_that_of_single_runs() -> None:
