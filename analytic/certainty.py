@@ -14,6 +14,7 @@ from analytic.excitation import Excitation, ZeroExcitation
 from analytic.motion import Floats
 from analytic.problem import DEFAULT_OPTIONS, CommonKeywords
 from analytic.results import Solution
+from analytic.solution import Outcome
 from analytic.solver import simulate
 
 BASE_ACCURACY_RAD: Final = 1e-12
@@ -38,17 +39,21 @@ ROUNDED_ONCE: Final = 64.0
 @final
 @dataclass(frozen=True, eq=False)
 class Certified:
-    """A solution with the uncertainties of its rotation, rad, and slip, m, valid up to reliable_until_s, and what else to know.
+    """A solution with the uncertainties of its rotation, rad, and slip, m, valid up to reliable_until_s.
 
-    outcome_is_sure says whether all runs ended in the same way; warnings are sentences.
+    outcomes are those of all its runs, sorted: more than one says that the outcome changes with the integrator's steps.
     """
 
     solution: Solution
     uncertainty_rad: float
     slip_uncertainty_m: float
     reliable_until_s: float
-    outcome_is_sure: bool
-    warnings: tuple[str, ...]
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def outcome_is_sure(self) -> bool:
+        """Whether all runs ended in the same way."""
+        return len(self.outcomes) == 1
 
 
 def certify(
@@ -139,8 +144,7 @@ def rounding(steps: Any) -> Any:
 def certified(first: Solution, others: tuple[Solution, ...], accuracy: tuple[float, float]) -> Certified:
     """What the differences between the runs say; `accuracy` of rotation, rad, and slip, m, up to which they count as reliable."""
     uncertainty, slip, until = _spread(first, others, accuracy)
-    sure = all(other.outcome is first.outcome for other in others)
-    return Certified(first, uncertainty, slip, until, sure, _warnings(first, others, uncertainty, until))
+    return Certified(first, uncertainty, slip, until, tuple(sorted({each.outcome for each in (first, *others)})))
 
 
 def _spread(first: Solution, others: tuple[Solution, ...], accuracy: tuple[float, float]) -> tuple[float, float, float]:
@@ -174,52 +178,3 @@ def _parted(first: Solution, others: tuple[Solution, ...]) -> bool:
     """Whether runs without a history took different paths, of which an equal peak before they parted tells nothing."""
     most = max(solution.energy_lost_j for solution in (first, *others))
     return any(abs(other.energy_lost_j - first.energy_lost_j) > PARTED * most for other in others)
-
-
-def _warnings(first: Solution, others: tuple[Solution, ...], uncertainty_rad: float, until: float) -> tuple[str, ...]:
-    messages = []
-    if any(other.outcome is not first.outcome for other in others):
-        ends = ", ".join(sorted({solution.outcome.value for solution in (first, *others)}))
-        messages.append(f"The outcome changes with the integrator's steps ({ends}): it is not to be trusted.")
-    if until < first.end_s and first.t_s.size == 0 and until > 0.0:
-        messages.append(
-            f"Beyond {until:.4g} s the path depends on the integrator's rounding: the peak may be larger there."
-        )
-    elif until < first.end_s and first.t_s.size == 0:
-        messages.append(f"The peak depends on the integrator's rounding: it may be off by {uncertainty_rad:.1e} rad.")
-    elif until < first.end_s:
-        messages.append(
-            f"Beyond {until:.4g} s the history depends on the integrator's rounding: it is not to be trusted."
-        )
-    return (*messages, *_doubts(first), *_limits(first))
-
-
-def _doubts(run: Solution) -> list[str]:
-    messages, doubts = [], run.doubts
-    if doubts.gave_up:
-        messages.append(f"The run made no more progress at {run.end_s:.6g} s and was given up.")
-    if doubts.near_tangent_steps:
-        messages.append(
-            f"In {doubts.near_tangent_steps} steps an event was nearly tangent: its neighbours may lose or gain it."
-        )
-    if doubts.ambiguous_states:
-        messages.append(
-            f"{'Once' if doubts.ambiguous_states == 1 else f'{doubts.ambiguous_states} times'} several states of motion were "
-            "possible; the stuck one was taken, an engine may take another."
-        )
-    if doubts.dropped_rebounds:
-        messages.append(f"{doubts.dropped_rebounds} sequences of impacts of vanishing size were ended (chattering).")
-    if doubts.outcome_margin is not None and doubts.outcome_margin < 1e-3:
-        messages.append(
-            f"The energy that decides the outcome is within {doubts.outcome_margin:.1e} of the barrier: a near tie."
-        )
-    if run.energy_gained_j > 1e-9 * max(run.energy_lost_j, 1e-9):
-        messages.append(f"Impacts of this form of the model gained {run.energy_gained_j:.3g} J in all.")
-    return messages
-
-
-def _limits(run: Solution) -> list[str]:
-    limits = run.validity
-    if limits is None or limits.left_domain_s is None:
-        return []
-    return [f"From {limits.left_domain_s:.4g} s the run is outside the model's domain: {limits.left_domain_by}."]

@@ -14,8 +14,8 @@ from analytic.kernel.layout import EVENT_ROW
 from analytic.kernel.records import Counts, Floats, Params, Records, Results, State
 from analytic.solution import KINDS, OUTCOMES, Doubts, Event, EventKind, Interval, Outcome, Validity, Work
 
-LEFT_BY: Final = ("", "the statue slides on its support", "contact is lost", "the pedestal itself tips")
-"""Sentence of each of the kernel's codes for a limit passed."""
+LEFT_BY: Final = ("", "statue_slides", "contact_lost", "pedestal_tips")
+"""What each of the kernel's codes for a limit passed says: statue on its support, statue or pedestal in flight, pedestal."""
 NO_HISTORY: Final[NDArray[np.float64]] = np.zeros((5, 0))
 NO_EVENTS: Final[Records] = np.zeros(0, EVENT_ROW)
 

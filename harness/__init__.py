@@ -4,7 +4,7 @@
 >>> scene = harness.load_scene("scenes/paestum_floor.toml").replace(motion__x__amplitude_g=0.3)
 >>> run = harness.simulate(scene, "pymunk", accuracy_rad=1e-3)
 >>> reference = harness.simulate(scene, "analytic")
->>> print(harness.compare(run, reference).verdict_sentence)
+>>> print(harness.compare(run, reference).verdict)
 
 `scene(mapping)` makes a scene without a file, `scene.with_motion(accel_m_s2, dt_s)` shakes it by one's own array, `sweep` runs
 it many times into a table, `assess` says how probable a fall is, `read_mesh` what a scan weighs, `History.from_arrays` takes

@@ -14,7 +14,7 @@ from harness.campaign.dask_pool import DaskPool
 from harness.campaign.progress import ProgressMessages
 from harness.campaign.runner import LocalPool
 from harness.campaign.store import STORE_NAME, Store, check_begun
-from harness.command import Asked, Known, Sampling, Surroundings, TextLayout
+from harness.command import EngineOptions, Sampling, ScanOptions, SupportOptions, TextLayout
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
@@ -36,8 +36,8 @@ class Scanned:
     """What is said where a scan is given instead of a scene: the record that shakes it, and what the user knows of both."""
 
     motion: Path | None = None
-    known: Known = field(default_factory=Known)
-    around: Surroundings = field(default_factory=Surroundings)
+    known: ScanOptions = field(default_factory=ScanOptions)
+    around: SupportOptions = field(default_factory=SupportOptions)
     layout: TextLayout = field(default_factory=TextLayout)
 
     @contextmanager
@@ -67,7 +67,7 @@ class Scanned:
 def run(
     path: Path,
     folder: Path,
-    asked: Asked,
+    asked: EngineOptions,
     sampling: Sampling,
     *,
     options: Path | None = None,

@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.campaign.progress import ProgressMessages
-from harness.command import Asked, JsonOnly, Saying, Target, command
+from harness.command import EngineOptions, JsonOnly, OutputOptions, Target, command
 from harness.model.errors import InputError, Mistake, nearest
 from harness.model.terminal import printable
 
 if TYPE_CHECKING:
     from harness.model.options import RunOptions
-    from harness.model.run import Run
     from harness.model.scene import Scene
     from harness.records.scores import Scores
     from harness.records.sets import SetScores
@@ -52,7 +51,7 @@ def engines(as_json: JsonOnly = False) -> None:
         able = ", ".join(key.replace("_", " ") for key, value in row.items() if value is True)
         state = f"not here: {row['missing']}" if row["missing"] else "ready"
         lines.append(f"{row['engine']:10} {row['dimensions']}D  {state}\n{'':10} {able}")
-    Saying(as_json).say(rows, "\n".join(lines))
+    OutputOptions(as_json).say(rows, "\n".join(lines))
 
 
 def schema(
@@ -66,12 +65,12 @@ def schema(
     if kind not in KINDS:
         wanted = f"one of {', '.join(KINDS)}"
         raise InputError(Mistake("KIND", "", wanted, repr(kind), nearest(kind, KINDS)))
-    Saying(as_json=True).say(schema_of(class_of(kind)), "")
+    OutputOptions(as_json=True).say(schema_of(class_of(kind)), "")
 
 
 def compare(
     files: Sequence[Path],
-    asked: Asked,
+    asked: EngineOptions,
     target: Target,
     *,
     quiet: bool,
@@ -90,7 +89,7 @@ def compare(
         if not all(tables) or len(files) != 2:
             got = ", ".join(str(path) for path in files)
             raise InputError(Mistake("compare", "", "scenes, or exactly two .csv histories", got))
-        if (asked, target, horizon) != (Asked(), Target(), False):
+        if (asked, target, horizon) != (EngineOptions(), Target(), False):
             no_run = "no -e, --set, --accuracy, --dt or --horizon with histories: nothing is run"
             raise InputError(Mistake("compare", "", no_run, "one of them"))
         from harness.comparison.history_files import compare_files, write_comparison
@@ -129,7 +128,7 @@ def compare(
 
 def compute(
     scene_file: Path,
-    asked: Asked,
+    asked: EngineOptions,
     target: Target,
     no_skip: Sequence[str] | None = None,
     *,
@@ -197,58 +196,3 @@ def options_without(no_skip: Sequence[str] | None) -> RunOptions:
         wanted = f"all or one of {', '.join(SKIPS)}"
         raise InputError(Mistake("--no-skip", "", wanted, repr(unknown[0]), nearest(unknown[0], SKIPS)))
     return RunOptions(skips=frozenset() if "all" in off else frozenset(SKIPS) - off)
-
-
-def summary(result: Result) -> str:
-    """The result in a few lines of plain words."""
-    from harness.records.assess import draws_of, not_answered
-    from harness.records.witness import sentences as witness_sentences
-
-    lines = [result.scene.title]
-    draws = draws_of(result.assessment)
-    lines += [f"  {name}: the statue {item.sentence}; {draws[name]}" for name, item in result.assessment.items()]
-    file = None if result.scene.source is None else str(result.scene.source)
-    lines += [f"  {text}" for text in not_answered(result.assessment, file, pedestal=result.scene.pedestal is not None)]
-    answered = [run for run in result.runs.values() if not run.outcome.failed]
-    outcomes = sorted({run.outcome for run in answered})
-    if len(result.runs) > 1 and outcomes:
-        who = _who_agrees(len(result.runs), len(answered))
-        ended = f"{who}: {outcomes[0].sentence}" if len(outcomes) == 1 else "the models differ"
-        if len(outcomes) > 1 and all(outcome.overturned for outcome in outcomes):
-            ended = f"{who} that the statue overturns; the side differs"
-        given = {tuple(run.motion_axes) for run in answered if run.motion_axes is not None}
-        lines.append(f"  outcome: {ended}" + (" (given unlike motions, see below)" if len(given) > 1 else ""))
-    width = max(len("analytic"), *(len(name) for name in result.runs)) + 1
-    for name, run in result.runs.items():
-        lines.append(f"  {name:{width}} {run.outcome.sentence}{_details(run)}")
-    for pair, scores in result.scores.items():
-        lines.append(f"  {pair.replace('_vs_', ' vs ')}: {scores.verdict_sentence}")
-    lines += [f"  witness: {text}" for text in witness_sentences(result.witness)]
-    lines += [f"  horizon of {name}: {each.sentence}" for name, each in result.horizons.items()]
-    lines += [f"  note: {note}" for note in result.scene.notes]
-    lines += [f"  warning: {name}: {text}" for name, run in result.runs.items() for text in run.warnings]
-    return "\n".join(map(printable, lines))
-
-
-def _who_agrees(asked: int, answered: int) -> str:
-    """The models that say the same: one that gave no answer agrees with nobody, nor does one alone."""
-    if answered == asked:
-        return "all models agree"
-    return f"one model of {asked} answered" if answered == 1 else f"{answered} of {asked} models answered and agree"
-
-
-def _details(run: Run) -> str:
-    if run.outcome.failed:
-        return f": {run.message}"
-    # An overturned run has no peak of its own: it was ended at the rotation that counts as overturned.
-    if run.overturn_time_s is not None:
-        parts = [f"counts as overturned at {run.overturn_time_s:.3f} s"]
-    else:
-        parts = [f"peak {run.peak_theta_rad:+.4f} rad at {run.peak_time_s:.3f} s"]
-    if run.numerical_uncertainty_rad is not None:
-        until = run.reliable_until_s
-        slip = f" and {1e3 * run.slip_uncertainty_m:.1e} mm of slip" if run.slip_uncertainty_m else ""
-        parts.append(
-            f"± {run.numerical_uncertainty_rad:.1e} rad{slip}" + (f" until {until:.2f} s" if until is not None else "")
-        )
-    return " (" + ", ".join(parts) + f"; {run.wall_s:.2f} s)"

@@ -40,11 +40,12 @@ JsonOnly = Annotated[
 
 
 @dataclass(frozen=True)
-class Saying:
+class OutputOptions:
     """How much a command prints."""
 
     as_json: JsonOnly = False
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but mistakes.")] = False
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only.")] = False
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Print every finding, by severity.")] = False
 
     @property
     def silent(self) -> bool:
@@ -67,7 +68,7 @@ def _engine_names() -> list[str]:
 
 
 @dataclass(frozen=True)
-class Asked:
+class EngineOptions:
     """Which engines, and what is changed of the scene."""
 
     engine: Annotated[
@@ -109,7 +110,7 @@ class Target:
 
 
 @dataclass(frozen=True)
-class Known:
+class ScanOptions:
     """What the user says of a scan on the command line; None is found, assumed or refused, and said so."""
 
     unit: Annotated[str | None, typer.Option("--unit", help="The scan's unit of length: m, dm, cm, mm, in, ft.")] = None
@@ -149,7 +150,7 @@ class Known:
 
 
 @dataclass(frozen=True)
-class Surroundings:
+class SupportOptions:
     """What the user says on the command line of what a scanned statue stands on and of how it is shaken."""
 
     pedestal: Annotated[

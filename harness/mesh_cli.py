@@ -8,7 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.command import Known, Surroundings
+from harness.command import ScanOptions, SupportOptions
 from harness.input import paths
 from harness.input.mesh_file import MARBLE_KG_M3
 from harness.input.mesh_statue import mesh_mistake
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from meshes.inspection import Inspection
 
 
-def inspect(file: Path, known: Known) -> Inspection:
+def inspect(file: Path, known: ScanOptions) -> Inspection:
     """Inspect a scan; raises `InputError` where it cannot be prepared."""
     from meshes import MeshError
     from meshes.inspection import inspect as inspected
@@ -46,7 +46,7 @@ def inspect(file: Path, known: Known) -> Inspection:
         raise InputError(mesh_mistake(error, str(file))) from error
 
 
-def prepare(file: Path, out: Path, known: Known) -> tuple[Inspection, Path]:
+def prepare(file: Path, out: Path, known: ScanOptions) -> tuple[Inspection, Path]:
     """Prepare a scan into the mesh file `out`, with its processing log beside it as JSON; returns the inspection and that
     path.
 
@@ -71,8 +71,8 @@ def new(
     scan: Path,
     motion: Path,
     out: Path,
-    known: Known,
-    around: Surroundings | None = None,
+    known: ScanOptions,
+    around: SupportOptions | None = None,
     layout: Layout | None = None,
 ) -> tuple[Path, tuple[str, ...]]:
     """Write a first scene `out` (TOML) for a scan and a record, with the prepared mesh beside it; returns its path, and what was
@@ -90,7 +90,7 @@ def new(
         raise InputError(Mistake("--out", "", "a file that does not exist yet", str(out), "give another name"))
     if not paths.is_file(motion):
         raise InputError(Mistake("--motion", "", "an existing file", str(motion)))
-    around = around or Surroundings()
+    around = around or SupportOptions()
     user_input = UserInput(
         known.density_kg_m3,
         known.mass_kg,

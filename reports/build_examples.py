@@ -14,7 +14,6 @@ from harness import study_cli
 from harness.campaign.runner import Crash, LocalPool
 from harness.campaign.store import STORE_NAME, Store
 from harness.campaign.task import Answer, Task
-from harness.cli import summary
 from harness.command import guarded
 from harness.input.paths import data_folder
 from harness.input.scene_file import load_scene
@@ -24,7 +23,9 @@ from harness.records.study import StudyRecord, StudyRow
 from harness.scene_run.scene_run import run_scene, write_result
 from harness.studies.case_tasks import stored_runs
 from harness.studies.study_run import Beside, Summary
+from reports.messages import ENGLISH
 from reports.pages.page import write_report
+from reports.terminal import run_lines
 
 BESIDE_THE_CODE: Final = Path(__file__).resolve().parent.parent / "scenes"
 INSTALLED: Final = Path(sysconfig.get_path("data")) / "share" / "rockcheck" / "scenes"
@@ -42,10 +43,16 @@ def example(asked: tuple[str, Mapping[str, Run]]) -> Answer:
     begin = time.perf_counter()
     name, known = asked
     result = run_scene(load_scene(SCENES / f"{name}.toml"), stored=known, assess=True)
-    write_result(result, OUT / name)
+    write_result(result, OUT / name, ENGLISH.say)
     write_report(OUT / name)
     failed = result.failed_but(tuple(result.runs))
-    return Answer("example", {"text": summary(result)}, time.perf_counter() - begin, failed=failed)
+    lines = run_lines(result.record().texted(ENGLISH.say))
+    return Answer(
+        "example",
+        {"text": "\n".join(lines)},
+        time.perf_counter() - begin,
+        failed=failed,
+    )
 
 
 def died(asked: tuple[str, object], crash: Crash) -> Answer:

@@ -14,12 +14,12 @@ from harness import cli as harness_cli
 from harness.command import (
     FAILED,
     OK,
-    Asked,
-    Known,
+    EngineOptions,
+    OutputOptions,
     Sampling,
-    Saying,
+    ScanOptions,
     SceneFile,
-    Surroundings,
+    SupportOptions,
     Target,
     TextLayout,
     command,
@@ -68,9 +68,9 @@ def top(
 )  # fmt: skip
 def run(
     scene: SceneFile,
-    asked: Asked,
+    asked: EngineOptions,
     target: Target,
-    saying: Saying,
+    saying: OutputOptions,
     out: Out = None,
     explain: Annotated[bool, typer.Option("--explain", help="Say what would be skipped and why; run nothing.")] = False,
     no_skip: Annotated[
@@ -90,6 +90,8 @@ def run(
     from harness.records.base import plain
     from harness.records.result_folder import check_folder, named_after
     from harness.scene_run.scene_run import Ended, write_result
+    from reports.messages import ENGLISH
+    from reports.terminal import run_lines
 
     folder = out or OUT / named_after(scene)
     check_folder(folder, ("run",))
@@ -105,13 +107,15 @@ def run(
             scene, asked, target, no_skip, quiet=saying.silent, out=folder, assess=not no_assess, witness=witness
         )
     except Ended as ending:
-        write_result(ending.result, folder)
+        write_result(ending.result, folder, ENGLISH.say)
         typer.echo(
             printable(f"{folder} holds what had finished; `rockcheck report {folder}` writes its pages"), err=True
         )
         raise
-    write_result(result, folder)
-    say_result(plain(result.record()), harness_cli.summary(result), folder, saying, language)
+    write_result(result, folder, ENGLISH.say)
+    record = result.record().texted(ENGLISH.say)
+    lines = run_lines(record, verbose=saying.verbose)
+    say_result(plain(record), "\n".join(lines), folder, saying, language)
     # An engine that nobody named and that has no wheels here is said, and no failure.
     failed = result.failed_but(() if asked.engine else tuple(result.runs))
     raise typer.Exit(FAILED if failed else OK)
@@ -125,11 +129,11 @@ def run(
 )  # fmt: skip
 def assess(
     scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (TOML), or a scan.", show_default=False)],
-    asked: Asked,
-    saying: Saying,
+    asked: EngineOptions,
+    saying: OutputOptions,
     sampling: Sampling,
-    known: Known,
-    around: Surroundings,
+    known: ScanOptions,
+    around: SupportOptions,
     text: TextLayout,
     motion_file: Annotated[
         Path | None, typer.Option("--motion", metavar="FILE", help="Of a scan: the record that shakes it.")
@@ -166,7 +170,7 @@ def assess(
 @command(app, None, "rockcheck study scenes/paestum_table2.toml --jobs 2")
 def study(
     study_file: Annotated[Path, typer.Argument(metavar="STUDY", help="A study file (TOML).", show_default=False)],
-    saying: Saying,
+    saying: OutputOptions,
     jobs: Jobs = None,
     resume: Resume = False,
     dask: Dask = None,
@@ -185,6 +189,7 @@ def study(
     from harness.records.base import as_file
     from harness.records.result_folder import named_after
     from harness.records.study import StudyRecord
+    from reports.pages.study_page import witness_rows
 
     folder = out or OUT / named_after(study_file)
     cli_record.check_language(language)
@@ -192,8 +197,9 @@ def study(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent,
         witness=witness,
     )  # fmt: skip
-    said = [record.usage, record.witness] if isinstance(record, StudyRecord) else []
+    said = [record.usage] if isinstance(record, StudyRecord) else []
     lines = [f"{study_file.name}: {summary}", *(item.sentence for item in said if item is not None)]
+    lines += witness_rows(record) if isinstance(record, StudyRecord) else []
     over_all = (record.scores or {}) if isinstance(record, StudyRecord) else {}
     lines += [f"over all cases, {name}: {scores.sentence}" for name, scores in over_all.items()]
     say_result(as_file(record), "\n".join(lines), folder, saying, language)
@@ -205,7 +211,7 @@ def validate(
     experiments: Annotated[
         Path, typer.Argument(metavar="EXPERIMENTS", help="A table (CSV) of measured tests.", show_default=False)
     ],
-    saying: Saying,
+    saying: OutputOptions,
     engine: Annotated[
         list[str] | None,
         typer.Option(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.campaign.progress import ProgressMessages
-from harness.command import FAILED, OK, Saying, command
+from harness.command import FAILED, OK, OutputOptions, command
 from reports.cli_result import OUT, Out, say_result
 
 if TYPE_CHECKING:
@@ -29,14 +29,14 @@ def add_commands(app: typer.Typer) -> None:
     command(app, "stress", "rockcheck stress --out out/stress", "rockcheck stress --parts fuzz")(stress)
 
 
-def bench(saying: Saying, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
+def bench(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
     """Measure run time against error for every engine and setting, what skips gain, and how cost grows."""
     from harness.bench.bench_run import BENCH
 
     _measured(BENCH, saying, quick, parts, out)
 
 
-def stress(saying: Saying, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
+def stress(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
     """Run hard scenes, map each engine's stability, and read thousands of mutated files."""
     from harness.bench.stress.stress_run import STRESS
 
@@ -44,7 +44,9 @@ def stress(saying: Saying, quick: Quick = False, parts: Parts = None, out: Out =
     raise typer.Exit(OK if record.holds else FAILED)
 
 
-def _measured(measurement: Measurement[R], saying: Saying, quick: bool, parts: str | None, out: Path | None) -> R:
+def _measured(
+    measurement: Measurement[R], saying: OutputOptions, quick: bool, parts: str | None, out: Path | None
+) -> R:
     """The record of a measurement of these parts (comma-separated; None: of all), once it is said."""
     from harness.records.base import as_file
 

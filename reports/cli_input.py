@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.command import Asked, Known, Saying, Surroundings, Target, TextLayout, command
+from harness.command import EngineOptions, OutputOptions, ScanOptions, SupportOptions, Target, TextLayout, command
 from harness.model.terminal import printable
 from reports.cli_result import OUT
 
@@ -34,8 +34,8 @@ def add_commands(app: typer.Typer) -> None:
 @command(mesh, "inspect", "rockcheck mesh inspect statue.obj --unit mm --picture statue.png")
 def mesh_inspect(
     scan: Scan,
-    known: Known,
-    saying: Saying,
+    known: ScanOptions,
+    saying: OutputOptions,
     picture: Annotated[
         Path | None,
         typer.Option(
@@ -81,8 +81,8 @@ def _check_picture(picture: Path) -> None:
 @command(mesh, "prepare", "rockcheck mesh prepare statue.obj --unit mm --out statue.ply")
 def mesh_prepare(
     scan: Scan,
-    known: Known,
-    saying: Saying,
+    known: ScanOptions,
+    saying: OutputOptions,
     out: Annotated[Path, typer.Option("--out", help="The mesh to write (.ply, .obj, .stl, .glb).", show_default=False)],
 ) -> None:
     """Write a scan as a closed mesh in metres, z up, with a log of every change beside it."""
@@ -95,10 +95,10 @@ def mesh_prepare(
 def new(
     scan: Scan,
     motion_file: Annotated[Path, typer.Option("--motion", metavar="FILE", help="A record.", show_default=False)],
-    known: Known,
-    around: Surroundings,
+    known: ScanOptions,
+    around: SupportOptions,
     text: TextLayout,
-    saying: Saying,
+    saying: OutputOptions,
     out: Annotated[
         Path | None, typer.Option("--out", help="The scene to write. Default: SCAN's name with .toml.")
     ] = None,
@@ -122,7 +122,7 @@ def new(
 )
 def motion_inspect(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A record, or a scene (TOML).", show_default=False)],
-    saying: Saying,
+    saying: OutputOptions,
     text: TextLayout,
     unit: Annotated[
         str | None,
@@ -181,9 +181,9 @@ def compare(
             metavar="SCENE... | A.csv B.csv", help="Scenes, or two histories (B is the reference).", show_default=False
         ),
     ],
-    asked: Asked,
+    asked: EngineOptions,
     target: Target,
-    saying: Saying,
+    saying: OutputOptions,
     iso: Annotated[bool, typer.Option("--iso", help="Also rate by ISO/TS 18571 (extra [iso]).")] = False,
     horizon: Annotated[
         bool, typer.Option("--horizon", help="Also find each model's own horizon (some twenty runs of each).")

@@ -8,7 +8,7 @@ from typing import Annotated, Final
 import typer
 
 from harness.campaign.progress import ProgressMessages
-from harness.command import Saying, command
+from harness.command import OutputOptions, command
 
 READERS: Final = ("engineer", "conservator")
 
@@ -28,14 +28,14 @@ def add_commands(app: typer.Typer) -> None:
 
 def check_language(code: str) -> None:
     """Raise `InputError` for a language that the conservator's page does not speak, before anything is computed."""
-    from reports.text.language import language
+    from reports.messages import language
 
     language(code)
 
 
 def report(
     folder: Folder,
-    saying: Saying,
+    saying: OutputOptions,
     reader: Annotated[str, typer.Option("--for", help="Whose page to name: engineer or conservator.")] = "engineer",
     pdf: Annotated[bool, typer.Option("--pdf", help="Also print that page, beside it (by Chromium).")] = False,
     language: InLanguage = "en",
@@ -60,7 +60,7 @@ def report(
 
 def figures(
     folder: Folder,
-    saying: Saying,
+    saying: OutputOptions,
     formats: Annotated[list[str] | None, typer.Option("--format", help="png, svg, pdf (repeat). Default: all.")] = None,
     width: Annotated[str, typer.Option("--width", help="column or page, as journals print.")] = "page",
     model: Annotated[
@@ -76,7 +76,7 @@ def figures(
 
 def gif(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder of a run.", show_default=False)],
-    saying: Saying,
+    saying: OutputOptions,
     out: Annotated[Path | None, typer.Option("--out", help="The file to write. Default: replay.gif in DIR.")] = None,
     model: Annotated[str | None, typer.Option("--model", help="Whose motion. Default: the 3D engine's.")] = None,
 ) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated, Final
 
 import typer
 
-from harness.command import FAILED, Saying
+from harness.command import FAILED, OutputOptions
 from harness.model.errors import InputError
 from harness.model.terminal import printable
 
@@ -17,7 +17,9 @@ OUT: Final = Path("out")
 Out = Annotated[Path | None, typer.Option("--out", help="Folder of the result. Default: out/NAME.", show_default=False)]
 
 
-def say_result(record: Mapping[str, object], text: str, folder: Path, saying: Saying, language: str = "en") -> None:
+def say_result(
+    record: Mapping[str, object], text: str, folder: Path, saying: OutputOptions, language: str = "en"
+) -> None:
     """Say what was computed, then write its pages, none with `--json`: most of a short run's time, for a program that reads the
     record. A page that cannot be made is no mistake of the user's, and costs no other.
     """

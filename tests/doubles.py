@@ -3,15 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
+from harness.model.finding import Finding
 from harness.model.history import Array, History, Outcome
 from harness.model.run import Run
+from harness.model.scene import Scene
 from harness.records.study import CaseRun
+
+
+def codes(findings: Iterable[Finding]) -> list[str]:
+    """What findings say, by code."""
+    return [each.code for each in findings]
+
+
+def notes(scene: Scene) -> list[str]:
+    """What meshes and motions say of a scene."""
+    return [each.values["text"] for each in scene.findings if "text" in each.values]
 
 
 def rocking(
@@ -142,6 +154,6 @@ def case_run(**fields: Any) -> CaseRun:
     known: dict[str, Any] = {
         "engine": "analytic", "outcome": Outcome.STANDS, "peak_theta_rad": 0.0, "no_return_time_s": None,
         "overturn_time_s": None, "peak_slip_m": 0.0, "residual_slip_m": 0.0, "numerical_uncertainty_rad": None,
-        "reliable_until_s": None, "steps": 1, "labels": [], "warnings": [], "validity": {}, "impacts": 0,
+        "reliable_until_s": None, "steps": 1, "labels": [], "findings": [], "validity": {}, "impacts": 0,
     }  # fmt: skip
     return CaseRun(**known | fields)

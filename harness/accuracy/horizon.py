@@ -23,33 +23,6 @@ TOLERANCE_RAD: Final = 0.01
 """Rotation to which a prediction is asked: 1.5 cm at the top of a statue of 1.5 m."""
 
 
-def stated(
-    tolerance_rad: float,
-    duration_s: float,
-    perturbations: Sequence[float],
-    until_s: Sequence[float],
-    growth_per_s: float | None,
-    outcomes: Sequence[Outcome],
-    failed: int,
-) -> HorizonRecord:
-    """The horizon from its numbers, with the sentence for the least and the largest perturbation."""
-    first, last = perturbations[0], perturbations[-1]
-    text = f"rotation predictable to {tolerance_rad:g} rad "
-    if until_s[-1] >= duration_s:
-        text += f"throughout, even if start and motion are known to {last:g} only"
-    else:
-        text += f"until {until_s[-1]:.3g} s if start and motion are known to {last:g}"
-        finer = (
-            f"throughout if to {first:g}"
-            if until_s[0] >= duration_s
-            else f"until {until_s[0]:.3g} s even if to {first:g}"
-        )
-        text += f", {finer}"
-    return HorizonRecord(
-        tolerance_rad, duration_s, perturbations, until_s, growth_per_s, outcomes, failed, until_s[0], text
-    )
-
-
 def perturbed(scene: Scene, size: float) -> tuple[Scene, ...]:
     """The scene with slightly other starts: rotation + size (rad), rate + size·p (rad/s), and all motion times 1 ± size.
 
@@ -109,7 +82,7 @@ def horizon(
     # A larger perturbation cannot be predicted for longer; where chance lets it, the shorter time holds.
     least = np.minimum.accumulate(until)
     growth = float(np.mean(rates)) if rates else None
-    return stated(
+    return HorizonRecord(
         tolerance_rad,
         scene.duration_s,
         sizes,
@@ -117,6 +90,7 @@ def horizon(
         growth,
         tuple(sorted(outcomes)),
         failed,
+        float(least[0]),
     )
 
 

@@ -18,6 +18,7 @@ from harness.accuracy.outlook import MOST_ORDER, beyond, hopeless, last_s, outgr
 from harness.accuracy.sensitivity import PARTED, moved, stronger_run
 from harness.accuracy.spread import CLEAR, NONE, Error, Spread, factor, plain_from_s, plain_share, spread, target_of
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
+from harness.model.finding import Finding, caution, info
 from harness.model.options import RunOptions
 from harness.model.run import Run, number
 from harness.model.scene import Scene
@@ -230,23 +231,16 @@ class _Climb:
         if best.no_return_time_s is not None:
             # In a fall errors of plain steps grow, and no second comparison is asked for.
             held_s.append(max(plain_from_s(best), best.no_return_time_s))
-        messages, until_s = [], min(held_s)
+        found, until_s = [], min(held_s)
         if until_s < best.end_s:
-            messages.append(_why_not_whole(best, last, until_s, self.target.rotation_rad))
+            found.append(_why_not_whole(best, last, until_s, self.target.rotation_rad))
         elif error.rotation_rad > self.target.rotation_rad:
-            messages.append(
-                f"the target of {self.target.rotation_rad:g} rad is below what the engine's contact resolves"
-            )
+            found.append(caution("target_not_resolved", target_rad=self.target.rotation_rad))
         if self.not_tried_s is not None:
-            messages.append(
-                f"steps of {self.not_tried_s:g} s were not tried: no climb makes more than {MOST_TIMES:g} times its first run's"
-            )
+            found.append(caution("step_not_tried", dt_s=self.not_tried_s, times=MOST_TIMES))
         if error.slip_m > self.target.slip_m * max(1.0, error.rotation_rad / self.target.rotation_rad):
-            messages.append(
-                f"the slip is bounded by {error.slip_m:.2g} m only, not by its target of {self.target.slip_m:.2g} m: a run "
-                "that checks this one slips otherwise, and turns the same"
-            )
-        return best.with_uncertainty(error.rotation_rad, error.slip_m, until_s, *messages)
+            found.append(caution("slip_target_missed", slip_error_m=error.slip_m, target_m=self.target.slip_m))
+        return best.with_uncertainty(error.rotation_rad, error.slip_m, until_s, *found)
 
     def _expected(self, run: Run) -> Error:
         """What a run's settings are expected to err by, more where its events are left; without a pedestal nothing slips."""
@@ -334,11 +328,11 @@ def _held_until_s(spreads: list[Spread], agreements: int) -> float:
     return max(last.clear_s, min([last.until_s, *before]) if len(before) == agreements - 1 else 0.0)
 
 
-def _why_not_whole(best: Run, last: Spread, until_s: float, accuracy_rad: float) -> str:
-    until = f"the target of {accuracy_rad:g} rad is met until {until_s:.4g} s of {best.end_s:.4g} s"
+def _why_not_whole(best: Run, last: Spread, until_s: float, accuracy_rad: float) -> Finding:
     if best.no_return_time_s is not None and until_s >= best.no_return_time_s:
-        return f"{until}, past the instant of no return at {best.no_return_time_s:.4g} s: in the fall every difference grows"
-    return (
-        f"{until}: from there two settings of this engine part, with steps of {last.coarse_dt_s:g} s and finer, and its "
-        "numerical error is not bounded; the horizon of prediction tells whether anybody could compute it further"
+        return info(
+            "target_met_until_fall", target_rad=accuracy_rad, until_s=until_s, no_return_s=best.no_return_time_s
+        )
+    return caution(
+        "target_met_until", target_rad=accuracy_rad, until_s=until_s, end_s=best.end_s, dt_s=last.coarse_dt_s
     )

@@ -99,5 +99,4 @@ def failed(engine: str, outcome: Outcome, message: str, wall_s: float = 0.0) -> 
         peak_time_s=0.0,
         end_s=0.0,
         message=message,
-        warnings=(message,),
     )

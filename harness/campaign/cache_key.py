@@ -19,7 +19,7 @@ from analytic.excitation import Harmonic, Pulse, SampledAcceleration, ZeroExcita
 from harness.model.options import Capabilities
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
 
-NOT_PHYSICS: Final[Mapping[type, str]] = {Scene: "title source given notes uncertainty", Statue: "solid"}
+NOT_PHYSICS: Final[Mapping[type, str]] = {Scene: "title source given findings uncertainty", Statue: "solid"}
 """Fields of which a run does not depend; of a mesh its own digest is part of the key where an engine uses it."""
 KEYED: Final[Mapping[type, str]] = {
     Scene: "scene", Form: "model", Statue: "statue", Pedestal: "pedestal", Contact: "contact", Wall: "wall",

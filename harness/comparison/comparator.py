@@ -180,8 +180,8 @@ def _scores(
         **vars(_outcomes(a, b)),
         numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, excursions, until_s),
         verdict=judgement.verdict,
-        verdict_sentence=judgement.sentence,
         evidence=judgement.evidence,
+        findings=judgement.findings,
     )
 
 

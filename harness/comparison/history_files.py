@@ -11,6 +11,7 @@ import numpy as np
 from harness.comparison.comparator import compare
 from harness.input.history_file import UNIFORM, between_samples, gaps, read_history
 from harness.model.errors import InputError, Mistake
+from harness.model.finding import caution
 from harness.model.run import machine, versions
 from harness.records.compare import FILES, CompareRecord
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
@@ -60,11 +61,11 @@ def compare_files(
         wanted, got = "a common stretch of time", f"one common instant at {begin_s:g} s"
         raise InputError(Mistake(f"{a.name} and {b.name}", "t_s", wanted, got))
     missing = [
-        f"{path.name} has no samples from {begin:.4g} s to {end:.4g} s, where scores rest on interpolation"
+        caution("no_samples", file=path.name, from_s=begin, until_s=end)
         for path, history in zip((a, b), histories, strict=True)
         for begin, end in gaps(history)
     ]
-    return replace(scores, warnings=missing)
+    return replace(scores, findings=(*scores.findings, *missing))
 
 
 def write_comparison(a: Path, b: Path, scores: Scores, folder: Path) -> None:

@@ -100,12 +100,12 @@ def _across_s(run: Run | CaseRun) -> float | None:
 def left_domain(run: Run | CaseRun) -> tuple[float | None, str]:
     """When a run first left its model's domain (docs/model.md, section 5) and by what; (None, "") when it never did.
 
-    Engines state it as `validity["left_domain_s"]` and `validity["left_domain_by"]`; a run that ends by lift-off or in the
-    friction paradox leaves at its end.
+    By what is a code of `analytic.results.LEFT_BY` or an outcome. Engines state it as `validity["left_domain_s"]` and
+    `validity["left_domain_by"]`; a run that ends by lift-off or in the friction paradox leaves at its end.
     """
     stated = run.validity.get("left_domain_s")
     if isinstance(stated, (int, float)):
-        return float(stated), str(run.validity.get("left_domain_by") or "an assumption of the model")
+        return float(stated), str(run.validity.get("left_domain_by") or "")
     if run.outcome in (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX):
-        return run.end_s, run.outcome.sentence
+        return run.end_s, run.outcome.value
     return None, ""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -15,6 +15,7 @@ import numpy as np
 
 from harness.comparison.scores.pointwise import Peak
 from harness.comparison.side import Side
+from harness.model.finding import Finding, caution, changes_answer, info
 from harness.model.history import Array
 from harness.model.history_pair import Pair, first_beyond_s
 from harness.records.scores import Evidence, Verdict
@@ -29,16 +30,14 @@ number that calls no pair of equal models different and misses no effect above t
 
 OPEN: Final = frozenset({Verdict.AGREE, Verdict.HORIZON, Verdict.UNBOUNDED})
 """Verdicts with which outcomes that differ decide nothing between the two."""
-UNSTATED: Final = "Neither states its numerical error"
-"""In the sentence of two answers that do not: a difference between them need not be one of models."""
 
 
 @dataclass(frozen=True)
 class Judgement:
-    """A verdict with its sentence and the numbers that it follows from."""
+    """A verdict with what to know of it and the numbers that it follows from."""
 
     verdict: Verdict
-    sentence: str
+    findings: Sequence[Finding]
     evidence: Evidence
 
 
@@ -80,12 +79,13 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judg
         horizon_s=until if math.isfinite(until) else None,
         compared_until_s=facts.end_s,
         left_domain_s=None if left is None else left.left_domain_s,
-        left_domain_by="" if left is None else f"{left.name}: {left.left_domain_by}",
+        left_domain="" if left is None else left.name,
+        left_domain_by="" if left is None else left.left_domain_by,
         outcome_flips_within_uncertainty=flips and not sided and verdict in OPEN,
         side_flips_within_uncertainty=sided and verdict in OPEN,
         motion_not_given=_not_given(a, b),
     )
-    return Judgement(verdict, _sentence(verdict, a, b, facts, left, flips, sided), evidence)
+    return Judgement(verdict, _findings(verdict, evidence, a, b), evidence)
 
 
 def _decide(a: Side, b: Side, facts: Facts, flips: bool) -> tuple[Verdict, Side | None]:
@@ -121,89 +121,59 @@ def _not_given(a: Side, b: Side) -> dict[str, list[str]]:
     return {name: axes for name, axes in missing.items() if axes}
 
 
-def _sentence(verdict: Verdict, a: Side, b: Side, facts: Facts, left: Side | None, flips: bool, sided: bool) -> str:
-    names = f"{a.name} and {b.name}"
-    when = "" if facts.exceeded_s is None or math.isinf(facts.exceeded_s) else f" from {facts.exceeded_s:.4g} s on"
-    open_ = a.uncertainty_rad is None and b.uncertainty_rad is None
-    joint = "twice what digits and samples leave open" if open_ else "twice their joint numerical error"
-    if verdict is Verdict.AGREE:
-        text = f"{names} agree within their numerical error: at most {rad_text(facts.rotation.largest)} apart, less than {joint} "
-        text += f"({rad_text(facts.rotation.limit)})"
-        if facts.slip.largest > ROUNDING:
-            text += f", their slips {mm_text(facts.slip.largest)} ({mm_text(facts.slip.limit)})"
-    elif verdict in (Verdict.MODEL, Verdict.PLANE):
-        slips = facts.differs_in == "slip"
-        limit = mm_text(facts.slip.limit) if slips else rad_text(facts.rotation.limit)
-        apart = f"{'their slips ' if slips else ''}more than {joint} ({limit}) apart"
-        if open_ and verdict is Verdict.MODEL:
-            return _unstated(a, b, facts)
-        cause = "their models" if verdict is Verdict.MODEL else "the plane left out"
-        text = f"{names} differ by {cause}: {apart}{when}{_before(a, b, facts.until_s)}"
-    elif verdict is Verdict.UNBOUNDED:
-        text = f"{names} agree up to {facts.until_s:.4g} s and differ{when}, where the numerical error of "
-        text += " and ".join(side.name for side in (a, b) if side.reliable_until_s == facts.until_s)
-        text += " is not bounded any more"
-    elif verdict is Verdict.HORIZON:
-        text = f"{names} agree up to {facts.until_s:.4g} s and differ beyond the horizon of prediction{when}"
-    else:
-        side = left or a
-        text = f"{names} differ{when}, after {side.name} left its domain at {side.left_domain_s or 0.0:.4g} s"
-        text += f" ({side.left_domain_by})"
-    if flips and (sided or verdict in OPEN):
-        within = " within the stated uncertainty" if verdict in OPEN else ""
-        text += f"; both overturn, to different sides{within}" if sided else f"; the outcome flips{within}"
-    for name, axes in _not_given(a, b).items():
-        text += f"; {name} was not given the floor's motion along {' and '.join(axes)}"
+CODES: Final = {
+    Verdict.AGREE: info("pair_agrees"),
+    Verdict.MODEL: changes_answer("pair_differs_by_model"),
+    Verdict.PLANE: changes_answer("pair_plane_left_out"),
+    Verdict.DOMAIN: caution("pair_left_domain"),
+    Verdict.HORIZON: caution("pair_beyond_horizon"),
+    Verdict.UNBOUNDED: caution("pair_error_not_bounded"),
+}
+"""What each verdict says, its values aside."""
+
+
+def _findings(verdict: Verdict, evidence: Evidence, a: Side, b: Side) -> list[Finding]:
+    """The verdict with the values of its sentence, and what is to be known beside it."""
     unstated = [side.name for side in (a, b) if side.uncertainty_rad is None]
-    if open_ and verdict is Verdict.AGREE:
-        text += f". {UNSTATED}"
-    elif unstated:
-        text += f" (numerical error of {' and '.join(unstated)} not stated: taken as zero)"
+    values: dict[str, object] = {
+        "a": a.name,
+        "b": b.name,
+        "difference_rad": evidence.largest_difference_rad,
+        "limit_rad": evidence.limit_rad,
+        "slip_difference_m": evidence.largest_slip_difference_m,
+        "slip_limit_m": evidence.slip_limit_m,
+        "differs_in": evidence.differs_in,
+        "from_s": evidence.exceeded_s,
+        "until_s": evidence.horizon_s,
+    }
+    said = CODES[verdict]
+    if verdict is Verdict.MODEL and len(unstated) == 2:
+        said = caution("pair_differs_unstated")
+    if verdict is Verdict.UNBOUNDED:
+        values["unbounded"] = [side.name for side in (a, b) if side.reliable_until_s == evidence.horizon_s]
+    if verdict is Verdict.DOMAIN:
+        values |= {"left_s": evidence.left_domain_s, "by": evidence.left_domain_by, "left": evidence.left_domain}
+    found = [replace(said, values=values)]
+    if evidence.outcome_flips_within_uncertainty:
+        found.append(changes_answer("outcome_flips", a=a.name, b=b.name))
+    if evidence.side_flips_within_uncertainty:
+        found.append(caution("side_flips", a=a.name, b=b.name))
+    found += [
+        changes_answer("motion_not_given", model=name, axes=list(axes))
+        for name, axes in (evidence.motion_not_given or {}).items()
+    ]
     slipless = [side.name for side in (a, b) if side.slip_uncertainty_m is None and side.uncertainty_rad is not None]
-    if slipless and facts.slip.largest > ROUNDING:
-        text += f" (numerical error of the slip of {' and '.join(slipless)} not stated: taken as zero)"
-    return text + "." + _digits(a, b)
-
-
-def _unstated(a: Side, b: Side, facts: Facts) -> str:
-    """Two answers of which neither states an error: what is known is that they part by more than their own digits leave open."""
-    slips = facts.differs_in == "slip"
-    what, size = ("slips", mm_text(facts.slip.largest)) if slips else ("rotations", rad_text(facts.rotation.largest))
-    limit = mm_text(facts.slip.limit) if slips else rad_text(facts.rotation.limit)
-    return (
-        f"{a.name} and {b.name} differ: their {what} are up to {size} apart, more than rounding and their files leave open"
-        f" ({limit}). {UNSTATED}: their models differ only if it is smaller.{_digits(a, b)}"
-    )
-
-
-def _digits(a: Side, b: Side) -> str:
-    """Where the digits of a file leave more open than rounding: by how much."""
-    parts = [
-        f"{side.name} to {rad_text(side.resolution_rad)}"
-        + (f" and {mm_text(side.resolution_m)}" if side.resolution_m else "")
+    if unstated:
+        found.append(caution("error_not_stated", models=unstated))
+    elif slipless and evidence.largest_slip_difference_m > ROUNDING:
+        found.append(caution("slip_error_not_stated", models=slipless))
+    found += [
+        info("digits_counted", model=side.name, resolution_rad=side.resolution_rad, resolution_m=side.resolution_m)
         for side in (a, b)
         if max(side.resolution_rad, side.resolution_m) > ROUNDING
     ]
-    return f" Counted as an error: what digits and samples leave open, {', '.join(parts)}." if parts else ""
-
-
-def _before(a: Side, b: Side, until_s: float) -> str:
-    """What a robust difference came before."""
-    if math.isinf(until_s):
-        return ""
-    if until_s == _horizon_s(a, b):
-        return f", before the horizon at {until_s:.4g} s"
-    return f", while both numerical errors are bounded (until {until_s:.4g} s)"
-
-
-def rad_text(value: float) -> str:
-    """A rotation, rad, in a sentence."""
-    return f"{value:.2g} rad"
-
-
-def mm_text(value_m: float) -> str:
-    """A length, m, in a sentence."""
-    return f"{1e3 * value_m:.2g} mm"
+    pair = f"{a.name}_vs_{b.name}"
+    return [each.of(pair) for each in found]
 
 
 def shares(verdicts: Iterable[Verdict]) -> dict[str, float]:

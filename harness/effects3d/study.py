@@ -150,7 +150,7 @@ def run_effects(
         file=path.name,
         **vars(answers),
         scene=SceneRecord.of(scene),
-        notes=[scan_directions(scene), *scene.notes],
+        findings=[scan_directions(scene), *scene.findings],
         study=part(AskedRecord, study.model_dump(), path),
         unit_g=peak_g(scene),
         replay=write_replay(scene, answers.rows, answers.departures, study.search.dt_s, folder / REPLAY),

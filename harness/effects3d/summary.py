@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from harness.effects3d.conditions import CONDITIONS, solid_of
+from harness.model.finding import Finding, info
 from harness.model.scene import Scene
 from harness.model.written import scan_azimuth_deg, written
 from harness.records.effects3d import BASELINE, Amplitude, Change, Effect, StaticLimit
@@ -20,14 +21,12 @@ GRAZING_COS: Final = 0.05
 """A side that the shaking meets more obliquely than this (87°) is not tipped by it."""
 
 
-def scan_directions(scene: Scene) -> str:
+def scan_directions(scene: Scene) -> Finding:
     """Where the study's 0° and 90° point on the scan as its file has it, before it was set upright and turned."""
     file, up = (written(scene, "statue", "mesh", key) for key in ("file", "up"))
     back = turn_axis(str(up or "z")).T @ turn_about_z(scan_azimuth_deg(scene)).T
-    first, second = (
-        ", ".join(f"{value:.3g}" for value in (column.round(12) + 0.0).tolist()) for column in (back[:, 0], back[:, 1])
-    )
-    return f"On the scan as its file has it ({file}), 0° points along ({first}) and 90° along ({second})."
+    first, second = ((column.round(12) + 0.0).tolist() for column in (back[:, 0], back[:, 1]))
+    return info("scan_directions", file=str(file), along_0=first, along_90=second)
 
 
 def static_rose(scene: Scene, azimuths_deg: Sequence[float], sides: Sequence[Amplitude]) -> list[StaticLimit]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, ClassVar, Final, Literal, final
 
 from analytic.excitation import ZeroExcitation
 from harness.engines.base import RELIABLE_RAD, Engine, EngineFailure, Settings
+from harness.model.finding import Finding, caution, changes_answer, info
 from harness.model.history import History, Outcome
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Pattern, Run
@@ -20,7 +21,7 @@ from harness.model.two_block import keywords as keywords
 from harness.model.two_block import wall_of as wall_of
 
 if TYPE_CHECKING:
-    from analytic import CommonKeywords, Solution
+    from analytic import Certified, CommonKeywords, Solution
 
 ACCURACIES_RAD: Final = (1e-6, 1e-9, 1e-12)
 """The refinement levels: aimed error of the rotation before it is amplified by the problem itself."""
@@ -105,7 +106,7 @@ class TwoBlock(Engine):
             numerical_uncertainty_rad=certified.uncertainty_rad,
             slip_uncertainty_m=certified.slip_uncertainty_m,
             reliable_until_s=certified.reliable_until_s,
-            warnings=(*certified.warnings, *run.warnings),
+            findings=(*findings_of(certified), *run.findings),
         )
 
 
@@ -177,30 +178,56 @@ def _ratio(after: float, before: float) -> float:
     return after / before if before != 0.0 else 0.0
 
 
-def skipped(solution: Solution, keep: bool) -> tuple[str, ...]:
-    """What a run left out, and why nothing is lost by it, in sentences; `keep`: its history was asked."""
-    work, messages = solution.work, []
+def skipped(solution: Solution, keep: bool) -> dict[str, float | None]:
+    """What a run left out, by skip (`Run.skipped`); `keep`: its history was asked."""
+    work = solution.work
+    left: dict[str, float | None] = {}
     if work.skipped_s > 0.0:
-        messages.append(
-            f"{work.skipped_s:.4g} s in which no limit of rest is reached ({work.quiet_samples_skipped} samples of the motion) "
-            "were looked through, not integrated."
-        )
+        left["quiet_rest"] = work.skipped_s
     if work.ended_by_energy and solution.end_s > 0.0 and not keep:
-        messages.append(
-            f"From {solution.end_s:.4g} s, the motion being over, the outcome follows from the energy alone."
-        )
+        left["energy_outcome"] = None
     if not keep:
-        messages.append("No history and no list of impacts was kept: only the outcome was asked.")
+        left["no_history"] = None
     if solution.overturn_time_s is not None:
-        messages.append("The run ends when the statue has overturned.")
-    return tuple(messages)
+        left["stop_at_overturn"] = None
+    return left
 
 
-def left_out(motion: BaseExcitation) -> tuple[str, ...]:
-    """What of a motion the model cannot be given, in sentences."""
-    if isinstance(motion.y, ZeroExcitation):
-        return ()
-    return ("The model is planar: the motion across the rocking plane is left out.",)
+def left_out(motion: BaseExcitation) -> tuple[Finding, ...]:
+    """What of a motion the model cannot be given."""
+    return () if isinstance(motion.y, ZeroExcitation) else (changes_answer("motion_across_left_out"),)
+
+
+NEAR_TIE: Final = 1e-3
+"""An energy that decides the outcome is a near tie within this share of the barrier's."""
+
+
+def findings_of(certified: Certified) -> tuple[Finding, ...]:
+    """What is to be known of a run and its own numerical error."""
+    run, until_s = certified.solution, certified.reliable_until_s
+    doubts, limits = run.doubts, run.validity
+    found = []
+    if not certified.outcome_is_sure:
+        found.append(changes_answer("outcome_changes_with_steps", outcomes=[each.value for each in certified.outcomes]))
+    if until_s < run.end_s and run.t_s.size == 0 and until_s <= 0.0:
+        found.append(caution("peak_not_bounded", uncertainty_rad=certified.uncertainty_rad))
+    elif until_s < run.end_s:
+        found.append(caution("error_not_bounded", until_s=until_s, end_s=run.end_s))
+    if doubts.gave_up:
+        found.append(changes_answer("run_given_up", at_s=run.end_s, steps=run.work.steps))
+    if doubts.near_tangent_steps:
+        found.append(caution("near_tangent_events", steps=doubts.near_tangent_steps))
+    if doubts.ambiguous_states:
+        found.append(caution("several_joint_states", count=doubts.ambiguous_states))
+    if doubts.dropped_rebounds:
+        found.append(info("impacts_died_out", count=doubts.dropped_rebounds))
+    if doubts.outcome_margin is not None and doubts.outcome_margin < NEAR_TIE:
+        found.append(changes_answer("near_tie", margin=doubts.outcome_margin))
+    if run.energy_gained_j > 1e-9 * max(run.energy_lost_j, 1e-9):
+        found.append(caution("impacts_gained_energy", energy_j=run.energy_gained_j))
+    if limits is not None and limits.left_domain_s is not None:
+        found.append(changes_answer("left_domain", at_s=limits.left_domain_s, by=limits.left_domain_by))
+    return tuple(found)
 
 
 def stated_settings(settings: TwoBlockSettings) -> Mapping[str, object]:
@@ -233,5 +260,5 @@ def _run(scene: Scene, settings: TwoBlockSettings, solution: Solution, wall_s: f
         validity=_validity(scene, solution),
         work={"taylor_coefficients": work.taylor_coefficients, "events": work.events, "impacts": work.impacts},
         skipped=skipped(solution, keep),
-        warnings=left_out(scene.base_excitation),
+        findings=left_out(scene.base_excitation),
     )

@@ -11,7 +11,7 @@ How to add an engine
    `EngineFailure` at this boundary. An engine with contact offers a `Backend` (`harness.engines.event_stepping.backend`): the
    layer steps it, locates events in it, and makes its trajectory.
 4. Fill every field of `Run` that the engine can know. A scene that asks for what the engine cannot compute is refused by
-   `EngineFailure` in one sentence; a form of the two-block model that it replaces by its own contact is said in `Run.warnings`.
+   `EngineFailure` in one sentence; a form of the two-block model that it replaces by its own contact is said in `Run.findings`.
 5. Add one line to the registry in `harness/engines/__init__.py`, and run `make test`.
 """
 

@@ -16,6 +16,7 @@ from harness.engines.contact import frame
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.spatial import planar, statue_columns
 from harness.engines.contact.trajectory import Trajectory
+from harness.model.finding import Finding, caution, changes_answer
 from harness.model.history import Outcome
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
@@ -216,28 +217,21 @@ def trajectory_of(scene: Scene, solution: Solution) -> Trajectory:
     )
 
 
-def _warnings(certified: Certified, unfinished: Sequence[tuple[float, Solution]]) -> Sequence[str]:
+def _findings(certified: Certified, unfinished: Sequence[tuple[float, Solution]]) -> list[Finding]:
     solution = certified.solution
-    messages = [
-        f"A local error of {local:g} was given up ({tried.work.steps} steps, {tried.end_s:.6g} s): a coarser one answers."
+    found = [
+        caution("level_given_up", local_error=local, steps=tried.work.steps, at_s=tried.end_s)
         for local, tried in unfinished
     ]
     if solution.outcome.value == "friction_paradox":
-        messages.append(
-            f"At {solution.end_s:.6g} s no mode of motion is consistent with its own forces: the run ends there."
-        )
+        found.append(changes_answer("no_consistent_motion", at_s=solution.end_s))
     if solution.gave_up:
-        messages.append(
-            f"The run was given up at {solution.end_s:.6g} s: it made no progress worth its {solution.work.steps} steps."
-        )
+        found.append(changes_answer("run_given_up", at_s=solution.end_s, steps=solution.work.steps))
     if not certified.outcome_is_sure:
-        messages.append("The outcome changes with the integrator's steps: it is not to be trusted.")
+        found.append(changes_answer("outcome_changes_with_steps", outcomes=[]))
     if certified.reliable_until_s < solution.end_s:
-        messages.append(
-            f"Beyond {certified.reliable_until_s:.4g} s the history depends on the integrator's rounding: it is not to be "
-            "trusted."
-        )
-    return messages
+        found.append(caution("error_not_bounded", until_s=certified.reliable_until_s, end_s=solution.end_s))
+    return found
 
 
 def outcome_of(solution: Solution, reduced: Outcome) -> Outcome:
@@ -279,7 +273,7 @@ def _run(
             "ambiguous_states": solution.ambiguous_states,
             "levels_given_up": len(unfinished),
         },
-        warnings=_warnings(certified, unfinished),
+        findings=_findings(certified, unfinished),
     )
     run = reduce_trajectory(scene, trajectory_of(scene, solution), report)
     return replace(

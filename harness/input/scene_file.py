@@ -20,6 +20,7 @@ from harness.input.overrides import Overrides, plain, replacements
 from harness.input.tables import ContactTable, InitialTable, ModelTable, PedestalTable, SceneFile, StatueTable
 from harness.input.uncertain import uncertain_inputs
 from harness.model.errors import InputError, Mistake
+from harness.model.finding import Finding, caution, info
 from harness.model.history import Array
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
 from harness.model.two_block import block_of, pedestal_of, wall_of
@@ -101,8 +102,8 @@ def _from_here(content: dict[str, JsonValue]) -> dict[str, JsonValue]:
     return {key: absolute(key, value) for key, value in content.items()}
 
 
-Statues = dict[str, tuple["Statue", Sequence[str]]]
-"""Statues by the text of their table, each with its notes."""
+Statues = dict[str, tuple["Statue", Sequence[Finding]]]
+"""Statues by the text of their table, each with its findings."""
 
 
 def resolve(
@@ -116,19 +117,19 @@ def resolve(
     `statues` keeps those of earlier scenes of the same folder: thousands of scenes of one study share one.
     """
     path = source or UNNAMED
-    notes: list[str] = []
+    found: list[Finding] = []
     mistakes: list[Mistake] = []
-    base_excitation = _base_excitation(model, path, mistakes, notes)
+    base_excitation = _base_excitation(model, path, mistakes, found)
     statue = None
     try:
-        statue = _statue_once(model.statue, path, notes, statues)
+        statue = _statue_once(model.statue, path, found, statues)
     except InputError as error:
         mistakes.extend(error.mistakes)
     if mistakes or statue is None:
         raise InputError(mistakes)
     pedestal = _pedestal(model.pedestal, statue, path)
     if pedestal is None:
-        notes.append("contact.floor_static and contact.floor_kinetic are not used: there is no pedestal")
+        found.append(info("key_not_used", keys=["contact.floor_static", "contact.floor_kinetic"]))
     scene = Scene(
         title=model.title,
         duration_s=model.duration_s,
@@ -144,7 +145,7 @@ def resolve(
         output_dt_s=model.output.dt_s,
         source=source,
         given=content or {},
-        notes=tuple(notes),
+        findings=tuple(found),
         uncertainty=uncertain_inputs(model, model.uncertainty),
         _reader=changed,
     )
@@ -199,7 +200,7 @@ def _contact(table: ContactTable) -> Contact:
     return Contact(table.floor_static, table.floor_kinetic, table.statue, ratio, table.floor_impact)
 
 
-def _base_excitation(model: SceneFile, path: Path, mistakes: list[Mistake], notes: list[str]) -> BaseExcitation:
+def _base_excitation(model: SceneFile, path: Path, mistakes: list[Mistake], found: list[Finding]) -> BaseExcitation:
     excitations: dict[str, Excitation] = {axis: ZeroExcitation() for axis in ("x", "y", "z")}
     for axis in excitations:
         motion = motions.SceneMotion.of(model, axis, path)
@@ -208,7 +209,7 @@ def _base_excitation(model: SceneFile, path: Path, mistakes: list[Mistake], note
         try:
             prepared = motions.prepare(motion)
             excitations[axis] = prepared.excitation.scaled(model.motion.scale)
-            notes.extend(f"{motion.key}: {warning}" for warning in prepared.warnings)
+            found.extend(caution("motion_note", key=motion.key, text=warning) for warning in prepared.warnings)
         except InputError as error:
             mistakes.extend(error.mistakes)
     return BaseExcitation(**excitations)
@@ -229,21 +230,24 @@ def _pedestal(table: PedestalTable | None, statue: Statue, path: Path) -> Pedest
     return pedestal
 
 
-def _statue_once(table: StatueTable, path: Path, notes: list[str], statues: Statues | None) -> Statue:
+def _statue_once(table: StatueTable, path: Path, found: list[Finding], statues: Statues | None) -> Statue:
     if statues is None:
-        return _statue(table, path, notes)
+        return _statue(table, path, found)
     text = table.model_dump_json()
     if text not in statues:
-        own_notes: list[str] = []
-        statues[text] = _statue(table, path, own_notes), own_notes
+        own: list[Finding] = []
+        statues[text] = _statue(table, path, own), own
     statue, said = statues[text]
-    notes.extend(said)
+    found.extend(said)
     return statue
 
 
-def _statue(table: StatueTable, path: Path, notes: list[str]) -> Statue:
+def _statue(table: StatueTable, path: Path, found: list[Finding]) -> Statue:
     if table.mesh is not None:
-        return statue_from_mesh(table, table.mesh, path, notes)
+        notes: list[str] = []
+        statue = statue_from_mesh(table, table.mesh, path, notes)
+        found.extend(caution("mesh_note", text=note) for note in notes)
+        return statue
     mass, height_c = table.mass_kg, table.centroid_height_m
     left, right, inertia = table.corner_left_m, table.corner_right_m, table.inertia_kg_m2
     if mass is None or height_c is None or left is None or right is None or inertia is None:
@@ -251,14 +255,14 @@ def _statue(table: StatueTable, path: Path, notes: list[str]) -> Statue:
     height = table.height_m
     if height is None:
         height = 2.0 * height_c
-        notes.append(f"statue.height_m is not given: twice the centroid's height, {height:.4g} m, is assumed")
+        found.append(info("key_assumed", key="statue.height_m", value=height))
     if height <= height_c:
         wanted = f"more than centroid_height_m = {height_c:g}"
         raise InputError(Mistake(str(path), "statue.height_m", wanted, f"{height:g}"))
     depth = table.depth_m
     if depth is None:
         depth = left + right
-        notes.append(f"statue.depth_m is not given: the base's width, {depth:.4g} m, is assumed")
+        found.append(info("key_assumed", key="statue.depth_m", value=depth))
     sizes = {"corner_left_m": left, "corner_right_m": right, "height_m": height, "depth_m": depth}
     mistakes = [
         Mistake(str(path), f"statue.{name}", f"a length of at most {LARGEST_M:g} m", f"{value:g}")

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from harness.model.errors import InputError, Mistake
 from harness.model.files import write_text
+from harness.model.finding import Finding
 from harness.model.history import History, Outcome
 from harness.model.interventions import Intervention
 from harness.model.shown import Shown
@@ -54,10 +55,10 @@ class Run(Shown):
     `validity` holds the model's limits met in this run (docs/model.md, section 5) by name with unit; `numerical_uncertainty_rad`
     and `slip_uncertainty_m` bound the numerical errors of rotation and slip up to `reliable_until_s` (None: not estimated).
     `history` is None when only the outcome was asked. `steps` counts integration steps; `work` further counts by name
-    (evaluations, iterations, ...). `skipped` are sentences on what was left out and why the result is the same; `warnings` are
-    sentences for the user. `motion_axes` are the axes along which the floor moves in the motion that the engine was
-    given (None: not stated). `interventions` is what the harness wrote to the engine's bodies, by kind; empty for an engine as
-    it comes.
+    (evaluations, iterations, ...). `skipped` is what was left out though the result is the same, by its name in
+    `options.SKIPS`, with the time that it saved, s (None: no stretch of time); `findings` are what to know of it.
+    `motion_axes` are the axes along which the floor moves in the motion that the engine was given (None: not stated).
+    `interventions` is what the harness wrote to the engine's bodies, by kind; empty for an unmodified engine.
     """
 
     engine: str
@@ -81,8 +82,8 @@ class Run(Shown):
     slip_uncertainty_m: float | None = None
     reliable_until_s: float | None = None
     work: Mapping[str, int] = field(default_factory=dict)
-    skipped: Sequence[str] = ()
-    warnings: Sequence[str] = ()
+    skipped: Mapping[str, float | None] = field(default_factory=dict)
+    findings: Sequence[Finding] = ()
     labels: Sequence[str] = ()
     message: str = ""
     motion_axes: Sequence[str] | None = None
@@ -116,14 +117,14 @@ class Run(Shown):
             raise InputError(Mistake(f"run of {self.engine}", "history", wanted, self.message or "its outcome alone"))
         return self.history
 
-    def with_uncertainty(self, of_rotation_rad: float, of_slip_m: float, until_s: float, *warnings: str) -> Run:
+    def with_uncertainty(self, of_rotation_rad: float, of_slip_m: float, until_s: float, *findings: Finding) -> Run:
         """The same run with its numerical uncertainty stated."""
         return replace(
             self,
             numerical_uncertainty_rad=of_rotation_rad,
             slip_uncertainty_m=of_slip_m,
             reliable_until_s=until_s,
-            warnings=(*self.warnings, *warnings),
+            findings=(*self.findings, *findings),
         )
 
 

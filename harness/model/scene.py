@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from analytic.constants import OVERTURN_RAD as OVERTURN_RAD
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.model.errors import InputError, Mistake
+from harness.model.finding import Finding
 from harness.model.history import Array
 from harness.model.run import OMITTED
 from harness.model.shown import Shown, new_axes
@@ -243,7 +244,7 @@ Reader = Callable[["Scene", "Mapping[str, object] | Sequence[str]", "Mapping[str
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Scene(Shown):
-    """One scene, resolved. `notes` are sentences on what was assumed or reconciled; `given` is the file's content as read."""
+    """One scene, resolved. `findings` are what was assumed or reconciled; `given` is the file's content as read."""
 
     title: str
     duration_s: float
@@ -259,7 +260,7 @@ class Scene(Shown):
     output_dt_s: float = 0.001
     source: Path | None = None
     given: Mapping[str, JsonValue] = field(default_factory=dict)
-    notes: Sequence[str] = ()
+    findings: Sequence[Finding] = ()
     uncertainty: Sequence[Uncertain] = ()
     _reader: Reader | None = field(default=None, repr=False)
     """What reads its tables anew with other values (`harness.input.scene_file.changed`); None of a scene of resolved parts."""

@@ -146,7 +146,7 @@ def assess(
     record = AssessRecord(
         title=scene.title,
         scene=SceneRecord.of(scene),
-        notes=list(scene.notes),
+        findings=scene.findings,
         uncertainty=inputs,
         assumed=not scene.uncertainty,
         seed=seed,

@@ -261,7 +261,6 @@ class AssessRecord(Record):
 
     kind: Literal["assess"] = "assess"
     scene: SceneRecord
-    notes: Sequence[str]
     uncertainty: Sequence[Uncertain]
     assumed: bool
     seed: int

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Final, TypeVar
+from typing import Annotated, Any, ClassVar, Final, Self, TypeVar
 
 from pydantic import ConfigDict, Field, JsonValue, TypeAdapter, ValidationError
 from pydantic.json_schema import GenerateJsonSchema
@@ -19,6 +19,7 @@ from pydantic_core import ErrorDetails
 from harness.input.mistakes import TYPE_NAME, Contradiction, got_of, wanted_of
 from harness.model.errors import InputError, Mistake
 from harness.model.files import MARK
+from harness.model.finding import Answer, Finding, Say, texted, weighed
 from harness.model.run import OMITTED, SCHEMA_VERSION, to_plain
 
 REWRITE: Final = "write the result anew with this version"
@@ -44,10 +45,19 @@ class Record:
     schema_version: int = SCHEMA_VERSION
     kind: str
     title: str
+    answer: Answer | None = field(default=None, metadata=OMITTED)
+    """The headline, on every page and terminal."""
+    findings: Sequence[Finding] = ()
+    """All that is to be known of the result, by severity."""
     versions: Mapping[str, str]
     machine: Table
     files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)
     """SHA-256 of each other file of the result, None of one that is written anew at each report; absent before it is written."""
+
+    def texted(self, say: Say) -> Self:
+        """The record with the sentences of its answer and findings."""
+        answer = None if self.answer is None else self.answer.texted(say)
+        return replace(self, answer=answer, findings=texted(weighed(self.findings), say))
 
     def plain(self) -> Plain:
         """The record as plain JSON values in the order of its fields."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
+from harness.model.finding import Say
 from harness.records.base import Record
 from harness.records.scores import Scores
 
@@ -18,3 +19,7 @@ class CompareRecord(Record):
 
     kind: Literal["compare"] = "compare"
     scores: Scores
+
+    def texted(self, say: Say) -> CompareRecord:
+        """The record with its sentences."""
+        return replace(super().texted(say), scores=self.scores.texted(say))

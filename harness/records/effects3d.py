@@ -178,7 +178,6 @@ class EffectsRecord(EffectsAnswers, Record):
     kind: Literal["effects3d"] = "effects3d"
     file: str
     scene: SceneRecord
-    notes: Sequence[str]
     study: AskedRecord
     unit_g: float
     replay: ReplayRecord | None

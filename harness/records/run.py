@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple, cast
 
 from harness.input.mistakes import Contradiction
+from harness.model.finding import Finding, Say
 from harness.model.history import History, Outcome
 from harness.model.interventions import Intervention
 from harness.model.run import OMITTED, Pattern, Run
@@ -52,8 +53,8 @@ class EngineRunRecord:
     slip_uncertainty_m: float | None = None
     reliable_until_s: float | None
     work: Mapping[str, int | float]
-    skipped: Sequence[str]
-    warnings: Sequence[str]
+    skipped: Mapping[str, float | None]
+    findings: Sequence[Finding]
     labels: Sequence[str]
     message: str
     motion_axes: Sequence[str] | None = None
@@ -95,7 +96,6 @@ class HorizonRecord:
     outcomes: Sequence[Outcome]
     failed: int
     intrinsic_s: float
-    sentence: str
 
     def until(self, uncertainty: float) -> float:
         """The horizon for an uncertainty of the start or the motion: that of the least perturbation that is as large.
@@ -112,7 +112,6 @@ class RunRecord(Record):
 
     kind: Literal["run"] = "run"
     scene: SceneRecord
-    notes: Sequence[str]
     motion: MotionRecord
     runs: Mapping[str, EngineRunRecord]
     histories: Sequence[str] | None = field(default=None, metadata=OMITTED)
@@ -122,8 +121,12 @@ class RunRecord(Record):
     assessment: Mapping[str, Assessment] | None = field(default=None, metadata=OMITTED)
     witness: Mapping[str, Witness] | None = field(default=None, metadata=OMITTED)
     plan: Sequence[Step]
-    warnings: Sequence[str]
     seconds: float
+
+    def texted(self, say: Say) -> RunRecord:
+        """The record with its sentences, those of each pair's verdict among them."""
+        scores = {pair: each.texted(say) for pair, each in self.scores.items()}
+        return replace(super().texted(say), scores=scores)
 
     def __post_init__(self) -> None:
         for key, names in (("histories", self.histories), ("horizons", self.horizons)):

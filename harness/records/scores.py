@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Final, Literal
 
+from harness.model.finding import Finding, Say, texted
 from harness.model.history import Outcome
 from harness.model.run import OMITTED
 from harness.model.shown import Shown, new_axes
@@ -26,14 +27,13 @@ class Verdict(StrEnum):
 
     AGREE = "agree within numerical error"
     MODEL = "differ: model"
-    CONVENTION = "differ: by convention"
     HORIZON = "differ: beyond the horizon"
     DOMAIN = "differ: the model left its domain"
     PLANE = "differ: the plane left out"
     UNBOUNDED = "differ: numerical error not bounded"
 
 
-ROBUST: Final = frozenset({Verdict.MODEL, Verdict.CONVENTION, Verdict.PLANE})
+ROBUST: Final = frozenset({Verdict.MODEL, Verdict.PLANE})
 """Verdicts that no numerical error and no sensitivity explains."""
 
 
@@ -62,6 +62,9 @@ class Evidence:
     compared_until_s: float | None
     left_domain_s: float | None
     left_domain_by: str
+    """Which limit was passed (`statue_slides`, `contact_lost`, `pedestal_tips`), or the outcome with which a run left it, and"""
+    left_domain: str = ""
+    """of which answer."""
     outcome_flips_within_uncertainty: bool
     side_flips_within_uncertainty: bool = False
     motion_not_given: Mapping[str, Sequence[str]] | None = None
@@ -110,7 +113,6 @@ class AfterHorizon:
     excursions_a: int
     excursions_b: int
     peaks: PeaksApart | None
-    sentence: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -228,15 +230,21 @@ class Scores(Shown, Outcomes, SpragueGeers, Residuals, EventScores, Together, Pe
     after_horizon: AfterHorizon | None
     numerical_uncertainty: Mapping[str, float | None]
     verdict: Verdict
-    verdict_sentence: str
     evidence: Evidence
     iso: IsoRating | None = None
-    warnings: Sequence[str] | None = field(default=None, metadata=OMITTED)
-    """Of histories from files: where scores rest on interpolation."""
+    findings: Sequence[Finding] = ()
+    """The verdict with its values, and what is to be known beside it."""
+    verdict_sentence: str = ""
+    """The first finding's sentence, in a record; empty before."""
+
+    def texted(self, say: Say) -> Scores:
+        """The scores with the sentences of their findings."""
+        said = texted(self.findings, say)
+        return replace(self, findings=said, verdict_sentence=said[0].text if said else "")
 
     def facts(self) -> dict[str, str]:
-        """The verdict and what it rests on."""
-        return {"pair": f"{self.a} against {self.b}", "verdict": self.verdict.value, "because": self.verdict_sentence}
+        """The verdict."""
+        return {"pair": f"{self.a} against {self.b}", "verdict": self.verdict.value}
 
     def columns(self) -> dict[str, list[str] | list[float]]:
         """Every score that is one number, and what the stated numerical errors can change in it (NaN: not defined)."""

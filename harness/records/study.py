@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from pydantic import JsonValue
 
 from harness.model.errors import InputError, Mistake
+from harness.model.finding import Finding, Severity
 from harness.model.history import Outcome
 from harness.model.run import OMITTED
 from harness.model.shown import Shown, new_axes
@@ -43,7 +44,7 @@ class CaseRun:
     reliable_until_s: float | None
     steps: int
     labels: Sequence[str]
-    warnings: Sequence[str]
+    findings: Sequence[Finding]
     validity: Table
     motion_axes: Sequence[str] | None = None
     impacts: int
@@ -58,8 +59,8 @@ class CaseRun:
         """
         same: dict[str, Any] = {name: run.get(name) for name in STORED}
         validity = {sys.intern(key): value for key, value in run["validity"].items()}
-        warnings = [sys.intern(text) for text in run["warnings"]]
-        own = {"outcome": Outcome(run["outcome"]), "warnings": warnings, "validity": validity, "impacts": impacts(run)}
+        findings = [Finding(**{**each, "severity": Severity(each["severity"])}) for each in run["findings"]]
+        own = {"outcome": Outcome(run["outcome"]), "findings": findings, "validity": validity, "impacts": impacts(run)}
         return cls(**same | own)
 
 
@@ -141,23 +142,21 @@ class RecheckRecord:
 
 @dataclass(frozen=True, kw_only=True)
 class WitnessCount:
-    """Of how many scenes a plain engine confirms the engine beside it, differs by convention, differs, or says nothing."""
+    """Of how many scenes a plain engine confirms the engine beside it, differs, or says nothing."""
 
     confirmed: int
-    by_convention: int
     differ: int
     silent: int
 
 
 @dataclass(frozen=True, kw_only=True)
 class StudyWitness:
-    """What engines as they come say of a seeded tenth of the scenes: `scenes` of so many, by plain engine; where they differ."""
+    """What unmodified engines say of a seeded tenth of the scenes: `scenes` of so many, by plain engine; where they differ."""
 
     scenes: int
     of: int
     counts: Mapping[str, WitnessCount]
-    differing: Sequence[str]
-    sentence: str
+    differing: Sequence[Finding]
     seconds: float
 
 
@@ -201,7 +200,6 @@ class StudyRecord(Record, Shown):
     kind: Literal["study"] = "study"
     file: str
     scene: SceneRecord
-    notes: Sequence[str]
     vary: Mapping[str, Sequence[Value]]
     supports: SupportRecord | None = field(default=None, metadata=OMITTED)
     summary: StudySummary
@@ -245,7 +243,7 @@ class StudyRecord(Record, Shown):
         single = [
             each.name
             for each in fields(CaseRun)
-            if each.name not in {"engine", "labels", "warnings", "validity", "motion_axes"}
+            if each.name not in {"engine", "labels", "findings", "validity", "motion_axes"}
         ]
         rows: list[dict[str, object]] = [
             {"row": k, "number": row.number, "engine": row.engine, "reason": row.reason}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -12,12 +12,13 @@ import numpy as np
 from analytic.excitation import ZeroExcitation
 from harness import engines
 from harness.comparison.distance import errors
-from harness.comparison.verdict import mm_text, rad_text
+from harness.comparison.verdict import CODES
 from harness.engines.base import EngineFailure
+from harness.model.finding import Finding, caution
 from harness.model.options import RunOptions
 from harness.model.run import Run, number
 from harness.model.scene import Scene
-from harness.records.scores import ROBUST, Evidence, Scores
+from harness.records.scores import ROBUST, Evidence, Scores, Verdict
 
 LEAST: Final = 1e-9
 """Share of the inertia's trace, or of the base's width, below which products or a skewed base are rounding."""
@@ -53,9 +54,9 @@ def _on_edges(scene: Scene) -> Scene | None:
 
 
 TAKEN_AWAY: Final[Mapping[str, Callable[[Scene], Scene | None]]] = {
-    "the products of inertia": _without_products,
-    "the floor's motion across the plane": _along_the_plane,
-    "the outline of the base": _on_edges,
+    "products_of_inertia": _without_products,
+    "motion_across": _along_the_plane,
+    "base_outline": _on_edges,
 }
 """What the plane leaves out, and the scene without it; None where the scene has none of it."""
 
@@ -76,22 +77,32 @@ class TakenAway:
 
 def explained(runs: Mapping[str, Run], scores: Mapping[str, Scores], taken: TakenAway) -> set[str]:
     """The pairs whose robust difference goes, all or most of it, with one of `TAKEN_AWAY`."""
-    found = set()
-    for pair, (plane, space) in _planar_and_spatial(runs, scores).items():
-        with_all, limit, known = _apart(plane, space, taken.runs(space), scores[pair].evidence)
-        if math.isfinite(with_all) and known and min(known.values()) <= max(limit, REMAINDER * with_all):
-            found.add(pair)
-    return found
+    return {
+        pair
+        for pair, (plane, space) in _planar_and_spatial(runs, scores).items()
+        if _caused(_reason(plane, space, taken.runs(space), scores[pair].evidence))
+    }
 
 
 def with_reasons(runs: Mapping[str, Run], scores: Mapping[str, Scores], taken: TakenAway) -> dict[str, Scores]:
-    """The scores of pairs; of each planar and 3D answer that differ robustly, told which of `TAKEN_AWAY` is why."""
+    """The scores of pairs; of each planar and 3D answer that differ robustly, found which of `TAKEN_AWAY` is why.
+
+    Where one is, it is no longer two models that differ, but what one of them leaves out.
+    """
     judged = dict(scores)
     for pair, (plane, space) in _planar_and_spatial(runs, scores).items():
         each = scores[pair]
-        reason = _reason(plane, space, taken.runs(space), each.evidence)
-        judged[pair] = replace(each, verdict_sentence=each.verdict_sentence + reason)
+        reasons = _reason(plane, space, taken.runs(space), each.evidence)
+        found = [*each.findings, *(reason.of(pair) for reason in reasons)]
+        judged[pair] = replace(each, findings=found)
+        if _caused(reasons):
+            found[0] = replace(found[0], code=CODES[Verdict.PLANE].code)
+            judged[pair] = replace(judged[pair], verdict=Verdict.PLANE)
     return judged
+
+
+def _caused(reasons: Sequence[Finding]) -> bool:
+    return any(each.code == "plane_cause" for each in reasons)
 
 
 def _planar_and_spatial(runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, tuple[Run, Run]]:
@@ -115,33 +126,24 @@ def _end_s(run: Run) -> float:
     return min(run.bounded_until_s, run.end_s)
 
 
-def _apart(
-    plane: Run, space: Run, again: Mapping[str, Run], evidence: Evidence
-) -> tuple[float, float, dict[str, float]]:
-    """How far the two are apart in what they differ in, the limit of that, and how far they are without each thing."""
+def _reason(plane: Run, space: Run, again: Mapping[str, Run], evidence: Evidence) -> list[Finding]:
+    """The cause without which the two are nearest, if what is left of the difference is little; how far apart without each."""
     slips = evidence.differs_in == "slip"
+    limit = evidence.slip_limit_m if slips else evidence.limit_rad
     until_s = min(_end_s(plane), _end_s(space))
 
     def apart(run: Run) -> float:
         return errors(plane, run, until_s)[1 if slips else 0]
 
+    with_all = apart(space)
     known = {what: value for what, run in again.items() if math.isfinite(value := apart(run))}
-    return apart(space), evidence.slip_limit_m if slips else evidence.limit_rad, known
-
-
-def _reason(plane: Run, space: Run, again: Mapping[str, Run], evidence: Evidence) -> str:
-    with_all, limit, known = _apart(plane, space, again, evidence)
-    slips, until_s = evidence.differs_in == "slip", min(_end_s(plane), _end_s(space))
-    text = mm_text if slips else rad_text
     if not (math.isfinite(with_all) and known):
-        return ""
-    each = ", ".join(f"{text(value)} without {what}" for what, value in known.items())
-    measured = f"up to {until_s:.3g} s {'their slips' if slips else 'they'} are {text(with_all)} apart, {each}"
+        return []
     least = min(known, key=lambda what: known[what])
+    shares = {what: value / with_all for what, value in known.items()}
     if known[least] > max(limit, REMAINDER * with_all):
-        return f" They differ by more than any one thing that the plane leaves out: {measured}."
-    mostly = "" if known[least] <= limit else "mostly "
-    return f" They differ {mostly}because of {least}, which the plane leaves out: {measured}."
+        return [caution("plane_several_causes", until_s=until_s, share_without=shares)]
+    return [caution("plane_cause", cause=least, whole=known[least] <= limit, until_s=until_s, share_without=shares)]
 
 
 def _again(scene: Scene, run: Run, until_s: float) -> Run | None:

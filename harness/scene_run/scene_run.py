@@ -15,6 +15,7 @@ from harness import engines
 from harness.accuracy.simulation import RunTarget, check_target, failed, simulate_with
 from harness.engines.base import Engine, EngineFailure
 from harness.input.paths import read_files
+from harness.model.finding import Answer, Finding, Say, caution, info, weighed
 from harness.model.history import Outcome, history_file
 from harness.model.options import RunOptions
 from harness.model.run import Run, machine, versions
@@ -25,9 +26,10 @@ from harness.records.run import EngineRunRecord, HorizonRecord, RunRecord
 from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores
 from harness.records.witness import Witness
+from harness.scene_run.answer import answer_of
 from harness.scene_run.confirmation import doubted, finer_rad, finer_runs
-from harness.scene_run.convention import with_conventions
 from harness.scene_run.left_out import TakenAway, explained, with_reasons
+from harness.scene_run.witness import findings_of
 from harness.statics.plan import Step, plan
 from harness.statics.standstill import standstill
 
@@ -60,12 +62,28 @@ class Result:
         runs = (run for run in self.runs.values() if run.outcome.failed)
         return any(run.outcome is not Outcome.UNAVAILABLE or run.engine not in optional for run in runs)
 
+    def answer(self) -> Answer:
+        """The headline."""
+        return answer_of(self.scene, self.runs, self.scores, self.horizons, self.assessment)
+
+    def findings(self) -> list[Finding]:
+        """All that is to be known of the result, by severity."""
+        of_runs = [found.of(name) for name, run in self.runs.items() for found in run.findings]
+        silent = [
+            caution("engine_failed", outcome=run.outcome.value, message=run.message).of(name)
+            for name, run in self.runs.items()
+            if run.outcome.failed
+        ]
+        of_pairs = [found for each in self.scores.values() for found in each.findings]
+        return weighed([*self.scene.findings, *silent, *of_runs, *of_pairs, *findings_of(self.witness)])
+
     def record(self) -> RunRecord:
         """The whole record as it stands in `result.json`, but for the list of what lies beside it."""
         return RunRecord(
             title=self.scene.title,
             scene=SceneRecord.of(self.scene),
-            notes=self.scene.notes,
+            answer=self.answer(),
+            findings=self.findings(),
             motion=motion_of(self.scene),
             runs={name: EngineRunRecord.of(run) for name, run in self.runs.items()},
             histories=[name for name, run in self.runs.items() if run.history is not None],
@@ -74,7 +92,6 @@ class Result:
             assessment=self.assessment,
             witness=self.witness,
             plan=self.plan,
-            warnings=[f"{name}: {text}" for name, run in self.runs.items() for text in run.warnings],
             seconds=self.seconds,
             versions=versions(),
             machine=machine(),
@@ -107,7 +124,7 @@ def run_scene(
     """Run a scene with the named engines and score every pair; `on_progress` hears which engine is at work.
 
     >>> result = harness.run_scene(scene, ["analytic", "pymunk"])
-    >>> result.scores["analytic_vs_pymunk"].verdict_sentence
+    >>> result.scores["analytic_vs_pymunk"].verdict
 
     `names` None: those that the scene needs (`engines.default_engines`).
 
@@ -133,7 +150,7 @@ def run_scene(
         return {item.name: runs.get(item.name) or failed(item.name, Outcome.CRASHED, ENDED) for item in loaded}
 
     def result() -> Result:
-        told = replace(scene, notes=(*scene.notes, *_notes(scene, known(), refined, target)))
+        told = replace(scene, findings=(*scene.findings, *_findings(scene, known(), refined, target)))
         seconds = time.perf_counter() - start
         return Result(told, known(), scores, steps, seconds, horizons, assessment, witness_answers)
 
@@ -153,7 +170,7 @@ def run_scene(
             if finer:
                 runs |= finer
                 scores |= _scores(scene, known(), horizons, iso)
-        scores |= with_reasons(known(), with_conventions(scene, known(), scores), taken)
+        scores |= with_reasons(known(), scores, taken)
         witness_answers |= _witnessed(scene, known(), options, on_progress) if witness else {}
         assessment |= _assessed(scene, on_progress) if assess else {}
     except KeyboardInterrupt as ending:
@@ -194,11 +211,11 @@ def answers_of(runs: Mapping[str, Run]) -> list[Run]:
     return [run for run in runs.values() if not run.outcome.failed]
 
 
-def _notes(scene: Scene, runs: Mapping[str, Run], refined: Sequence[str], target: RunTarget) -> list[str]:
-    """What is said of the scene once it has run: which engines were refined, and what a scene that nothing moves would take."""
-    judged = f"was run to {finer_rad(target):g} rad, before its difference from another model was judged"
+def _findings(scene: Scene, runs: Mapping[str, Run], refined: Sequence[str], target: RunTarget) -> list[Finding]:
+    """What is known of the scene once it has run: which engines were refined, and what a scene that nothing moves would take."""
     still = standstill(scene, answers_of(runs))
-    return [*(f"{name} {judged}" for name in refined), *([] if still is None else [still])]
+    again = [info("refined_for_comparison", accuracy_rad=finer_rad(target)).of(name) for name in refined]
+    return [*again, *([] if still is None else [still])]
 
 
 @contextmanager
@@ -296,8 +313,10 @@ def check_writing(folder: Path, scene: Scene, names: Sequence[str]) -> None:
     check_folder(folder, ("run",), written if scene.statue.solid is not None else written[:-1])
 
 
-def write_result(result: Result, folder: Path) -> Path:
+def write_result(result: Result, folder: Path, say: Say = lambda finding: "") -> Path:
     """Write histories, the statue's mesh and `result.json`, which lists them with checksums, into `folder`, whole or not at all.
+
+    `say` fills in the sentences.
 
     A killed write leaves the old result whole or files that one of both records lists. Raises `InputError` for a folder in which
     something else would be lost.
@@ -313,5 +332,5 @@ def write_result(result: Result, folder: Path) -> Path:
 
             write_glb(result.scene.statue.solid, fresh / "statue.glb")
 
-    write_whole(folder, result.record(), write)
+    write_whole(folder, result.record().texted(say), write)
     return folder / RECORD

@@ -4,8 +4,7 @@ Two runs of a plain engine, with steps that the budget allows, state by their ow
 convergence. Each run of the scene is then judged against the finer of the two as any two models are. So much of this is
 independent of the model: contact, friction, impact and integration are the engine's; shapes, masses and coefficients are the
 scene's. Two coefficients of friction are followed by the plainest rule (`harness.engines.contact.friction.followed`), which is
-another convention than the model's: where that parts the two, it is said, and what the other choice gives
-(`harness.scene_run.convention`).
+another convention than the model's.
 """
 
 from __future__ import annotations
@@ -18,11 +17,11 @@ from harness import engines
 from harness.accuracy.spread import Error, spread, target_of
 from harness.comparison.comparator import compare
 from harness.engines.base import Engine, EngineFailure, Settings
+from harness.model.finding import Finding, caution, info
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.witness import LEAST_S, PLAIN, Judged, Witness
-from harness.scene_run.convention import choice_between
 
 BUDGET: Final = 3.0
 """A witness costs at most so many times what the run beside it cost, in steps of that run's engine: counts, as times would make
@@ -44,6 +43,24 @@ def witnesses(scene: Scene, runs: Mapping[str, Run], options: RunOptions) -> dic
         if name not in runs:
             said[name] = _witness(scene, answers, name, options)
     return said
+
+
+def findings_of(witnesses: Mapping[str, Witness]) -> list[Finding]:
+    """What the unmodified engines confirm, do not confirm, or leave open."""
+    found = []
+    for item in witnesses.values():
+        name = item.engine.removesuffix(PLAIN)
+        agree = {run: judged for run, judged in item.runs.items() if judged.agrees and judged.until_s > LEAST_S}
+        parted = {run: judged for run, judged in item.runs.items() if not judged.agrees}
+        if agree:
+            until_s, to_rad = min(each.until_s for each in agree.values()), max(each.to_rad for each in agree.values())
+            found.append(info("witness_confirms", witness=name, models=[*agree], until_s=until_s, to_rad=to_rad))
+        if parted:
+            first_s = min(each.until_s for each in parted.values())
+            found.append(caution("witness_parts", witness=name, models=[*parted], from_s=first_s))
+        if not agree and not parted:
+            found.append(info("witness_silent", witness=name, reason=item.reason))
+    return found
 
 
 def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptions) -> Witness:
@@ -69,7 +86,7 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
     height_m = 0.0 if scene.pedestal is None else scene.statue.centroid_height_m
     error = apart.stated.or_more(Error(finer.expected_error_rad, finer.expected_error_rad * height_m))
     fine = fine.with_uncertainty(error.rotation_rad, error.slip_m, apart.until_s)
-    judged = {each: _judged(scene, run, fine) for each, run in runs.items()}
+    judged = {each: _judged(run, fine) for each, run in runs.items()}
     mine = judged[own.engine]
     reasons = (_why_no_further(own, fine, apart.until_s, until_s, wanted_s), _in_the_plane(scene, engine, runs))
     return Witness(
@@ -100,15 +117,13 @@ def _affordable(engine: Engine, scene: Scene, until_s: float, steps: float) -> t
     return levels[0], finer, min(max(reached_s, 2.0 * levels[0].dt_s), until_s)
 
 
-def _judged(scene: Scene, run: Run, plain: Run) -> Judged:
+def _judged(run: Run, plain: Run) -> Judged:
     scores = compare(run, plain)
     evidence = scores.evidence
     known_s = min(run.bounded_until_s, plain.bounded_until_s)
     parts_s = evidence.exceeded_s
     if parts_s is not None and parts_s <= known_s:
-        apart, choice = evidence.largest_difference_rad, choice_between(scene, run, plain, parts_s)
-        by = ("", None, "") if choice is None else (choice.words, choice.at_s, choice.other)
-        return Judged(False, parts_s, apart, parts_s, *by)
+        return Judged(False, parts_s, evidence.largest_difference_rad, parts_s)
     apart = evidence.largest_reliable_difference_rad
     return Judged(True, known_s, apart + (plain.numerical_uncertainty_rad or 0.0))
 

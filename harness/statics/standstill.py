@@ -9,11 +9,12 @@ from typing import Final
 import numpy as np
 
 from harness.input.motions.spec import LARGEST_G, LARGEST_SCALE
+from harness.model.finding import Finding, caution, changes_answer
 from harness.model.history import Outcome
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.model.written import written
-from harness.statics.push import CAUSES, least_x_factor, push_of
+from harness.statics.push import least_x_factor, push_of
 
 STILL_RAD: Final = 1e-4
 """A smaller rotation is the give of a contact engine, or an uneven base settling."""
@@ -26,25 +27,19 @@ LARGEST: Final = {"amplitude_g": LARGEST_G, "scale": LARGEST_SCALE}
 """What a scene file takes for these keys at most."""
 
 
-def standstill(scene: Scene, runs: Iterable[Run]) -> str | None:
-    """A sentence when no model's statue or pedestal moves although the floor pushes it; None otherwise."""
+def standstill(scene: Scene, runs: Iterable[Run]) -> Finding | None:
+    """What is to know when no model's statue or pedestal moves although the floor pushes it; None otherwise."""
     answered = [run for run in runs if not run.outcome.failed]
     push = push_of(scene)
     if not answered or push.peak == 0.0 or any(_moves(run) for run in answered):
         return None
     cause, share = push.first
     if share >= 1.0:
-        passes = f"{share:.4g} times" if math.isfinite(share) else "more than"
-        return (
-            f"no model asked moves by more than {STILL_RAD:g} rad or {1e3 * STILL_M:g} mm, but the floor pushes with up to"
-            f" {push.peak:.3g} g, {passes} that from which {CAUSES[cause]}: too briefly to be seen, or the models asked"
-            " leave it out (`rockcheck engines` says what each computes)"
+        times = share if math.isfinite(share) else None
+        return caution(
+            "no_model_moves", limit_rad=STILL_RAD, limit_m=STILL_M, push_g=push.peak, times=times, cause=cause
         )
-    said = (
-        f"nothing moves: the floor pushes with up to {push.peak:.3g} g, {share:.3g} of that from which {CAUSES[cause]}"
-    )
-    least = _least(scene)
-    return f"{said}; it begins to move from {least} on (option --set)" if least else said
+    return changes_answer("nothing_moves", push_g=push.peak, share=share, cause=cause, least=_least(scene))
 
 
 def _moves(run: Run) -> bool:

@@ -14,7 +14,9 @@ from analytic.results import LEFT_BY
 from analytic.solution import OUTCOMES
 from harness.engines import analytic as twoblock
 from harness.engines.base import RELIABLE_RAD
+from harness.model.finding import Finding
 from harness.model.history import Outcome
+from harness.model.run import to_plain
 from harness.model.scene import BaseExcitation
 from harness.records.base import Plain
 from harness.studies.case_scenes import Still
@@ -43,10 +45,11 @@ TIPPING: Final = {
 WORK: Final = {"events": "events", "impacts": "impacts", "taylor_coefficients": "coefficients"}
 OF_RUN: Final = (
     "end_s", "no_return_time_s", "numerical_uncertainty_rad", "outcome", "peak_theta_rad", "reliable_until_s",
-    "residual_slip_m", "skipped", "slip_uncertainty_m", "steps", "warnings", *RUN,
+    "findings", "residual_slip_m", "skipped", "slip_uncertainty_m", "steps", *RUN,
 )  # fmt: skip
 """Columns that stand in the record itself."""
-LISTS: Final = ("skipped", "warnings")
+TABLES: Final = ("skipped", "findings")
+"""Columns that hold JSON."""
 OF_VALIDITY: Final = ("left_domain_by", "peak_over_slenderness", *VALIDITY)
 
 
@@ -67,29 +70,37 @@ def swept(cases: Sequence[Shaken]) -> Columns:
     rows = certify_rows([still.body for still in stills], which, motions, RELIABLE_RAD)
     slender = np.array([[still.scene.statue.slenderness_rad(side) for side in (-1, 1)] for still in stills])[which]
     pedestal = np.array([still.scene.pedestal is not None for still in stills])[which]
-    warnings, skipped = _sentences(rows)
-    said = [(*item, *twoblock.left_out(case.motion)) for item, case in zip(warnings, cases, strict=True)]
+    findings, skipped = _known(rows)
+    found = [(*item, *twoblock.left_out(case.motion)) for item, case in zip(findings, cases, strict=True)]
     return {
         "place": np.array([case.place for case in cases]),
         **_numbers(rows, slender, pedestal),
         "motion_axes": _texts(["".join(case.motion.axes(2)) for case in cases]),
-        "warnings": _texts(said),
-        "skipped": _texts(skipped),
+        "findings": _texts([_json(item) for item in found]),
+        "skipped": _texts([_json(item) for item in skipped]),
         "record": _texts([None] * len(cases)),
     }
 
 
-def _sentences(rows: CertifiedRows) -> tuple[list[tuple[str, ...]], list[tuple[str, ...]]]:
-    """Each row's warnings, and what it left out: alike for all of which there is nothing to say but whether they fell."""
+def _json(value: object) -> str:
+    return json.dumps(to_plain(value))
+
+
+Known = tuple[tuple[Finding, ...], dict[str, float | None]]
+"""A row's findings, and what it left out."""
+
+
+def _known(rows: CertifiedRows) -> tuple[list[tuple[Finding, ...]], list[dict[str, float | None]]]:
+    """Each row's findings, and what it left out: alike for all of which there is nothing to say but whether they fell."""
     first = rows.first
     own = rows.doubtful | (first.results["skipped_s"] > 0.0) | (first.counts["energy_endings"] > 0)
     fell = np.isfinite(first.results["overturn_time_s"])
-    shared: dict[bool, tuple[tuple[str, ...], tuple[str, ...]]] = {}
+    shared: dict[bool, Known] = {}
     said = []
     for k, (alone, overturned) in enumerate(zip(own.tolist(), fell.tolist(), strict=True)):
         if alone or overturned not in shared:
             certified = rows.certified(k)
-            both = certified.warnings, twoblock.skipped(certified.solution, keep=False)
+            both = twoblock.findings_of(certified), twoblock.skipped(certified.solution, keep=False)
             if not alone:
                 shared[overturned] = both
         said.append(both if alone else shared[overturned])
@@ -98,7 +109,7 @@ def _sentences(rows: CertifiedRows) -> tuple[list[tuple[str, ...]], list[tuple[s
 
 def _texts(values: Sequence[object]) -> NDArray[np.object_]:
     column = np.empty(len(values), dtype=object)
-    column[:] = [list(value) if isinstance(value, tuple) else value for value in values]
+    column[:] = values
     return column
 
 
@@ -129,9 +140,9 @@ def _numbers(rows: CertifiedRows, slenderness_rad: NDArray[np.float64], pedestal
 
 def columns_of_record(record: Plain) -> Columns:
     """One run's record as columns of one row: what of it other rows have too, and the whole as text."""
-    numbers = {name: record.get(name) for name in OF_RUN}
+    numbers = {name: record.get(name) for name in OF_RUN if name not in TABLES}
     own = {name: np.array([np.nan if value is None else value]) for name, value in numbers.items()}
-    lists = {name: _texts([record[name]]) for name in LISTS}
+    lists = {name: _texts([json.dumps(record[name])]) for name in TABLES}
     words = {"outcome": record["outcome"], "left_domain_by": "", "motion_axes": "", "record": json.dumps(record)}
     texts = {name: _texts([value]) for name, value in words.items()}
     nothing = {name: np.array([np.nan]) for name in (*VALIDITY, *TIPPING, "peak_over_slenderness")}
@@ -150,16 +161,14 @@ def table_of(columns: Mapping[str, NDArray[Any] | list[str]]) -> pyarrow.Table:
     """The columns as a table; a number that is not finite is null, as it is in a record."""
     import pyarrow
 
-    def column(name: str, values: NDArray[Any] | list[str]) -> pyarrow.Array:
+    def column(values: NDArray[Any] | list[str]) -> pyarrow.Array:
         if isinstance(values, np.ndarray) and values.dtype.kind == "f":
             return pyarrow.array(np.ascontiguousarray(values), mask=~np.isfinite(values))
-        if name in LISTS:
-            return pyarrow.array(values, pyarrow.list_(pyarrow.string()))
         if isinstance(values, list) or values.dtype == object:
             return pyarrow.array(values, pyarrow.string())
         return pyarrow.array(np.ascontiguousarray(values))
 
-    return pyarrow.table({name: column(name, values) for name, values in columns.items()})
+    return pyarrow.table({name: column(values) for name, values in columns.items()})
 
 
 def rows_of(table: pyarrow.Table, wanted: Sequence[str]) -> Iterator[tuple[int, dict[str, Value], Plain]]:
@@ -192,5 +201,6 @@ def _record(row: Plain, settings: Plain) -> Plain:
         "uplift_times_s": [],
         "validity": {**validity, "impact_ratios": [], "several_joint_states_s": []},
         "work": {name: row[name] for name in WORK},
-        **{name: row[name] for name in OF_RUN},
+        **{name: row[name] for name in OF_RUN if name not in TABLES},
+        **{name: json.loads(str(row[name])) for name in TABLES},
     }

@@ -53,7 +53,7 @@ def study_record(
         title=study.title,
         file=path.name,
         scene=SceneRecord.of(scene),
-        notes=scene.notes,
+        findings=scene.findings,
         vary={
             item.key: sorted({row.varied[item.key] for row in rows}, key=lambda value: (isinstance(value, str), value))
             for item in study.vary

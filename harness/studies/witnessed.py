@@ -6,7 +6,7 @@ import math
 import random
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -24,8 +24,8 @@ from harness.model.run import to_plain, versions
 from harness.model.scene import Scene
 from harness.records.base import part
 from harness.records.study import StudyWitness, WitnessCount
-from harness.records.witness import PLAIN, Witness, sentences
-from harness.scene_run.witness import plain_names, witnesses
+from harness.records.witness import PLAIN, Witness
+from harness.scene_run.witness import findings_of, plain_names, witnesses
 from harness.studies.cases import Base, base_of, expand
 from harness.studies.file import StudyFile, Value
 from harness.studies.study_run import study_name
@@ -120,24 +120,10 @@ def _counted(said: Mapping[int, Mapping[str, Witness]], scenes: int, seconds: fl
         parted = [each for each in judged if each is not None and not each.agrees]
         counts[name] = WitnessCount(
             confirmed=sum(item.agrees is True for item in mine.values()),
-            by_convention=sum(bool(each.convention) for each in parted),
-            differ=sum(not each.convention for each in parted),
+            differ=len(parted),
             silent=sum(item.agrees is None for item in mine.values()),
         )
         for number, item in mine.items():
-            differing += [f"Case {number}: {text}" for text in sentences({name: item}) if item.agrees is False]
-    start = f"{len(said)} of {scenes} scenes, drawn with the study's seed, were held against engines as they come"
-    sentence = f"{start}: {'; '.join(_words(name, count) for name, count in counts.items())}."
-    return StudyWitness(
-        scenes=len(said), of=scenes, counts=counts, differing=differing, sentence=sentence, seconds=seconds
-    )
-
-
-def _words(name: str, count: WitnessCount) -> str:
-    parts = {
-        "confirms": count.confirmed,
-        "differs by convention from": count.by_convention,
-        "differs from": count.differ,
-        "says nothing of": count.silent,
-    }
-    return f"{name.removesuffix(PLAIN)} " + ", ".join(f"{words} {number}" for words, number in parts.items() if number)
+            parts = [found for found in findings_of({name: item}) if found.code == "witness_parts"]
+            differing += [replace(found, values={**found.values, "case": number}) for found in parts]
+    return StudyWitness(scenes=len(said), of=scenes, counts=counts, differing=differing, seconds=seconds)

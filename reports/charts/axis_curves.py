@@ -10,7 +10,7 @@ from reports.charts import Json
 from reports.charts.figure import axis, curve, figure, stroke
 from reports.charts.map_figures import LEAST, map_axes, numeric
 from reports.charts.palette import model_looks
-from reports.text.numbers import heading
+from reports.messages.numbers import heading
 from reports.text.study_rows import FAILED, SYMBOLS, Condition, runs_of
 
 MOST_GROUPS: Final = 6

@@ -11,7 +11,7 @@ from harness.records.study import CaseRun
 from reports.charts import Json
 from reports.charts.figure import figure
 from reports.charts.palette import INK
-from reports.text.numbers import heading, short
+from reports.messages.numbers import heading, short
 from reports.text.study_rows import Condition, runs_of
 
 MOST_PLACES: Final = 10_000

@@ -16,7 +16,7 @@ from reports.charts import Json
 from reports.charts.figure import curve, figure, stroke
 from reports.charts.palette import model_looks
 from reports.charts.static_svg_heatmap import cell_edges
-from reports.text.numbers import heading
+from reports.messages.numbers import heading
 from reports.text.study_rows import SYMBOLS, Condition, family
 
 FAMILIES: Final = ("none", "stands", "other", "wall", "overturns", "failed")

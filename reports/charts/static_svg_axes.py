@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from reports.charts import Json
 from reports.charts.samples import numbers
 from reports.drawing.shapes import LETTER
-from reports.text.numbers import short
+from reports.messages.numbers import short
 
 Array = NDArray[np.float64]
 

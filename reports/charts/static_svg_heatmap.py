@@ -11,7 +11,7 @@ from reports.charts import Json
 from reports.charts.samples import numbers
 from reports.charts.static_svg_axes import Array, Axis
 from reports.drawing.shapes import Shape, Text, box
-from reports.text.numbers import short
+from reports.messages.numbers import short
 
 SCALES: Final[Mapping[str, Sequence[tuple[float, str]]]] = {
     "Cividis": ((0.0, "#00204c"), (0.25, "#414d6b"), (0.5, "#7b7b78"), (0.75, "#bcae6c"), (1.0, "#ffe945"))

@@ -17,7 +17,7 @@ from reports.charts.samples import packed_array
 from reports.charts.static_svg import picture_of
 from reports.drawing.effects_figures import Curve, rose_of
 from reports.drawing.shapes import Picture, titled
-from reports.text.numbers import heading
+from reports.messages.numbers import heading
 from reports.text.study_rows import Condition, family, runs_of
 
 FLOOR_COLOUR: Final = "#0072B2"

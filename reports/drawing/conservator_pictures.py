@@ -16,9 +16,9 @@ from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import Plan
 from reports.drawing.kinematics import Array, section
 from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, box, line
+from reports.messages import Language
 from reports.source import RunSource
 from reports.text.giving_way import Level, bearing
-from reports.text.language import Language
 
 SIDE: Final = 420
 """Width and height of each picture in its own units."""

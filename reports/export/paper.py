@@ -10,7 +10,7 @@ from harness.model.files import writing
 from reports.charts.palette import INK, dark_css
 from reports.drawing.shapes import ANCHORS, Disc, Picture, Text
 from reports.drawing.shapes import Path as Line
-from reports.text.numbers import drawn_text
+from reports.messages.numbers import drawn_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

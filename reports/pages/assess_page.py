@@ -24,8 +24,8 @@ from reports.charts.figure import axis, band, curve, figure
 from reports.charts.palette import INK, MUTED
 from reports.drawing.conservator_pictures import plan_svg
 from reports.drawing.floor_plan import probable_plan
+from reports.messages import ENGLISH
 from reports.text.chance import tone_of_answers
-from reports.text.language import ENGLISH
 from reports.text.wording import Verdict
 
 MATTERS: Final = 0.05

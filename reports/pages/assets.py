@@ -21,8 +21,8 @@ from harness.records.assess import percent
 from meshes import array_cache
 from reports.charts import Json
 from reports.charts.static_svg import still
-from reports.text.language import ENGLISH
-from reports.text.numbers import angle, digits, given, heading, label, length, plain, short, unit
+from reports.messages import ENGLISH
+from reports.messages.numbers import angle, digits, given, heading, label, length, plain, short, unit
 
 TEMPLATES: Final = Path(__file__).resolve().parents[1] / "templates"
 CHART_KINDS: Final = frozenset({"scatter", "bar", "heatmap"})

@@ -18,7 +18,7 @@ from harness.records.bench import (
 from reports.charts import Json
 from reports.charts.figure import BELOW, LOG, axis, curve, figure, level, stroke
 from reports.charts.palette import INK, MUTED, look
-from reports.text.numbers import digits, heading, unit
+from reports.messages.numbers import digits, heading, unit
 from reports.text.wording import Verdict
 
 SYMBOLS: Final = {LEVEL: "circle", TARGET: "star", DEFAULT: "square-open", OTHER_PROJECT: "diamond-open"}

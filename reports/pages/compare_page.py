@@ -41,7 +41,7 @@ def context(folder: Path, record: CompareRecord) -> dict[str, object]:
         "verdict": Verdict(
             f"{scores.a} and {scores.b} {verdict_words(scores)}",
             "agree" if scores.verdict.startswith("agree") else "differ",
-            [scores.verdict_sentence, *(scores.warnings or ())],
+            [each.text for each in scores.findings],
         ),
         "figure": compare_figure(names, a, b),
         "rows": [(words, [meaning, *cells]) for words, meaning, cells in score_rows({record.title: scores})],

@@ -9,7 +9,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from analytic.results import LEFT_BY
 from harness.model.history import Outcome
 from harness.model.tilted import support_m
 from harness.records.assess import Assessment, percent
@@ -18,13 +17,13 @@ from reports.drawing.conservator_pictures import plan_svg, reach_svg
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import floor_plan
 from reports.drawing.kinematics import Array, section
+from reports.messages import ENGLISH, Language
 from reports.pages.conservator_parts import Picture, end_words, order_picture, page, push_picture
 from reports.source import RunSource, source_of
 from reports.text.chance import worse_tone, worst
 from reports.text.giving_way import support_of
-from reports.text.language import ENGLISH, Language
 from reports.text.limits import TIPS_RAD, tilt_rad
-from reports.text.wording import AT_REST_RAD, horizon_s, motion_given, prediction_s
+from reports.text.wording import AT_REST_RAD, horizon_s, prediction_s, unlike_motions
 
 VISIBLE_M: Final = 1e-4
 """Less than a tenth of a millimetre is no movement to the eye."""
@@ -55,7 +54,7 @@ def of_run(source: RunSource, say: Language = ENGLISH) -> dict[str, object]:
 
 def _answers(run: EngineRunRecord) -> bool:
     """Whether a run tells what happens: one that holds upright a pedestal that tips, before a fall is decided, does not."""
-    tips = run.validity.get("left_domain_by") == LEFT_BY[-1]
+    tips = run.validity.get("left_domain_by") == "pedestal_tips"
     left_s = run.validity.get("left_domain_s") if tips else None
     decided_s = math.inf if run.no_return_time_s is None else run.no_return_time_s
     return not run.outcome.failed and not (isinstance(left_s, float) and left_s < decided_s)
@@ -135,7 +134,7 @@ def _who(runs: Mapping[str, EngineRunRecord], answered: Mapping[str, EngineRunRe
         groups[end] = groups.get(end, 0) + 1
     if len(answered) == 1:
         return [say("run.answered_one" if silent else "run.asked_one"), *none]
-    unlike = [say("run.motion")] if motion_given(answered) else []
+    unlike = [say("run.motion")] if unlike_motions(answered.values()) else []
     if len(groups) == 1:
         sides = {run.outcome for run in answered.values()}
         side = [say("run.only_side")] if len(sides) > 1 and all(Outcome(end).overturned for end in sides) else []

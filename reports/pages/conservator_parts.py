@@ -13,9 +13,9 @@ from harness.model.history import Outcome
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import SupportRecord
 from reports.drawing.conservator_pictures import order_svg, push_svg
+from reports.messages import Language
+from reports.messages.numbers import heading as label_of
 from reports.text.giving_way import compass, levels, order_words, slips, weakest_words
-from reports.text.language import Language
-from reports.text.numbers import heading as label_of
 
 LIMITS: Final = ("hard", "steady", "friction", "next")
 ENDS: Final = {

@@ -13,13 +13,13 @@ from harness.records.effects3d import EffectsRecord
 from harness.records.study import StudyRecord
 from reports.charts import Json
 from reports.charts.static_svg import still
+from reports.messages import ENGLISH, Language
+from reports.messages.numbers import heading
 from reports.pages.conservator import reach_picture
 from reports.pages.conservator_parts import ENDS, Picture, order_picture, page, push_picture
 from reports.source import run_source
 from reports.text.chance import tone_of_study
 from reports.text.giving_way import compass, scan_turn_deg, support_of
-from reports.text.language import ENGLISH, Language
-from reports.text.numbers import heading
 from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import Condition, agreement, conditions, family, runs_of
 

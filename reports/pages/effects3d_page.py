@@ -13,10 +13,10 @@ import numpy as np
 from harness.records.effects3d import BASELINE, SOLID, EffectsRecord
 from reports.drawing.effects_figures import changes, curves, directions, rose
 from reports.drawing.scene_picture import scene_svg
+from reports.messages import ENGLISH
+from reports.messages.numbers import digits, unit
 from reports.pages.run_page import chip, replay_values
 from reports.source import run_source
-from reports.text.language import ENGLISH
-from reports.text.numbers import digits, unit
 from reports.text.wording import Verdict
 
 NEAR: Final = 0.05

@@ -17,9 +17,9 @@ from harness.records.base import Record
 from harness.records.kinds import read_result
 from reports.charts.library import chart_library
 from reports.charts.palette import DARK, dark_css
+from reports.messages import ENGLISH, Language, language
+from reports.messages.numbers import unit
 from reports.pages.assets import environment, source_text
-from reports.text.language import Language, language
-from reports.text.numbers import unit
 
 REPORT_NAME: Final = "report.html"
 CONSERVATOR_NAME: Final = "conservator.html"
@@ -34,12 +34,12 @@ CONSERVATOR_PAGES: Final = {
 def write_report(folder: Path, language_code: str = "en") -> Path:
     """Write `report.html` into a result folder from its records alone, and `conservator.html` beside it for a run or a study.
 
-    The second is in the language of that code (`reports.text.language.LANGUAGES`).
+    The second is in the language of that code (`reports.messages.LANGUAGES`).
 
     Returns the path of the first; raises `InputError` for a broken folder, after every page that can be was written, and what a
     page itself tripped over, with a note that names the page.
     """
-    record = read_result(folder)
+    record = read_result(folder).texted(ENGLISH.say)
     mistakes: list[Mistake] = []
     faults: list[Exception] = []
     for name, build in _pages(record, language(language_code)).items():

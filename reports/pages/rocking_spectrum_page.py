@@ -10,9 +10,9 @@ from harness.comparison.statistics.distributions import wilson
 from harness.probability.stratified import LEVEL
 from harness.records.rocking_spectrum import RockingSpectrumRecord
 from reports.charts.figure import figure
+from reports.messages import ENGLISH
+from reports.messages.numbers import digits, percent, unit
 from reports.text.chance import SAFE, SAFE_HIGH
-from reports.text.language import ENGLISH
-from reports.text.numbers import digits, percent, unit
 from reports.text.wording import Verdict
 
 MOST_CELLS: Final = 80

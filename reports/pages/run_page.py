@@ -8,15 +8,15 @@ from pathlib import Path
 
 from harness.model.run import MANY
 from harness.records.run import EngineRunRecord, RunRecord
-from harness.records.witness import sentences
 from reports.charts.histories import histories_figure, pattern_words
 from reports.charts.palette import PATTERN_LOOKS, look
 from reports.drawing.replay import default_model, replay_payload
 from reports.drawing.scene_picture import scene_svg
+from reports.messages import ENGLISH
 from reports.pages.assets import source_text, three_js
 from reports.source import RunSource, source_of
 from reports.text.glossary import score_rows
-from reports.text.limits import fall_times, limit_rows, plan_rows, skipped_rows, weighed
+from reports.text.limits import by_severity, fall_times, limit_rows, plan_rows, skipped_rows
 from reports.text.wording import run_verdict
 
 
@@ -27,7 +27,7 @@ def context(folder: Path, record: RunRecord) -> dict[str, object]:
     return {
         "kind": "run",
         "verdict": run_verdict(source),
-        "chips": [chip(name, names, run) for name, run in source.runs.items()],
+        "chips": [chip(name, names, run, balance_share(source, name)) for name, run in source.runs.items()],
         "picture": scene_svg(source.scene, record.motion.accel_m_s2, source.mesh),
         "motion_words": asked if isinstance(asked, dict) else {},
         "patterns": [
@@ -39,21 +39,36 @@ def context(folder: Path, record: RunRecord) -> dict[str, object]:
         "figure": histories_figure(source) if source.histories else None,
         "names": names,
         "score_rows": score_rows(record.scores),
-        "witness": sentences(record.witness or {}),
         "validity": limit_rows(source),
         "fall": fall_times(source),
         "plan": plan_rows(record.plan),
         "skipped": skipped_rows(source.runs),
-        "notes": weighed([*record.warnings, *record.notes]) if record.warnings or record.notes else {},
+        "notes": by_severity(each for each in record.findings if not each.code.startswith("pair_")),
         "toml": toml_text(source.scene.toml) if source.scene.toml else None,
         "command": command(source),
     }
 
 
-def chip(name: str, names: list[str], run: EngineRunRecord | None = None) -> dict[str, object]:
-    """One model beside the verdict: its colour, and what its run says where there is one."""
-    said = {} if run is None else {"sentence": run.outcome_sentence, "labels": run.labels, "failed": run.outcome.failed}
+def chip(
+    name: str, names: list[str], run: EngineRunRecord | None = None, share: float | None = None
+) -> dict[str, object]:
+    """One model beside the verdict: its colour, and of its run outcome and largest lean, per cent of the balance angle."""
+    said: dict[str, object] = {}
+    if run is not None:
+        outcome = ENGLISH.strings[f"short.{run.outcome.value}"]
+        said = {"sentence": outcome, "labels": run.labels, "failed": run.outcome.failed}
+        said["share"] = None if share is None else round(100.0 * share)
     return {"name": name, "colour": look(name, names).colour, "sentence": "", "labels": (), "failed": False, **said}
+
+
+def balance_share(source: RunSource, name: str) -> float | None:
+    """A model's largest lean as a share of the balance angle on its side; None without a history, and of a fall."""
+    run, history = source.runs[name], source.histories.get(name)
+    if history is None or run.outcome.overturned:
+        return None
+    statue = source.scene.statue
+    right, left = (float((side * history.theta_rad).max()) / statue.slenderness_rad(side) for side in (1, -1))
+    return max(right, left, 0.0)
 
 
 def replay_values(source: RunSource) -> dict[str, object]:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-import re
 import shlex
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
+
+from harness.model.finding import Finding, info, texted
 from harness.records.study import StudyRecord, StudyRow
+from harness.records.witness import PLAIN
 from reports.charts.axis_curves import curve_figures
 from reports.charts.design_figures import best_designs, design_figures
 from reports.charts.map_figures import map_axes, map_figures
@@ -23,11 +27,11 @@ from reports.charts.study_figures import (
     rose_picture,
 )
 from reports.drawing.scene_picture import scene_svg
+from reports.messages import ENGLISH
+from reports.messages.numbers import heading, label, plain, short, unit
 from reports.pages.assets import source_text
 from reports.text.chance import tone_of_study
-from reports.text.language import ENGLISH
-from reports.text.limits import weighed
-from reports.text.numbers import heading, label, plain, short, unit
+from reports.text.limits import by_severity
 from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import (
     FAILED,
@@ -47,8 +51,6 @@ MOST_MATRIX_ROWS: Final = 300
 """Longer matrices are not read; the map shows them."""
 MOST_WARNINGS: Final = 30
 ROSE_WORDS: Final = "Least amplitude that overturns the statue, by direction"
-NUMBER: Final = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
-"""A number inside a warning: runs differ in it while the warning is the same."""
 
 
 def context(folder: Path, record: StudyRecord) -> dict[str, object]:
@@ -73,7 +75,8 @@ def context(folder: Path, record: StudyRecord) -> dict[str, object]:
         "charts": charts,
         "rose": None if rose is None else rose.svg(ROSE_WORDS),
         "reasons": Counter(row.reason for row in record.rows).most_common(),
-        "notes": weighed([*study_warnings(record.rows), *record.notes]),
+        "witness_rows": witness_rows(record),
+        "notes": by_severity(texted([*study_findings(record.rows), *record.findings], ENGLISH.say)),
         "engine_seconds": [(name, unit(value, "s")) for name, value in record.engine_seconds.items()],
         "command": f"rockcheck study {shlex.quote(record.file)}",
         "panel_script": source_text("panels.js"),
@@ -185,25 +188,36 @@ def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str
     return rows
 
 
-def study_warnings(rows: Sequence[StudyRow]) -> list[str]:
-    """Each kind of warning once, with the number of runs that gave it; numbers in which they differ are told as a range."""
-    kinds: dict[str, Counter[str]] = {}
+def study_findings(rows: Sequence[StudyRow]) -> list[Finding]:
+    """Each kind of finding of the rows' runs once, with the number of runs that have it and the median of its numbers."""
+    kinds: dict[tuple[str, str], list[Finding]] = {}
     for row in rows:
-        for text in row.run.warnings if row.run is not None else ():
-            full = f"{row.engine}: {text}"
-            kinds.setdefault(NUMBER.sub("\0", full), Counter())[full] += 1
-    ordered = sorted(kinds.values(), key=lambda texts: -texts.total())
+        for found in row.run.findings if row.run is not None else ():
+            kinds.setdefault((row.engine, found.code), []).append(found)
+    ordered = sorted(kinds.items(), key=lambda item: -len(item[1]))
     return [
-        f"{_ranged(list(texts))} ({texts.total()} run{'s' if texts.total() > 1 else ''})"
-        for texts in ordered[:MOST_WARNINGS]
+        info("in_runs", count=len(found), text=ENGLISH.say(replace(found[0], values=_medians(found)))).of(engine)
+        for (engine, _), found in ordered[:MOST_WARNINGS]
     ]
 
 
-def _ranged(texts: Sequence[str]) -> str:
-    """Texts that are the same but for their numbers as one, from the least to the largest of each number."""
-    ranges = []
-    for column in zip(*(NUMBER.findall(text) for text in texts), strict=True):
-        low, high = min(column, key=float), max(column, key=float)
-        ranges.append(low if float(low) == float(high) else f"{low} to {high}")
-    shown = iter(ranges)
-    return NUMBER.sub(lambda _: next(shown), texts[0])
+def _medians(found: Sequence[Finding]) -> dict[str, object]:
+    """The values of findings of one code: of numbers the median, else the first's."""
+    values = dict(found[0].values)
+    for key, first in values.items():
+        if isinstance(first, float):
+            values[key] = float(np.median([each.values[key] for each in found]))
+    return values
+
+
+def witness_rows(record: StudyRecord) -> list[str]:
+    """What unmodified engines say of a tenth of the scenes."""
+    witness = record.witness
+    if witness is None:
+        return []
+    counts = [
+        info("study_witness_count", witness=name.removesuffix(PLAIN), **vars(count))
+        for name, count in witness.counts.items()
+    ]
+    found = [info("study_witness", scenes=witness.scenes, of=witness.of), *counts, *witness.differing]
+    return [ENGLISH.say(each) for each in found]

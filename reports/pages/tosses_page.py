@@ -10,7 +10,7 @@ from typing import Final
 from harness.records.tosses import PoseErrors, Quartiles, TossesRecord, TossModel
 from reports.charts.figure import curve
 from reports.charts.palette import look
-from reports.text.numbers import digits, unit
+from reports.messages.numbers import digits, unit
 from reports.text.wording import Verdict
 
 QUARTILES = ("median", "low", "high")

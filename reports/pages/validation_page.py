@@ -11,8 +11,8 @@ from harness.records.scores import Verdict as Verdicts
 from harness.records.validation import BaselineRecord, ValidationRecord
 from harness.validation.words import SWAPPED, share
 from reports.charts.validation_figures import BASELINE, charts
-from reports.text.language import ENGLISH
-from reports.text.numbers import unit
+from reports.messages import ENGLISH
+from reports.messages.numbers import unit
 from reports.text.study_rows import FAILED, SYMBOLS
 from reports.text.wording import Verdict
 

@@ -13,7 +13,7 @@ from harness.records.scene import PushRecord, SceneRecord
 from harness.records.study import SupportRecord
 from harness.statics.push import tipping_of_pedestal
 from reports.drawing.kinematics import Array
-from reports.text.language import ENGLISH, Language
+from reports.messages import ENGLISH, Language
 
 Span = tuple[float, float]
 

@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import Final
 
-from harness.comparison.verdict import UNSTATED
+from harness.model.finding import info
 from harness.records.base import Table
 from harness.records.scores import AfterHorizon, Scores, Verdict
-from reports.text.numbers import digits, label, plain, split_unit
+from reports.messages import ENGLISH
+from reports.messages.numbers import digits, label, plain, split_unit
 
 SCORE_WORDS: Final[Mapping[str, tuple[str, str]]] = {
     "together_until_s": ("stay together until [s]", "how long the two rotations stay within the tolerance below"),
@@ -51,7 +52,7 @@ LISTED: Final = 6
 SCORES_LEFT_OUT: Final = frozenset(
     {
         *("a", "b", "outcome_a", "outcome_b", "verdict", "verdict_sentence", "compared_from_s"),
-        *("numerical_uncertainty", "evidence", "iso", "warnings"),
+        *("numerical_uncertainty", "evidence", "iso", "findings"),
     }
 )
 """Keys whose content stands elsewhere on the page, or in the record alone."""
@@ -128,15 +129,16 @@ def score_rows(scores: Mapping[str, Scores]) -> list[tuple[str, str, list[str]]]
 
 def verdict_words(scores: Scores) -> str:
     """The verdict as a headline; where neither answer states its error a difference is not said to be the models'."""
-    if scores.verdict is Verdict.MODEL and UNSTATED in scores.verdict_sentence:
+    evidence = scores.evidence
+    if scores.verdict is Verdict.MODEL and evidence.uncertainty_a_rad is None and evidence.uncertainty_b_rad is None:
         return "differ by more than rounding"
     return str(scores.verdict.value)
 
 
 def scores_text(pair: str, scores: Scores) -> str:
     """One pair's scores as lines for a terminal: the verdict, what is to be said beside it, a table in words."""
-    lines = [f"{pair.replace('_vs_', ' against ')}: {verdict_words(scores)}", f"  {scores.verdict_sentence}"]
-    lines += [f"  warning: {text}" for text in scores.warnings or ()]
+    lines = [f"{pair.replace('_vs_', ' against ')}: {verdict_words(scores)}"]
+    lines += [f"  {ENGLISH.say(each)}" for each in scores.findings]
     rows = [(words, _short(cells[0])) for words, _, cells in score_rows({pair: scores})]
     if scores.iso is not None:
         rows.append(("rating by ISO/TS 18571 (1 is perfect)", digits(scores.iso.overall, 4)))
@@ -153,9 +155,24 @@ def _short(cell: str) -> str:
 def _score(scores: Scores, key: str) -> str:
     value, uncertainty = getattr(scores, key), scores.numerical_uncertainty.get(key)
     if isinstance(value, AfterHorizon):
-        return value.sentence
+        return ENGLISH.say(info("after_horizon", **after_horizon_values(value)))
     text = plain(value)
     return text if uncertainty is None or value is None else f"{text} ± {digits(float(uncertainty), 2)}"
+
+
+def after_horizon_values(item: AfterHorizon) -> dict[str, object]:
+    """What two histories are beyond the horizon, as its sentence wants it: whether chance alone would part them as far."""
+    peaks = item.peaks
+    chance = None if peaks is None else peaks.area_by_chance_rad
+    more = None if peaks is None or chance is None else peaks.area_rad > chance
+    return {
+        "from_s": item.from_s,
+        "until_s": item.until_s,
+        "area_rad": item.rotation.area_rad,
+        "peaks_rad": None if peaks is None else peaks.area_rad,
+        "chance_rad": chance,
+        "kind": "few" if more is None else "more" if more else "chance",
+    }
 
 
 def validity_rows(validity: Table, before: Mapping[str, float], until_s: float | None) -> Sequence[tuple[str, str]]:

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 import numpy as np
 
+from harness.model.finding import Finding, Severity, weighed
 from harness.model.history import History
 from harness.model.interventions import Intervention
 from harness.records.base import Table
 from harness.records.run import EngineRunRecord
 from harness.statics.plan import Step
+from reports.messages import ENGLISH
+from reports.messages.numbers import digits, short, unit
 from reports.source import RunSource
 from reports.text.glossary import REASON_WORDS, SKIP_WORDS, validity_rows
-from reports.text.language import ENGLISH
-from reports.text.numbers import digits, short
 
 FOLLOWED: Final[Mapping[str, str]] = {
     "yaw_rad": "yaw_rad",
@@ -29,18 +29,11 @@ FOLLOWED: Final[Mapping[str, str]] = {
 
 TIPS_RAD: Final = 1e-3
 """A pedestal that tips by more is said to."""
-CHANGES: Final = "It changes the answer"
-KNOWN: Final = "It should be known"
-RECORD: Final = "For the record"
-_DECIDING: Final = re.compile(
-    r"not to be trusted|is not bounded|outside the model's domain|across the rocking plane is left out|nearly tangent"
-    r"|several states of motion were possible|yet the statue left its plane|changes with the integrator|nothing moves|drifts"
-)
-"""Sentences of a model that left its domain, whose numbers are not exact, or that was asked for something that cannot happen."""
-_SETTLED: Final = re.compile(
-    r"agrees with|(?:is|are) not used|vanishing size were ended|before its difference from another|faces looked at pass through"
-)
-"""Sentences of what was looked at and found in order, or is without effect."""
+HEADINGS: Final = {
+    Severity.CHANGES_ANSWER: "Changes the answer",
+    Severity.CAUTION: "Beware",
+    Severity.INFO: "For the record",
+}
 
 
 def limit_rows(source: RunSource) -> dict[str, Sequence[tuple[str, str]]]:
@@ -117,18 +110,18 @@ def plan_rows(plan: Iterable[Step]) -> list[tuple[bool, str, str, str]]:
 
 
 def skipped_rows(runs: Mapping[str, EngineRunRecord]) -> list[tuple[str, str]]:
-    """What each engine says it left out, by engine, with the skip's name in words."""
-    rows = []
-    for name, run in runs.items():
-        for text in run.skipped:
-            skip, colon, rest = text.partition(": ")
-            rows.append((name, f"{SKIP_WORDS[skip]}: {rest}" if colon and skip in SKIP_WORDS else text))
-    return rows
+    """What each engine left out, by engine, with the time that it saved."""
+    return [
+        (name, SKIP_WORDS[skip] + ("" if time_s is None else f" ({unit(time_s, 's')})"))
+        for name, run in runs.items()
+        for skip, time_s in run.skipped.items()
+    ]
 
 
-def weighed(texts: Iterable[str]) -> Mapping[str, list[str]]:
-    """The sentences under each weight, in their order; what is known by neither pattern should be known."""
-    lists: dict[str, list[str]] = {CHANGES: [], KNOWN: [], RECORD: []}
-    for text in dict.fromkeys(texts):
-        lists[CHANGES if _DECIDING.search(text) else RECORD if _SETTLED.search(text) else KNOWN].append(text)
-    return lists
+def by_severity(findings: Iterable[Finding]) -> Mapping[str, list[str]]:
+    """The sentences under the heading of their severity, with the engine that each is of."""
+    lists: dict[str, list[str]] = {heading: [] for heading in HEADINGS.values()}
+    for each in weighed(findings):
+        owner = f"{each.engine}: " if each.engine and "_vs_" not in each.engine else ""
+        lists[HEADINGS[each.severity]].append(f"{owner}{each.text}")
+    return lists if any(lists.values()) else {}

@@ -14,7 +14,7 @@ from reports.charts import Json
 from reports.charts.figure import axis, curve, figure, level, note
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
 from reports.drawing.kinematics import section
-from reports.text.numbers import heading
+from reports.messages.numbers import heading
 from reports.text.study_rows import Condition, runs_of
 
 WALL_COLOUR: Final = "#8c1d2f"

@@ -23,7 +23,6 @@ def test_free_rocking_is_sure_to_the_end() -> None:
     assert found.reliable_until_s == 3.0
     assert found.uncertainty_rad < 1e-11
     assert found.outcome_is_sure
-    assert found.warnings == ()
 
 
 @pytest.mark.parametrize(("amplitude_g", "frequency_hz"), [(0.334, 3.0), (0.429, 4.5), (0.429, 6.0)])
@@ -65,23 +64,23 @@ def test_a_chaotic_run_says_until_when_it_holds() -> None:
         **ON_PEDESTAL,
     )
     assert 0.0 < found.reliable_until_s < 10.0
-    assert any("Beyond" in text for text in found.warnings)
 
 
 def test_doubts_and_limits_are_told() -> None:
     jump = certify(STATUE, Pulse("rectangular", -0.3 * GRAVITY, 0.5), duration_s=2.0, **ON_PEDESTAL)
-    assert any("several states" in text for text in jump.warnings)
+    assert jump.solution.doubts.ambiguous_states > 0
     rough = certify(STATUE, Harmonic(0.334 * GRAVITY, 3.0), duration_s=2.0, statue_friction=0.1, **ON_PEDESTAL)
-    assert any("slides on its support" in text for text in rough.warnings)
     assert rough.solution.validity is not None
     assert rough.solution.validity.left_domain_s is not None
+    assert rough.solution.validity.left_domain_by == "statue_slides"
     narrow = certify(
         STATUE,
         Harmonic(0.334 * GRAVITY, 3.0),
         duration_s=2.0,
         **(ON_PEDESTAL | {"pedestal": Pedestal(250.0, 0.3, 0.5)}),
     )
-    assert any("pedestal itself tips" in text for text in narrow.warnings)
+    assert narrow.solution.validity is not None
+    assert narrow.solution.validity.left_domain_by == "pedestal_tips"
 
 
 def test_paestum_landing_left_needs_the_printed_friction() -> None:
@@ -172,7 +171,6 @@ def test_a_peak_that_runs_share_before_their_paths_part_holds_up_to_itself_only(
     assert missed > 100.0 * found.uncertainty_rad, "the runs agree on a peak that is not the largest"
     assert found.reliable_until_s < exact.peak_time_s
     assert found.reliable_until_s == pytest.approx(found.solution.peak_time_s, abs=1e-5)
-    assert any("the peak may be larger there" in text for text in found.warnings)
 
 
 def test_an_outcome_whose_runs_keep_to_one_path_is_sure_to_the_end() -> None:
@@ -180,4 +178,3 @@ def test_an_outcome_whose_runs_keep_to_one_path_is_sure_to_the_end() -> None:
     found = certify(STATUE, Harmonic(0.334 * GRAVITY, 3.0), **scene)
     assert found.solution.energy_lost_j > 0.0
     assert found.reliable_until_s == found.solution.end_s
-    assert not any("Beyond" in text for text in found.warnings)

@@ -129,9 +129,10 @@ def store(path: Path) -> None:
 def title(path: Path) -> None:
     """Read, run, write, and tell: on a terminal nothing but text arrives, on as many lines as there are."""
     from harness.campaign.progress import ProgressMessages, progress
-    from harness.cli import summary
     from harness.input.scene_file import load_scene
     from harness.scene_run.scene_run import run_scene, write_result
+    from reports.messages import ENGLISH
+    from reports.terminal import run_lines
 
     scene = load_scene(path)
     with (
@@ -143,7 +144,7 @@ def title(path: Path) -> None:
         telling.now(scene.title)
     result = run_scene(_short(scene), ("analytic",))
     write_result(result, path.parent / WRITTEN)
-    said = stream.getvalue() + summary(result)
+    said = stream.getvalue() + "\n".join(run_lines(result.record().texted(ENGLISH.say)))
     if any(mark in said for mark in STEERING):
         raise AssertionError(f"a title steers the terminal: {said[:200]!r}")
 

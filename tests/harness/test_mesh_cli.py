@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.command import Known, Surroundings
+from harness.command import ScanOptions, SupportOptions
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Layout
 from harness.input.scene_file import load_scene
 from harness.mesh_cli import MARBLE_KG_M3, inspect, new, prepare
@@ -37,7 +37,7 @@ def motion(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_inspect_says_what_the_statue_is(scan: Path) -> None:
-    found = inspect(scan, Known(unit="m", up="z"))
+    found = inspect(scan, ScanOptions(unit="m", up="z"))
     assert found.solid is not None
     assert found.solid.density_kg_m3 == MARBLE_KG_M3
     text = str(found)
@@ -49,13 +49,13 @@ def test_inspect_says_what_the_statue_is(scan: Path) -> None:
 
 
 def test_a_weighed_mass_sets_the_density(scan: Path) -> None:
-    found = inspect(scan, Known(unit="m", up="z", mass_kg=800.0))
+    found = inspect(scan, ScanOptions(unit="m", up="z", mass_kg=800.0))
     assert found.solid is not None
     assert found.solid.density_kg_m3 == pytest.approx(2700.0 * 800.0 / 707.0, rel=1e-6)
 
 
 def test_prepare_writes_the_mesh_and_its_account(scan: Path, tmp_path: Path) -> None:
-    found, account = prepare(scan, tmp_path / "made" / "statue.ply", Known(unit="m", up="z"))
+    found, account = prepare(scan, tmp_path / "made" / "statue.ply", ScanOptions(unit="m", up="z"))
     assert (tmp_path / "made" / "statue.ply").is_file()
     written = json.loads(account.read_text())
     assert written["known"]["unit"] == "m"
@@ -65,14 +65,16 @@ def test_prepare_writes_the_mesh_and_its_account(scan: Path, tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("known", "said"),
     [
-        (Known(), "without units"),
-        (Known(unit="km"), "between"),
-        (Known(unit="m", density_kg_m3=2700.0, mass_kg=700.0), "both"),
-        (Known(unit="m", up="w"), "up axis"),
-        (Known(unit="m", up="x"), "statue that stands"),
+        (ScanOptions(), "without units"),
+        (ScanOptions(unit="km"), "between"),
+        (ScanOptions(unit="m", density_kg_m3=2700.0, mass_kg=700.0), "both"),
+        (ScanOptions(unit="m", up="w"), "up axis"),
+        (ScanOptions(unit="m", up="x"), "statue that stands"),
     ],
 )
-def test_mistakes_are_input_errors_and_nothing_is_written(scan: Path, tmp_path: Path, known: Known, said: str) -> None:
+def test_mistakes_are_input_errors_and_nothing_is_written(
+    scan: Path, tmp_path: Path, known: ScanOptions, said: str
+) -> None:
     with pytest.raises(InputError, match=said):
         prepare(scan, tmp_path / "statue.ply", known)
     assert list(tmp_path.iterdir()) == []
@@ -80,7 +82,7 @@ def test_mistakes_are_input_errors_and_nothing_is_written(scan: Path, tmp_path: 
 
 def test_a_refusal_reads_as_one_sentence(scan: Path) -> None:
     with pytest.raises(InputError) as caught:
-        inspect(scan, Known(up="z"))
+        inspect(scan, ScanOptions(up="z"))
     (found,) = caught.value.mistakes
     assert found.where == str(scan)
     assert found.wanted == "a scale"
@@ -90,13 +92,13 @@ def test_a_refusal_reads_as_one_sentence(scan: Path) -> None:
 
 def test_the_scan_is_never_overwritten(scan: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="another file"):
-        prepare(scan, scan, Known(unit="m"))
+        prepare(scan, scan, ScanOptions(unit="m"))
     with pytest.raises(InputError, match="ending in"):
-        prepare(scan, tmp_path / "statue.txt", Known(unit="m"))
+        prepare(scan, tmp_path / "statue.txt", ScanOptions(unit="m"))
 
 
 def test_new_writes_a_scene_that_loads(scan: Path, motion: Path, tmp_path: Path) -> None:
-    out, found = new(scan, motion, tmp_path / "first.toml", Known(unit="m", up="z"))
+    out, found = new(scan, motion, tmp_path / "first.toml", ScanOptions(unit="m", up="z"))
     assert not any("up" in each for each in found)
     text = out.read_text()
     assert text.count("ASSUMED") >= 4
@@ -110,8 +112,8 @@ def test_new_writes_a_scene_that_loads(scan: Path, motion: Path, tmp_path: Path)
 
 
 def test_new_takes_pedestal_friction_and_scale(scan: Path, motion: Path, tmp_path: Path) -> None:
-    around = Surroundings(pedestal="250,0.6,0.8,0.2", friction=0.35, scale=2.5)
-    out, _ = new(scan, motion, tmp_path / "second.toml", Known(unit="m", up="z", mass_kg=650.0), around)
+    around = SupportOptions(pedestal="250,0.6,0.8,0.2", friction=0.35, scale=2.5)
+    out, _ = new(scan, motion, tmp_path / "second.toml", ScanOptions(unit="m", up="z", mass_kg=650.0), around)
     scene = load_scene(out)
     assert scene.pedestal is not None
     told = scene.pedestal.mass_kg, scene.pedestal.width_m, scene.pedestal.depth_m, scene.pedestal.height_m
@@ -127,26 +129,26 @@ def test_new_takes_a_record_that_no_reader_knows(scan: Path, tmp_path: Path) -> 
     text = tmp_path / "any.txt"
     text.write_text("a logger's file\n" + "".join(f"{0.1 * math.sin(0.3 * k):.5f}\n" for k in range(200)))
     layout = Layout(dt_s=0.01, skip_lines=1, columns="all")
-    around = Surroundings(motion_unit="g")
-    scene = load_scene(new(scan, text, tmp_path / "any.toml", Known(unit="m", up="z"), around, layout)[0])
+    around = SupportOptions(motion_unit="g")
+    scene = load_scene(new(scan, text, tmp_path / "any.toml", ScanOptions(unit="m", up="z"), around, layout)[0])
     assert scene.base_excitation.x.peak_m_s2 == pytest.approx(0.1 * STANDARD_GRAVITY_M_S2, rel=1e-3)
 
 
 @pytest.mark.parametrize(
     ("around", "said"),
     [
-        (Surroundings(pedestal="250,0.6"), "--pedestal: wanted four numbers"),
-        (Surroundings(pedestal="heavy,0.6,0.8,0.2"), "--pedestal: wanted four numbers"),
-        (Surroundings(pedestal="250,0.1,0.8,0.2"), "pedestal under the whole base"),
-        (Surroundings(friction=-0.1), "contact.statue"),
-        (Surroundings(scale=float("nan")), "motion.scale"),
+        (SupportOptions(pedestal="250,0.6"), "--pedestal: wanted four numbers"),
+        (SupportOptions(pedestal="heavy,0.6,0.8,0.2"), "--pedestal: wanted four numbers"),
+        (SupportOptions(pedestal="250,0.1,0.8,0.2"), "pedestal under the whole base"),
+        (SupportOptions(friction=-0.1), "contact.statue"),
+        (SupportOptions(scale=float("nan")), "motion.scale"),
     ],
 )
 def test_wrong_surroundings_are_told_and_leave_nothing(
-    scan: Path, motion: Path, tmp_path: Path, around: Surroundings, said: str
+    scan: Path, motion: Path, tmp_path: Path, around: SupportOptions, said: str
 ) -> None:
     with pytest.raises(InputError, match=said):
-        new(scan, motion, tmp_path / "first.toml", Known(unit="m", up="z"), around)
+        new(scan, motion, tmp_path / "first.toml", ScanOptions(unit="m", up="z"), around)
     assert not list(tmp_path.iterdir())
 
 
@@ -160,5 +162,5 @@ def test_new_refuses_what_exists_and_leaves_nothing_half_written(scan: Path, mot
         ((tmp_path / "absent.ply", motion, tmp_path / "a.toml"), "none of that name"),
     ):
         with pytest.raises(InputError, match=said):
-            new(*wrong, Known(unit="m"))
+            new(*wrong, ScanOptions(unit="m"))
     assert [path.name for path in tmp_path.iterdir()] == ["taken.toml"]

@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from harness.scene_run.convention import choice_between
+
 from harness import engines
 from harness.accuracy import outlook
 from harness.accuracy.horizon import horizon_of
@@ -19,7 +21,6 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.bench import Statement
 from harness.records.witness import LEAST_S, PLAIN
-from harness.scene_run.convention import choice_between
 from harness.scene_run.witness import TARGET_RAD as JOINT_RAD
 from tests.measures.coverage import statement, truth_of
 from tests.measures.pages import renew, table

@@ -80,7 +80,7 @@ def row_of(generator: str, seed: int) -> SceneRow:
             horizons_s = [known.intrinsic_s if known and run.engine == "analytic" else None for run in both]
             again = compare(one, other, scene=scene, horizons_s=(horizons_s[0], horizons_s[1]))
             refuted = again.verdict is not Verdict.MODEL
-        pairs[pair] = Judged(scores.verdict.value, scores.verdict_sentence, refuted)
+        pairs[pair] = Judged(scores.verdict.value, scores.findings[0].code, refuted)
     return SceneRow(generator, seed, statements, pairs)
 
 

@@ -20,6 +20,7 @@ from meshes.prepare import Wanted, prepare, prepare_mesh
 from meshes.repair import Part
 from meshes.self_intersection import crossings, pinched, wrongly_sided
 from meshes.topology import EdgeCount
+from tests import doubles
 from tests.budgets_meshes import CUT_VOLUME_REL, FORMER_LIMIT, NOISE_REL
 from tests.meshes import toadstool
 from tests.meshes.loft import loft
@@ -140,7 +141,7 @@ def test_an_hourglass_is_no_body(around: int, levels: int, top_m: float, tmp_pat
         'title = "t"\nduration_s = 1.0\n[statue]\nmesh = { file = "hourglass.ply", unit = "m", density_kg_m3 = 2700.0 }\n'
         '[motion.x]\nkind = "pulse"\nshape = "one_sine"\namplitude_g = 0.1\nduration_s = 0.5\n'
     )
-    assert any("wanted one solid body" in note or "pass through" in note for note in load_scene(scene).notes)
+    assert any("wanted one solid body" in note or "pass through" in note for note in doubles.notes(load_scene(scene)))
 
 
 def test_what_is_inside_out_or_buried_is_measured() -> None:

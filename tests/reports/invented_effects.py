@@ -63,7 +63,6 @@ def effects_record() -> EffectsRecord:
         title="an invented rose",
         file="rose.toml",
         scene=SceneRecord.of(scene),
-        notes=[],
         study=asked,
         rows=rows,
         sides=sides,
@@ -84,7 +83,7 @@ def effects_record() -> EffectsRecord:
 def write_effects(folder: Path) -> Path:
     """The record with a replay of the model alone, towards 60°."""
     replay = ReplayRecord(60.0, "analytic", 0.3, {"analytic": Outcome.STANDS}, "replay", "rockcheck run scene.toml")
-    shaken = turned(harness.load_scene(SCENE, duration_s=0.5), replay.azimuth_deg)
+    shaken = turned(harness.load_scene(SCENE, {"duration_s": 0.5}), replay.azimuth_deg)
     folder.mkdir(parents=True)
     write_result(run_scene(shaken, ["analytic"]), folder / replay.folder)
     write_json(folder / "result.json", as_file(replace(effects_record(), replay=replay)))

@@ -4,23 +4,27 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import MISSING, fields, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from analytic.excitation import Harmonic
+from harness.model.finding import caution, info
 from harness.model.history import History, Outcome
 from harness.model.run import Pattern, Run
 from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue, Wall
 from harness.records.scores import Evidence, Scores, Verdict
 from harness.scene_run.scene_run import Result, write_result
 from harness.statics.plan import Step
+from reports.messages import ENGLISH
 
 MASS_KG = 707.0
+AGREE = partial(info, "pair_agrees", difference_rad=1e-4, limit_rad=1e-3)
 
 
-def invented_scores(a: str, b: str, sentence: str) -> Scores:
+def invented_scores(a: str, b: str) -> Scores:
     """Stands in for the comparator's scores, which have their own tests."""
     none: dict[str, Any] = {each.name: None for each in fields(Scores) if "None" in str(each.type)}
     lists: dict[str, Any] = {each.name: () for each in fields(Scores) if str(each.type).startswith("Sequence[float")}
@@ -35,7 +39,7 @@ def invented_scores(a: str, b: str, sentence: str) -> Scores:
         | known
         | alone
         | {"a": a, "b": b, "peak_theta_a_rad": 0.1, "peak_theta_b_rad": 0.1, "numerical_uncertainty": {}}
-        | {"verdict": Verdict.AGREE, "verdict_sentence": sentence, "evidence": Evidence(**evidence)}
+        | {"verdict": Verdict.AGREE, "evidence": Evidence(**evidence), "findings": [AGREE(a=a, b=b)]}
     )
 
 
@@ -55,7 +59,7 @@ def block_scene(*, pedestal: bool = True, wall: bool = True) -> Scene:
         base_excitation=BaseExcitation(x=Harmonic(0.429 * 9.81, 3.0)),
         wall=Wall("left", 0.70) if wall else None,
         given={"title": "invented", "duration_s": 10.0, "motion": {"x": {"kind": "harmonic", "frequency_hz": 3.0}}},
-        notes=("the statue is invented",),
+        findings=(info("key_assumed", key="statue.height_m", value=1.46),),
     )
 
 
@@ -107,8 +111,8 @@ def invented_run(engine: str, history: History, outcome: Outcome, uncertainty_ra
         validity={"friction_needed_at_pivot": 0.41, "least_normal_force_n": 6100.0},
         numerical_uncertainty_rad=uncertainty_rad,
         reliable_until_s=4.6 if uncertainty_rad and uncertainty_rad > 1e-6 else float(t[-1]),
-        skipped=("nothing was integrated before 0.2 s",) if engine == "pymunk" else (),
-        warnings=("one friction coefficient only",) if engine == "pybullet" else (),
+        skipped={"quiet_start": 0.2} if engine == "pymunk" else {},
+        findings=(caution("own_contact", keys=["model.friction_normal"]),) if engine == "pybullet" else (),
     )
 
 
@@ -122,10 +126,7 @@ def write_invented(folder: Path, *, disagree: bool = False, mesh: bool = False, 
         "pymunk": invented_run("pymunk", invented_history(0.01), Outcome.STANDS, 4e-4),
         "pybullet": invented_run("pybullet", invented_history(0.02, falls=disagree), fallen, 2e-3),
     }
-    scores = {
-        "analytic_vs_pymunk": invented_scores("analytic", "pymunk", "they agree within their numerical errors"),
-        "analytic_vs_pybullet": invented_scores("analytic", "pybullet", "they agree until 4.5 s"),
-    }
+    scores = {f"analytic_vs_{name}": invented_scores("analytic", name) for name in ("pymunk", "pybullet")}
     plan = [Step("quiet_start", "*", True, "nothing can move before 0.2 s")]
-    write_result(Result(scene, runs, scores, plan, 1.9), folder)
+    write_result(Result(scene, runs, scores, plan, 1.9), folder, ENGLISH.say)
     return folder

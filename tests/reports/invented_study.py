@@ -16,6 +16,13 @@ from harness.records.study import CaseRun, StudyRecord, StudyRow
 from harness.studies import claims
 from tests.reports.invented_run import block_scene, invented_history
 
+OWN = {
+    "code": "own_contact",
+    "severity": "caution",
+    "values": {"keys": ["model.friction_normal"]},
+    "engine": "",
+    "text": "",
+}
 VARIANTS = {
     "own impact": ("analytic", "pymunk", "pybullet"),
     "paper": ("analytic",),
@@ -38,7 +45,7 @@ def _run(engine: str, outcome: str, peak_rad: float, **more: Any) -> dict[str, A
         "reliable_until_s": 5.0,
         "steps": 1000,
         "labels": [],
-        "warnings": ["one friction coefficient only"] if engine == "pybullet" else [],
+        "findings": [OWN] if engine == "pybullet" else [],
         "validity": {},
         "impacts": 12,
         **more,
@@ -70,7 +77,7 @@ def _record(title: str, rows: list[dict[str, Any]], **more: Any) -> dict[str, An
         "title": title,
         "file": "invented.toml",
         "scene": plain(SceneRecord.of(block_scene(wall=False))),
-        "notes": [],
+        "findings": [],
         "vary": {key: sorted({row["varied"][key] for row in rows}, key=str) for key in keys},
         "summary": {"sentence": f"{len(rows)} runs wanted, {len(rows)} computed"},
         "seconds": 12.5,

@@ -11,7 +11,7 @@ import pytest
 from typer.main import get_command
 from typer.testing import CliRunner
 
-from harness.command import Asked, Saying, spread
+from harness.command import EngineOptions, OutputOptions, spread
 from reports.cli import app
 from tests.meshes import togatus
 
@@ -96,10 +96,10 @@ def test_a_records_unit_is_named_alike() -> None:
 def test_a_group_of_options_reaches_its_function() -> None:
     got: list[Any] = []
 
-    def function(first: int, asked: Asked, saying: Saying, last: str = "x") -> None:
+    def function(first: int, asked: EngineOptions, saying: OutputOptions, last: str = "x") -> None:
         """Say it."""
         got.append((first, asked, saying, last))
 
     spread(function)(first=1, engine=["a"], overrides=None, as_json=True, quiet=False, last="y")
-    assert got == [(1, Asked(["a"], None), Saying(as_json=True), "y")]
+    assert got == [(1, EngineOptions(["a"], None), OutputOptions(as_json=True), "y")]
     assert spread(function).__doc__ == "Say it."

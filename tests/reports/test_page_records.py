@@ -35,7 +35,7 @@ def shown(folder: Path) -> str:
 def test_a_study_says_what_engines_as_they_come_confirm(tmp_path: Path) -> None:
     folder = invented_study.write_map_study(tmp_path)
     assert 'id="witness"' not in shown(folder)
-    counts = {"pymunk:plain": WitnessCount(confirmed=8, by_convention=0, differ=1, silent=0)}
+    counts = {"pymunk:plain": WitnessCount(confirmed=8, differ=1, silent=0)}
     said = "Case 7: pymunk as it comes does not confirm pymunk from 1.2 s on."
     seen = StudyWitness(
         scenes=9, of=90, counts=counts, differing=[said], sentence="9 of 90 scenes were held.", seconds=1.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -35,7 +34,7 @@ def after_horizon(excursions: tuple[Excursions, Excursions], both: Pair, until_s
     largest = [
         max(float(theta.max()), float(peak.max(initial=0.0))) for theta, peak in zip(rotation, peaks, strict=True)
     ]
-    record = AfterHorizon(
+    return AfterHorizon(
         from_s=begin_s,
         until_s=both.end_s,
         largest_a_rad=largest[0],
@@ -46,9 +45,7 @@ def after_horizon(excursions: tuple[Excursions, Excursions], both: Pair, until_s
         excursions_a=peaks[0].size,
         excursions_b=peaks[1].size,
         peaks=_peaks(*peaks),
-        sentence="",
     )
-    return replace(record, sentence=_sentence(record))
 
 
 def _rotation(both: Pair, begin_s: float) -> tuple[Array, Array]:
@@ -71,16 +68,3 @@ def _peaks(a: Array, b: Array) -> PeaksApart | None:
     if min(a.size, b.size) == 0:
         return None
     return PeaksApart(area_rad=distributions.area_metric(a, b), ks=distributions.ks_distance(a, b))
-
-
-def _sentence(record: AfterHorizon) -> str:
-    text = f"from {record.from_s:.4g} s to {record.until_s:.4g} s only distributions compare: "
-    text += f"|θ| over time lies {record.rotation.area_rad:.2g} rad apart on average"
-    peaks = record.peaks
-    if peaks is None:
-        return f"{text}; {record.excursions_a} against {record.excursions_b} excursions."
-    text += f", the peaks of {record.excursions_a} and {record.excursions_b} excursions {peaks.area_rad:.2g} rad"
-    chance = peaks.area_by_chance_rad
-    if chance is None:
-        return f"{text} (too few to tell from chance)."
-    return f"{text} ({'more' if peaks.area_rad > chance else 'no more'} than chance, {chance:.2g} rad)."

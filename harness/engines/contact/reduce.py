@@ -16,6 +16,7 @@ from harness.engines.contact.falling import Fall, fall, side_of
 from harness.engines.contact.rocking import patterns, rocking
 from harness.engines.contact.trajectory import Trajectory
 from harness.engines.event_stepping.domain import PlainSpells, plain_spells
+from harness.model.finding import Finding, caution
 from harness.model.history import History, Outcome, hermites, output_grid
 from harness.model.interventions import Intervention
 from harness.model.run import Run
@@ -26,7 +27,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """What the adapter knows of its own run: settings, counts, sentences.
+    """What the adapter knows of its own run: settings, counts, findings.
 
     `resolution_rad` is the rotation that the contact's slop leaves at rest; `stuck_below_m_s` the velocity that is rest.
     `rested` says that the run was ended at rest before the scene's end, so that the last state holds to it. `repeats` that a step
@@ -43,8 +44,8 @@ class Report:
     with_history: bool = True
     validity: Mapping[str, object] = field(default_factory=dict)
     work: Mapping[str, int] = field(default_factory=dict)
-    skipped: Sequence[str] = ()
-    warnings: Sequence[str] = ()
+    skipped: Mapping[str, float | None] = field(default_factory=dict)
+    findings: Sequence[Finding] = ()
     labels: Sequence[str] = ()
     interventions: Mapping[str, Intervention] = field(default_factory=dict)
     repeats: bool = True
@@ -106,10 +107,24 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
         validity=validity | dict(report.validity),
         work=report.work,
         skipped=report.skipped,
-        warnings=report.warnings,
+        findings=(*own_contact(scene), *report.findings),
         labels=report.labels,
         interventions=report.interventions,
     )
+
+
+def own_contact(scene: Scene) -> list[Finding]:
+    """Forms of the two-block model that an engine replaces by its own contact."""
+    keys = []
+    if scene.pedestal is not None and scene.form.friction_normal == "static":
+        keys.append("model.friction_normal")
+    if (
+        scene.pedestal is not None
+        and scene.form.pedestal_at_impact == "unchanged"
+        and scene.contact.restitution is None
+    ):
+        keys.append("model.pedestal_at_impact")
+    return [caution("own_contact", keys=keys)] if keys else []
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +160,6 @@ def _derive(scene: Scene, motion: Trajectory) -> _Derived:
 
 
 def _diverged(report: Report, time_s: float) -> Run:
-    message = f"the engine's numbers are not finite from {time_s:.6g} s"
     return Run(
         engine=report.engine,
         outcome=Outcome.DIVERGED,
@@ -156,8 +170,8 @@ def _diverged(report: Report, time_s: float) -> Run:
         peak_theta_rad=0.0,
         peak_time_s=0.0,
         end_s=time_s,
-        message=message,
-        warnings=(*report.warnings, message),
+        message=f"the engine's numbers are not finite from {time_s:.6g} s",
+        findings=report.findings,
         labels=report.labels,
         interventions=report.interventions,
     )

@@ -23,6 +23,7 @@ from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.pybullet import mirror
 from harness.engines.pybullet.settings import BulletSettings
+from harness.model.finding import Finding, caution, changes_answer
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
@@ -146,7 +147,7 @@ class Bullet3D(Engine):
             validity=_validity(path.extra, setup, phases),
             interventions=phases.record.ledger.record(),
             skipped=phases.skipped,
-            warnings=_warnings(scene, setup, phases, path.extra),
+            findings=_findings(scene, setup, phases, path.extra),
             labels=(IMPOSED_LABEL,) if scene.contact.restitution is not None else (),
         )
         return reduce_trajectory(scene, path, report)
@@ -176,21 +177,15 @@ def _validity(extra: Mapping[str, Array], setup: Setup, phases: RunPhases) -> di
     }
 
 
-def _warnings(scene: Scene, setup: Setup, phases: RunPhases, extra: Mapping[str, Array]) -> tuple[str, ...]:
-    said = []
-    if phases.full is not None and phases.full.warning is not None:
-        said.append(phases.full.warning)
-    if scene.form.friction_normal == "static" and scene.pedestal is not None:
-        said.append("friction uses the contact's own normal force: model.friction_normal = static is not computed")
-    if scene.form.pedestal_at_impact == "unchanged" and scene.contact.restitution is None:
-        said.append("impacts are the contact's own: model.pedestal_at_impact = unchanged is not computed")
+def _findings(scene: Scene, setup: Setup, phases: RunPhases, extra: Mapping[str, Array]) -> tuple[Finding, ...]:
+    found = []
+    if phases.full is not None and phases.full.no_parts:
+        found.append(caution("hull_for_parts", reason=phases.full.no_parts))
     if not setup.rest.stable:
-        said.append("no face of the mesh's hull carries the centroid within 0.2 rad of upright: the run starts upright")
+        found.append(caution("no_stable_face"))
     if setup.rest.lean_rad > 0.0:
-        said.append(
-            f"the base as scanned is not flat: at rest the statue's axis leans by {setup.rest.lean_rad:.3g} rad"
-        )
+        found.append(caution("base_not_flat", lean_rad=setup.rest.lean_rad))
     across = float(np.max(np.abs(extra["out_of_plane_rad"] - extra["out_of_plane_rad"][0])))
     if scene.planar and across > OUT_OF_PLANE_REPORTED_RAD:
-        said.append(f"the scene is planar, yet the statue left its plane by {across:.2g} rad")
-    return tuple(said)
+        found.append(changes_answer("left_its_plane", across_rad=across))
+    return tuple(found)

@@ -25,11 +25,12 @@ HULL_VERTICES: Final = 256
 
 @dataclass(frozen=True, eq=False)
 class FullShape:
-    """Convex bodies (k, 3) each, statue frame, drawn inside the statue; `warning` where they are not what the scene needs."""
+    """Convex bodies (k, 3) each, statue frame, drawn inside the statue; `no_parts` says why they are its hull where it
+    needs convex parts."""
 
     kind: Kind
     bodies_m: tuple[Array, ...]
-    warning: str | None = None
+    no_parts: str = ""
 
     @property
     def note(self) -> str:
@@ -42,7 +43,7 @@ class FullShape:
 
 
 def full_shape(scene: Scene, wish: Literal["needed", "hull", "parts"] = "needed") -> FullShape:
-    """The shape that the scene needs, or the one wished; the hull, with a warning, where parts cannot be made."""
+    """The shape that the scene needs, or the one wished; the hull, with the reason, where parts cannot be made."""
     from meshes import MeshError
 
     need = shape_needed(scene)
@@ -52,8 +53,7 @@ def full_shape(scene: Scene, wish: Literal["needed", "hull", "parts"] = "needed"
     try:
         return FullShape("parts", _parts(scene.statue))
     except MeshError as error:
-        note = f"the statue meets the pedestal's edge with its hull, not with convex parts ({need.reason}): {error}"
-        return FullShape("hull", _hull(scene.statue), note)
+        return FullShape("hull", _hull(scene.statue), str(error))
 
 
 @lru_cache(maxsize=CACHED_STATUES)

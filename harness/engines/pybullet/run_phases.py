@@ -75,7 +75,7 @@ class RunPhases:
     """
 
     record: StepLog
-    skipped: tuple[str, ...]
+    skipped: dict[str, float | None]
     full_from_s: float | None
     full: FullShape | None
     mirrored: bool = False
@@ -120,7 +120,11 @@ def run(scene: Scene, level: BulletSettings, setup: Setup, options: RunOptions) 
         rest_of = _part(scene, level, whole, schedule, watch, full=full, crossing=crossing, done=record)
         record = _joined(record, rest_of)
     said = _skipped(
-        scene, first * level.dt_s, record.at_rest * level.dt_s, full_from, record.rested, in_plane=setup.in_plane
+        first * level.dt_s,
+        record.at_rest * level.dt_s,
+        scene.duration_s - record.t_s[-1] if record.rested else 0.0,
+        base_only=full_from is None,
+        in_plane=setup.in_plane,
     )
     return RunPhases(record, said, full_from, full, setup.mirrored)
 
@@ -230,23 +234,11 @@ def quiet_start_s(scene: Scene, setup: Setup) -> float:
 
 
 def _skipped(
-    scene: Scene, quiet_s: float, rest_s: float, full_from_s: float | None, rested: bool, *, in_plane: bool
-) -> tuple[str, ...]:
-    said = []
-    if in_plane:
-        half = "its bodies turn in the plane alone" if full_from_s == 0.0 else "half of it is computed"
-        said.append(f"mirror: the scene is its own mirror image across the rocking plane: {half}")
-    if quiet_s > 0.0:
-        said.append(f"quiet_start: the first {quiet_s:.4g} s, in which nothing can move")
-    if full_from_s is None:
-        why = (
-            "a level floor and a wall touch a convex body at its vertices only"
-            if scene.pedestal is None
-            else "no part of the statue came below the pedestal's top or beside it, where its edges are"
-        )
-        said.append(f"base_only: collision shapes beyond the vertices that touch; {why}")
-    if rest_s > 0.0:
-        said.append(f"quiet_rest: {rest_s:.4g} s in all, in which the statue rests and nothing can move it")
-    if rested:
-        said.append("quiet_end: the rest of the run, in which statue and table are still")
-    return tuple(said)
+    quiet_s: float, rest_s: float, end_s: float, *, base_only: bool, in_plane: bool
+) -> dict[str, float | None]:
+    """What the run left out, by skip (`Run.skipped`)."""
+    times = {"quiet_start": quiet_s, "quiet_rest": rest_s, "quiet_end": end_s}
+    whole: dict[str, float | None] = {"mirror": None} if in_plane else {}
+    if base_only:
+        whole["base_only"] = None
+    return whole | {name: time_s for name, time_s in times.items() if time_s > 0.0}

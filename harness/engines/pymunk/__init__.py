@@ -137,11 +137,9 @@ class Munk2D(Engine):
             record, first = _integrated(scene, own, options)
         except (AssertionError, ValueError, MemoryError) as error:
             raise EngineFailure(f"pymunk refused the scene: {error}") from error
-        skipped = []
-        if first > 0:
-            skipped.append(f"nothing moves before {first * own.dt_s:.4g} s: not integrated")
+        skipped: dict[str, float | None] = {"quiet_start": first * own.dt_s} if first > 0 else {}
         if record.rested:
-            skipped.append(f"from {record.t_s[-1]:.4g} s on the statue is at rest and the floor is still")
+            skipped["quiet_end"] = scene.duration_s - record.t_s[-1]
         report = Report(
             engine=self.name,
             settings=own.as_dict(),
@@ -153,8 +151,7 @@ class Munk2D(Engine):
             with_history=options.history or not options.allows("no_history"),
             validity={} if _located(scene) else _plain_throughout(record.t_s),
             interventions=record.ledger.record(),
-            skipped=tuple(skipped),
-            warnings=_warnings(scene),
+            skipped=skipped,
             labels=() if scene.contact.restitution is None else (IMPOSED_LABEL,),
         )
         path = trajectory(scene, record, None, own.dt_s)
@@ -225,12 +222,3 @@ def _first_step(scene: Scene, settings: MunkSettings, options: RunOptions, total
 
 def _plain_throughout(times_s: list[float]) -> dict[str, object]:
     return {"plain_from_s": times_s[0], "plain_for_s": times_s[-1] - times_s[0], "plain_because": ["asked for"]}
-
-
-def _warnings(scene: Scene) -> tuple[str, ...]:
-    ignored = []
-    if scene.form.friction_normal == "static":
-        ignored.append("model.friction_normal = static is ignored: friction acts with the contact's own normal force")
-    if scene.form.pedestal_at_impact == "unchanged" and scene.contact.restitution is None:
-        ignored.append("model.pedestal_at_impact = unchanged is ignored: the impact is the engine's own")
-    return tuple(ignored)

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic
-from harness.accuracy.horizon import horizon, parted_s, perturbed, stated
+from harness.accuracy.horizon import horizon, parted_s, perturbed
 from harness.engines.base import EngineFailure
 from harness.model.history import History, Outcome
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.run import HorizonRecord
 from tests import doubles
 from tests.scenes_for_tests import PAESTUM, paestum, scene
 
@@ -63,21 +64,8 @@ def test_a_stable_model_is_predictable_to_the_end() -> None:
 
 
 def test_the_horizon_of_an_uncertainty_is_that_of_the_next_larger_perturbation() -> None:
-    found = stated(TOLERANCE, 10.0, (1e-9, 1e-5), (6.0, 3.0), GROWTH, ("stands",), 0)
+    found = HorizonRecord(TOLERANCE, 10.0, (1e-9, 1e-5), (6.0, 3.0), GROWTH, ("stands",), 0, 6.0)
     assert [found.until(u) for u in (0.0, 1e-9, 1e-7, 1e-5, 1e-4)] == [6.0, 6.0, 3.0, 3.0, 0.0]
-
-
-@pytest.mark.parametrize(
-    ("until_s", "says"),
-    [
-        ((6.0, 3.0), "until 3 s if start and motion are known to 1e-05, until 6 s even if to 1e-09"),
-        ((10.0, 3.0), "until 3 s if start and motion are known to 1e-05, throughout if to 1e-09"),
-        ((10.0, 10.0), "throughout, even if start and motion are known to 1e-05 only"),
-    ],
-)
-def test_a_horizon_says_what_it_takes_to_predict(until_s: tuple[float, float], says: str) -> None:
-    found = stated(TOLERANCE, 10.0, (1e-9, 1e-5), until_s, GROWTH, ("stands",), 0)
-    assert found.sentence == f"rotation predictable to 0.01 rad {says}"
 
 
 def test_perturbations_touch_start_and_motion_by_their_size() -> None:

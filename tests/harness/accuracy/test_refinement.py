@@ -21,6 +21,7 @@ from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from tests import budgets_engines as budget
+from tests import doubles
 from tests.measures.coverage import FIRST_SEED, coverage, met_whole
 from tests.measures.seeded_scenes import random_scene, wide_scene
 from tests.scenes_for_tests import paestum
@@ -115,7 +116,7 @@ def test_a_growing_error_gives_a_horizon() -> None:
     assert run.history is not None
     until = run.history.t_s <= run.reliable_until_s
     assert np.max(np.abs(run.history.theta_rad - TRUTH)[until]) <= run.numerical_uncertainty_rad <= 1e-3
-    assert any("is met until" in warning for warning in run.warnings)
+    assert doubles.codes(run.findings) == ["target_met_until"]
 
 
 def test_a_hopeless_climb_is_not_climbed_to_the_top() -> None:
@@ -238,7 +239,7 @@ def test_errors_of_plain_steps_may_fall_with_the_step_s_root() -> None:
 def test_in_a_fall_nothing_is_stated_once_the_events_are_left() -> None:
     run = run_to_accuracy(Fake(no_return_s=0.15, left_s=0.6), paestum(), 1e-3, RunOptions())
     assert run.reliable_until_s == 0.6
-    assert any("past the instant of no return" in warning for warning in run.warnings)
+    assert "target_met_until_fall" in doubles.codes(run.findings)
 
 
 def test_a_fall_is_not_climbed_for_its_own_path() -> None:
@@ -247,7 +248,7 @@ def test_a_fall_is_not_climbed_for_its_own_path() -> None:
     assert settled.work["runs"] == 4
     assert settled.reliable_until_s is not None
     assert 0.15 <= settled.reliable_until_s < 0.5
-    assert any("past the instant of no return" in warning for warning in settled.warnings)
+    assert "target_met_until_fall" in doubles.codes(settled.findings)
     late = run_to_accuracy(Fake(growth=8.0, no_return_s=0.99, steps_s=steps_s), paestum(), 1e-3, RunOptions())
     assert late.work["runs"] == 6
 

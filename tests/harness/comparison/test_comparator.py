@@ -14,6 +14,7 @@ from harness.comparison.history_files import compare_files
 from harness.input.history_file import resolution
 from harness.model.run import to_plain
 from harness.records.scores import Verdict
+from reports.text.glossary import after_horizon_values
 from tests import doubles
 from tests.budgets_compare import IMPACT_S, PEAK_RAD, ROUNDING_REL, UPLIFT_S, WORK_PAIR_SAMPLES
 
@@ -116,7 +117,7 @@ def test_scores_after_the_horizon_are_distributions() -> None:
     late = np.abs(history.theta_rad[history.t_s >= 2.0])
     assert after.rotation.area_rad == pytest.approx(0.2 * float(late.mean()), rel=1e-2)
     assert after.largest_a_rad == pytest.approx(1.2 * after.largest_b_rad, rel=1e-6)
-    assert f"{len(peaks)} and {len(peaks)} excursions" in after.sentence
+    assert after.excursions_a == after.excursions_b == len(peaks)
     assert compare(history, history).after_horizon is None
 
 
@@ -160,9 +161,9 @@ def test_many_excursions_after_the_horizon_stand_beside_chance() -> None:
     assert same is not None
     assert larger is not None
     assert same.peaks.area_rad < same.peaks.area_by_chance_rad
-    assert "no more than chance" in same.sentence
+    assert after_horizon_values(same)["kind"] == "chance"
     assert larger.peaks.area_rad > larger.peaks.area_by_chance_rad
-    assert "more than chance" in larger.sentence
+    assert after_horizon_values(larger)["kind"] == "more"
 
 
 def test_outcome_only_runs_are_compared_by_their_peaks() -> None:
@@ -226,11 +227,12 @@ def test_neither_single_precision_nor_coarser_samples_are_another_model(tmp_path
         rows = np.column_stack((t_s, values))[::step]
         np.savetxt(tmp_path / name, rows, "%.17g", ",", header="t_s,theta_rad", comments="")
     scores = compare_files(tmp_path / "other.csv", tmp_path / "whole.csv")
-    assert scores.verdict is Verdict.AGREE, scores.verdict_sentence
+    assert scores.verdict is Verdict.AGREE, scores.findings
     scores = compare_files(tmp_path / "apart.csv", tmp_path / "whole.csv")
     assert scores.verdict is Verdict.MODEL
-    assert "their rotations are up to 0.0001 rad apart" in scores.verdict_sentence
-    assert "Neither states its numerical error: their models differ only if it is smaller." in scores.verdict_sentence
+    said = scores.findings[0]
+    assert said.code == "pair_differs_unstated"
+    assert said.values["difference_rad"] == pytest.approx(1e-4, rel=1e-2)
 
 
 @pytest.mark.parametrize("kind", ["f", "g"])
@@ -248,9 +250,9 @@ def test_a_rounded_copy_of_a_history_is_no_other_model(
         header=f"t_s,theta_{unit},slip_cm", comments="",
     )  # fmt: skip
     scores = compare_files(tmp_path / "rounded.csv", tmp_path / "whole.csv")
-    assert scores.verdict is Verdict.AGREE, scores.verdict_sentence
-    assert "what digits and samples leave open, rounded.csv to" in scores.verdict_sentence
-    assert "taken as zero" not in scores.verdict_sentence
+    assert scores.verdict is Verdict.AGREE, scores.findings
+    counted = [each for each in scores.findings if each.code == "digits_counted"]
+    assert "rounded.csv" in [each.values["model"] for each in counted]
     # What the digits do not hide is still seen.
     apart = 10.0 * scores.evidence.limit_rad
     doubles.raised(history, apart).write_csv(tmp_path / "other.csv")
@@ -265,7 +267,7 @@ def test_times_that_were_rounded_are_no_other_model(tmp_path: Path, decimals: in
         np.savetxt(tmp_path / name, np.column_stack((t_s, history.theta_rad)), fmt=[fmt, "%.17g"], delimiter=",",
                    header="t_s,theta_rad", comments="")  # fmt: skip
     scores = compare_files(tmp_path / "rounded.csv", tmp_path / "whole.csv")
-    assert scores.verdict is Verdict.AGREE, scores.verdict_sentence
+    assert scores.verdict is Verdict.AGREE, scores.findings
 
 
 @pytest.mark.parametrize(
@@ -283,9 +285,11 @@ def test_a_gap_in_a_file_is_told(tmp_path: Path) -> None:
     rows = np.column_stack((history.t_s, history.theta_rad))[keep]
     np.savetxt(tmp_path / "torn.csv", rows, delimiter=",", header="t_s,theta_rad", comments="")
     history.write_csv(tmp_path / "whole.csv")
-    torn = compare_files(tmp_path / "torn.csv", tmp_path / "whole.csv").warnings
-    assert torn == ["torn.csv has no samples from 0.599 s to 0.801 s, where scores rest on interpolation"]
-    assert compare_files(tmp_path / "whole.csv", tmp_path / "whole.csv").warnings == []
+    torn = compare_files(tmp_path / "torn.csv", tmp_path / "whole.csv").findings
+    (told,) = [each.values for each in torn if each.code == "no_samples"]
+    assert told == {"file": "torn.csv", "from_s": pytest.approx(0.599), "until_s": pytest.approx(0.801)}
+    whole = compare_files(tmp_path / "whole.csv", tmp_path / "whole.csv").findings
+    assert "no_samples" not in doubles.codes(whole)
 
 
 @pytest.mark.parametrize(("text", "says"), [("t_s,theta_rad\n", "row"), ("t_s,theta_rad\n0,nan\n1,0\n", "finite")])

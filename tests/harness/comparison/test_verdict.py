@@ -18,6 +18,7 @@ from tests import doubles
 
 U_RAD = 1e-4
 U_M = 5e-5
+NOT_GIVEN = ("motion_not_given", {"model": "plane", "axes": ["y"]})
 
 
 def certain(history: History, name: str, until_s: float = 10.0, **fields: Any) -> Run:
@@ -40,9 +41,8 @@ def test_apart_before_the_horizon_is_the_model() -> None:
     assert scores.verdict is Verdict.MODEL
     assert scores.evidence.exceeded_s == pytest.approx(2.0 + 4.0 * U_RAD / 0.01)
     assert scores.evidence.horizon_s == 5.0
-    assert "while both numerical errors are bounded (until 5 s)" in scores.verdict_sentence
     near = compare(certain(doubles.parted(history, 2.0, 0.01), "a"), certain(history, "b"), horizons_s=(4.0, None))
-    assert "before the horizon at 4 s" in near.verdict_sentence
+    assert (near.verdict, near.evidence.horizon_s) == (Verdict.MODEL, 4.0)
 
 
 def test_past_an_engine_s_bounded_error_is_not_beyond_the_horizon() -> None:
@@ -51,13 +51,12 @@ def test_past_an_engine_s_bounded_error_is_not_beyond_the_horizon() -> None:
     a, b = certain(doubles.parted(history, 6.0, 0.01), "a", 5.0), certain(history, "b")
     missed = compare(a, b)
     assert missed.verdict is Verdict.UNBOUNDED
-    assert "agree up to 5 s" in missed.verdict_sentence
-    assert missed.verdict_sentence.endswith("where the numerical error of a is not bounded any more.")
-    assert "horizon" not in missed.verdict_sentence
+    said = missed.findings[0]
+    assert (said.code, said.values["until_s"], said.values["unbounded"]) == ("pair_error_not_bounded", 5.0, ["a"])
     assert compare(a, b, horizons_s=(None, 9.0)).verdict is Verdict.UNBOUNDED
     unpredictable = compare(a, b, horizons_s=(None, 5.5))
     assert unpredictable.verdict is Verdict.HORIZON
-    assert "beyond the horizon of prediction" in unpredictable.verdict_sentence
+    assert unpredictable.findings[0].code == "pair_beyond_horizon"
 
 
 def test_a_robust_difference_of_a_planar_model_is_the_plane_left_out() -> None:
@@ -68,12 +67,12 @@ def test_a_robust_difference_of_a_planar_model_is_the_plane_left_out() -> None:
         a = certain(doubles.parted(history, 2.0, 0.01), "plane", motion_axes=axes)
         scores = compare(a, b)
         assert scores.verdict is verdict
-        told = "plane was not given the floor's motion along y" in scores.verdict_sentence
+        told = NOT_GIVEN in [(each.code, each.values) for each in scores.findings]
         assert told is (verdict is Verdict.PLANE)
         assert scores.evidence.motion_not_given == ({"plane": ["y"]} if told else {})
     alike = compare(certain(history, "plane", motion_axes=("x",)), b)
     assert alike.verdict is Verdict.AGREE
-    assert "plane was not given the floor's motion along y" in alike.verdict_sentence
+    assert NOT_GIVEN in [(each.code, each.values) for each in alike.findings]
 
 
 def test_a_fall_across_the_plane_parts_two_models_of_the_same_rotation() -> None:
@@ -95,8 +94,7 @@ def test_a_statue_that_ends_leaning_across_the_plane_flips_by_the_plane_left_out
     flat = certain(history, "flat", motion_axes=("x",))
     scores = compare(space, flat)
     assert scores.verdict is Verdict.PLANE
-    assert "the outcome flips" not in scores.verdict_sentence
-    assert "flat was not given the floor's motion along y" in scores.verdict_sentence
+    assert doubles.codes(scores.findings) == ["pair_plane_left_out", "motion_not_given"]
     level = replace(history, extra={"roll_rad": np.zeros_like(history.t_s)})
     leaning = certain(level, "leaning", outcome=Outcome.UNDECIDED, motion_axes=("x", "y"))
     assert compare(leaning, flat).evidence.outcome_flips_within_uncertainty
@@ -115,8 +113,7 @@ def test_two_falls_to_different_sides_are_one_outcome() -> None:
     assert (scores.outcome_agrees, scores.side_agrees) == (True, False)
     assert scores.evidence.outcome_flips_within_uncertainty is False
     assert scores.evidence.side_flips_within_uncertainty is True
-    assert "both overturn, to different sides within the stated uncertainty" in scores.verdict_sentence
-    assert "the outcome flips" not in scores.verdict_sentence
+    assert doubles.codes(scores.findings) == ["pair_error_not_bounded", "side_flips"]
     standing = compare(a, certain(history, "b"))
     assert (standing.outcome_agrees, standing.side_agrees) == (False, None)
 
@@ -133,11 +130,11 @@ def test_a_horizon_from_elsewhere_counts_as_well() -> None:
 )
 def test_leaving_the_domain_explains_only_what_follows(left_s: float, verdict: Verdict) -> None:
     history = doubles.rocking()
-    validity = {"left_domain_s": left_s, "left_domain_by": "friction of 0.9 needed, 0.5 there"}
+    validity = {"left_domain_s": left_s, "left_domain_by": "statue_slides"}
     a = certain(doubles.parted(history, 2.0, 0.01), "a", validity=validity)
     scores = compare(a, certain(history, "b"))
     assert scores.verdict is verdict
-    assert ("friction of 0.9 needed" in scores.verdict_sentence) is (verdict is Verdict.DOMAIN)
+    assert (scores.findings[0].values.get("by") == "statue_slides") is (verdict is Verdict.DOMAIN)
 
 
 def test_what_came_first_decides_between_horizon_and_domain() -> None:
@@ -155,7 +152,7 @@ def test_what_came_first_decides_between_horizon_and_domain() -> None:
 def test_a_run_that_ends_outside_the_model_left_its_domain(outcome: Outcome) -> None:
     history = doubles.rocking()
     run = certain(doubles.truncated(history, 3.0), "a", outcome=outcome)
-    assert left_domain(run) == (3.0, outcome.sentence)
+    assert left_domain(run) == (3.0, outcome.value)
     assert compare(run, certain(history, "b")).verdict is Verdict.DOMAIN
 
 
@@ -187,28 +184,31 @@ def test_slip_is_held_against_its_own_uncertainty(apart: float, verdict: Verdict
         assert scores.numerical_uncertainty["rms_slip_m"] == pytest.approx(2.0 * U_M)
 
 
-def test_a_difference_of_slip_is_told_in_millimetres() -> None:
+def test_a_verdict_says_in_what_two_answers_differ() -> None:
     history, slid = doubles.rocking(slip_m=0.0), doubles.rocking(slip_m=0.02)
     scores = compare(certain(slid, "a"), certain(history, "b"))
     assert scores.verdict is Verdict.MODEL
     assert scores.evidence.differs_in == "slip"
-    assert "their slips more than twice their joint numerical error (0.2 mm) apart" in scores.verdict_sentence
-    assert "rad" not in scores.verdict_sentence
+    said = scores.findings[0]
+    assert (said.code, said.values["differs_in"]) == ("pair_differs_by_model", "slip")
+    assert said.values["slip_limit_m"] == pytest.approx(COVERAGE * 2.0 * U_M)
     turned = compare(certain(doubles.raised(history, 0.01), "a"), certain(history, "b"))
     assert turned.evidence.differs_in == "rotation"
-    assert "(0.0004 rad) apart" in turned.verdict_sentence
+    assert turned.findings[0].values["limit_rad"] == pytest.approx(COVERAGE * 2.0 * U_RAD)
 
 
 def test_a_slip_s_error_that_is_not_stated_is_said() -> None:
     history, slid = doubles.rocking(slip_m=0.0), doubles.rocking(slip_m=0.02)
     scores = compare(certain(slid, "a", slip_uncertainty_m=None), certain(history, "b"))
-    assert "numerical error of the slip of a not stated: taken as zero" in scores.verdict_sentence
+    (told,) = [each for each in scores.findings if each.code == "slip_error_not_stated"]
+    assert told.values["models"] == ["a"]
 
 
 def test_an_unstated_error_is_said() -> None:
     history = doubles.rocking()
     a = doubles.run_of(doubles.raised(history, 1e-3), "other")
-    assert "numerical error of other not stated" in compare(a, certain(history, "b")).verdict_sentence
+    (told,) = [each for each in compare(a, certain(history, "b")).findings if each.code == "error_not_stated"]
+    assert told.values["models"] == ["other"]
 
 
 @pytest.mark.parametrize(
@@ -228,7 +228,6 @@ def test_shares_of_all_verdicts_sum_to_one() -> None:
     assert found == {
         "agree within numerical error": 0.5,
         "differ: model": 0.25,
-        "differ: by convention": 0.0,
         "differ: beyond the horizon": 0.25,
         "differ: the model left its domain": 0.0,
         "differ: the plane left out": 0.0,

@@ -12,6 +12,7 @@ from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from meshes import doubts
 from meshes.mesh import RawMesh
+from tests import doubles
 from tests.budgets_meshes import ROUND_OFF_REL
 from tests.meshes.scanner import write
 from tests.meshes.shapes import box
@@ -43,7 +44,7 @@ def test_a_hollow_statue_is_lighter_and_says_so(folder: Path) -> None:
     assert whole.statue.mass_kg == pytest.approx(2000.0 * 0.42, rel=1e-6)
     assert hollow.statue.mass_kg == pytest.approx(2000.0 * 0.39, rel=1e-6)
     assert hollow.statue.centroid_height_m == pytest.approx((0.42 * 0.75 - 0.03 * 0.7) / 0.39, rel=1e-6)
-    assert any("inner.ply is left empty: 780" in note for note in hollow.notes)
+    assert any("inner.ply is left empty: 780" in note for note in doubles.notes(hollow))
 
 
 def test_a_core_and_a_weighed_mass_give_the_density_around_it(folder: Path) -> None:
@@ -53,7 +54,7 @@ def test_a_core_and_a_weighed_mass_give_the_density_around_it(folder: Path) -> N
     around = (1100.0 - 7850.0 * 0.03) / 0.39
     height = (around * 0.42 * 0.75 + (7850.0 - around) * 0.03 * 0.7) / 1100.0
     assert cored.statue.centroid_height_m == pytest.approx(height, rel=1e-6)
-    assert any("as weighed, which sets the density around it" in note for note in cored.notes)
+    assert any("as weighed, which sets the density around it" in note for note in doubles.notes(cored))
     with pytest.raises(InputError, match="above that of the core"):
         load_scene(folder, [*given, "statue.mass_kg=200.0", "statue.mesh.density_kg_m3=none"])
 
@@ -83,7 +84,7 @@ def test_the_survey_is_used_where_asked(folder: Path) -> None:
     assert survey.statue.centroid_height_m == 0.8
     assert survey.statue.inertia_kg_m2 == pytest.approx(mesh.statue.inertia_kg_m2, rel=ROUND_OFF_REL)
     assert both.statue.inertia_kg_m2 == pytest.approx(180.0, rel=ROUND_OFF_REL)
-    told = [note for note in survey.notes if note.startswith("statue.")]
+    told = [note for note in doubles.notes(survey) if note.startswith("statue.")]
     assert "centroid_height_m = 0.8 differs from 0.75 of the mesh" in told[0]
     assert told[0].endswith("used: the survey")
     assert told[1].endswith("used: the mesh")
@@ -96,7 +97,7 @@ def test_adjusted_by_shares_and_said(folder: Path) -> None:
     scene = load_scene(folder, ["statue.mesh.adjust.centroid_rel=0.03", "statue.mesh.adjust.base_rel=-0.02"])
     assert scene.statue.centroid_height_m == pytest.approx(1.03 * plain.centroid_height_m, rel=ROUND_OFF_REL)
     assert scene.statue.corner_right_m == pytest.approx(0.98 * plain.corner_right_m, rel=ROUND_OFF_REL)
-    assert any("adjust: centroid +3 %, base -2 % against the mesh" in note for note in scene.notes)
+    assert any("adjust: centroid +3 %, base -2 % against the mesh" in note for note in doubles.notes(scene))
     with pytest.raises(InputError, match=r"adjust.centroid_rel.*wanted a number"):
         load_scene(folder, ["statue.mesh.adjust.centroid_rel=0.9"])
 

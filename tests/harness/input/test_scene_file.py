@@ -9,6 +9,7 @@ import pytest
 
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
+from tests import doubles
 from tests.fuzz.originals import SCENE, prepare
 from tests.harness.input.test_tables import GOOD
 
@@ -22,9 +23,9 @@ def written(folder: Path, text: str) -> Path:
 def test_what_is_assumed_is_said(tmp_path: Path) -> None:
     scene = load_scene(written(tmp_path, GOOD))
     assert scene.statue.height_m == 1.0
-    assert any("twice the centroid's height" in note for note in scene.notes)
-    assert any("base's width" in note for note in scene.notes)
-    assert any("no pedestal" in note for note in scene.notes)
+    assumed = {each.values["key"]: each.values["value"] for each in scene.findings if each.code == "key_assumed"}
+    assert assumed == {"statue.height_m": 1.0, "statue.depth_m": scene.statue.depth_m}
+    assert "key_not_used" in doubles.codes(scene.findings)
 
 
 def test_an_amplitude_in_g_is_a_share_of_the_scenes_gravity(tmp_path: Path) -> None:
@@ -62,15 +63,15 @@ def test_a_pedestal_must_carry_the_whole_base(tmp_path: Path) -> None:
 
 def test_a_mesh_is_compared_with_the_survey(root: Path) -> None:
     scene = load_scene(root / "scenes" / "paestum_floor.toml", ["statue.centroid_height_m=0.80"])
-    assert any("centroid_height_m = 0.8 differs from 0.774" in note for note in scene.notes)
-    assert any("corner_left_m = 0.3585 agrees with" in note for note in scene.notes)
+    assert any("centroid_height_m = 0.8 differs from 0.774" in note for note in doubles.notes(scene))
+    assert any("corner_left_m = 0.3585 agrees with" in note for note in doubles.notes(scene))
     assert scene.statue.solid is not None
 
 
 def test_a_weighed_mass_gives_the_density(root: Path) -> None:
     scene = load_scene(root / "scenes" / "paestum_floor.toml", ["statue.mass_kg=750.0"])
     assert scene.statue.mass_kg == pytest.approx(750.0, rel=1e-12)  # the density is solved from it: one division
-    assert any("density_kg_m3 = 2700 differs" in note for note in scene.notes)
+    assert any("density_kg_m3 = 2700 differs" in note for note in doubles.notes(scene))
 
 
 @pytest.mark.parametrize(

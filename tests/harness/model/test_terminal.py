@@ -9,13 +9,14 @@ import pytest
 from typer.testing import CliRunner
 
 from harness.campaign.progress import ProgressMessages, progress
-from harness.cli import summary
 from harness.command import guarded
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
 from harness.model.terminal import CONTROL, json_text, printable, printable_lines
 from harness.scene_run.scene_run import run_scene
 from reports.cli import app
+from reports.messages import ENGLISH
+from reports.terminal import run_lines
 from tests.reports.claim_scenes import HOSTILE, content, write_scene
 
 
@@ -45,10 +46,11 @@ def test_what_is_told_at_work_takes_any_name(capsys: pytest.CaptureFixture[str])
     assert said.count(r"\x1b[31m\nred") >= 4
 
 
-def test_a_summary_has_a_line_for_each_thing_said(tmp_path: Path) -> None:
+def test_a_title_is_one_line(tmp_path: Path) -> None:
     scene = load_scene(write_scene(tmp_path, content(0)))
-    first = summary(run_scene(scene, ["analytic"])).splitlines()[0]
-    assert first == printable(HOSTILE)
+    record = run_scene(scene, ["analytic"]).record().texted(ENGLISH.say)
+    first = run_lines(record)[0]
+    assert first.removesuffix("…") == printable(HOSTILE)[: len(first) - first.endswith("…")]
 
 
 def test_mistakes_and_names_of_files_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:

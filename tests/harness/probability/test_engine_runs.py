@@ -14,7 +14,7 @@ from harness import assess_cli
 from harness.campaign.runner import InlinePool
 from harness.campaign.store import Store
 from harness.campaign.task import Answer
-from harness.command import Asked, Known, Sampling, Surroundings
+from harness.command import EngineOptions, Sampling, ScanOptions, SupportOptions
 from harness.model.errors import InputError
 from harness.model.scene import Wall
 from harness.probability.assessment import assess
@@ -74,7 +74,7 @@ SAMPLING = Sampling(draws=100, seed=0, half_width=0.05, most_runs=30)
 
 
 def test_draws_are_written_with_every_outcome(tmp_path: Path) -> None:
-    asked, folder = Asked(["pymunk"], ["duration_s=1.0"]), tmp_path / "out"
+    asked, folder = EngineOptions(["pymunk"], ["duration_s=1.0"]), tmp_path / "out"
     record = assess_cli.run(SCENE, folder, asked, SAMPLING, no_options=True, csv=True, jobs=1, quiet=True)
     assert record.options is None
     assert record.files is not None
@@ -97,7 +97,7 @@ def test_draws_are_written_with_every_outcome(tmp_path: Path) -> None:
 
 
 def test_wrong_options_of_the_command_are_told_and_leave_nothing(tmp_path: Path) -> None:
-    asked, folder = Asked(["analytic"]), tmp_path / "out"
+    asked, folder = EngineOptions(["analytic"]), tmp_path / "out"
     wrong: list[dict[str, Any]] = [
         {"resume": True},
         {"jobs": 0},
@@ -115,14 +115,18 @@ def test_a_scan_and_a_record_are_assessed_and_their_scene_is_kept(tmp_path: Path
     box = trimesh.creation.box((0.3, 0.5, 1.4))
     box.export(scan)
     motion.write_text("t_s,x [m/s2]\n" + "".join(f"{0.02 * k:.2f},{(-3.0) ** (k % 2)}\n" for k in range(60)))
-    scanned = assess_cli.Scanned(motion, Known(unit="m", up="z"), Surroundings(friction=0.5))
-    asked, more = Asked(["analytic"]), {"no_options": True, "quiet": True}
+    scanned = assess_cli.Scanned(motion, ScanOptions(unit="m", up="z"), SupportOptions(friction=0.5))
+    asked, more = EngineOptions(["analytic"]), {"no_options": True, "quiet": True}
     record = assess_cli.run(scan, folder, asked, SAMPLING, scanned=scanned, **more)
     again = assess_cli.run(folder / "scene.toml", tmp_path / "again", asked, SAMPLING, **more)
     assert record.assessment == again.assessment
     assert {"scene.toml", "scene_statue.ply"} <= set(record.files or ())
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "again", "block.ply", "quake.csv"]
-    wrong = [(scan, assess_cli.Scanned()), (SCENE, scanned), (SCENE, assess_cli.Scanned(known=Known(height_m=2.0)))]
+    wrong = [
+        (scan, assess_cli.Scanned()),
+        (SCENE, scanned),
+        (SCENE, assess_cli.Scanned(known=ScanOptions(height_m=2.0))),
+    ]
     for path, given in wrong:
         with pytest.raises(InputError, match="--motion"):
             assess_cli.run(path, tmp_path / "none", asked, SAMPLING, scanned=given, **more)

@@ -13,7 +13,7 @@ from harness.records.scores import Verdict
 from harness.scene_run import left_out
 from harness.scene_run.left_out import TAKEN_AWAY, TakenAway, explained, with_reasons
 from harness.scene_run.scene_run import run_scene
-from tests.doubles import raised, rest, run_of
+from tests.doubles import codes, raised, rest, run_of
 from tests.reports.invented_run import invented_scores
 
 pytest.importorskip("pybullet")
@@ -22,12 +22,13 @@ pytest.importorskip("pybullet")
 def test_the_shipped_pedestal_scene_differs_by_its_products_of_inertia(root: Path) -> None:
     scene = replace(load_scene(root / "scenes" / "paestum_pedestal.toml"), duration_s=1.5)
     pair = "analytic_vs_pybullet"
-    cause = "They differ because of the products of inertia, which the plane leaves out"
-    assert cause in run_scene(scene, ("analytic", "pybullet"), accuracy_rad=2.5e-4).scores[pair].verdict_sentence
+    differ = run_scene(scene, ("analytic", "pybullet"), accuracy_rad=2.5e-4).scores[pair]
+    assert differ.verdict is Verdict.PLANE
+    assert [each.values["cause"] for each in differ.findings if each.code == "plane_cause"] == ["products_of_inertia"]
     diagonal = np.diag(np.diag(scene.statue.inertia_tensor_kg_m2))
     without = replace(scene, statue=replace(scene.statue, inertia_tensor_kg_m2=diagonal))
     again = run_scene(without, ("analytic", "pybullet"), accuracy_rad=2.5e-4).scores[pair]
-    assert "because of" not in again.verdict_sentence
+    assert "plane_cause" not in codes(again.findings)
 
 
 def test_what_a_scene_has_none_of_is_not_taken_away(root: Path) -> None:
@@ -36,25 +37,27 @@ def test_what_a_scene_has_none_of_is_not_taken_away(root: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("left_rad", "words"),
-    [(0.0004, "because of"), (0.001, "mostly because of"), (0.01, "by more than any one thing")],
+    ("left_rad", "code", "whole"),
+    [(0.0004, "plane_cause", True), (0.001, "plane_cause", False), (0.01, "plane_several_causes", None)],
 )
 def test_a_cause_is_named_by_what_stays_without_it(
-    left_rad: float, words: str, root: Path, monkeypatch: pytest.MonkeyPatch
+    left_rad: float, code: str, whole: bool | None, root: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     "0.02 rad apart, 0.0005 rad are their joint error; without the products of inertia so much is left."
     scene = load_scene(root / "scenes" / "paestum_pedestal.toml")
     plane = run_of(rest(1.0), "pymunk")
     space = run_of(raised(rest(1.0), 0.02), "pybullet")
     monkeypatch.setattr(left_out, "_again", lambda *given: run_of(raised(rest(1.0), left_rad), "pybullet"))
-    scores = invented_scores("pymunk", "pybullet", "They part.")
+    scores = invented_scores("pymunk", "pybullet")
     evidence = replace(scores.evidence, limit_rad=5e-4, differs_in="rotation")
     scores = replace(scores, verdict=Verdict.MODEL, evidence=evidence)
     runs, taken = {"pymunk": plane, "pybullet": space}, TakenAway(scene)
-    told = with_reasons(runs, {"pair": scores}, taken)["pair"].verdict_sentence
+    judged = with_reasons(runs, {"pair": scores}, taken)["pair"]
     assert explained(runs, {"pair": scores}, taken) == (set() if left_rad > 0.002 else {"pair"})
-    assert told.startswith(f"They part. They differ {words}")
-    assert f"0.02 rad apart, {left_rad:.2g} rad without the products of inertia" in told
+    told = judged.findings[-1]
+    assert (told.code, told.values.get("whole")) == (code, whole)
+    assert told.values["share_without"]["products_of_inertia"] == pytest.approx(left_rad / 0.02, rel=1e-6)
+    assert judged.verdict is (Verdict.MODEL if whole is None else Verdict.PLANE)
 
 
 def test_a_pedestal_that_slides_on_in_space_alone_names_the_products_of_inertia(root: Path) -> None:
@@ -63,7 +66,6 @@ def test_a_pedestal_that_slides_on_in_space_alone_names_the_products_of_inertia(
     scene = load_scene(root / "scenes" / "paestum_pedestal.toml", shaking)
     said = run_scene(scene, ("analytic", "pybullet")).scores["analytic_vs_pybullet"]
     assert said.evidence.differs_in == "slip"
-    assert (
-        "because of the products of inertia, which the plane leaves out: up to 1.6 s their slips are 4."
-        in said.verdict_sentence
-    )
+    (told,) = [each.values for each in said.findings if each.code == "plane_cause"]
+    assert told["cause"] == "products_of_inertia"
+    assert said.evidence.largest_slip_difference_m > 4e-3

@@ -16,7 +16,6 @@ from analytic.machine_code import Entry
 from harness import engines
 from harness.accuracy.simulation import RunTarget, check_target, simulate
 from harness.campaign import task
-from harness.cli import summary
 from harness.engines.base import Engine, EngineFailure, Settings, own_failures
 from harness.model.errors import InputError
 from harness.model.history import Outcome
@@ -58,7 +57,8 @@ def test_what_motion_each_engine_was_given_is_recorded(across: bool) -> None:
     assert given.pop("pybullet", expected) == expected
     assert given == {"analytic": ("x",), "pymunk": ("x",)}
     assert result.record().runs["analytic"].motion_axes == ("x",)
-    assert ("given unlike motions" in summary(result)) is (across and not result.runs["pybullet"].outcome.failed)
+    told = "motion_not_given" in doubles.codes(result.findings())
+    assert told is (across and not result.runs["pybullet"].outcome.failed)
 
 
 @pytest.mark.parametrize(
@@ -182,7 +182,7 @@ def test_a_difference_of_models_is_confirmed_by_a_finer_run_up_to_it(
     assert ends_s[again:] == [scene.duration_s] * whole
     verdict = result.scores["analytic_vs_pymunk"].verdict
     assert verdict is (Verdict.MODEL if off > 0.1 or not chance else Verdict.AGREE)
-    assert any("before its difference" in note for note in result.scene.notes) is again
+    assert ("refined_for_comparison" in doubles.codes(result.findings())) is again
 
 
 def _slow(told: Path) -> None:

@@ -12,9 +12,9 @@ from harness.accuracy.simulation import simulate
 from harness.input.scene_file import load_scene
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
-from harness.records.witness import sentences
 from harness.scene_run import witness
-from harness.scene_run.witness import BUDGET, TARGET_RAD, witnesses
+from harness.scene_run.witness import BUDGET, TARGET_RAD, findings_of, witnesses
+from tests.doubles import codes
 from tests.measures.random_scenes import GENERATORS
 
 SCENES = Path(__file__).parents[3] / "scenes"
@@ -37,7 +37,8 @@ def test_model_and_engine_are_confirmed_until_an_instant_within_what_the_run_bou
     assert seen.to_rad is not None
     assert seen.uncertainty_rad is not None
     assert seen.uncertainty_rad <= seen.to_rad
-    assert sentences({seen.engine: seen})[0].startswith("pymunk as it comes confirms analytic and pymunk until ")
+    (told,) = findings_of({seen.engine: seen})
+    assert (told.code, told.values["models"]) == ("witness_confirms", ["analytic", "pymunk"])
 
 
 def test_the_reason_why_no_further_is_the_one_that_came_first() -> None:
@@ -76,46 +77,14 @@ def test_a_run_of_a_heavier_impact_is_not_confirmed(seed: int, monkeypatch: pyte
     seen = witnesses(scene, {"pymunk": run}, RunOptions())["pymunk:plain"]
     assert seen.agrees is False
     assert seen.runs["pymunk"].parts_s is not None
-    assert "pymunk as it comes does not confirm pymunk from" in sentences({seen.engine: seen})[0]
-
-
-def test_two_coefficients_part_by_convention_and_the_other_choice_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The paper's pedestal at 0.429 g and 3 Hz: with enough steps the plainest rule converges to another history."""
-    shaking = ["motion.x.amplitude_g=0.429", "motion.x.frequency_hz=3", "duration_s=2"]
-    scene = load_scene(SCENES / "paestum_pedestal.toml", shaking)
-    monkeypatch.setattr(witness, "BUDGET", 60.0)
-    runs = {name: simulate(scene, name) for name in NAMES}
-    seen = witnesses(scene, runs, RunOptions())["pymunk:plain"]
-    parted = seen.runs["analytic"]
-    assert not parted.agrees
-    assert "two coefficients" in parted.convention
-    assert parted.convention_s is not None
-    assert parted.convention_s <= (parted.parts_s or 0.0)
-    assert "With the other choice the model says: " in " ".join(sentences({seen.engine: seen}))
-
-
-@pytest.mark.parametrize(("amplitude_g", "frequency_hz"), [(0.429, 3), (0.334, 2)])
-def test_what_is_said_to_part_by_convention_does_not_part_without_the_choice(
-    amplitude_g: float, frequency_hz: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The same scene with the kinetic coefficient alone: nothing is left to choose, and the plain engine confirms the model."""
-    shaking = [f"motion.x.amplitude_g={amplitude_g}", f"motion.x.frequency_hz={frequency_hz}", "duration_s=1.5"]
-    monkeypatch.setattr(witness, "BUDGET", 60.0)
-    judged = {}
-    for name, more in (("two", []), ("one", ["contact.floor_static=0.15"])):
-        scene = load_scene(SCENES / "paestum_pedestal.toml", [*shaking, *more])
-        runs = {each: simulate(scene, each) for each in NAMES}
-        judged[name] = witnesses(scene, runs, RunOptions())["pymunk:plain"].runs["analytic"]
-    assert judged["one"].agrees
-    two = judged["two"]
-    assert two.agrees or "two coefficients" in two.convention
+    assert codes(findings_of({seen.engine: seen})) == ["witness_parts"]
 
 
 def test_an_engine_that_bounds_nothing_has_no_witness(pedestal: Scene) -> None:
     run = replace(simulate(pedestal, "pymunk", dt_s=4e-3), reliable_until_s=0.0)
     seen = witnesses(pedestal, {"pymunk": run}, RunOptions())["pymunk:plain"]
     assert seen.agrees is None
-    assert "confirms nothing" in sentences({seen.engine: seen})[0]
+    assert codes(findings_of({seen.engine: seen})) == ["witness_silent"]
 
 
 def test_what_a_plain_engine_cannot_compute_is_its_reason() -> None:

@@ -25,9 +25,11 @@ def file(root: Path) -> Path:
 def test_a_quiet_scene_says_what_would_move_it(file: Path) -> None:
     scene = harness.load_scene(file, ["motion.x.amplitude_g=0.05", "motion.y=none", "motion.z=none"])
     result = run_scene(scene, ["analytic"])
-    (told,) = [note for note in result.scene.notes if note.startswith("nothing moves")]
-    assert "pushes with up to 0.05 g, 0.567 of that from which the statue tips" in told
-    key = told.partition("begins to move from ")[2].partition(" on")[0]
+    (told,) = [each.values for each in result.findings() if each.code == "nothing_moves"]
+    assert told["push_g"] == pytest.approx(0.05)
+    assert told["share"] == pytest.approx(0.567, abs=5e-4)
+    assert told["cause"] == "statue_tips"
+    key = told["least"]
     assert key == "motion.x.amplitude_g=0.08812"
     moved = run_scene(harness.load_scene(file, [key, "motion.y=none", "motion.z=none"]), ["analytic"])
     assert abs(moved.runs["analytic"].peak_theta_rad) > 0.0
@@ -41,7 +43,7 @@ def test_the_least_size_counts_the_motion_across_and_the_vertical(file: Path) ->
     scene = harness.load_scene(file, keys)
     told = standstill(scene, run_scene(scene, ["analytic"]).runs.values())
     assert told is not None
-    least = float(told.partition("amplitude_g=")[2].partition(" on")[0])
+    least = float(told.values["least"].partition("amplitude_g=")[2])
     for factor, moves in ((1.0, True), (0.999, False)):
         share = push_of(harness.load_scene(file, [f"motion.x.amplitude_g={least * factor}", *keys[1:]])).first[1]
         assert (share >= 1.0) is moves
@@ -63,10 +65,11 @@ def test_a_push_past_the_limit_is_not_called_still(file: Path) -> None:
         file, ["motion.x.amplitude_g=0.08", "motion.y=none", "motion.z=none", "contact.statue=0.05"]
     )
     run = run_scene(scene, ["analytic"])
-    assert any("slides on its support" in text for text in run.runs["analytic"].warnings)
-    (told,) = [note for note in run.scene.notes if "moves" in note]
-    assert told.startswith("no model asked moves")
-    assert "0.08 g, 1.6 times that from which the statue slides on its support" in told
+    assert [each.values["by"] for each in run.findings() if each.code == "left_domain"] == ["statue_slides"]
+    (told,) = [each.values for each in run.findings() if each.code == "no_model_moves"]
+    assert told["cause"] == "statue_slides"
+    assert told["push_g"] == pytest.approx(0.08)
+    assert told["times"] == pytest.approx(1.6, abs=0.05)
 
 
 def test_what_a_record_does_after_the_run_is_no_part_of_it() -> None:

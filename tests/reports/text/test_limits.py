@@ -8,12 +8,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.model.finding import Severity, changes_answer, info, texted
 from harness.model.history import History, Outcome
 from harness.model.interventions import Intervention
 from harness.records.run import EngineRunRecord
 from harness.statics.plan import Step
+from reports.messages import ENGLISH
 from reports.source import run_source
-from reports.text.limits import before_fall, fall_times, interventions_row, limit_rows, plan_rows, skipped_rows
+from reports.text.limits import (
+    HEADINGS,
+    before_fall,
+    by_severity,
+    fall_times,
+    interventions_row,
+    limit_rows,
+    plan_rows,
+    skipped_rows,
+)
 from tests.reports.invented_run import invented_history, invented_run, write_invented
 
 VALIDITY = {"yaw_rad": 0.9, "statue_slip_m": 0.02, "energy_gained_j": 9.6, "touching_vertices": 12}
@@ -71,13 +82,22 @@ def test_engines_of_one_reason_stand_together_in_plain_words() -> None:
     ]
 
 
-def test_a_skips_name_becomes_words_and_other_sentences_stay() -> None:
+def test_a_skip_is_told_in_words_with_the_time_that_it_saved() -> None:
     run = EngineRunRecord.of(invented_run("pybullet", invented_history(0.0), Outcome.STANDS, 1e-3))
-    skipped = replace(run, skipped=["base_only: why", "at rest: not integrated"])
+    skipped = replace(run, skipped={"base_only": None, "quiet_start": 0.25})
     assert skipped_rows({"pybullet": skipped}) == [
-        ("pybullet", "contact of parts other than the base: why"),
-        ("pybullet", "at rest: not integrated"),
+        ("pybullet", "contact of parts other than the base"),
+        ("pybullet", "the time before anything can move (0.250\u00a0s)"),
     ]
+
+
+def test_findings_stand_under_their_severity() -> None:
+    heavy, light = changes_answer("near_tie", margin=1e-4), info("histories_agree")
+    shown = by_severity(texted([light, heavy.of("analytic"), light], ENGLISH.say))
+    assert [*shown] == [*HEADINGS.values()]
+    assert shown[HEADINGS[Severity.CHANGES_ANSWER]] == [f"analytic: {ENGLISH.say(heavy)}"]
+    assert shown[HEADINGS[Severity.INFO]] == [ENGLISH.say(light)]
+    assert by_severity([]) == {}
 
 
 def test_what_was_written_to_bodies_is_one_line() -> None:

@@ -207,7 +207,8 @@ def test_without_coacd_the_hull_is_taken_and_said(monkeypatch: pytest.MonkeyPatc
     decomposition.parts_of.cache_clear()
     run = bullet(case, 1e-3)
     assert run.validity["full_shape"] == "hull"
-    assert any("coacd is not installed" in text and "73 %" in text for text in run.warnings)
+    (told,) = [each for each in run.findings if each.code == "hull_for_parts"]
+    assert "coacd is not installed" in told.values["reason"]
 
 
 def _planes(points_m: Array) -> Array:

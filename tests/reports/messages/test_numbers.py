@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from reports.messages import ENGLISH
+from reports.messages.numbers import digits, heading, label, length, plain, spread
 from reports.pages.run_page import toml_text
-from reports.text.language import ENGLISH
-from reports.text.numbers import digits, heading, label, length, plain, spread
 
 
 @pytest.mark.parametrize(

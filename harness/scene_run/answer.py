@@ -1,0 +1,182 @@
+"""The headline of a run: what happens and whether the models agree, how probable a fall is, until when, and what decides."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Final, Literal
+
+from harness.model.finding import Answer, Finding, caution, changes_answer, info
+from harness.model.history import Outcome
+from harness.model.run import Run
+from harness.model.scene import Scene
+from harness.records.assess import Assessment
+from harness.records.run import HorizonRecord
+from harness.records.scores import Scores, Verdict
+
+Code = Literal[
+    "agree",
+    "agree_until",
+    "outcome_differs",
+    "plane_left_out",
+    "differ_by_model",
+    "unpredictable",
+    "one_model",
+    "no_answer",
+]
+LATE: Final = (Verdict.HORIZON, Verdict.UNBOUNDED, Verdict.DOMAIN)
+"""Verdicts of histories that agree up to some instant, and part for a reason that is no model's."""
+UNKNOWN: Final = (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX, Outcome.UNDECIDED)
+"""Outcomes that say what became of the run, not of the statue."""
+STILL_RAD: Final = 1e-5
+"""A smaller lean is the give of a contact engine at rest (some 0.01 mm at the top of a statue of one metre)."""
+
+
+def answers(run: Run) -> bool:
+    """Whether a run tells what becomes of the statue: it ended, and did not leave its model's domain before that was decided."""
+    if run.outcome.failed or run.outcome in UNKNOWN:
+        return False
+    left_s, by = run.validity.get("left_domain_s"), run.validity.get("left_domain_by")
+    if by != "pedestal_tips" or not isinstance(left_s, float):
+        return True
+    return left_s >= (math.inf if run.no_return_time_s is None else run.no_return_time_s)
+
+
+def answer_of(
+    scene: Scene,
+    runs: Mapping[str, Run],
+    scores: Mapping[str, Scores],
+    horizons: Mapping[str, HorizonRecord],
+    assessment: Mapping[str, Assessment],
+) -> Answer:
+    """The headline, in the order in which a validation asks."""
+    known = {name: run for name, run in runs.items() if answers(run)}
+    judged = [each for each in scores.values() if each.a in known and each.b in known]
+    code = _code(known, judged)
+    parts = [_what(scene, known, len(runs)), *_probability(assessment), *_until(known, judged, code), *_decides(scores)]
+    return Answer(code, [*parts, *_unpredictable(horizons, known)])
+
+
+def _family(outcome: Outcome) -> str:
+    """What happens to the statue: falls to different sides are one outcome."""
+    return "overturned" if outcome.overturned else outcome.value
+
+
+def _code(known: Mapping[str, Run], scores: Sequence[Scores]) -> Code:
+    if len(known) < 2:
+        return "one_model" if known else "no_answer"
+    verdicts = {each.verdict for each in scores}
+    if Verdict.MODEL in verdicts:
+        return "differ_by_model"
+    if Verdict.PLANE in verdicts:
+        return "plane_left_out"
+    if len({_family(run.outcome) for run in known.values()}) > 1:
+        flips = all(each.verdict in LATE or each.evidence.outcome_flips_within_uncertainty for each in scores)
+        return "unpredictable" if flips else "outcome_differs"
+    return "agree_until" if verdicts & set(LATE) else "agree"
+
+
+def _what(scene: Scene, known: Mapping[str, Run], asked: int) -> Finding:
+    """What happens as given, and who says so."""
+    if not known:
+        return changes_answer("no_answer", asked=asked)
+    groups: dict[str, list[str]] = {}
+    for name, run in known.items():
+        groups.setdefault(_family(run.outcome), []).append(name)
+    if len(groups) > 1:
+        return changes_answer("models_disagree", groups=groups)
+    family = next(iter(groups))
+    values = {"models": list(known), "asked": asked, "outcome": family, **_lean(scene, known)}
+    sides = sorted({run.outcome.value for run in known.values()})
+    if family == "overturned":
+        times = [run.no_return_time_s for run in known.values() if run.no_return_time_s is not None]
+        values |= {"sides": sides, "first_s": min(times, default=None), "last_s": max(times, default=None)}
+    return info("model_says" if len(known) == 1 else "models_agree", **values)
+
+
+def _lean(scene: Scene, known: Mapping[str, Run]) -> dict[str, object]:
+    """The least and the largest of the models' largest leans, rad, and the largest as a share of the balance angle."""
+    peaks = [run.peak_theta_rad for run in known.values()]
+    balance = [scene.statue.slenderness_rad(_side(run)) for run in known.values()]
+    share = max(peak / angle for peak, angle in zip(peaks, balance, strict=True))
+    return {"lean_rad": [min(peaks), max(peaks)], "balance_share": share}
+
+
+def _side(run: Run) -> int:
+    """The side of a run's largest lean: +1 right, −1 left."""
+    if run.history is None:
+        return 1
+    return 1 if float(run.history.at(run.peak_time_s)) >= 0.0 else -1
+
+
+def _probability(assessment: Mapping[str, Assessment]) -> list[Finding]:
+    """How probable a fall is, by the answer in which it is the most probable.
+
+    The interval of one model's draws holds neither another model nor a friction that nobody knows: so a number is `about`; where
+    draws have no answer, or an engine answered a sample of them, the interval is told, and where it is wide no number at all.
+    """
+    if not assessment:
+        return []
+    name, worst = max(assessment.items(), key=lambda item: (item[1].high, not item[1].plane_only))
+    values = {
+        "share": worst.probability_overturned,
+        "low": worst.low,
+        "high": worst.high,
+        "undecided": worst.undecided,
+        "model": name,
+        "sampled": worst.sampled,
+        "sampler": worst.sampler,
+    }
+    if not worst.tells:
+        found = [caution("probability_open", **values)]
+    elif worst.undecided or worst.sampled:
+        found = [caution("probability_between", **values)]
+    else:
+        found = [info("probability", **values)]
+    if all(item.plane_only for item in assessment.values()):
+        found.append(caution("probability_in_plane"))
+    return found
+
+
+def _until(known: Mapping[str, Run], scores: Sequence[Scores], code: Code) -> list[Finding]:
+    """Until when the histories agree, and why not longer."""
+    if len(known) < 2:
+        return []
+    parted = [each for each in scores if each.verdict is not Verdict.AGREE]
+    if not parted:
+        bounded = min((run.bounded_until_s for run in known.values()), default=0.0)
+        end = max(run.end_s for run in known.values())
+        if bounded < end:
+            return [info("histories_known_until", until_s=bounded)]
+        return [info("histories_agree")]
+    first = min(parted, key=_agree_until_s)
+    return [
+        info(
+            "histories_agree_until", until_s=_agree_until_s(first), why=first.verdict.name.lower(), a=first.a, b=first.b
+        )
+    ]
+
+
+def _agree_until_s(scores: Scores) -> float:
+    """Until when two answers are known to agree."""
+    seen = scores.evidence
+    times = [time for time in (seen.exceeded_s, seen.horizon_s) if time is not None]
+    if scores.verdict is Verdict.DOMAIN and seen.left_domain_s is not None:
+        times.append(seen.left_domain_s)
+    return min(times, default=math.inf)
+
+
+def _decides(scores: Mapping[str, Scores]) -> list[Finding]:
+    """What the third dimension adds where that is why answers differ."""
+    causes = {
+        found.values["cause"] for each in scores.values() for found in each.findings if found.code == "plane_cause"
+    }
+    return [info("plane_decides", causes=sorted(causes))] if causes else []
+
+
+def _unpredictable(horizons: Mapping[str, HorizonRecord], known: Mapping[str, Run]) -> list[Finding]:
+    """Whether the smallest change of start or motion changes the outcome itself."""
+    outcomes = sorted(
+        {_family(outcome) for name, each in horizons.items() if name in known for outcome in each.outcomes}
+    )
+    return [changes_answer("outcome_not_predictable", outcomes=outcomes)] if len(outcomes) > 1 else []

@@ -1,0 +1,165 @@
+"""Every sentence, in one file for each language, and numbers as that language writes them.
+
+A finding's sentence stands under `finding.CODE`: a text, or a table of texts of which the value named by its `by` chooses one.
+`{until_s:s}` is a value in a format of `FORMATS`; what stands in square brackets is left out where one of its values is empty.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+from harness.model.errors import InputError, Mistake
+from harness.model.finding import Finding
+from harness.model.terminal import printable
+from reports.messages import numbers
+
+FOLDER: Final = Path(__file__).parent
+LANGUAGES: Final = tuple(sorted(file.stem for file in FOLDER.glob("*.toml")))
+OPTIONAL: Final = re.compile(r"\[([^\[\]]*)\]")
+"""A part of a sentence that may be left out: no user's text is searched, only the catalogue's own."""
+FIELD: Final = re.compile(r"\{(\w+)(?::(\w+))?\}")
+
+
+@dataclass(frozen=True, eq=False)
+class Language:
+    """A language by its code (`en`), with its strings by `table.key`."""
+
+    code: str
+    strings: Mapping[str, str]
+
+    def __call__(self, key: str, /, **values: object) -> str:
+        """The string of a key, its braces filled. Raises `KeyError` for an unknown key."""
+        return self.strings[key].format(**values)
+
+    def say(self, finding: Finding) -> str:
+        """The sentence of a finding. Raises `KeyError` for an unknown code."""
+        key, values = f"finding.{finding.code}", finding.values
+        by = self.strings.get(f"{key}.by")
+        template = self.strings[key if by is None else f"{key}.{values[by]}"]
+        filled = OPTIONAL.sub(lambda part: part[1] if self._full(part[1], values) else "", template)
+        return FIELD.sub(lambda place: self.value(values.get(place[1]), place[2] or "plain"), filled)
+
+    def _full(self, part: str, values: Mapping[str, Any]) -> bool:
+        """Whether every value of a part is there; nought, False and what is not finite are none."""
+        named = [values.get(place[1]) for place in FIELD.finditer(part)]
+        return all(bool(value) and value != math.inf for value in named)
+
+    def value(self, value: Any, form: str) -> str:
+        """A value in one of `FORMATS`; an en dash where there is none."""
+        if value is None or (isinstance(value, float) and not math.isfinite(value)):
+            return "–"
+        return FORMATS[form](self, value)
+
+    def range(self, ends: Sequence[str]) -> str:
+        """`4.1 to 5.2`, of texts in order; one of them where all are alike."""
+        return ends[0] if ends[0] == ends[-1] else f"{ends[0]} {self.word('to')} {ends[-1]}"
+
+    def word(self, name: str) -> str:
+        """A name of the program (an outcome, a cause) in words; itself where it has none: an engine's name, a file's."""
+        return self.strings.get(f"word.{name}", printable(name))
+
+    def _written(self, text: str) -> str:
+        return text.replace(".", self.strings["decimal"])
+
+    def length(self, value_m: float) -> str:
+        """A length, as `numbers.length`."""
+        return self._written(numbers.length(value_m))
+
+    def digits(self, value: float, count: int = 3) -> str:
+        """A number, as `numbers.digits`."""
+        return self._written(numbers.digits(value, count))
+
+    def short(self, value: float, count: int = 4) -> str:
+        """A number, as `numbers.short`."""
+        return self._written(numbers.short(value, count))
+
+    def percent(self, share: float, count: int = 2) -> str:
+        """A share, as `numbers.percent`."""
+        return self._written(numbers.percent(share, count))
+
+    def count(self, count: int) -> str:
+        """A small count as a word."""
+        words = self.strings["numbers"].split()
+        return words[count] if count < len(words) else str(count)
+
+    def key(self, key: str) -> str | None:
+        """A dotted key of a scene in words: with its table where that has words of its own, else alone; None without words."""
+        *table, last = key.split(".")
+        known = (f"key.{name}" for name in ("_".join([*table[-1:], last]), last))
+        return self.strings.get(next((name for name in known if name in self.strings), ""))
+
+    def listed(self, items: Iterable[str]) -> str:
+        """`a`, `a and b`, `a, b and c`."""
+        names = list(items)
+        return "".join(names) if len(names) < 2 else f"{', '.join(names[:-1])} {self.strings['and']} {names[-1]}"
+
+
+def _grouped(say: Language, groups: Mapping[str, Sequence[str]]) -> str:
+    return "; ".join(f"{say.word(end)} ({say.listed(names)})" for end, names in groups.items())
+
+
+def _angles(say: Language, values_rad: Sequence[float]) -> str:
+    degrees = say.range([say.digits(math.degrees(value), 3) for value in values_rad])
+    return f"{degrees}° ({say.range([say.digits(value, 3) for value in values_rad])}\u00a0rad)"
+
+
+def _shares(say: Language, shares: Mapping[str, float]) -> str:
+    return say.listed(f"{say.percent(share)} {say.word('without')} {say.word(what)}" for what, share in shares.items())
+
+
+FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
+    "plain": lambda say, value: say.word(value) if isinstance(value, str) else say.short(float(value)),
+    "count": lambda say, value: str(value),
+    "number": lambda say, value: say.digits(float(value), 2),
+    "s": lambda say, value: f"{say.digits(value, 3)}\u00a0s",
+    "rad": lambda say, value: f"{say.digits(value, 2)}\u00a0rad",
+    "angle": lambda say, value: f"{say.digits(math.degrees(value), 3)}° ({say.digits(value, 3)}\u00a0rad)",
+    "angles": _angles,
+    "m": lambda say, value: say.length(value),
+    "lengths": lambda say, value: say.range([say.length(each) for each in value]),
+    "g": lambda say, value: f"{say.digits(value, 3)}\u00a0g",
+    "j": lambda say, value: f"{say.digits(value, 3)}\u00a0J",
+    "share": lambda say, value: f"{probability_text(value)}\u00a0%".replace(".", say.strings["decimal"]),
+    "names": lambda say, value: say.listed(map(say.word, value)),
+    "vector": lambda say, value: ", ".join(say.short(part, 3) for part in value),
+    "groups": _grouped,
+    "without": _shares,
+}
+"""How a value is written, by the word after its colon."""
+
+
+def probability_text(share: float) -> str:
+    """A share in per cent: two digits where it is small, two of what is left where it is large: no 100 for 99.97."""
+    value = 100.0 * share
+    left = 100.0 - value
+    if 0.0 < left < 9.95:
+        digits = min(max(1 - math.floor(math.log10(left)), 0), 3)
+        return f"{value:.{digits}f}".rstrip("0").rstrip(".")
+    return f"{value:.0f}" if value >= 9.95 or value == 0.0 else f"{value:.2g}"
+
+
+@cache
+def language(code: str) -> Language:
+    """The language of a code. Raises `InputError` for one without a file."""
+    if code not in LANGUAGES:
+        raise InputError(Mistake("--language", "", f"one of {', '.join(LANGUAGES)}", repr(code)))
+    with (FOLDER / f"{code}.toml").open("rb") as file:
+        return Language(code, dict(_flat(tomllib.load(file))))
+
+
+def _flat(table: Mapping[str, Any], above: str = "") -> Iterable[tuple[str, str]]:
+    for key, value in table.items():
+        if isinstance(value, str):
+            yield f"{above}{key}", value
+        else:
+            yield from _flat(value, f"{above}{key}.")
+
+
+ENGLISH: Final = language("en")

@@ -1,0 +1,130 @@
+"""What a command prints: at most 16 lines of at most 100 columns; the rest stands in the record and on the pages."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+from harness.model.finding import Finding, Severity
+from harness.model.terminal import printable
+from harness.records.base import Record
+from harness.records.run import EngineRunRecord, RunRecord
+from harness.records.scores import Scores, Verdict
+from reports.messages import ENGLISH
+from reports.messages.numbers import digits, length
+
+LINES: Final = 16
+COLUMNS: Final = 100
+ANSWER_LINES: Final = 4
+PAIR_LINES: Final = 3
+LAST_LINES: Final = 2
+"""How many findings there are beside those shown, and where the pages are."""
+MARK: Final = {Severity.CHANGES_ANSWER: "!!", Severity.CAUTION: "! ", Severity.INFO: "  "}
+
+
+def run_lines(record: RunRecord, *, verbose: bool = False) -> list[str]:
+    """A run: title, answer, a row for each engine and pair, what to beware of; `verbose`: every finding by severity."""
+    lines = [_cut(record.title), *_answer(record), *table(_engine_rows(record))]
+    lines += _pair_rows(list(record.scores.values()))
+    if verbose:
+        return [*lines, *finding_lines(record.findings)]
+    said = [each for each in record.findings if each.severity is not Severity.INFO and each not in _of_pairs(record)]
+    return [*lines, *beware_lines(record, said, LINES - len(lines) - 1)]
+
+
+def _of_pairs(record: RunRecord) -> list[Finding]:
+    """Each pair's verdict, which has a row of its own."""
+    return [each.findings[0] for each in record.scores.values() if each.findings]
+
+
+def _answer(record: Record) -> list[str]:
+    text = "" if record.answer is None else record.answer.text
+    return wrapped(text, ANSWER_LINES)
+
+
+def wrapped(text: str, most: int, indent: str = "") -> list[str]:
+    """A text in at most so many lines."""
+    return textwrap.wrap(
+        printable(text).replace("\u00a0", " "), COLUMNS, max_lines=most, placeholder=" …",
+        subsequent_indent=indent,
+    )  # fmt: skip
+
+
+def _cut(text: str) -> str:
+    text = printable(text)
+    return text if len(text) <= COLUMNS else f"{text[: COLUMNS - 1]}…"
+
+
+def table(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Rows of cells as aligned lines, the first row their heading."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ["  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)) for row in rows]
+    return [_cut(f"  {line}".rstrip()) for line in lines]
+
+
+def _engine_rows(record: RunRecord) -> list[list[str]]:
+    heading = ["engine", "outcome", "peak lean", "slip", "error known until", "time"]
+    return [heading, *([name, *_engine_cells(run)] for name, run in record.runs.items())]
+
+
+def _engine_cells(run: EngineRunRecord) -> list[str]:
+    outcome = ENGLISH.strings[f"short.{run.outcome.value}"]
+    if run.outcome.failed:
+        return [outcome, "–", "–", "–", f"{digits(run.wall_s, 2)} s"]
+    if run.no_return_time_s is not None:
+        outcome += f" at {digits(run.no_return_time_s, 3)} s"
+    peak = "–" if run.overturn_time_s is not None else f"{digits(math.degrees(run.peak_theta_rad), 3)}°"
+    if run.overturn_time_s is None:
+        peak += f" {digits(run.peak_theta_rad, 3)} rad"
+    known = "–"
+    if run.numerical_uncertainty_rad is not None and run.reliable_until_s is not None:
+        until = min(run.reliable_until_s, run.end_s)
+        known = f"{run.numerical_uncertainty_rad:.0e} rad to {digits(until, 3)} s"
+    slip = length(run.peak_slip_m).replace("\u00a0", " ")
+    return [outcome, peak, slip, known, f"{digits(run.wall_s, 2)} s"]
+
+
+def _pair_rows(pairs: Sequence[Scores]) -> list[str]:
+    """One line a pair, those that differ first."""
+    order = sorted(pairs, key=lambda each: each.verdict is Verdict.AGREE)
+    rows = [
+        [f"{each.a} – {each.b}", ENGLISH.strings[f"pair.{each.verdict.name.lower()}"], _when(each)] for each in order
+    ]
+    shown = rows if len(rows) <= PAIR_LINES else rows[: PAIR_LINES - 1]
+    lines = table(shown) if shown else []
+    return lines if len(rows) == len(shown) else [*lines, f"  {len(rows) - len(shown)} further pairs (--verbose)"]
+
+
+def _when(scores: Scores) -> str:
+    seen = scores.evidence
+    if scores.verdict is Verdict.AGREE:
+        return f"within {seen.limit_rad:.0e} rad"
+    times = [time for time in (seen.exceeded_s, seen.horizon_s) if time is not None]
+    return f"from {digits(min(times), 3)} s" if times else ""
+
+
+def beware_lines(record: Record, findings: Sequence[Finding], room: int) -> list[str]:
+    """As many of the heaviest findings as there is room for, and how many more there are."""
+    lines: list[str] = []
+    shown = 0
+    for each in findings:
+        said = wrapped(f"{MARK[each.severity]} {_owner(each)}{each.text}", 2, "   ")
+        if len(lines) + len(said) > room - 1:
+            break
+        lines += said
+        shown += 1
+    more = len(record.findings) - shown
+    return [*lines, f"  {more} further finding{'s' if more > 1 else ''} (--verbose)"] if more > 0 else lines
+
+
+def finding_lines(findings: Iterable[Finding]) -> list[str]:
+    """Every finding, the heaviest first."""
+    return [
+        line for each in findings for line in wrapped(f"{MARK[each.severity]} {_owner(each)}{each.text}", LINES, "   ")
+    ]
+
+
+def _owner(finding: Finding) -> str:
+    return f"{finding.engine.replace('_vs_', ' – ')}: " if finding.engine and "_vs_" not in finding.engine else ""

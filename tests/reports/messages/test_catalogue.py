@@ -1,0 +1,147 @@
+"""Every code that the program can say has one sentence in each language, which its values fill; no code reads one back."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from harness.model.finding import Answer, Finding, caution, changes_answer, info, texted, weighed
+from harness.model.history import Outcome
+from harness.records.scores import Verdict
+from reports.messages import FIELD, FORMATS, LANGUAGES, OPTIONAL, language
+
+PACKAGES = ("analytic", "meshes", "harness", "reports")
+MAKERS = {"info", "caution", "changes_answer"}
+SAMPLES = {
+    "plain": "pymunk", "count": 3, "number": 0.25, "s": 1.25, "rad": 1e-4, "angle": 0.1, "angles": [0.1, 0.2], "m": 0.012,
+    "lengths": [0.01, 0.02], "g": 0.3, "j": 2.0, "share": 0.123, "names": ["analytic", "pymunk"], "vector": [1.0, 0.0, 0.0],
+    "groups": {"stands": ["analytic"], "overturned": ["pymunk"]}, "without": {"products_of_inertia": 0.03},
+}  # fmt: skip
+"""A value of each format."""
+
+
+def emitted(root: Path) -> Iterator[tuple[str, str]]:
+    """Codes in calls that make a finding, with the file that each stands in."""
+    for package in PACKAGES:
+        for path in (root / package).rglob("*.py"):
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.Call) and getattr(node.func, "id", "") in MAKERS and node.args:
+                    first = node.args[0]
+                    if isinstance(first, ast.Constant):
+                        yield str(first.value), path.name
+
+
+def sentences(code: str) -> dict[str, dict[str, str]]:
+    """The findings' sentences of a language, by code and by the value that chooses one."""
+    found: dict[str, dict[str, str]] = {}
+    for key, text in language(code).strings.items():
+        if key.startswith("finding."):
+            name, _, variant = key.removeprefix("finding.").partition(".")
+            found.setdefault(name, {})[variant] = text
+    return found
+
+
+def test_every_code_that_is_said_has_a_sentence_and_no_other_has_one(root: Path) -> None:
+    said = {code for code, _ in emitted(root)}
+    fixed = {"model_says", "models_agree"}
+    assert said | fixed == set(sentences("en"))
+
+
+def test_every_language_says_the_same_of_the_same_values() -> None:
+    english = sentences("en")
+    for code in LANGUAGES:
+        other = sentences(code)
+        assert {name: [*texts] for name, texts in other.items()} == {name: [*texts] for name, texts in english.items()}
+        for name, texts in english.items():
+            for variant, text in texts.items():
+                here = other[name][variant]
+                assert sorted(FIELD.findall(here)) == sorted(FIELD.findall(text)), f"{code}: {name}"
+                assert len(OPTIONAL.findall(here)) == len(OPTIONAL.findall(text)), f"{code}: {name}"
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_every_sentence_is_filled_with_all_of_its_values_and_with_the_least(code: str) -> None:
+    say = language(code)
+    for name, texts in sentences(code).items():
+        for variant, text in texts.items():
+            if variant == "by":
+                continue
+            values = {field: SAMPLES[form or "plain"] for field, form in FIELD.findall(text)}
+            needed = {field for field, _ in FIELD.findall(OPTIONAL.sub("", text))}
+            chosen = {texts["by"]: {"True": True, "False": False}.get(variant, variant)} if "by" in texts else {}
+            for filled in (values, {key: value for key, value in values.items() if key in needed}):
+                told = say.say(info(name, **{**filled, **chosen}))
+                assert told.endswith((".", ")")), told
+                assert not re.search(r"[{}\[\]]|–\s|None", told), told
+
+
+def test_every_outcome_and_verdict_has_a_word_and_a_cell() -> None:
+    for code in LANGUAGES:
+        say = language(code)
+        for outcome in Outcome:
+            assert say.strings[f"word.{outcome.value}"]
+            assert say.strings[f"short.{outcome.value}"]
+        assert {f"pair.{verdict.name.lower()}" for verdict in Verdict} <= set(say.strings)
+
+
+def test_a_number_is_written_as_the_language_writes_it() -> None:
+    finding = info("probability", share=0.394, model="analytic")
+    assert "39\u00a0%" in language("en").say(finding)
+    assert "5,1\u00a0%" in language("it").say(info("probability", share=0.051, model="analytic"))
+    assert language("en").value(None, "s") == "–"
+    assert set(SAMPLES) == set(FORMATS)
+
+
+def test_a_name_that_is_no_word_stays_and_is_printable() -> None:
+    assert language("en").word("pymunk:plain") == "pymunk:plain"
+    assert "\x1b" not in language("en").word("\x1b[31m")
+
+
+def test_findings_are_sorted_by_severity_and_told_once() -> None:
+    light, middle, heavy = info("histories_agree"), caution("near_tangent_events", steps=2), changes_answer("no_answer")
+    assert weighed([light, heavy, middle, light, heavy.of("")]) == [heavy, middle, light]
+
+
+def test_an_answer_is_the_sentences_of_its_findings() -> None:
+    say = language("en").say
+    parts = [info("histories_agree"), info("histories_known_until", until_s=2.0)]
+    answer = Answer("agree", parts).texted(say)
+    assert answer.text == " ".join(each.text for each in texted(parts, say))
+    assert all(isinstance(each, Finding) and each.text for each in answer.findings)
+
+
+RENDERED = ("sentence", "headline", "verdict_sentence", "said")
+"""What holds a finished sentence."""
+
+
+def test_no_code_searches_a_finished_sentence(root: Path) -> None:
+    """No regular expression, `in`, `startswith`, `replace` or `partition` on a sentence of ours outside what draws it."""
+    wrong = []
+    for package in PACKAGES:
+        for path in (root / package).rglob("*.py"):
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                wrong += [f"{path.name}:{node.lineno}" for asked in searched(node) if asked in RENDERED]
+    assert not wrong
+
+
+def searched(node: ast.AST) -> list[str]:
+    """The names of attributes in which an expression searches for text."""
+    if isinstance(node, ast.Compare) and isinstance(node.ops[0], ast.In | ast.NotIn):
+        return [getattr(node.comparators[0], "attr", "")]
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
+        if node.func.attr in ("startswith", "endswith", "replace", "partition", "removeprefix", "removesuffix", "find"):
+            return [getattr(node.func.value, "attr", "")]
+        if node.func.attr in ("search", "match", "sub", "findall", "fullmatch"):
+            return [getattr(each, "attr", "") for each in node.args]
+    return []
+
+
+@pytest.mark.parametrize(
+    "code", ["'x' in run.sentence", "scores.verdict_sentence.replace('a', 'b')", "PATTERN.search(finding.sentence)"]
+)
+def test_such_a_search_is_seen(code: str) -> None:
+    assert any(set(searched(node)) & set(RENDERED) for node in ast.walk(ast.parse(code)))

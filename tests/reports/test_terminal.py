@@ -1,0 +1,70 @@
+"""What a run prints fits a terminal: at most 16 lines of at most 100 columns; `--verbose` prints every finding."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from harness.model.finding import caution, changes_answer, info
+from harness.model.history import Outcome
+from harness.records.run import RunRecord
+from reports.messages import ENGLISH
+from reports.source import run_source
+from reports.terminal import COLUMNS, LINES, run_lines
+from tests.reports.invented_run import write_invented
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory: pytest.TempPathFactory) -> RunRecord:
+    return run_source(write_invented(tmp_path_factory.mktemp("run"), disagree=True)).record
+
+
+def printed(record: RunRecord) -> list[str]:
+    """All lines, that of the report's path among them."""
+    return [*run_lines(record), "report: out/run/report.html"]
+
+
+def test_title_answer_engines_and_pairs_stand_in_this_order(record: RunRecord) -> None:
+    lines = printed(record)
+    assert lines[0] == record.title
+    assert record.answer is not None
+    assert record.answer.text.startswith(lines[1][:40])
+    rows = [line.split()[0] for line in lines if line.startswith("  ")]
+    assert rows[: 1 + len(record.runs)] == ["engine", *record.runs]
+    assert len(lines) <= LINES
+
+
+def test_many_findings_engines_and_long_names_still_fit(record: RunRecord) -> None:
+    many = [caution("motion_note", key=f"motion.{k}", text="long " * 60) for k in range(30)]
+    heavy = [changes_answer("near_tie", margin=1e-4).of("analytic")]
+    runs = {**record.runs, **{f"{name}:plain": run for name, run in record.runs.items()}}
+    long = replace(record, title="x" * 300, findings=[*record.findings, *many, *heavy], runs=runs)
+    lines = printed(long.texted(ENGLISH.say))
+    assert len(lines) <= LINES
+    assert max(map(len, lines)) <= COLUMNS
+    assert any("near tie" in line for line in lines), "the heaviest finding is shown first"
+    more = [line for line in lines if "further finding" in line]
+    assert len(more) == 1
+
+
+def test_verbose_prints_every_finding_by_severity(record: RunRecord) -> None:
+    said = replace(record, findings=[info("histories_agree"), changes_answer("near_tie", margin=1e-4)])
+    text = " ".join(run_lines(said.texted(ENGLISH.say), verbose=True))
+    assert text.index("near tie") < text.index("Histories agree throughout")
+
+
+def test_a_peak_of_a_fall_and_of_a_failure_is_not_told(record: RunRecord, tmp_path: Path) -> None:
+    lines = run_lines(record)
+    row = next(line for line in lines if line.lstrip().startswith("pybullet"))
+    assert "overturns right at" in row
+    assert " rad to " in row
+    failed = replace(record.runs["pybullet"], outcome=Outcome.UNAVAILABLE, message="no wheels")
+    row = next(
+        line
+        for line in run_lines(replace(record, runs={**record.runs, "pybullet": failed}))
+        if line.lstrip().startswith("pybullet")
+    )
+    assert "not installed" in row
+    assert "rad" not in row
