@@ -295,7 +295,7 @@ def read(path: Path) -> str:
             raw = stream.read(MAX_BYTES + 1)
         if len(raw) > MAX_BYTES:
             raise InputError(Mistake(str(path), "", f"a TOML file of at most {MAX_BYTES:.0e} bytes", "a longer one"))
-        return raw.decode("utf-8")
+        return raw.decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise InputError(Mistake(str(path), "", "a readable TOML file", reason)) from error

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 
 from harness.model.terminal import printable
 
+LONGEST = 1000
+"""Characters of what came that are shown."""
+
 
 @dataclass(frozen=True)
 class Mistake:
@@ -24,7 +27,8 @@ class Mistake:
 
     def __str__(self) -> str:
         place = f"{self.where}: {self.key}" if self.key else self.where
-        text = f"{place}: wanted {self.wanted}, got {self.got}"
+        got = self.got if len(self.got) <= LONGEST else f"{self.got[:LONGEST]}… ({len(self.got)} characters)"
+        text = f"{place}: wanted {self.wanted}, got {got}"
         return printable(f"{text} — {self.advice}" if self.advice else text)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import faulthandler
 import re
+import resource
 import shutil
 import signal
 import tempfile
@@ -31,6 +32,8 @@ HANG_S: Final = 10
 START_S: Final = 120
 """The same for the first, whole file of a kind: it imports and compiles what its use takes, and an import that is cut short on a
 busy machine breaks all that follow."""
+MOST_MIB: Final = 2048.0
+"""Of memory for one small file."""
 DEAD_SHARE: Final = 2.0
 """Times that limit after which a process that does not even hear of it is ended."""
 
@@ -70,15 +73,23 @@ def attempt(kind: Kind, content: bytes, folder: Path, limit_s: int | None = None
     """Use one file in `folder`, for `HANG_S` unless told otherwise, and clear away what it left."""
     path = folder / kind.file
     path.write_bytes(content)
-    before = {item.name for item in folder.iterdir()} | {WRITTEN}
+    before, most = {item.name for item in folder.iterdir()} | {WRITTEN}, _most_mib()
     tried = _tried(kind, path, limit_s or HANG_S)
+    grown = _most_mib() if _most_mib() > most else 0.0
     left = {item.name for item in folder.iterdir()} - before
     half = unfinished(folder / WRITTEN, accepted=tried == Tried())
     for item in [folder / name for name in (*left, WRITTEN)]:
         shutil.rmtree(item) if item.is_dir() else item.unlink(missing_ok=True)
     if tried.wrong is None and (left or half):
         return Tried(f"left {', '.join(sorted(left))}" if left else f"left half-written: {half}")
+    if tried.wrong is None and grown > MOST_MIB:
+        return Tried(f"took {grown:.0f} MiB")
     return tried
+
+
+def _most_mib() -> float:
+    """The most memory that this process has taken so far."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
 
 
 def _tried(kind: Kind, path: Path, limit_s: int) -> Tried:

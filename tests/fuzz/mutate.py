@@ -16,6 +16,7 @@ Stream = np.random.Generator
 Mutation = Callable[[bytes, Stream], bytes]
 
 NUMBER: Final = re.compile(rb"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
+FRACTION: Final = re.compile(rb"[-+]?\d+\.\d+(?:[eE][-+]?\d+)?")
 DIGIT: Final = re.compile(rb"\d")
 WORD: Final = re.compile(rb"\w+")
 FACTORS: Final = (-1.0, 0.0, 0.5, 2.0, 10.0, 1e-3, 1e3, 1e-12, 1e12, 1e150, 1e-150)
@@ -94,10 +95,40 @@ def point(data: bytes, rng: Stream) -> bytes:
     old = data[place : place + 12]
     values = list(struct.unpack("<3f", old))
     axis = int(rng.integers(3))
-    factor = FACTORS[int(rng.integers(len(FACTORS)))]
+    likely = rng.integers(3) > 0
+    factor = 2.0 ** float(rng.uniform(-1.0, 1.0)) if likely else FACTORS[int(rng.integers(len(FACTORS)))]
     scaled = float(np.clip(values[axis] * factor, -3e38, 3e38))
-    values[axis] = scaled if rng.integers(4) else ODD_FLOATS[int(rng.integers(len(ODD_FLOATS)))]
+    values[axis] = scaled if likely or rng.integers(4) else ODD_FLOATS[int(rng.integers(len(ODD_FLOATS)))]
     return data.replace(old, struct.pack("<3f", *values))
+
+
+def vary(data: bytes, rng: Stream) -> bytes:
+    """One to four numbers with decimals halved to doubled, as wide as they were where blanks leave room: still a likely file."""
+    found = spans(FRACTION, data)
+    for place in sorted(
+        {int(rng.integers(len(found))) for _ in range(int(rng.integers(1, 5)))} if found else (), reverse=True
+    ):
+        begin, end = found[place]
+        old = data[begin:end]
+        value = float(old) * 2.0 ** float(rng.uniform(-1.0, 1.0))
+        decimals = len(re.split(rb"[eE]", old)[0].partition(b".")[2])
+        new = f"{value:.{decimals}{'e' if old.lower().count(b'e') else 'f'}}".encode().rjust(end - begin)
+        while len(new) > end - begin and data[begin - 1 : begin] == b" ":
+            begin -= 1
+        data = data[:begin] + new + data[end:]
+    return data
+
+
+def dress(data: bytes, rng: Stream) -> bytes:
+    """Other line ends, blanks or blank lines, a comment, a mark before the first letter: what editors do, and readers bear."""
+    rows = data.split(b"\n")
+    place = int(rng.integers(len(rows)))
+    ways: tuple[bytes, ...] = (
+        data.replace(b"\n", b"\r\n"), b"\xef\xbb\xbf" + data, data + b"\n", data.rstrip(b"\n"), b"# a comment\n" + data,
+        b"\n".join([*rows[:place], rows[place] + b"   ", *rows[place + 1 :]]),
+        b"\n".join([*rows[:place], b"", *rows[place:]]),
+    )  # fmt: skip
+    return ways[int(rng.integers(len(ways)))]
 
 
 def insert(data: bytes, rng: Stream) -> bytes:
@@ -199,7 +230,10 @@ def _packed(fill: bytes) -> bytes:
     return gzip.compress(fill * (BOMB_BYTES // len(fill)), 1, mtime=0)
 
 
+LIKELY: Final[tuple[Mutation, ...]] = (*(vary,) * 9, *(dress,) * 4)
+"""What most readers bear: these files get past reading, and what is computed from them is tried."""
 TEXT: Final[tuple[Mutation, ...]] = (
+    *LIKELY, *LIKELY,
     nudge, nudge, nudge, digit, digit, digit, number, number, number, words, words, lines, lines, insert, flip, truncate,
     recode,
 )  # fmt: skip
@@ -208,7 +242,7 @@ STL_FACET: Final = 50
 """Bytes of a binary STL before its facets, and of one: a normal, three vertices, two bytes."""
 BINARY: Final[tuple[Mutation, ...]] = (flip, flip, digit, digit, single, single, truncate, insert)
 
-STL: Final[tuple[Mutation, ...]] = (*BINARY, point, point, point)
+STL: Final[tuple[Mutation, ...]] = (*BINARY, *(point,) * 12)
 
 
 def listed(data: bytes, rng: Stream) -> bytes:
@@ -221,7 +255,7 @@ def listed(data: bytes, rng: Stream) -> bytes:
 STEPPED: Final[tuple[Mutation, ...]] = (step, step, step, step, nudge, lines, recode, insert)
 TITLED: Final[tuple[Mutation, ...]] = (title, title, title, title, insert, recode, words)
 RECORD: Final[tuple[Mutation, ...]] = (*TEXT, listed, listed, listed, listed, listed, listed)
-PACKED: Final[tuple[Mutation, ...]] = (repacked, repacked, repacked, gathered, flip, truncate, bomb)
+PACKED: Final[tuple[Mutation, ...]] = (*(repacked,) * 12, gathered, flip, truncate, bomb)
 TRIES: Final = 20
 """Draws after which a file that nothing changes is given up: an empty one."""
 

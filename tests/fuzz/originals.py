@@ -126,6 +126,17 @@ c,stone.ply,cm,2600,0,0.5,motion.csv,a,m/s2,3.0,overturned
 """
 
 
+NEW: Final = (
+    b"--motion motion.csv --motion-unit m/s2 --unit m --up z --density 2700.0\n--pedestal 250.0,0.6,0.8,0.2 --friction 0.35"
+    b" --scale 1.5 --contact-tolerance 0.002\n"
+)
+RUN: Final = (
+    b"-e analytic --accuracy 1.0e-4 --set motion.z.amplitude_g=0.30 --set pedestal.offset_m=0.010\n"
+    b"--set contact.restitution=0.90 --set 'statue.mass_kg=650.0' --language it\n"
+)
+DESCRIBED: Final = b"--skip-lines 2 --time-column 1\n--columns 2:N,3:E --unit gal\n"
+
+
 def _wave() -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
     t = np.arange(120) * 0.02
     return np.column_stack([t, 3.0 * np.sin(2.0 * np.pi * t) * np.sin(np.pi * t / t[-1])])
@@ -204,6 +215,8 @@ def prepare(folder: Path) -> None:
     (folder / "stone.ply").write_bytes(ply())
     (folder / "good.toml").write_bytes(SCENE)
     (folder / "stone.toml").write_bytes(STONE)
+    rows = (f"{t:.3f} {100.0 * a:.6f} {40.0 * a:.6f}" for t, a in _wave())
+    (folder / "any.txt").write_text("\n".join(["Somewhere", "as found", *rows, ""]))
 
 
 @lru_cache(maxsize=1)
@@ -214,6 +227,9 @@ def kinds() -> tuple[Kind, ...]:
         Kind("study", "study.toml", STUDY, use.study),
         Kind("3D effects", "effects.toml", EFFECTS, use.effects),
         Kind("experiments", "experiments.csv", EXPERIMENTS, use.experiments),
+        Kind("options of new", "new.txt", NEW, use.new),
+        Kind("options of run", "run.txt", RUN, use.run),
+        Kind("options of a text", "described.txt", DESCRIBED, use.described),
         Kind("motion CSV", "mutated_motion.csv", _csv("t_s,a_ms2", _wave()), use.motion),
         *(Kind(f"motion {name}", file, make(), use.motion) for name, (file, make) in records.FORMATS.items()),
         Kind("history", "history.csv", _history(), use.history),
@@ -225,5 +241,6 @@ def kinds() -> tuple[Kind, ...]:
         Kind("AT2 header", "stepped.at2", records.at2(), use.step, STEPPED),
         Kind("gzip", "packed.at2.gz", gzip.compress(records.at2(), mtime=0), use.packed, PACKED),
         Kind("sister in gzip", "RSN1_B_180.at2", gzip.compress(records.at2(), mtime=0), use.sister, PACKED),
+        Kind("record", "record.json", _result(), use.result),
         Kind("output folder", "result.json", _result(), use.folder, RECORD),
     )

@@ -10,6 +10,7 @@ import time
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -72,11 +73,26 @@ FOUND = {
     ),
     "motion AT2": (at2().replace(b"DT=   0.0200", b"DT=   2.0E+12"),),
     "experiments": (EXPERIMENTS.replace(b",2.0,", b",2e12,"),),
+    "motion CSV": tuple(
+        head + b"\n" + b"0.1\n" * 50 + b"0.2\n"
+        for head in (
+            b"NPTS=" + b"9" * 5000 + b" DT=.01",
+            b"dt " + b"9" * 20_000,
+            b"9 " * 50_000 + b"x",
+            b"-" * 100_000,
+            b"1." * 50_000 + b"hz",
+            b"m/s" * 50_000,
+            b"3251 POINTS OF ACC" + b" A" * 50_000,
+            b"(8F" + b"9" * 5000 + b".3)",
+        )
+    ),
     "motion SMC": (smc().replace(b"    -32768", b"1.0000e300", 1),),
 }
 """Inputs that once ended in a traceback or never, by kind."""
 INPUTS = 420
 """Mutated inputs in every CI run; `make stress` reads twenty thousand, the first of the same numbers apart."""
+PAST_READING = 0.45
+"""Share that is to be accepted and used: half of many, less than three standard deviations (0.025) of so few."""
 
 
 @pytest.fixture(scope="module")
@@ -150,6 +166,7 @@ def test_mutated_inputs_do_no_harm() -> None:
     assert [row for row in found if row.found] == []
     assert {row.reader for row in found} == {kind.name for kind in kinds()}
     assert sum(row.inputs for row in found) == INPUTS
+    assert sum(row.accepted for row in found) >= PAST_READING * INPUTS, "what is refused hides what else is wrong"
     shallow = [row.reader for row in found if not 0 < row.accepted < row.inputs]
     assert shallow == [], "a kind that is always refused, or never, is not searched"
     assert min(row.refusals for row in found) > 1, "damage that always ends at the same sentence searches nothing"
@@ -185,6 +202,26 @@ def test_the_search_sees_what_it_looks_for(
         slow = replace(scene, read=lambda path: time.sleep(1.5))
         assert attempt(slow, SCENE, folder, 10) == Tried(), "the first file of a kind imports what its use takes"
     assert attempt(scene, SCENE, folder) == Tried()
+
+
+def test_the_search_sees_memory_that_was_taken(
+    every: dict[str, Kind], folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    taken = iter([500.0, 2500.0, 2500.0])
+    monkeypatch.setattr("tests.fuzz.fuzz_run._most_mib", lambda: next(taken))
+    assert attempt(every["motion CSV"], every["motion CSV"].content, folder).wrong == "took 2500 MiB"
+
+
+@pytest.mark.parametrize("name", ["options of new", "options of run", "options of a text", "record"])
+def test_the_search_sees_a_command_end_in_a_traceback(
+    every: dict[str, Kind], folder: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    kind = every[name]
+    assert attempt(kind, b"--nothing-like-it" if "options" in name else b"{}", folder).refusal
+
+    ended = SimpleNamespace(exception=KeyError(name), exit_code=1, output="")
+    monkeypatch.setattr("typer.testing.CliRunner.invoke", lambda *given, **named: ended)
+    assert "KeyError" in (attempt(kind, kind.content, folder).wrong or "")
 
 
 def test_the_search_sees_a_step_misread_and_a_folder_robbed(

@@ -9,8 +9,9 @@ from __future__ import annotations
 import json
 import re
 import resource
+import shlex
 import shutil
-from contextlib import redirect_stderr
+from contextlib import chdir, redirect_stderr
 from dataclasses import replace
 from decimal import Decimal
 from functools import lru_cache
@@ -20,7 +21,7 @@ from pathlib import Path
 from typing import Any, Final, NoReturn
 
 from harness.input.text_file import decoded
-from harness.model.errors import InputError
+from harness.model.errors import InputError, Mistake
 from harness.model.history import history_file
 from harness.model.scene import Scene
 from tests.stores_for_tests import put
@@ -239,6 +240,72 @@ def _of_a_moment(content: bytes, scene_file: Path) -> Any:
     from harness.scene_run.scene_run import run_scene
 
     return run_scene(replace(load_scene(scene_file), duration_s=0.01), ("analytic",))
+
+
+def new(path: Path) -> None:
+    """The words of the file as options of `rockcheck new`, for a good scan and record; the scene that it writes is run."""
+    from harness.input.scene_file import load_scene
+
+    out = path.parent / WRITTEN / "new.toml"
+    out.parent.mkdir()
+    _asked(path, ("new", "stone.ply"), ("--json", "--out", str(out)))
+    _run(load_scene(out), path.with_name(WRITTEN) / path.name)
+
+
+def run(path: Path) -> None:
+    """The words of the file as options of `rockcheck run`, for a good scene, cut short."""
+    last = ("--set", f"duration_s={RUN_S}", "--no-assess", "--json", "--out", str(path.parent / WRITTEN))
+    _asked(path, ("run", "good.toml"), last)
+
+
+def described(path: Path) -> None:
+    """The words of the file as options of `rockcheck motion inspect`, for a text that no reader knows."""
+    _asked(path, ("motion", "inspect", "any.txt"), ("--json", "--out", str(path.parent / WRITTEN)))
+
+
+def _asked(path: Path, first: tuple[str, ...], last: tuple[str, ...]) -> None:
+    """Run a command in the file's folder with its words as options between these; what it refuses is an `InputError`."""
+    from typer.testing import CliRunner
+
+    from harness.command import WRONG_INPUT
+    from reports.cli import app
+
+    try:
+        words = shlex.split(path.read_bytes().decode("utf-8", "surrogateescape"))
+    except ValueError as error:
+        raise InputError(Mistake("shell", "", "whole quotes", str(error))) from error
+    if any("\0" in word for word in words):
+        raise InputError(Mistake("shell", "", "words", "a NUL"))
+    with chdir(path.parent):
+        done = CliRunner().invoke(app, [*first, *words, *last])
+    if isinstance(done.exception, InputError):
+        raise done.exception
+    if done.exit_code == WRONG_INPUT:
+        raise InputError(Mistake(" ".join(first), "", "options", done.output[-300:]))
+    if done.exception is not None and not isinstance(done.exception, SystemExit):
+        raise done.exception
+
+
+def result(path: Path) -> None:
+    """Write the pages of a whole result folder whose record this is."""
+    from typer.testing import CliRunner
+
+    from reports.cli import app
+
+    there = path.with_name(WRITTEN)
+    there.mkdir()
+    write_into(path.with_name("good.toml"), there)
+    (there / "result.json").write_bytes(path.read_bytes())
+    try:
+        done = CliRunner().invoke(app, ["report", str(there), "--quiet"])
+    except BaseException:
+        shutil.rmtree(there)
+        raise
+    if done.exception is not None:
+        shutil.rmtree(there)
+        if isinstance(done.exception, SystemExit):
+            raise InputError(Mistake("report", "", "a record", done.output[-300:]))
+        raise done.exception
 
 
 def unfinished(folder: Path, accepted: bool) -> str | None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import tomllib
+from pathlib import Path
 
 import pytest
 
 from harness.input.overrides import override
+from harness.input.tables import read
 from harness.input.toml_text import MOST_KEYS, MOST_PARTS, content_of
-from harness.model.errors import InputError
+from harness.model.errors import LONGEST, InputError, Mistake
 
 HUGE = "9" * 5000
 
@@ -45,3 +47,15 @@ def test_a_key_of_the_command_line_is_held_to_the_same(value: str) -> None:
     with pytest.raises(InputError) as refused:
         override({}, [f"statue.mass_kg={value}"])
     assert {(each.where, each.key) for each in refused.value.mistakes} == {("--set", "statue.mass_kg")}
+
+
+def test_what_came_is_shown_in_part_where_it_is_long() -> None:
+    said = str(Mistake("file", "key", "a word", "x" * 100_000))
+    assert len(said) < LONGEST + 100
+    assert said.endswith("(100000 characters)")
+
+
+def test_a_mark_before_a_scene_is_no_mistake(tmp_path: Path) -> None:
+    path = tmp_path / "marked.toml"
+    path.write_text('title = "x"\n', encoding="utf-8-sig")
+    assert read(path) == 'title = "x"\n'

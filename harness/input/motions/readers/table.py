@@ -35,6 +35,8 @@ _HEADER_ROWS: Final = 8
 _PLAUSIBLE_G: Final = (0.005, 3.0)
 _SHORTEST_S, _LONGEST_S = _STEP = 1e-4, 0.1
 """Between the steps of accelerographs, 1 to 50 ms, and what no text means by a step."""
+_LONGEST_LINE, _MOST_LINES = 500, 200
+"""Of a header: what searching for words in it may cost."""
 _ONE: Final = (1.0, np.inf)
 """Steps of a column of samples' numbers, or of milliseconds."""
 _HEADER_NUMBERS: Final = 3
@@ -46,11 +48,11 @@ LABEL = re.compile(r"(?!(?:nan|inf|infinity|null|none|na|n/a)$)[^\W\d_]", re.IGN
 """How a word of a column of flags, stations or remarks begins, which is no number that is missing."""
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eEdD][-+]?\d+)?")
 _TIME_OF_DAY = re.compile(r"(?<!\d)(\d{1,2}):(\d\d):(\d\d(?:[.,]\d+)?)")
-_NUMBER = r"(\d*\.?\d+(?:[eEdD][-+]?\d+)?)"
+_NUMBER = r"(?<![\d.])(\d{1,9}(?:\.\d{0,12})?(?:[eEdD][-+]?\d{1,3})?|\.\d{1,12}(?:[eEdD][-+]?\d{1,3})?)(?!\d)"
 _NAMED_STEP = re.compile(
     r"\b(?:dt|delta[ _]*t|(?:time|sampling|sample)?[ _]*(?:step|interval|increment))\b[^0-9.]{0,20}"
     rf"{_NUMBER}\s*(m(?:illi)?s\w*)?"
-    rf"|\d+[\s,]+{_NUMBER}[\s,]+NPTS\s*,\s*DT\b",
+    rf"|\b\d{{1,9}}[\s,]+{_NUMBER}[\s,]+NPTS\s*,\s*DT\b",
     re.IGNORECASE,
 )
 _RATE = re.compile(
@@ -67,7 +69,7 @@ _SAMPLING = re.compile(r"sampl|\brate|\bsps\b|\bfs\b|points|pts", re.IGNORECASE)
 _COUNT = re.compile(
     r"(?:\bnpts|\bndata|\bnpoints|(?:no\.?|number|num\.?) of (?:points|samples|data|values)(?: points)?)\b"
     r"[^0-9\n]{0,12}(\d{1,9})\b"
-    r"|\b(\d{1,9})[\s,]+\S+[\s,]+NPTS\s*,\s*DT\b|\b(\d{1,9})\s+(?:data )?(?:points|samples|values|pts)\b(?!\s*(?:/|per))",
+    r"|\b(\d{1,9})[\s,]+\S{1,20}[\s,]+NPTS\s*,\s*DT\b|\b(\d{1,9})\s+(?:data )?(?:points|samples|values|pts)\b(?!\s*(?:/|per))",
     re.IGNORECASE,
 )
 _SAME: Final = 0.01
@@ -89,6 +91,8 @@ _UNIT_WORDS = re.compile(
 
 def heading(header: str) -> tuple[Orientation, str | None]:
     """Direction and unit stated by a column's header such as a_N28W_ms2 or "UP (g)"."""
+    if len(header) > _LONGEST_LINE:
+        return Orientation(), None
     match = _UNIT.match(header)
     unit = unit_named(match.group(2)) if match else None
     name = _PREFIX.sub("", match.group(1) if match and unit else header)
@@ -222,7 +226,7 @@ def proposal(text: str, where: str, *, headed: bool = False) -> str:
     if block is None or (headed and any(_or_none(cell) is not None for cell in _cells(lines[block[0] - 1]))):
         return ""
     skip, rows = block
-    head = "\n".join(lines[:skip])
+    head = "\n".join(line[:_LONGEST_LINE] for line in lines[max(skip - _MOST_LINES, 0) : skip])
     headers = _headers(head, rows[0].size)
     if headed and not np.isnan(rows[0]).any():
         return ""
