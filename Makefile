@@ -56,13 +56,13 @@ docs: $(STAMP) ## write the API reference from the docstrings, without a network
 	@echo "API reference: out/api/index.html"
 
 bench: $(STAMP) ## run time against error, in one run
-	@$(VENV)/bin/rockcheck bench
+	@$(PY) -m tests.measures.whole bench
 	-@$(VENV)/bin/python -m tests.measures.goals
 	@$(VENV)/bin/python -m tests.measures.scoring
 	@$(VENV)/bin/python -m tests.measures.calibration
 
 stress: $(STAMP) ## hard scenes and mutated input
-	@$(VENV)/bin/rockcheck stress
+	@$(PY) -m tests.measures.whole stress
 
 lock: ## renew requirements.lock from pyproject.toml
 	@$(PY) -m pip install --quiet uv

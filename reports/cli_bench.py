@@ -31,22 +31,20 @@ def add_commands(app: typer.Typer) -> None:
 
 def bench(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
     """Measure run time against error for every engine and setting, what skips gain, and how cost grows."""
-    from harness.bench.bench_run import BENCH
+    from harness.bench import bench_run
 
-    _measured(BENCH, saying, quick, parts, out)
+    measured(bench_run.bench(), saying, quick, parts, out)
 
 
 def stress(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
     """Run hard scenes, map each engine's stability, and read thousands of mutated files."""
-    from harness.bench.stress.stress_run import STRESS
+    from harness.bench.stress import stress_run
 
-    record = _measured(STRESS, saying, quick, parts, out)
+    record = measured(stress_run.stress(), saying, quick, parts, out)
     raise typer.Exit(OK if record.holds else FAILED)
 
 
-def _measured(
-    measurement: Measurement[R], saying: OutputOptions, quick: bool, parts: str | None, out: Path | None
-) -> R:
+def measured(measurement: Measurement[R], saying: OutputOptions, quick: bool, parts: str | None, out: Path | None) -> R:
     """The record of a measurement of these parts (comma-separated; None: of all), once it is said."""
     from harness.records.base import as_file
 

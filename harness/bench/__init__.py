@@ -4,7 +4,6 @@
 together and alone (`skips.py`, `skip_savings.py`), how cost grows (`scaling.py`), and other integrators, starts, overhead
 (`other_integrators.py`); `sentences.py` says it in words. `rockcheck stress` is `stress/`.
 
-What holds the whole to its claims, stands beside other projects' programs or renews a table of the documentation is in
-`tests/measures`; parts that rest on it ask it by a process of the source tree (`source_tree.py`). Nothing else in the harness
-imports this room.
+What stands beside other projects' programs, or holds the whole to its claims, is measured by programs that whoever calls brings
+along, each in a process of its own (`programs.py`). Nothing else in the harness imports this room.
 """

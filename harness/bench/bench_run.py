@@ -10,11 +10,11 @@ from harness.bench import (
     coverage,
     other_integrators,
     precision,
+    programs,
     scaling,
     sentences,
     skip_savings,
     skips,
-    source_tree,
 )
 from harness.bench.standard_scenes import standard_set
 from harness.campaign import parts
@@ -25,16 +25,23 @@ from harness.records.bench import BenchRecord, PrecisionRow, ScalingRow, SkipRow
 CLOCK: Final = "cpu_s: processor time of the process (single-threaded runs); wall_s: by the clock; both best of several"
 
 
-def all_parts(quick: bool) -> list[Part]:
+DEFAULTS, COVERAGE, OTHERS = "engine defaults", "coverage", "others"
+"""What programs that are given measure: engines on their own defaults, seeded scenes, other integrators."""
+
+
+def all_parts(given: programs.Programs, quick: bool) -> list[Part]:
     """The parts as they are measured: by processor time on all cores, then those that are timed by the clock, alone."""
+    other = given.get(OTHERS, "")
+    others, speeds = other_integrators.TASKS.values() if other else ((), ())
+    seeded = coverage.tasks(quick) if COVERAGE in given else []
     return [
-        Part("precision", precision.tasks(quick), partial(precision.of, quick), precision.died),
-        Part("coverage", coverage.tasks(quick), coverage.compute, coverage.died),
+        Part("precision", precision.tasks(quick), partial(precision.of, given.get(DEFAULTS), quick), precision.died),
+        Part("coverage", seeded, partial(coverage.compute, given.get(COVERAGE, "")), coverage.died),
         Part("skips", skips.tasks(quick), skips.compute, skips.died),
         Part("alone", skip_savings.tasks(quick), skip_savings.compute, skip_savings.died),
-        Part("others", other_integrators.tasks("others"), partial(other_integrators.compute, quick), _died),
+        Part("others", others, partial(other_integrators.compute, other, quick), _died),
         Part("scaling", scaling.tasks(quick), scaling.compute, _died),
-        Part("speeds", other_integrators.tasks("speeds"), partial(other_integrators.compute, quick)),
+        Part("speeds", speeds, partial(other_integrators.compute, other, quick)),
         Part("workers", scaling.worker_tasks(quick), scaling.compute),
     ]
 
@@ -43,16 +50,13 @@ def _died(task: str) -> list[Row]:
     raise RuntimeError(f"{task}: its process died")
 
 
-def assembled(listed: Sequence[Part], measured: Mapping[str, Measured], command: str) -> BenchRecord:
+def assembled(
+    given: programs.Programs, listed: Sequence[Part], measured: Mapping[str, Measured], command: str
+) -> BenchRecord:
     """The record from the rows of all parts; what is not measured yet is left empty and said."""
     rows = {part.name: measured[part.name].in_order(part) for part in listed}
     absent = {row["scene"]: row["absent"] for row in rows["precision"] if "absent" in row}
-    measured_by = {
-        "engine defaults": precision.DEFAULTS,
-        "coverage": coverage.MEASURED,
-        "others": other_integrators.MEASURED,
-    }
-    absent |= {name: why for name, module in measured_by.items() if (why := source_tree.missing(module)) is not None}
+    absent |= programs.absent(given, (DEFAULTS, COVERAGE, OTHERS))
     order = [item.name for item in standard_set()]
     timed = [PrecisionRow(**row) for row in rows["precision"] if "absent" not in row]
     timed.sort(key=lambda row: order.index(row.scene))
@@ -84,4 +88,10 @@ def assembled(listed: Sequence[Part], measured: Mapping[str, Measured], command:
     )  # fmt: skip
 
 
-BENCH: Final = Measurement("bench", all_parts, assembled, lambda record: record.sentences)
+def bench(given: programs.Programs = programs.NONE, sources: Sequence[str] = ()) -> Measurement[BenchRecord]:
+    """The bench with what these programs measure; `sources` are the folders of their code, in the source tree."""
+    return Measurement("bench", partial(all_parts, given), partial(assembled, given), _sentences, tuple(sources))
+
+
+def _sentences(record: BenchRecord) -> Sequence[str]:
+    return record.sentences

@@ -1,6 +1,6 @@
 """Is the stated numerical uncertainty honest, and what does a target take? Seeded scenes, each against a much finer run.
 
-Measured by the source tree (`tests/measures/coverage.py`); its rows are kept and counted here.
+Measured by a program that is given; its rows are kept and counted here.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import asdict, replace
 from typing import Final
 
 from harness import engines
-from harness.bench import source_tree
+from harness.bench import programs
 from harness.bench.precision import TARGET_RAD
 from harness.campaign.parts import Row
 from harness.records.bench import LEVEL, TARGET, Coverage, Covered, Level, PrecisionRow, Statement
@@ -20,7 +20,6 @@ FIRST_SEED: Final = 20_900
 """Scenes from here on were not used to choose the levels or the safety factor."""
 SCENES: Final = 60
 QUICK_SCENES: Final = 2
-MEASURED: Final = "tests.measures.coverage"
 PIECE: Final = {"pybullet": 8, "pymunk": 25}
 """Scenes of one task, by engine."""
 
@@ -32,9 +31,7 @@ def read(row: Row) -> Coverage:
 
 
 def tasks(quick: bool) -> list[str]:
-    """The work in pieces that can be computed apart, the longest first; nothing without the source tree."""
-    if source_tree.missing(MEASURED):
-        return []
+    """The work in pieces that can be computed apart, the longest first."""
     last = FIRST_SEED + (QUICK_SCENES if quick else SCENES)
     return [
         f"{name}: seeds {begin} to {min(begin + piece, last) - 1}"
@@ -43,12 +40,12 @@ def tasks(quick: bool) -> list[str]:
     ]
 
 
-def compute(task: str) -> list[Row]:
+def compute(program: str, task: str) -> list[Row]:
     """The rows of one piece; none where the engine is not here."""
     name, seeds = _piece(task)
     if engines.load(name).missing() is not None:
         return []
-    done = source_tree.ask(MEASURED, name, str(seeds.start), str(len(seeds)), "--levels")
+    done = programs.ask(program, name, str(seeds.start), str(len(seeds)), "--levels")
     return died(task) if done.returncode else [json.loads(line) for line in done.stdout.splitlines()]
 
 

@@ -1,6 +1,6 @@
 """The analytic model against other integrators, its throughput, and what the harness costs over a baseline loop.
 
-Measured by the source tree (`tests/measures/other_integrators.py`); its rows are kept and told here.
+Measured by a program that is given; its rows are kept and told here.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from harness.bench import source_tree
+from harness.bench import programs
 from harness.campaign.parts import Row
 from harness.records.bench import SolverRow, Start, Throughput
 
@@ -22,17 +22,11 @@ COMPARED: Final = {
 """Solvers that are compared, and at which errors, rad."""
 TASKS: Final = {"others": ("solvers", "startup", "overhead"), "speeds": ("throughput", "scans")}
 """Ratios of what takes turns, which may share the machine, and speeds that stand by themselves."""
-MEASURED: Final = "tests.measures.other_integrators"
 
 
-def tasks(part: str) -> list[str]:
-    """What a part measures here; nothing without the source tree."""
-    return [] if source_tree.missing(MEASURED) else [*TASKS[part]]
-
-
-def compute(quick: bool, task: str) -> list[Row]:
+def compute(program: str, quick: bool, task: str) -> list[Row]:
     """Rows of the solvers, runs per second of ensembles, cost of a start, or cost over a baseline loop."""
-    return source_tree.rows(MEASURED, task, *(["--quick"] if quick else []))
+    return programs.rows(program, task, *(["--quick"] if quick else []))
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Final
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
-from harness.bench import source_tree
+from harness.bench import programs
 from harness.bench.standard_scenes import Standard, standard_set
 from harness.bench.timing import Cost, costs, timed
 from harness.campaign.parts import Row
@@ -24,8 +24,6 @@ from harness.records.bench import LEVEL, TARGET, PrecisionRow
 from harness.records.witness import PLAIN
 
 TARGET_RAD: Final = 1e-3
-DEFAULTS: Final = "tests.measures.engine_defaults"
-"""What runs engines on their own defaults, and on another project's settings."""
 LONG_S: Final = 1.0
 """A level is left out (and said so) when the one before it took this long: finer levels show the same line further."""
 REPEATS: Final = 15
@@ -42,8 +40,11 @@ def tasks(quick: bool) -> list[str]:
     return names[:3] if quick else sorted(names, key=lambda name: "Maria" not in name)
 
 
-def of(quick: bool, name: str) -> list[Row]:
-    """All rows of one scene of the standard set; one that says why where a file of it is absent."""
+def of(program: str | None, quick: bool, name: str) -> list[Row]:
+    """All rows of one scene of the standard set; one that says why where a file of it is absent.
+
+    `program` runs engines on their own defaults, and on another project's settings; None leaves that out.
+    """
     item = next(item for item in standard_set() if item.name == name)
     try:
         scene = item.scene()
@@ -51,8 +52,8 @@ def of(quick: bool, name: str) -> list[Row]:
         return [{"scene": name, "absent": str(error)}]
     names = list(engines.REGISTRY)
     rows = [asdict(row) for row in rows_of(item, scene, names, quick=quick)]
-    if item.reference == "analytic" and not source_tree.missing(DEFAULTS):
-        rows += source_tree.rows(DEFAULTS, name)
+    if item.reference == "analytic" and program is not None:
+        rows += programs.rows(program, name)
     return sorted(rows, key=lambda row: names.index(row["engine"]))
 
 

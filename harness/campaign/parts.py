@@ -24,7 +24,7 @@ from harness.records.stress import StressRecord
 Row = dict[str, Any]
 Work = Callable[[str], list[Row]]
 R = TypeVar("R", BenchRecord, StressRecord)
-PACKAGES: Final = ("analytic", "meshes", "harness", "tests/fuzz", "tests/measures")
+PACKAGES: Final = ("analytic", "meshes", "harness")
 
 
 @dataclass(frozen=True)
@@ -57,12 +57,16 @@ class Measured:
 
 @dataclass(frozen=True)
 class Measurement(Generic[R]):
-    """A command that measures: its parts, whole or `quick`, the record that they and its command line make, what that says."""
+    """A command that measures: its parts, whole or `quick`, the record that they and its command line make, what that says.
+
+    `sources`: folders of code that computes beside the packages, from the folder that holds these.
+    """
 
     name: str
     parts: Callable[[bool], list[Part]]
     assembled: Callable[[Sequence[Part], Mapping[str, Measured], str], R]
     sentences: Callable[[R], Sequence[str]]
+    sources: tuple[str, ...] = ()
 
     def run(
         self,
@@ -78,22 +82,22 @@ class Measurement(Generic[R]):
         """
         listed, kind = self.parts(quick), full_kind(self.name, "--quick" if quick else "")
         check_folder(folder, (kind,))
-        measured = measure(folder, listed, only, stamp(quick), on_progress, kind)
+        measured = measure(folder, listed, only, stamp(quick, self.sources), on_progress, kind)
         return write_whole(folder, self.assembled(listed, measured, command(self.name, quick, measured)))
 
 
-def source() -> str:
+def source(more: Sequence[str] = ()) -> str:
     """SHA-256 of what computes: rows of one version, but of different code, are no one measurement."""
     root = Path(__file__).resolve().parents[2]
     state = hashlib.sha256()
-    for path in sorted(path for name in PACKAGES for path in (root / name).rglob("*.py")):
+    for path in sorted(path for name in (*PACKAGES, *more) for path in (root / name).rglob("*.py")):
         state.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
     return state.hexdigest()
 
 
-def stamp(quick: bool) -> dict[str, object]:
+def stamp(quick: bool, sources: Sequence[str] = ()) -> dict[str, object]:
     """What rows of one measurement share: the versions, source, machine and option of now."""
-    return {"versions": record.versions(), "source": source(), "machine": record.machine(), "quick": quick}
+    return {"versions": record.versions(), "source": source(sources), "machine": record.machine(), "quick": quick}
 
 
 def measure(

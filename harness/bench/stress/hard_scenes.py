@@ -8,7 +8,7 @@ from typing import Final
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
-from harness.bench import source_tree
+from harness.bench import programs
 from harness.bench.standard_scenes import scene_of
 from harness.bench.stress import checks
 from harness.bench.stress.catalogue import Hard, catalogue
@@ -22,12 +22,11 @@ from harness.model.scene import Scene
 from harness.records.stress import HardRow
 
 QUICK: Final = ("released 1e-3 rad below balance", "height to width 50", "floor friction 5")
-ASKS: Final = "tests.measures.invariance_checks"
 QUESTIONS: Final = (
     "1 km from the origin", "hulls", "an impact touched and missed", "bodies in the other order", "the same scene twice",
     "mirrored input", "perturbed starts", "order of convergence", "motions that are none",
 )  # fmt: skip
-"""What is asked beside the scenes and is not one file, by the source tree; the longest first."""
+"""What is asked beside the scenes and is not one file, by a program that is given; the longest first."""
 
 
 def simulate(engine: Engine, scene: Scene, dt_s: float, skips: bool) -> Run:
@@ -49,14 +48,9 @@ def compute(task: str) -> list[Row]:
     return [asdict(row_of(next(hard for hard in catalogue() if hard.name == task)))]
 
 
-def questions(quick: bool) -> list[str]:
-    """The questions by name; none without the source tree."""
-    return [] if quick or source_tree.missing(ASKS) else list(QUESTIONS)
-
-
-def answer(task: str) -> list[Row]:
+def answer(program: str, task: str) -> list[Row]:
     """The row of one question; one whose process ended without it did not come out."""
-    done = source_tree.ask(ASKS, task)
+    done = programs.ask(program, task)
     return died(task) if done.returncode else [json.loads(done.stdout)]
 
 

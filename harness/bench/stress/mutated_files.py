@@ -1,4 +1,4 @@
-"""Mutated input files: the fuzz of the source tree (`tests/fuzz`), run in processes of its own; its rows summed by kind."""
+"""Mutated input files: a fuzz that is given, run in processes of its own; its rows summed by kind."""
 
 from __future__ import annotations
 
@@ -6,11 +6,10 @@ import json
 from collections.abc import Sequence
 from typing import Final
 
-from harness.bench import source_tree
+from harness.bench import programs
 from harness.campaign.parts import Row
 from harness.records.stress import Harm, Mutated
 
-FUZZ: Final = "tests.fuzz"
 PIECE: Final = 5000
 """Inputs of one process, of all kinds in turn: it first uses a whole file of each, which takes seconds."""
 COUNTS: Final = ("inputs", "accepted", "tracebacks", "hangs", "half_written")
@@ -23,14 +22,13 @@ SAID: Final = 2000
 
 
 def tasks(inputs: int) -> list[str]:
-    """So many inputs in pieces that can be computed apart; none without the source tree."""
-    missing = source_tree.missing(FUZZ)
-    return [] if missing else [f"inputs {k} to {min(k + PIECE, inputs) - 1}" for k in range(0, inputs, PIECE)]
+    """So many inputs in pieces that can be computed apart."""
+    return [f"inputs {k} to {min(k + PIECE, inputs) - 1}" for k in range(0, inputs, PIECE)]
 
 
-def compute(task: str) -> list[Row]:
+def compute(program: str, task: str) -> list[Row]:
     """A row for each kind of one piece, and one for the process where it died."""
-    done = source_tree.ask(FUZZ, *task.removeprefix("inputs ").split(" to "))
+    done = programs.ask(program, *task.removeprefix("inputs ").split(" to "))
     rows = [json.loads(line) for line in done.stdout.splitlines()]
     # A file that did harm is a row; a process that ended before its last kind is one more.
     return rows if done.returncode in (0, HARM) else [*rows, *died(f"{task}: {done.stderr[-SAID:]}")]

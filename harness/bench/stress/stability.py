@@ -9,8 +9,7 @@ from functools import partial
 from typing import Final
 
 from harness import engines
-from harness.bench import source_tree
-from harness.bench.precision import DEFAULTS
+from harness.bench import programs
 from harness.bench.standard_scenes import COLUMN, EQUAL, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.bench.stress import checks
 from harness.bench.stress.catalogue import SHAKEN, body, leaning
@@ -64,8 +63,8 @@ def tasks(quick: bool) -> list[str]:
     return [f"{engine}: {row.name}" for engine in ENGINES for row in sorted(rows, key=lambda row: row.share)]
 
 
-def compute(quick: bool, task: str) -> list[Row]:
-    """The cells of one row of one map; none where the engine is not here."""
+def compute(program: str | None, quick: bool, task: str) -> list[Row]:
+    """The cells of one row of one map; none where the engine is not here. `program` measures pybullet's own hull."""
     name, _, words = task.partition(": ")
     engine = engines.load(name)
     if engine.missing() is not None:
@@ -76,8 +75,8 @@ def compute(quick: bool, task: str) -> list[Row]:
     cells = list(
         explained(list(_cells_of(row, scene, engine, exact, quick)), partial(_converged, row, scene, engine, exact))
     )
-    if name == "pybullet" and not source_tree.missing(DEFAULTS):
-        cells += _hulls(row, cells, checks.allowed_rad(exact))
+    if name == "pybullet" and program is not None:
+        cells += _hulls(program, row, cells, checks.allowed_rad(exact))
     return [asdict(cell) for cell in cells]
 
 
@@ -139,14 +138,14 @@ def judge(scene: Scene, run: Run, exact: Run, at_rest: bool) -> tuple[str, str]:
     return ("stable" if all(item.holds for item in drifts) else "drifting"), evidence
 
 
-def _hulls(row: Difficulty, own: Sequence[Cell], allowed_rad: float) -> Iterator[Cell]:
+def _hulls(program: str, row: Difficulty, own: Sequence[Cell], allowed_rad: float) -> Iterator[Cell]:
     """pybullet's own hull, which this project does not use: with its default collision margin and without one.
 
     `own`: the row's cells of this project's contact, on spheres at the base's vertices, of which a stable one avoids a failure.
-    The hull's errors are measured by the source tree; without it there are no such cells.
+    The hull's errors are measured by a program that is given.
     """
     cells = []
-    (hulls,) = source_tree.rows(DEFAULTS, "--hull", row.name)
+    (hulls,) = programs.rows(program, "--hull", row.name)
     for label, error in hulls.items():
         category = "diverged" if not math.isfinite(error) else "inaccurate" if error > allowed_rad else "stable"
         evidence = f"error {error:.1e} rad of {allowed_rad:.1e} rad allowed"

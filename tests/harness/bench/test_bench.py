@@ -146,7 +146,7 @@ def test_scenes_without_their_files_are_named(monkeypatch: pytest.MonkeyPatch) -
     assert "elcentro1940" in row["failed"]
     assert skips.together([SkipRow(**row)])[0].failed == row["failed"]
     assert "elcentro1940" in skip_savings.compute("no_history: analytic")[0]["failed"]
-    assert precision.of(True, next(iter(absent)))[0]["absent"] == absent[next(iter(absent))]
+    assert precision.of(None, True, next(iter(absent)))[0]["absent"] == absent[next(iter(absent))]
 
 
 def test_cost_is_the_least_of_several() -> None:
@@ -277,14 +277,14 @@ def test_an_error_that_is_not_reached_is_told_with_the_smallest_one(theirs_rad: 
 
 
 def test_a_bench_with_parts_missing_is_a_record_that_says_so() -> None:
-    from harness.bench.bench_run import all_parts, assembled
     from harness.campaign.parts import Measured
+    from tests.measures.whole import BENCH
 
-    listed = all_parts(False)
+    listed = BENCH.parts(False)
     rows = {"free rocking": [asdict(row("pymunk", "free rocking", "coarse", 1e-4, 0.001))], "one sine pulse": []}
     measured = {part.name: Measured(left=tuple(part.tasks)) for part in listed}
     measured["precision"] = Measured(rows=rows, busy_s=2.0, wall_s=1.0)
-    found = assembled(listed, measured, "rockcheck bench")
+    found = BENCH.assembled(listed, measured, "rockcheck bench")
     assert [item.scene for item in found.rows] == ["free rocking"]
     assert found.seconds == 1.0
     assert any(text.startswith("Not measured yet: coverage") for text in found.sentences)
@@ -292,6 +292,16 @@ def test_a_bench_with_parts_missing_is_a_record_that_says_so() -> None:
     assert [part.name for part in listed if not part.died] == ["speeds", "workers"], (
         "what stands by itself, or is timed by the clock, is alone"
     )
+
+
+def test_a_bench_without_the_source_tree_s_programs_leaves_their_parts_out_and_says_so() -> None:
+    from harness.bench.bench_run import bench
+    from harness.campaign.parts import Measured
+
+    listed = bench().parts(False)
+    assert [part.name for part in listed if not part.tasks] == ["coverage", "others", "speeds"]
+    found = bench().assembled(listed, {part.name: Measured() for part in listed}, "rockcheck bench")
+    assert set(found.absent) == {"engine defaults", "coverage", "others"}
 
 
 def test_pieces_of_work_are_timed_in_turns() -> None:

@@ -43,7 +43,7 @@ def test_seeded_scenes_that_meet_the_target_are_compared_with_their_levels() -> 
 
 
 def test_the_levels_of_a_seeded_scene_are_judged_by_its_finer_run() -> None:
-    (plain,) = coverage.compute("pymunk: seeds 20703 to 20703")
+    (plain,) = coverage.compute("tests.measures.coverage", "pymunk: seeds 20703 to 20703")
     row = coverage.read(json.loads(json.dumps(plain)))
     assert met_whole(row)
     assert row.covered

@@ -155,7 +155,7 @@ def test_the_source_is_part_of_what_a_row_was_measured_with(tmp_path: Path, monk
 
     first = Counting()
     measure(tmp_path, parts(first)[:1], ["first"], module.stamp(False), silent)
-    monkeypatch.setattr(module, "source", lambda: "other code")
+    monkeypatch.setattr(module, "source", lambda more=(): "other code")
     again = Counting()
     measure(tmp_path, parts(again), None, module.stamp(False), silent)
     assert again.done == ["a", "b", "c", "d"]

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
-from harness.bench import source_tree
-from harness.bench.stress.mutated_files import FUZZ, compute, died, summed, tasks
+from harness.bench.stress.mutated_files import compute, died, summed, tasks
 from harness.bench.stress.stress_run import INPUTS as WHOLE
+from harness.bench.stress.stress_run import stress
 from tests.fuzz.fuzz_run import rows
 from tests.fuzz.originals import kinds
 
@@ -31,15 +29,13 @@ def test_the_work_is_shared_out_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     assert {"output folder", "gzip", "sister in gzip", "AT2 header", "title"} <= set(names)
 
 
-def test_a_stress_run_reads_mutated_files_in_a_process_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = compute("inputs 0 to 20")
+def test_a_stress_run_reads_mutated_files_in_a_process_of_its_own() -> None:
+    found = compute("tests.fuzz", "inputs 0 to 20")
     assert [(row["reader"], row["inputs"], row["found"]) for row in found] == [(kind.name, 1, []) for kind in kinds()]
-    (row,) = compute("inputs 0 to none")
+    (row,) = compute("tests.fuzz", "inputs 0 to none")
     assert row["tracebacks"] == 1
     assert "ValueError" in row["found"][0]["what"]
-    monkeypatch.setattr("harness.bench.source_tree.ROOT", Path("/nowhere"))
-    assert tasks(WHOLE) == []
-    assert source_tree.missing(FUZZ) == "tests/fuzz of the source tree is not here"
+    assert [part.name for part in stress().parts(False) if not part.tasks] == ["questions", "fuzz"]
 
 
 def test_a_process_that_ends_counts_as_a_failure() -> None:

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from harness import engines
-from harness.bench import source_tree
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.bench.stress import checks, explained, stability
 from harness.bench.stress import hard_scenes as scenes
@@ -26,6 +24,7 @@ from harness.model.scene import Scene
 from harness.records.bench import PartRow
 from harness.records.stress import Cell, HardRow, Harm, Mutated, StressRecord
 from tests.measures import invariance_checks as invariance
+from tests.measures.whole import STRESS
 
 QUICK = ("released 1e-6 rad below balance", "released 1e-3 rad beyond balance", "0.01 m high", "100 m high",
          "floor falls at 1 g: the two-block model", "floor falls at 1 g: the engines", "height to width 50",
@@ -319,13 +318,13 @@ def test_other_bodies_orders_and_distances_are_compared(monkeypatch: pytest.Monk
     assert not invariance._far().holds
 
 
-def test_a_question_is_answered_by_a_process_of_the_source_tree(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert tuple(invariance.ASKED) == scenes.QUESTIONS == tuple(scenes.questions(False))
-    (row,) = scenes.answer(scenes.QUESTIONS[-1])
+def test_a_question_is_answered_by_a_program_that_is_given() -> None:
+    asks = "tests.measures.invariance_checks"
+    (questions,) = (part for part in STRESS.parts(False) if part.name == "questions")
+    assert tuple(invariance.ASKED) == scenes.QUESTIONS == tuple(questions.tasks)
+    (row,) = questions.work(scenes.QUESTIONS[-1])
     assert HardRow(**row).holds
-    assert not HardRow(**scenes.answer("what nobody asks")[0]).holds
-    monkeypatch.setattr(source_tree, "ROOT", Path("/nowhere"))
-    assert scenes.questions(False) == []
+    assert not HardRow(**scenes.answer(asks, "what nobody asks")[0]).holds
 
 
 def test_a_motion_that_is_none_must_be_refused(monkeypatch: pytest.MonkeyPatch) -> None:
