@@ -63,19 +63,21 @@ def source_of(folder: Path, record: RunRecord) -> RunSource:
     names = record.runs if record.histories is None else record.histories
     paths = {name: folder / history_file(name) for name in names}
     lost = [path for path in paths.values() if record.histories is not None and not path.is_file()]
-    mesh = folder / "statue.glb"
-    if record.scene.statue.mesh is not None and not mesh.is_file():
+    # Of a statue of numbers none was written: a mesh that lies there is another's.
+    mesh = None if record.scene.statue.mesh is None else folder / "statue.glb"
+    if mesh is not None and not mesh.is_file():
         lost.append(mesh)
     if lost:
         raise InputError(
             [Mistake(str(path), "", "the file that result.json names", "none there", REWRITE) for path in lost]
         )
-    changed = [path for path in (*paths.values(), mesh) if path.is_file() and not as_written(path, record)]
+    every = [*paths.values(), *([] if mesh is None else [mesh])]
+    changed = [path for path in every if path.is_file() and not as_written(path, record)]
     if changed:
         wanted = "the file that result.json lists"
         raise InputError([Mistake(str(path), "", wanted, "another content", REWRITE) for path in changed])
     histories = {name: read_history(path) for name, path in paths.items() if path.is_file()}
-    return RunSource(folder, record, histories, mesh if mesh.is_file() else None)
+    return RunSource(folder, record, histories, mesh)
 
 
 def event_s(histories: Iterable[History], level_rad: float, end_s: float) -> tuple[float, float]:

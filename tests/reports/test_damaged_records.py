@@ -14,6 +14,7 @@ from harness.command import WRONG_INPUT, guarded
 from reports.cli import app
 from reports.pages import run_page
 from reports.pages.page import write_report
+from reports.source import run_source
 from tests.reports.invented_run import write_invented
 
 Edit = Callable[[dict[str, Any]], Any]
@@ -103,3 +104,9 @@ def test_a_pages_own_fault_is_no_damage(tmp_path: Path, whole: Path, monkeypatch
     monkeypatch.setattr(run_page, "chip", broken)
     with pytest.raises(KeyError, match="a fault of the page"):
         write_report(folder)
+
+
+def test_a_mesh_beside_a_statue_of_numbers_is_another_s(tmp_path: Path) -> None:
+    write_invented(tmp_path)
+    (tmp_path / "statue.glb").write_bytes(b"no mesh")
+    assert run_source(tmp_path).mesh is None
