@@ -12,6 +12,7 @@ from harness.model.terminal import printable
 from harness.records.base import Record
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scores import Scores, Verdict
+from harness.scene_run.answer import STILL_RAD
 from reports.messages import ENGLISH
 from reports.messages.numbers import digits, length
 
@@ -75,9 +76,11 @@ def _engine_cells(run: EngineRunRecord) -> list[str]:
         return [outcome, "–", "–", "–", f"{digits(run.wall_s, 2)} s"]
     if run.no_return_time_s is not None:
         outcome += f" at {digits(run.no_return_time_s, 3)} s"
-    peak = "–" if run.overturn_time_s is not None else f"{digits(math.degrees(run.peak_theta_rad), 3)}°"
-    if run.overturn_time_s is None:
-        peak += f" {digits(run.peak_theta_rad, 3)} rad"
+    peak = f"{digits(math.degrees(run.peak_theta_rad), 3)}° {digits(run.peak_theta_rad, 3)} rad"
+    if run.overturn_time_s is not None:
+        peak = "–"
+    elif abs(run.peak_theta_rad) < STILL_RAD:
+        peak = "0°"
     known = "–"
     if run.numerical_uncertainty_rad is not None and run.reliable_until_s is not None:
         until = min(run.reliable_until_s, run.end_s)

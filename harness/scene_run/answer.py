@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 from harness.model.finding import Answer, Finding, caution, changes_answer, info
 from harness.model.history import Outcome
@@ -86,7 +86,9 @@ def _what(scene: Scene, known: Mapping[str, Run], asked: int) -> Finding:
     if len(groups) > 1:
         return changes_answer("models_disagree", groups=groups)
     family = next(iter(groups))
-    values = {"models": list(known), "asked": asked, "outcome": family, **_lean(scene, known)}
+    lean = _lean(scene, known)
+    still = family == "stands" and max(lean["lean_rad"]) < STILL_RAD
+    values = {"models": list(known), "asked": asked, "outcome": "still" if still else family, **lean}
     sides = sorted({run.outcome.value for run in known.values()})
     if family == "overturned":
         times = [run.no_return_time_s for run in known.values() if run.no_return_time_s is not None]
@@ -94,7 +96,7 @@ def _what(scene: Scene, known: Mapping[str, Run], asked: int) -> Finding:
     return info("model_says" if len(known) == 1 else "models_agree", **values)
 
 
-def _lean(scene: Scene, known: Mapping[str, Run]) -> dict[str, object]:
+def _lean(scene: Scene, known: Mapping[str, Run]) -> dict[str, Any]:
     """The least and the largest of the models' largest leans, rad, and the largest as a share of the balance angle."""
     peaks = [run.peak_theta_rad for run in known.values()]
     balance = [scene.statue.slenderness_rad(_side(run)) for run in known.values()]
@@ -127,7 +129,9 @@ def _probability(assessment: Mapping[str, Assessment]) -> list[Finding]:
         "sampled": worst.sampled,
         "sampler": worst.sampler,
     }
-    if not worst.tells:
+    if worst.tells and not (worst.undecided or worst.sampled) and worst.probability_overturned in (0.0, 1.0):
+        found = [info("probability_extreme", none=worst.probability_overturned == 0.0, **values)]
+    elif not worst.tells:
         found = [caution("probability_open", **values)]
     elif worst.undecided or worst.sampled:
         found = [caution("probability_between", **values)]
