@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from harness import engines
-from harness.engines.base import Engine, EngineFailure, own_failures
+from harness.engines.base import Engine, EngineFailure, LayerFault, own_failures
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
@@ -73,6 +73,8 @@ def simulate_with(engine: Engine, scene: Scene, target: RunTarget) -> Run:
                 run = run_to_accuracy(engine, scene, target.accuracy_rad or DEFAULT_ACCURACY_RAD, target.options)
     except EngineFailure as error:
         run = failed(engine.name, Outcome.CRASHED, str(error), time.perf_counter() - start)
+        if isinstance(error, LayerFault):
+            run = replace(run, validity={"layer_fault": error.code, **error.values})
     return replace(run, motion_axes=scene.base_excitation.axes(engine.capabilities.dimensions))
 
 

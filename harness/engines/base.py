@@ -43,6 +43,16 @@ class EngineFailure(RuntimeError):
     """The engine could not finish this run; the harness records it as a failure of this run only."""
 
 
+class LayerFault(EngineFailure):
+    """What locates events in an engine is at fault, not the engine: a `code` that says what, and the `values` that show it."""
+
+    def __init__(self, code: str, **values: float) -> None:
+        """Both are the record's: the sentence is made of them."""
+        said = ", ".join(f"{name} {value:.3g}" for name, value in values.items())
+        super().__init__(f"what locates events is at fault ({code}: {said})")
+        self.code, self.values = code, values
+
+
 @contextmanager
 def own_failures(name: str) -> Iterator[None]:
     """Let an engine's faults out as `EngineFailure` alone: what one does must not take along the answers of others."""

@@ -105,9 +105,59 @@ def _static(own: Any) -> Any:
     return slip_onset
 
 
+def _at_impact(first: int, last: int, share: float) -> Callable[[Any], Any]:
+    """A writer that multiplies some numbers of the row that it writes at an impact."""
+
+    def make(own: Any) -> Any:
+        def write(self: Any, kind: str, before: State, after: State) -> None:
+            if kind == "impact":
+                after = (*after[:first], *(share * value for value in after[first:last]), *after[last:])
+            own(self, kind, before, after)
+
+        return write
+
+    return make
+
+
+def _gravity(own: Any) -> Any:
+    """A thousandth more of weight than the scene's, in the layer alone."""
+
+    def mean(scene: Scene, edges_s: Any) -> Any:
+        pull = own(scene, edges_s)
+        pull[:, 2] -= 1e-3 * scene.gravity_m_s2
+        return pull
+
+    return mean
+
+
+def _heavier(own: Any) -> Any:
+    """A statue that turns with a thousandth more of inertia than the scene's."""
+
+    def build(scene: Scene, *values: Any) -> Any:
+        statue = scene.statue
+        more = replace(
+            statue,
+            inertia_kg_m2=1.001 * statue.inertia_kg_m2,
+            inertia_tensor_kg_m2=1.001 * statue.inertia_tensor_kg_m2,
+        )
+        return own(replace(scene, statue=more), *values)
+
+    return build
+
+
 _E: Final = "harness.engines.event_stepping."
 LAYER: Final[Mapping[str, Change]] = {
     **_turns(_E + "writing:RowWriter.write", Columns(7, 9, 11, 20)),
+    **{
+        f"{what} written at an impact × {share}": {_E + "writing:RowWriter.write": _at_impact(*columns, share)}
+        for what, columns in {"velocity": (7, 10), "rate": (10, 13), "pedestal's velocity": (20, 23)}.items()
+        for share in (1.0 + ARM, 1.0 - ARM)
+    },
+    "gravity + 1 ‰": {"harness.engines.contact.frame:apparent_gravity": _gravity},
+    "inertia + 1 ‰": {
+        "harness.engines.pymunk.world:build": _heavier,
+        "harness.engines.pybullet.run_phases:prepare": _heavier,
+    },
     "turned the other way": {
         _E + "step_state:StepState.turn": lambda own: lambda self, seconds, foot_m: own(self, -seconds, foot_m)
     },

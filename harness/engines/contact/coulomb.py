@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.base import EngineFailure
+from harness.engines.base import LayerFault
 from harness.engines.contact.forces import Impulses
 from harness.engines.contact.trajectory import Trajectory
 from harness.model.interventions import Intervention
@@ -134,13 +134,11 @@ def _over(friction: Array, coefficient: float, normal: Array, which: NDArray[np.
 
 
 def check_friction(scene: Scene, used: FrictionUsed, interventions: Mapping[str, Intervention] | None) -> None:
-    """Raise `EngineFailure` where friction was not Coulomb's, or a release not solved again (without an account: not asked)."""
+    """Raise `LayerFault` where friction was not Coulomb's, or a release not solved again (without an account: not asked)."""
     where = {"sliding": used.sliding, "held": used.held}
     for name, over in where.items():
         if over > MOST_OVER * max(1.0, used.step_s / COARSE_S):
-            raise EngineFailure(
-                f"the floor's friction on the {name} pedestal was {100.0 * over:.3g} % above its limit: it is not Coulomb's"
-            )
+            raise LayerFault(f"friction_{name}", over_its_limit=over)
     if interventions is None or scene.contact.floor_static == scene.contact.floor_kinetic:
         return
     # What an impact breaks loose acts as the scene says.
@@ -148,7 +146,6 @@ def check_friction(scene: Scene, used: FrictionUsed, interventions: Mapping[str,
     again = interventions[SLIP_ONSET].steps_again if SLIP_ONSET in interventions else 0
     # What never slid has not broken loose: a solver's remainder of some 1e-6 m looks like it (seen on 1 of 77 random scenes).
     if (used.slid and again < used.releases) or as_static == used.releases >= AS_STATIC:
-        raise EngineFailure(
-            f"the pedestal broke loose {used.releases} times, {used.as_static} of them with the static coefficient, and {again} "
-            "steps were solved again: the release is not the kinetic one"
+        raise LayerFault(
+            "release_not_kinetic", releases=used.releases, as_static=used.as_static, steps_solved_again=again
         )

@@ -55,7 +55,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
     """The whole record of a run; a trajectory that is not finite is `diverged`, without a history.
 
     The run ends at the overturning rotation, the same in every model, unless it begins from a pose in space; the time is
-    interpolated between two samples. Raises `EngineFailure` where the floor's friction was not Coulomb's.
+    interpolated between two samples. Raises `LayerFault` where the floor's friction was not Coulomb's.
     """
     finite = (
         np.isfinite(trajectory.theta_rad) & np.isfinite(trajectory.theta_rate_rad_s) & np.isfinite(trajectory.slip_m)

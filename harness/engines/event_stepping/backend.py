@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-from harness.engines.event_stepping.rows import Row, Vector
+from harness.engines.event_stepping.rows import Impulse, Row, Vector
 from harness.engines.event_stepping.step_log import StepLog
 
 
@@ -57,6 +57,12 @@ class Backend(Protocol):
 
     def run(self, pulls: Sequence[Vector], record: StepLog) -> Row:
         """Whole steps, one for each gravity or up to where a vertex comes `near`; rows are recorded, the last is returned."""
+
+    def impulses(self, places: Row) -> Sequence[Impulse]:
+        """What the contacts gave each body in the last step, as the engine reports it; centroids stood as in a row.
+
+        Empty where it does not know.
+        """
 
     def set_floor_friction(self, friction: float) -> None:
         """Coefficient of the pedestal on the floor from now on."""

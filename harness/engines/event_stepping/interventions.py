@@ -7,11 +7,10 @@ sign, another arm), or what it assumes does not hold.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Final
 
-from harness.engines.base import EngineFailure
+from harness.engines.base import LayerFault
 from harness.model.interventions import Intervention
 
 MOST_EXPLAINED: Final = 1.0
@@ -82,19 +81,13 @@ class Ledger:
         return account
 
     def record(self) -> Mapping[str, Intervention]:
-        """What was written by kind. Raises `EngineFailure` where the steps do not explain it."""
+        """What was written by kind. Raises `LayerFault` where the steps do not explain it."""
         for kind, sums in self.kinds.items():
             most = MOST_EXPLAINED * sums.explained_m_s
-            if sums.explained_m_s > 0.0 and not sums.velocity_m_s <= most and math.isfinite(sums.velocity_m_s):
-                raise EngineFailure(
-                    f"the corrections {kind!r} changed velocities by {sums.velocity_m_s:.3g} m/s in all, where the steps explain "
-                    f"{most:.3g} m/s: their formula, or what it assumes, does not hold here"
-                )
+            if sums.explained_m_s > 0.0 and not sums.velocity_m_s <= most:
+                raise LayerFault("velocities_unexplained", **{f"{kind}_m_s": sums.velocity_m_s, "explained_m_s": most})
             if sums.left_m_s > WORSE * sums.owed_m_s + sums.solver_m_s:
-                raise EngineFailure(
-                    f"the corrections {kind!r} change the speed of what stands by {sums.left_m_s:.3g} m/s in all, where without "
-                    f"them it would by {sums.owed_m_s:.3g} m/s: they have the wrong sense"
-                )
+                raise LayerFault("wrong_sense", **{f"{kind}_left_m_s": sums.left_m_s, "owed_m_s": sums.owed_m_s})
         return {
             kind: Intervention(**{name: getattr(sums, name) for name in Intervention.__dataclass_fields__})
             for kind, sums in self.kinds.items()

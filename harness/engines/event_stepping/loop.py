@@ -83,6 +83,7 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) 
             state.wholes(schedule.coarse[begin : begin + free])
         else:
             state.to_next()
+    state.stepper.balance.check()
     return record
 
 

@@ -11,6 +11,8 @@ Row = tuple[float, ...]
 """Place (3), quaternion (x, y, z, w) of the principal frame, velocity (3) and angular velocity (3) of the statue, world axes,
 and the same of the pedestal, if there is one."""
 Vector = tuple[float, float, float]
+Impulse = tuple[Vector, Vector]
+"""Impulse of a body's contacts in a step, N s, and its moment about the centroid, N m s, world axes."""
 
 ALONE: Final = 13
 """Numbers in a row without a pedestal."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Final, Protocol
 
 from harness.engines.event_stepping import slip_onset
+from harness.engines.event_stepping.balance import AFTER_STEPS, IMPACT, STEP
 from harness.engines.event_stepping.rows import Row, Vector, advanced, crossed
 from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.event_stepping.stepper import Stepper
@@ -118,10 +119,13 @@ class StepState:
         self._set(length)
         self.stepper.backend.foresee(self, self.kick_s, length)
         after = self.stepper.step(NO_PULL, self.t_s, self.kick_s, length, self.row)
-        before = self.row
+        before, stepper = self.row, self.stepper
+        impulses = stepper.backend.impulses(before)
         # Only the velocities are kept.
         row = (*before[:7], *after[7:13], *before[13:20], *after[20:26])
-        self.stepper.writer.write("impact", after, row)
+        stepper.writer.write(IMPACT, after, row)
+        for written in (row, stepper.backend.read()):
+            stepper.balance.add(IMPACT, before, written, impulses, NO_PULL)
         self.jolt(row)
 
     def jolt(self, row: Row) -> None:
@@ -169,10 +173,22 @@ class StepState:
                     break
         made = round(record.t_s[-1] / step_s) - self.number
         self.number += made
+        if made > 1 and self.number >= stepper.balance.next:
+            # Before anything is looked at: that may make contacts anew.
+            self._weigh()
         if self.number >= self.look_from:
             self.look_from = self.number + LOOK_STEPS
             stepper.look(pulls[:made], before, self.row)
         self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
+
+    def _weigh(self) -> None:
+        """Hold the last of several whole steps against the balance of momentum."""
+        balance, backend, record = self.stepper.balance, self.stepper.backend, self.record
+        balance.next = self.number + AFTER_STEPS
+        before, (owed_x, owed_z) = record.row(-2), backend.owed_m_s
+        begun = (*before[:7], before[7] - owed_x, before[8], before[9] - owed_z, *before[10:])
+        pull_m_s = balance.pull_m_s(record.kick_s[-2], record.kick_s[-1])
+        balance.add(STEP, begun, self.row, backend.impulses(before), pull_m_s)
 
     def rest(self, count: int) -> None:
         """So many whole steps in which nothing can move: samples as they are, without velocities, and no step of the engine's."""

@@ -10,6 +10,7 @@ from harness.engines.contact.coulomb import SLIP_ONSET
 from harness.engines.contact.friction import Pair
 from harness.engines.event_stepping import settings
 from harness.engines.event_stepping.backend import Backend
+from harness.engines.event_stepping.balance import Array, Balance
 from harness.engines.event_stepping.rows import Row, Vector, base_velocity
 from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.event_stepping.writing import RowWriter
@@ -25,9 +26,11 @@ REVERSAL: Final = "friction_reversal"
 class Stepper:
     """One step at a time: gravity or table, friction's two numbers; keeps the sliding state between steps."""
 
-    def __init__(self, backend: Backend, scene: Scene, schedule: Schedule, event_share: float = 1.0) -> None:
+    def __init__(
+        self, backend: Backend, scene: Scene, schedule: Schedule, event_share: float = 1.0, axes: Array | None = None
+    ) -> None:
         self.backend, self.schedule, self.events = backend, schedule, settings.EVENTS.stretched(event_share)
-        self.writer = RowWriter(backend, scene)
+        self.writer, self.balance = RowWriter(backend, scene), Balance(scene, axes)
         contact, pedestal = scene.contact, scene.pedestal
         self.static, self.kinetic, self.at_impact = contact.floor_static, contact.floor_kinetic, contact.at_impact
         self.kinetic_m_s = self.kinetic * scene.gravity_m_s2 * schedule.step_s

@@ -11,7 +11,7 @@ import pybullet
 from harness.engines.event_stepping import settings
 from harness.engines.event_stepping.backend import Instant
 from harness.engines.event_stepping.interventions import Ledger
-from harness.engines.event_stepping.rows import ALONE, Row, Vector, bodies
+from harness.engines.event_stepping.rows import ALONE, Impulse, Row, Vector, bodies, crossed
 from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.pybullet.gyroscopic import Gyroscope
 from harness.engines.pybullet.sliding_line import IN_LINE_RAD, SlidingLine
@@ -77,6 +77,28 @@ class BulletBackend:
                 x, y, z = before
                 change = ((state.row[10] - x) / last_s, (state.row[11] - y) / last_s, (state.row[12] - z) / last_s)
         self.gyroscope.foresee(state.row, change, kick_s - state.kick_s, length_s, record.ledger)
+
+    def impulses(self, places: Row) -> list[Impulse]:
+        """What the contacts gave each body in the last step."""
+        world, heading = self.world, self.world.heading
+        bodies_of = [world.statue] if world.pedestal is None else [world.statue, world.pedestal]
+        sums = {body: ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]) for body in bodies_of}
+        for contact in pybullet.getContactPoints(physicsClientId=world.client):
+            place, parts = (
+                contact[5],
+                ((contact[9], contact[7]), (contact[10], contact[11]), (contact[12], contact[13])),
+            )
+            given: Vector = tuple(world.solver.length_s * sum(size * axis[k] for size, axis in parts) for k in range(3))  # type: ignore[assignment]
+            if heading is not None:
+                given, place = heading.back.vector(given), heading.back.vector(place)
+            for body, sign in ((contact[1], 1.0), (contact[2], -1.0)):
+                if body in sums:
+                    at = ALONE * bodies_of.index(body)
+                    arm = tuple(place[k] - places[at + k] for k in range(3))
+                    for total, part in zip(sums[body], (given, crossed(arm, given)), strict=True):
+                        for k in range(3):
+                            total[k] += sign * part[k]
+        return [((*impulse,), (*moment,)) for impulse, moment in sums.values()]  # type: ignore[misc]
 
     def advance(self, gravity: Vector) -> Row:
         """Bullet's own step under a gravity, and the row after it; again with its axes along what slides after it."""

@@ -192,7 +192,7 @@ def _part(
     with World(level, mirrored=setup.mirrored, in_plane=setup.in_plane) as world:
         build(world, scene, setup, full, crossing)
         backend = BulletBackend(world, level.dt_s, scene.contact.statue)
-        stepper = Stepper(backend, scene, schedule, level.event_share)
+        stepper = Stepper(backend, scene, schedule, level.event_share, setup.axes)
         if done is None:
             state = StepState(stepper, backend.read(), schedule.first, schedule.first * level.dt_s, even=True)
         else:

@@ -26,6 +26,7 @@ class Solver:
 
     def __init__(self, settings: BulletSettings, client: int, *, mirrored: bool) -> None:
         self.settings, self.client, self.mirrored, self.resting = settings, client, mirrored, False
+        self.length_s = settings.dt_s
 
     def begin(self) -> None:
         """Send every parameter: some are global to the process and outlive a client."""
@@ -54,6 +55,7 @@ class Solver:
 
         A step of another length than the level's holds an event, whose impulses are solved more tightly.
         """
+        self.length_s = step_s
         s, erp = self.settings, self.settings.erp_for(step_s)
         tight, share = step_s != s.dt_s, step_s / s.dt_s
         iterations, residual = s.iterations, s.residual_for()

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 from pymunk._chipmunk_cffi import lib
 
 from harness.engines.event_stepping.interventions import Ledger
-from harness.engines.event_stepping.rows import ALONE, Row, Vector
+from harness.engines.event_stepping.rows import ALONE, Impulse, Row, Vector
 from harness.engines.pymunk import native
 from harness.engines.pymunk.native import State
 from harness.engines.pymunk.settings import MunkSettings
@@ -74,6 +74,11 @@ class ChipmunkBackend:
     def set_length(self, length_s: float) -> None:
         """Length of the steps that follow, s."""
         self.length_s = length_s
+
+    def impulses(self, places: Row) -> list[Impulse]:
+        """What the contacts gave each body in the last step; empty where one that was lost came back."""
+        given = [native.contacts_of(body) for body in self.bodies]
+        return [each for each in given if each is not None] if None not in given else []
 
     def set_floor_friction(self, friction: float) -> None:
         """Coefficient of the pedestal on the floor from now on."""

@@ -13,6 +13,8 @@ import pymunk
 from pymunk import batch
 from pymunk._chipmunk_cffi import ffi, lib
 
+from harness.engines.event_stepping.rows import Impulse
+
 State = tuple[float, float, float, float, float, float]
 """Place x, z, rotation (anticlockwise, as Chipmunk counts) and their rates."""
 
@@ -43,6 +45,28 @@ def body_of(body: pymunk.Body) -> Any:
 def shape_of(shape: pymunk.Shape) -> Any:
     """Chipmunk's shape."""
     return shape._shape
+
+
+def contacts_of(body: Any) -> Impulse | None:
+    """What the contacts of one of Chipmunk's bodies gave it in the last step, about y as the layer counts.
+
+    None where a pair touches again: its sums begin with an impulse of before, which is not applied.
+    """
+    sums, again = [0.0, 0.0, 0.0], []
+
+    @ffi.callback("void(cpBody *, cpArbiter *, void *)")
+    def add(_: Any, arbiter: Any, __: Any) -> None:
+        if arbiter.state == lib.CP_ARBITER_STATE_FIRST_COLLISION:
+            again.append(arbiter)
+        for k in range(arbiter.count):
+            contact, n = arbiter.contacts[k], arbiter.n
+            sign, arm = (-1.0, contact.r1) if arbiter.body_a == body else (1.0, contact.r2)
+            x = sign * (n.x * contact.jnAcc - n.y * contact.jtAcc)
+            z = sign * (n.y * contact.jnAcc + n.x * contact.jtAcc)
+            sums[0], sums[1], sums[2] = sums[0] + x, sums[1] + z, sums[2] + arm.y * x - arm.x * z
+
+    lib.cpBodyEachArbiter(body, add, ffi.NULL)
+    return None if again else ((sums[0], 0.0, sums[1]), (0.0, sums[2], 0.0))
 
 
 class Reader:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, Pulse
 from harness.engines import load
-from harness.engines.base import EngineFailure
+from harness.engines.base import LayerFault
 from harness.engines.contact import forces, frame, reduce
 from harness.engines.contact.falling import last_outward
 from harness.engines.contact.reduce import Report, reduce_trajectory
@@ -177,5 +177,5 @@ def test_a_wall_that_stops_a_pedestal_is_no_friction_of_the_floor(monkeypatch: p
     level = engine.settings_for_dt(scene, 1e-3)
     assert engine.simulate(scene, level, RunOptions()).history is not None
     monkeypatch.setattr(reduce, "friction_is_known", lambda *_: True)
-    with pytest.raises(EngineFailure, match="it is not Coulomb's"):
+    with pytest.raises(LayerFault, match="friction_"):
         engine.simulate(scene, level, RunOptions())

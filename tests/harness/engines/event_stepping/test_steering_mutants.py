@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from harness.accuracy.simulation import simulate
-from harness.engines.base import EngineFailure
+from harness.engines.base import LayerFault
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from tests.engines_for_tests import ready
@@ -26,7 +26,7 @@ def scene(request: pytest.FixtureRequest) -> Scene:
 @pytest.mark.parametrize(("name", "mutant"), CASES)
 def test_a_wrong_formula_fails_the_run(name: str, mutant: str, scene: Scene) -> None:
     engine = ready(name)
-    with changed(MUTANTS[name][mutant]), pytest.raises(EngineFailure):
+    with changed(MUTANTS[name][mutant]), pytest.raises(LayerFault):
         engine.simulate(scene, engine.settings_for_dt(scene, STEP_S), RunOptions())
 
 
