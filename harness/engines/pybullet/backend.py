@@ -88,7 +88,7 @@ class BulletBackend:
                 contact[5],
                 ((contact[9], contact[7]), (contact[10], contact[11]), (contact[12], contact[13])),
             )
-            given: Vector = tuple(world.solver.length_s * sum(size * axis[k] for size, axis in parts) for k in range(3))  # type: ignore[assignment]
+            given: Vector = tuple(world.solver.length_s * sum(size * axis[k] for size, axis in parts) for k in range(3))
             if heading is not None:
                 given, place = heading.back.vector(given), heading.back.vector(place)
             for body, sign in ((contact[1], 1.0), (contact[2], -1.0)):

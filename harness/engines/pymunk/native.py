@@ -54,7 +54,6 @@ def contacts_of(body: Any) -> Impulse | None:
     """
     sums, again = [0.0, 0.0, 0.0], []
 
-    @ffi.callback("void(cpBody *, cpArbiter *, void *)")
     def add(_: Any, arbiter: Any, __: Any) -> None:
         if arbiter.state == lib.CP_ARBITER_STATE_FIRST_COLLISION:
             again.append(arbiter)
@@ -65,7 +64,7 @@ def contacts_of(body: Any) -> Impulse | None:
             z = sign * (n.y * contact.jnAcc + n.x * contact.jtAcc)
             sums[0], sums[1], sums[2] = sums[0] + x, sums[1] + z, sums[2] + arm.y * x - arm.x * z
 
-    lib.cpBodyEachArbiter(body, add, ffi.NULL)
+    lib.cpBodyEachArbiter(body, ffi.callback("void(cpBody *, cpArbiter *, void *)", add), ffi.NULL)
     return None if again else ((sums[0], 0.0, sums[1]), (0.0, sums[2], 0.0))
 
 
