@@ -31,7 +31,7 @@ from harness.studies.file import StudyFile, Value
 from harness.studies.study_run import study_name
 
 SHARE: Final = 0.1
-"""Of the scenes: a witness costs up to four times what the run that it judges took, so a tenth of them adds less than half."""
+"""Of the scenes: the run is made again and a witness costs as much at most, so a tenth of them adds a fifth or less."""
 KIND: Final = "witness"
 """Kind of its results in a store."""
 JUDGED: Final = "analytic"

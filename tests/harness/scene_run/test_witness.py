@@ -13,7 +13,8 @@ from harness.input.scene_file import load_scene
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from harness.scene_run import witness
-from harness.scene_run.witness import BUDGET, TARGET_RAD, findings_of, witnesses
+from harness.scene_run.witness import BUDGET, CHECK_TIMES, TARGET_RAD, findings_of, witnesses
+from tests import doubles
 from tests.doubles import codes
 from tests.measures.random_scenes import GENERATORS
 
@@ -55,7 +56,27 @@ def test_a_witness_costs_no_more_than_its_budget(pedestal: Scene) -> None:
     seen = witnesses(pedestal, {"pymunk": run}, RunOptions())["pymunk:plain"]
     allowed = BUDGET * run.work["steps_of_all_runs"] / engines.load("pymunk:plain").step_cost(pedestal)
     # A step that only the end of a run makes whole is one more in each of the two.
-    assert seen.steps <= allowed + 2
+    assert seen.steps <= (1.0 + CHECK_TIMES) * allowed + 3
+    one = load_scene(SCENES / "paestum_pedestal.toml", ["contact.floor_static=0.15"])
+    run = simulate(one, "pymunk")
+    seen = witnesses(one, {"pymunk": run}, RunOptions())["pymunk:plain"]
+    assert seen.agrees
+    allowed = BUDGET * run.work["steps_of_all_runs"] / engines.load("pymunk:plain").step_cost(one)
+    assert seen.steps <= allowed + 2, "nothing parts, and nothing is run again"
+
+
+@pytest.mark.parametrize(("coarser_rad", "refuted"), [(0.05, False), (0.021, True)])
+def test_a_difference_that_falls_with_the_plain_engine_s_step_refutes_nothing(
+    coarser_rad: float, refuted: bool, pedestal: Scene
+) -> None:
+    """The finer plain run is 0.02 rad off from the run: its error where the coarser one is 0.05 rad off, no error at 0.021."""
+    history = doubles.rocking()
+    known = {"numerical_uncertainty_rad": 1e-4, "slip_uncertainty_m": 1e-4, "reliable_until_s": 10.0}
+    run = doubles.run_of(history, "pymunk", **known)
+    fine, coarse = (
+        doubles.run_of(doubles.raised(history, off), "pymunk:plain", **known) for off in (0.02, coarser_rad)
+    )
+    assert witness._judged(pedestal, run, fine, coarse).agrees is not refuted
 
 
 def test_a_budget_that_ends_before_the_run_is_told() -> None:
