@@ -16,6 +16,8 @@ from meshes.mesh import Array, Faces
 
 CHUNK: Final = 100_000
 """Vertices held as text in one go."""
+MOST_CORNERS: Final = 50_000
+"""Of a polygon cut in its plane, whose time may grow with their square; a larger one is a fan."""
 _CONTINUED: Final = re.compile(r"\\[ \t]*\r?\n")
 _TYPES: Final = {
     **dict.fromkeys(("char", "int8"), "i1"),
@@ -250,7 +252,7 @@ def _in_plane(points: Array) -> Faces:
     centred = points - points.mean(axis=0)
     normal = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)
     length = float(np.linalg.norm(normal))
-    if length > 0.0:
+    if length > 0.0 and len(points) <= MOST_CORNERS:
         normal /= length
         across = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
         flat = centred @ np.column_stack([across, np.cross(normal, across)])
