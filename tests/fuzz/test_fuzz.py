@@ -167,7 +167,8 @@ def test_mutated_inputs_do_no_harm() -> None:
     assert {row.reader for row in found} == {kind.name for kind in kinds()}
     assert sum(row.inputs for row in found) == INPUTS
     assert sum(row.accepted for row in found) >= PAST_READING * INPUTS, "what is refused hides what else is wrong"
-    shallow = [row.reader for row in found if not 0 < row.accepted < row.inputs]
+    # A record that was changed proves nothing to be ours: its folder is refused, whatever the change.
+    shallow = [row.reader for row in found if not (row.reader != "output folder") <= row.accepted < row.inputs]
     assert shallow == [], "a kind that is always refused, or never, is not searched"
     assert min(row.refusals for row in found) > 1, "damage that always ends at the same sentence searches nothing"
 
