@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal, cast
 
+from harness.effects3d.conditions import RAGGED_M, RAGGED_SEED, RAGGED_SPACING_M, with_solid
 from harness.input.paths import DATA_VARIABLE
 from harness.model.errors import InputError
 from harness.model.scene import Scene
 from harness.records.base import Table
 from harness.studies.cases import Base
+from meshes.roughening import ragged
 
 PAESTUM: Final = {
     "mass_kg": 707.0, "centroid_height_m": 0.774, "corner_left_m": 0.3585, "corner_right_m": 0.0682,
@@ -26,6 +28,10 @@ COLUMN: Final = {
 """A homogeneous block 0.2 m wide, 1 m high (docs/model.md, section 7)."""
 RECORDS: Final = "${" + DATA_VARIABLE + "}/records"
 MESHES: Final = "${" + DATA_VARIABLE + "}/meshes"
+SCENES: Final = Path(__file__).parents[2] / "scenes"
+"""The scenes that are shipped."""
+STONE: Final = {"mass_kg": 400.0, "width_m": 1.0, "depth_m": 1.0, "height_m": 0.3}
+"""A pedestal wide enough for the Maria's base."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +40,7 @@ class Standard:
 
     `reference`: `analytic` where the two-block model is exact for the scene, `own` for each engine's own finest level.
     `block`: given by numbers alone, so that every engine is asked for its speed. `spatial`: asked of 3D engines alone.
+    `ragged_m`: the unevenness given to its flat base.
     """
 
     name: str
@@ -41,10 +48,16 @@ class Standard:
     reference: Literal["analytic", "own"]
     block: bool = True
     spatial: bool = False
+    ragged_m: float = 0.0
 
     def scene(self) -> Scene:
         """The scene resolved; raises `InputError` where a file that it names is absent."""
-        return scene_of(self.name, self.content)
+        scene = scene_of(self.name, self.content)
+        if self.ragged_m == 0.0 or scene.statue.solid is None:
+            return scene
+        return with_solid(
+            scene, ragged(scene.statue.solid, self.ragged_m, spacing_m=RAGGED_SPACING_M, seed=RAGGED_SEED)
+        )
 
 
 def scene_of(title: str, content: Mapping[str, object]) -> Scene:
@@ -73,6 +86,9 @@ def standard_set() -> Sequence[Standard]:
     west = record("coalinga1983_PFZ14.csv", "a_90_ms2", pga_g=0.8, window_s=[5.0, 9.0])
     north = record("coalinga1983_PFZ14.csv", "a_0_ms2", pga_g=0.8, window_s=[5.0, 9.0])
     scan = {"mesh": {"file": f"{MESHES}/maria_acephalous.obj", "unit": "m", "density_kg_m3": 2700.0}}
+    shipped = {"mesh": {"file": str(SCENES / "togatus.ply"), "unit": "m", "up": "z", "density_kg_m3": 2700.0}}
+    two = {**TWO, "statue": 1.0}
+    stands = {"floor_static": 0.7, "floor_kinetic": 0.6, "statue": 1.0}
     centro = record("elcentro1940_NS.csv", "a_NS_ms2")
     return (
         Standard("free rocking", free, "analytic"),
@@ -109,6 +125,25 @@ def standard_set() -> Sequence[Standard]:
             "own",
             block=False,
             spatial=True,
+        ),
+        Standard(
+            "shipped statue (scan) on its pedestal, harmonic",
+            {"duration_s": 2.0, "statue": shipped, "pedestal": PEDESTAL, "contact": two, "motion": harmonic(0.429, 3.0)},
+            "own",
+            block=False,
+        ),
+        Standard(
+            "Maria (scan) on a pedestal, harmonic",
+            {"duration_s": 1.5, "statue": scan, "pedestal": STONE, "contact": stands, "motion": harmonic(0.6, 2.0)},
+            "own",
+            block=False,
+        ),
+        Standard(
+            "Maria (scan), its base rough by 1 mm, Coalinga 1983",
+            {"duration_s": 3.0, "statue": scan, "contact": {"statue": 1.0}, "motion": {"x": west}},
+            "own",
+            block=False,
+            ragged_m=RAGGED_M,
         ),
     )  # fmt: skip
 

@@ -141,7 +141,7 @@ def test_scenes_without_their_files_are_named(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setenv("ROCKCHECK_DATA", "/nowhere")
     found, absent = resolved(standard_set())
     assert {item.name for item, _ in found} | set(absent) == {item.name for item in standard_set()}
-    assert len(absent) == 3
+    assert len(absent) == 5
     (row,) = skips.compute("analytic: block, elcentro1940")
     assert "elcentro1940" in row["failed"]
     assert skips.together([SkipRow(**row)])[0].failed == row["failed"]
