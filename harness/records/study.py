@@ -162,7 +162,7 @@ class StudyWitness:
 
 @dataclass(frozen=True)
 class ClaimVerdict:
-    """One claim by one model: the verdict, its number and what the number counts."""
+    """One claim by one model: the verdict, its number and what the number counts; `untested` are parts that had no case."""
 
     claim: str
     sentence: str
@@ -172,6 +172,7 @@ class ClaimVerdict:
     held: int
     cases: int
     evidence: str
+    untested: Sequence[str] = ()
 
 
 @dataclass(frozen=True)

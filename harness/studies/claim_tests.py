@@ -25,6 +25,8 @@ AT_REST_M: Final = 1e-3
 """A pedestal that moves less than this is at rest: the paper's figures would not show it."""
 ROCKS_RAD: Final = 1e-3
 """A statue that turns less than this does not rock: a millimetre at the top of one of a metre."""
+KINDS: Final = ("(a) rocking", "(b) sliding", "(c) rocking and sliding")
+"""The kinds of motion of the paper's figure 3."""
 LASTING: Final = 0.9
 """A statue that still strikes in the last tenth of the run goes on rocking."""
 
@@ -33,7 +35,11 @@ RATIO: Final = "contact.restitution"
 AZIMUTH: Final = "statue.mesh.azimuth_deg"
 SUPPORT: Final = "pedestal"
 Condition = tuple[tuple[str, Value], ...]
-Test = Callable[[Sequence["Answer"]], tuple[int, int, str]]
+Counted = tuple[int, int, str]
+"""How many parts or cases held, of how many that were tested, and the evidence."""
+InParts = tuple[int, int, str, tuple[str, ...]]
+"""The same of a claim of several parts, and those of which there was no case."""
+Test = Callable[[Sequence["Answer"]], Counted | InParts]
 
 
 @dataclass(frozen=True)
@@ -107,8 +113,8 @@ def prevents(answers: Sequence[Answer]) -> tuple[int, int, str]:
     lost = sum(p.overturned and not f.overturned for f, p in pairs)
     falling = sum(f.overturned for f, _ in pairs)
     text = f"prevented in {len(saved)} of {falling} conditions that overturn without; caused in {lost}"
-    # One case is enough for "in some cases".
-    return min(len(saved), 1), 1 if pairs else 0, text
+    # One case is enough for "in some cases"; where nothing overturns nothing could be prevented.
+    return min(len(saved), 1), min(falling, 1), text
 
 
 def fades(answers: Sequence[Answer]) -> tuple[int, int, str]:
@@ -157,14 +163,15 @@ def small_displacement(answers: Sequence[Answer]) -> tuple[int, int, str]:
     return held, len(slips), f"largest {worst:.0f} mm; {held} of {len(slips)} within {1000 * FEW_CENTIMETRES_M:.0f} mm"
 
 
-def wall_limit(answers: Sequence[Answer], top_displacement_m: Callable[[float], float]) -> tuple[int, int, str]:
+def wall_limit(answers: Sequence[Answer], top_displacement_m: Callable[[float], float]) -> InParts:
     """Two parts: the geometry, and that no statue which comes back leans further than the limit."""
     top = top_displacement_m(WALL_RAD)
     geometry = abs(top / WALL_M - 1.0) <= WALL_SLACK
     back = [item.peak_rad for item in answers if item.stands]
-    within = all(peak <= WALL_RAD for peak in back)
+    within = bool(back) and max(back) <= WALL_RAD
     largest = f"largest rotation of a statue that comes back {max(back):.3f} rad" if back else "none comes back"
-    return int(geometry) + int(within), 2, f"top displaced {top:.3f} m at {WALL_RAD:g} rad; {largest}"
+    text = f"top displaced {top:.3f} m at {WALL_RAD:g} rad; {largest}"
+    return int(geometry) + int(within), 1 + bool(back), text, () if back else ("a statue that comes back",)
 
 
 def only_rocks(answers: Sequence[Answer]) -> tuple[int, int, str]:
@@ -229,22 +236,27 @@ def _is_worse(first: Answer, other: Answer) -> bool:
     return first.peak_rad >= other.peak_rad
 
 
-def reaches_the_wall(answers: Sequence[Answer]) -> tuple[int, int, str]:
-    """(xi): each kind of motion that occurs (the paper's figure 3) turns the statue as far as the wall under some condition.
+def reaches_the_wall(answers: Sequence[Answer]) -> InParts:
+    """(xi): each kind of motion (the paper's figure 3) turns the statue as far as the wall under some condition.
 
     The paper's figures show the size of a rotation and not which way the wall is: either side counts.
     """
-    kinds: dict[str, list[Answer]] = {}
+    kinds: dict[str, list[Answer]] = {name: [] for name in KINDS}
     for item in answers:
         rocks, slides = item.overturned or item.peak_rad >= ROCKS_RAD, item.slip_m >= AT_REST_M
         if rocks or slides:
-            name = "(c) rocking and sliding" if rocks and slides else ("(a) rocking" if rocks else "(b) sliding")
-            kinds.setdefault(name, []).append(item)
+            kinds[KINDS[2 if rocks and slides else 0 if rocks else 1]].append(item)
     counts = {
-        name: sum(item.overturned or item.peak_rad >= WALL_RAD for item in some) for name, some in sorted(kinds.items())
+        name: sum(item.overturned or item.peak_rad >= WALL_RAD for item in some) for name, some in kinds.items() if some
     }
     each = [f"{name}: {count} of {len(kinds[name])} conditions" for name, count in counts.items()]
-    return sum(count > 0 for count in counts.values()), len(counts), f"{WALL_RAD:g} rad reached by " + ", ".join(each)
+    text = f"{WALL_RAD:g} rad reached by " + ", ".join(each)
+    return (
+        sum(count > 0 for count in counts.values()),
+        len(counts),
+        text,
+        tuple(name for name in KINDS if name not in counts),
+    )
 
 
 def loses_less(answers: Sequence[Answer]) -> tuple[int, int, str]:

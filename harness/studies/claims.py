@@ -73,9 +73,12 @@ def judge(
         model, imposed = f"{engine} ({variant})", variant in imposed_variants
         for claim in SETS[asked]:
             test: Test = by_claim[claim]
-            held, cases, evidence = test(answers)
+            held, cases, evidence, *parts = test(answers)
+            untested = parts[0] if parts else ()
+            evidence += f"; {UNTESTED}: {', '.join(untested)}" if untested else ""
+            said = _verdict(held, cases, untested)
             verdicts.append(
-                ClaimVerdict(claim, SENTENCES[claim], model, imposed, _verdict(held, cases), held, cases, evidence)
+                ClaimVerdict(claim, SENTENCES[claim], model, imposed, said, held, cases, evidence, untested)
             )
     return verdicts
 
@@ -89,10 +92,11 @@ def headline(verdicts: Sequence[ClaimVerdict]) -> dict[str, str]:
     return said_by_claim
 
 
-def _verdict(held: int, cases: int) -> ClaimAnswer:
+def _verdict(held: int, cases: int, untested: Sequence[str]) -> ClaimAnswer:
+    """A claim of which a part was never tested does not hold as a whole."""
     if cases == 0:
         return UNTESTED
-    return HOLDS if held == cases else (SOME if held else FAILS)
+    return HOLDS if held == cases and not untested else (SOME if held else FAILS)
 
 
 def last_impact_s(history: History) -> float:

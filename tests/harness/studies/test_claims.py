@@ -125,6 +125,25 @@ def test_every_kind_of_motion_is_looked_for_at_the_wall() -> None:
     assert "(b) sliding: 0 of 1" in reached.evidence
 
 
+def test_a_part_without_a_case_is_not_tested() -> None:
+    """Two kinds of motion that reach the wall are not every kind; a limit that nobody came back from is none."""
+    rows = [row(1.5, False, 0.5), row(2.0, True, 0.6, slip=0.01)]
+    reached = verdicts(rows)["xi"]
+    assert (reached.held, reached.cases, reached.verdict) == (2, 2, claims.SOME)
+    assert list(reached.untested) == ["(b) sliding"]
+    all_kinds = verdicts([*rows, row(1.5, True, 0.6, slip=0.3)])["xi"]
+    assert all_kinds.untested == reached.untested, "one that rocks too is no sliding alone"
+    fallen = verdicts([row(1.5, False, 1.5, fell_s=1.0)])["vi"]
+    assert (fallen.held, fallen.cases, fallen.verdict) == (1, 1, claims.SOME)
+    assert fallen.untested
+    assert not verdicts(paper_rows())["vi"].untested
+
+
+def test_where_nothing_overturns_nothing_can_be_prevented() -> None:
+    standing = [row(1.5, False, 0.1), row(1.5, True, 0.05)]
+    assert verdicts(standing)["ii"].verdict == claims.UNTESTED
+
+
 def weighed(ratio: float, frequency: float, loss_j: float) -> StudyRow:
     return with_run(row(frequency, False, 0.1, **{"contact.restitution": ratio}), impact_loss_j=loss_j)
 
