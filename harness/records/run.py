@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal, NamedTuple, cast
+from typing import Final, Literal, NamedTuple, cast
 
+from analytic.results import LEFT_BY
 from harness.input.mistakes import Contradiction
 from harness.model.finding import Finding, Say
 from harness.model.history import History, Outcome
@@ -76,6 +78,27 @@ class EngineRunRecord:
     def impacts(self) -> int:
         """Number of impacts; a run for the outcome alone counts them and lists none."""
         return len(self.impact_times_s) or int(self.work.get("impacts", 0))
+
+
+def tips_s(run: Run | EngineRunRecord) -> float | None:
+    """When a model that holds the pedestal upright says that it tips, s; None where it does not say so."""
+    left_s = run.validity.get("left_domain_s")
+    return left_s if isinstance(left_s, float) and run.validity.get("left_domain_by") == LEFT_BY[-1] else None
+
+
+UNKNOWN: Final = (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX, Outcome.UNDECIDED)
+"""Outcomes that say what became of the run, not of the statue."""
+
+
+def has_answer(run: Run | EngineRunRecord) -> bool:
+    """Whether a run tells what becomes of the statue: it ended, and held upright no pedestal that tips before that was decided.
+
+    Every page and the terminal count by this the models that answered.
+    """
+    if run.outcome.failed or run.outcome in UNKNOWN:
+        return False
+    left_s = tips_s(run)
+    return left_s is None or left_s >= (math.inf if run.no_return_time_s is None else run.no_return_time_s)
 
 
 @dataclass(frozen=True)

@@ -109,12 +109,14 @@ class ReliabilityBin:
 class SetScores:
     """One model against a reference over the cases that both answered.
 
-    `verdicts` are the shares of each verdict, `flips` the cases whose outcomes differ within the stated uncertainty, `peaks` the
-    distributions of the peak rotation and `log_peaks` their medians and dispersions where there are enough of them.
+    `same` counts the cases in which both say the same of the statue; `verdicts` are the shares of each verdict, `flips` the cases
+    whose outcomes differ within the stated uncertainty, `peaks` the distributions of the peak rotation and `log_peaks` their
+    medians and dispersions where there are enough of them.
     """
 
     reference: str
     cases: int
+    same: int = 0
     outcomes: OutcomeScores
     verdicts: Mapping[str, float]
     flips: int
@@ -124,11 +126,7 @@ class SetScores:
     @property
     def sentence(self) -> str:
         """How often the outcome is the reference's, and how the distributions of the maxima compare."""
-        same = self.outcomes.accuracy
-        words = [f"{self.cases} cases"]
-        if same is not None:
-            shares = (100.0 * value for value in (same.value, same.low, same.high))
-            words.append("fallen or standing as {} in {:.0f} % ({:.0f} to {:.0f} %)".format(self.reference, *shares))
+        words = [f"the same outcome as {self.reference} in {self.same} of {self.cases} cases"]
         words.append("too few cases to compare distributions" if self.peaks is None else self.peaks.sentence)
         return "; ".join(words if self.log_peaks is None else [*words, self.log_peaks.sentence])
 

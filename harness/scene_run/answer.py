@@ -11,7 +11,7 @@ from harness.model.history import Outcome
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.assess import Assessment
-from harness.records.run import HorizonRecord
+from harness.records.run import HorizonRecord, has_answer
 from harness.records.scores import Scores, Verdict
 
 Code = Literal[
@@ -26,20 +26,8 @@ Code = Literal[
 ]
 LATE: Final = (Verdict.HORIZON, Verdict.UNBOUNDED, Verdict.DOMAIN)
 """Verdicts of histories that agree up to some instant, and part for a reason that is no model's."""
-UNKNOWN: Final = (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX, Outcome.UNDECIDED)
-"""Outcomes that say what became of the run, not of the statue."""
 STILL_RAD: Final = 1e-5
 """A smaller lean is the give of a contact engine at rest (some 0.01 mm at the top of a statue of one metre)."""
-
-
-def answers(run: Run) -> bool:
-    """Whether a run tells what becomes of the statue: it ended, and did not leave its model's domain before that was decided."""
-    if run.outcome.failed or run.outcome in UNKNOWN:
-        return False
-    left_s, by = run.validity.get("left_domain_s"), run.validity.get("left_domain_by")
-    if by != "pedestal_tips" or not isinstance(left_s, float):
-        return True
-    return left_s >= (math.inf if run.no_return_time_s is None else run.no_return_time_s)
 
 
 def answer_of(
@@ -50,7 +38,7 @@ def answer_of(
     assessment: Mapping[str, Assessment],
 ) -> Answer:
     """The headline, in the order in which a validation asks."""
-    known = {name: run for name, run in runs.items() if answers(run)}
+    known = {name: run for name, run in runs.items() if has_answer(run)}
     judged = [each for each in scores.values() if each.a in known and each.b in known]
     code = _code(known, judged)
     parts = [_what(scene, known, len(runs)), *_probability(assessment), *_until(known, judged, code), *_decides(scores)]

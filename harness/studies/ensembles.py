@@ -59,6 +59,7 @@ def _score(
     return SetScores(
         reference=reference,
         cases=len(both),
+        same=sum(a.outcome.same_as(b.outcome) for (a, _), (b, _) in both),
         outcomes=score_outcomes([case for case, _ in judged]),
         verdicts=shares([verdict for _, verdict in judged]),
         flips=sum(case.within_uncertainty for case, _ in judged),

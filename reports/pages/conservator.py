@@ -12,7 +12,7 @@ import numpy as np
 from harness.model.history import Outcome
 from harness.model.tilted import support_m
 from harness.records.assess import Assessment, percent
-from harness.records.run import EngineRunRecord, RunRecord
+from harness.records.run import EngineRunRecord, RunRecord, has_answer, tips_s
 from reports.drawing.conservator_pictures import plan_svg, reach_svg
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import floor_plan
@@ -38,7 +38,7 @@ def context(folder: Path, record: RunRecord, say: Language = ENGLISH) -> dict[st
 
 def of_run(source: RunSource, say: Language = ENGLISH) -> dict[str, object]:
     """Headline, points and pictures of one run."""
-    answered = {name: run for name, run in source.runs.items() if _answers(run)}
+    answered = {name: run for name, run in source.runs.items() if has_answer(run)}
     headline, tone, points = _answer(source, *_nominal(source, answered, say), say)
     scene, motion = source.scene, source.record.motion
     support = support_of(scene)
@@ -50,14 +50,6 @@ def of_run(source: RunSource, say: Language = ENGLISH) -> dict[str, object]:
         "points": [*points, *said, *_trust(source, say)],
         "pictures": [*pictures, order_picture(scene, support, say, motion)],
     }
-
-
-def _answers(run: EngineRunRecord) -> bool:
-    """Whether a run tells what happens: one that holds upright a pedestal that tips, before a fall is decided, does not."""
-    tips = run.validity.get("left_domain_by") == "pedestal_tips"
-    left_s = run.validity.get("left_domain_s") if tips else None
-    decided_s = math.inf if run.no_return_time_s is None else run.no_return_time_s
-    return not run.outcome.failed and not (isinstance(left_s, float) and left_s < decided_s)
 
 
 def _answer(source: RunSource, nominal: str, colour: str, say: Language) -> tuple[str, str, list[str]]:
@@ -152,7 +144,7 @@ def _begun(word: str) -> str:
 
 
 def _standing(source: RunSource) -> list[str]:
-    known = (name for name in source.histories if _answers(source.runs[name]))
+    known = (name for name in source.histories if has_answer(source.runs[name]))
     return [name for name in known if source.runs[name].outcome == Outcome.STANDS]
 
 
@@ -184,7 +176,8 @@ def _pedestal_slip(source: RunSource, answered: Mapping[str, EngineRunRecord], s
     tips = [say("run.tips", degrees=say.digits(math.degrees(tilt), 2))] if tilt > TIPS_RAD else []
     if most > VISIBLE_M:
         return [say("run.slides", length=say.length(most)), *tips]
-    return tips or [say("run.put")]
+    # A model that says that its pedestal tips, and another whose pedestal hardly does: it is not said to stay put.
+    return tips or ([say("run.put")] if all(tips_s(run) is None for run in source.runs.values()) else [])
 
 
 def _trust(source: RunSource, say: Language) -> list[str]:

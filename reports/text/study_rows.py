@@ -124,7 +124,9 @@ def agreement(models: Sequence[str], cases: Sequence[Condition]) -> list[tuple[s
             if first.partition(" (")[2] != second.partition(" (")[2]:
                 continue
             both = [
-                (run.outcome, b.outcome) for item, run in runs_of(cases, first) if (b := item.run(second)) is not None
+                (run.outcome, b.outcome)
+                for item, run in runs_of(cases, first)
+                if (b := item.run(second)) is not None and not (run.outcome.failed or b.outcome.failed)
             ]
             if both:
                 pairs.append((first, second, sum(a.same_as(b) for a, b in both), len(both)))

@@ -11,7 +11,7 @@ import numpy as np
 from harness.model.finding import Finding, info
 from harness.model.history import Array, History, Outcome
 from harness.model.tilted import support_m
-from harness.records.run import EngineRunRecord
+from harness.records.run import EngineRunRecord, has_answer
 from reports.drawing.kinematics import section
 from reports.messages import ENGLISH
 from reports.source import RunSource
@@ -44,7 +44,7 @@ def run_verdict(source: RunSource) -> Verdict:
 
 def _tone(source: RunSource) -> str:
     """One run is one draw: a shaking that it stands is no reason for green, nor are models that differ."""
-    answered = [run for run in source.runs.values() if not run.outcome.failed]
+    answered = [run for run in source.runs.values() if has_answer(run)]
     code = "no_answer" if source.record.answer is None else source.record.answer.code
     colour: Tone = tone_of_outcomes(family(run.outcome) for run in answered)
     if colour == "agree" and code not in ("agree", "agree_until", "one_model"):
@@ -85,7 +85,7 @@ def _reach(source: RunSource) -> list[Finding]:
 
 def _slip(source: RunSource) -> list[Finding]:
     """How far the pedestal slides, and whether it tips."""
-    answered = {name: run for name, run in source.runs.items() if not run.outcome.failed}
+    answered = {name: run for name, run in source.runs.items() if has_answer(run)}
     if source.scene.pedestal is None or not answered:
         return []
     peaks = [run.peak_slip_m for run in answered.values()]

@@ -332,7 +332,7 @@ def test_two_models_are_compared_over_a_suite_of_scenes(scene: Path, tmp_path: P
     assert over_all["pymunk"]["cases"] == 9
     assert over_all["pymunk"]["peaks"]["size_a"] == 9
     told = rockcheck("compare", *names[:2], "-e", "analytic", "-e", "pymunk", cwd=tmp_path).stdout
-    assert "over all scenes, pymunk: 2 cases; fallen or standing as analytic in" in told
+    assert "over all scenes, pymunk: the same outcome as analytic in 2 of 2 cases" in told
     assert "too few cases to compare distributions" in told
 
 

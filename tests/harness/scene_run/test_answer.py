@@ -10,8 +10,8 @@ from harness import Outcome, Run, compare
 from harness.model.finding import Finding
 from harness.model.scene import Scene
 from harness.records.assess import Assessment
-from harness.records.run import HorizonRecord
-from harness.scene_run.answer import answer_of, answers
+from harness.records.run import HorizonRecord, has_answer
+from harness.scene_run.answer import answer_of
 from tests import doubles
 from tests.scenes_for_tests import paestum
 
@@ -91,7 +91,7 @@ def test_falls_to_different_sides_are_one_outcome() -> None:
     ],
 )  # fmt: skip
 def test_a_run_that_tells_nothing_of_the_statue_is_not_counted(fields: dict[str, Any], known: bool) -> None:
-    assert answers(run("a", **fields)) is known
+    assert has_answer(run("a", **fields)) is known
     code, _ = told(run("a", **fields), run("b"))
     assert (code == "one_model") is not known
     assert told(run("a", outcome=Outcome.CRASHED))[0] == "no_answer"

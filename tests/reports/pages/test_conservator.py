@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 
 from analytic import Harmonic
+from analytic.results import LEFT_BY
 from harness.model.scene import Pedestal
 from harness.records.assess import Assessment
 from harness.records.kinds import read_result
-from harness.records.run import RunRecord
+from harness.records.run import RunRecord, has_answer
 from harness.records.study import SupportRecord
 from harness.scene_run.scene_run import run_scene, write_result
 from reports.drawing.display_mesh import silhouette_m
@@ -307,6 +308,23 @@ def test_shaking_that_the_plane_leaves_out_is_told_only_of_a_number_without_it(t
         assert (missing in text, how in text) == said
 
 
+def test_a_pedestal_that_one_model_lets_tip_is_not_said_to_stay_put(tmp_path: Path) -> None:
+    source = run_source(write_invented(tmp_path))
+    runs = source.record.runs
+    name = next(iter(runs))
+    still = {each: replace(run, peak_slip_m=0.0) for each, run in runs.items()}
+    tips = still | {
+        name: replace(
+            still[name], validity={**still[name].validity, "left_domain_s": 0.5, "left_domain_by": LEFT_BY[-1]}
+        )
+    }
+    put = [
+        "stays put" in spoken(of_run(replace(source, record=replace(source.record, runs=each))))
+        for each in (still, tips)
+    ]
+    assert put == [True, False]
+
+
 def test_where_it_stands_in_no_model_no_room_is_drawn(tmp_path: Path) -> None:
     source = run_source(write_invented(tmp_path))
     assert set(floor_plan(source, list(source.histories)).room_m) >= {"left", "right"}
@@ -318,8 +336,14 @@ def test_a_model_that_holds_upright_a_pedestal_that_tips_gives_no_answer(tmp_pat
     tall = scene(rectangle(0.25, 1.0), motion, pedestal=Pedestal(80.0, 0.35, 0.35, 1.1), mu=0.6, duration_s=2.0)
     said = {}
     for name, models in (("alone", ["analytic"]), ("beside", ["analytic", "pymunk"])):
-        write_result(run_scene(tall, models), tmp_path / name)
+        result = run_scene(tall, models)
+        write_result(result, tmp_path / name)
         said[name] = of_run(run_source(tmp_path / name))
+        # The record's answer, which the engineer's page and the terminal show, counts the same models as the conservator's.
+        assert [each for each, run in result.runs.items() if has_answer(run)] == models[1:]
+        answer = run_source(tmp_path / name).record.answer
+        assert answer is not None
+        assert answer.code == ("one_model" if models[1:] else "no_answer")
     alone, beside = (" ".join([str(each["headline"]), *each["points"]]) for each in said.values())
     assert alone.startswith("No model could compute what happens")
     assert "does not rock" not in alone
