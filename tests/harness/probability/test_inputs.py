@@ -196,7 +196,8 @@ def test_what_acts_at_an_impact_is_drawn_between_the_two_coefficients_unless_the
 
 @pytest.mark.parametrize("acts", ["kinetic", "static", 0.17, None])
 def test_what_acts_at_an_impact_keeps_its_place_as_the_floor_is_drawn(acts: float | str | None) -> None:
-    scene = load_scene(SCENES / "paestum_block.toml", {} if acts is None else {IMPACT: acts}, duration_s=2.0)
+    chosen = {} if acts is None else {IMPACT: acts}
+    scene = load_scene(SCENES / "paestum_block.toml", {"duration_s": 2.0, **chosen})
     values = draw(uncertain_inputs(scene), 12, seed=2)
     each = [varied(scene, row(values, k)) for k in range(12)]
     if acts is not None:
