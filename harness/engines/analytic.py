@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar, Final, Literal, final
+from typing import TYPE_CHECKING, ClassVar, Final, final
 
 from analytic.excitation import ZeroExcitation
 from harness.engines.base import RELIABLE_RAD, Engine, EngineFailure, Settings
@@ -16,7 +16,6 @@ from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Pattern, Run
 from harness.model.scene import BaseExcitation, Scene
 from harness.model.two_block import block_of as block_of
-from harness.model.two_block import form_of
 from harness.model.two_block import keywords as keywords
 from harness.model.two_block import wall_of as wall_of
 
@@ -110,22 +109,20 @@ class TwoBlock(Engine):
         )
 
 
-def chosen(scene: Scene, choice: Literal["stuck", "static_impact", "moving"]) -> tuple[Run, float | None]:
-    """The model's run with another choice, no error stated, and when it leaves the run with the scene's own.
+def by_other_impact(scene: Scene) -> tuple[Run, float | None]:
+    """The model's run with another coefficient at impacts (static, or kinetic where the scene takes that), no error stated, and
+    when it leaves the run with the scene's own.
 
     Raises `EngineFailure` where the model refuses the scene.
     """
     from analytic import AnalyticInputError, simulate
 
-    usual_form: CommonKeywords = {**keywords(scene), "dt_s": scene.output_dt_s}
-    other_form: CommonKeywords = {**usual_form}
-    if choice == "static_impact":
-        other_form["floor_impact"] = "static"
-    elif choice == "moving":
-        other_form["form"] = replace(form_of(scene), choice="moving")
+    own: CommonKeywords = {**keywords(scene), "dt_s": scene.output_dt_s}
+    static = scene.contact.at_impact == scene.contact.floor_static
+    others: CommonKeywords = {**own, "floor_impact": "kinetic" if static else "static"}
     motion = block_of(scene), scene.base_excitation.x, scene.base_excitation.z
     try:
-        usual, other = simulate(*motion, **usual_form), simulate(*motion, **other_form)
+        usual, other = simulate(*motion, **own), simulate(*motion, **others)
     except AnalyticInputError as error:
         raise EngineFailure(str(error)) from error
     # Both compute the same numbers up to there.

@@ -129,6 +129,27 @@ class HorizonRecord:
         return known[0] if known else 0.0
 
 
+@dataclass(frozen=True)
+class Choice:
+    """What the model says by one choice: outcome, when its run ends, s, and the largest rotation, rad."""
+
+    outcome: Outcome
+    end_s: float
+    peak_theta_rad: float
+
+
+@dataclass(frozen=True)
+class DecidedBy:
+    """A choice between laws that acts in this scene: its `key`, when it first does, s, what each value of it gives, and whether
+    it decides the outcome.
+    """
+
+    key: str
+    at_s: float
+    outcomes: Mapping[str, Choice]
+    decides: bool
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RunRecord(Record):
     """`result.json` of `rockcheck run`."""
@@ -143,6 +164,7 @@ class RunRecord(Record):
     horizons: Mapping[str, HorizonRecord] | None = field(default=None, metadata=OMITTED)
     assessment: Mapping[str, Assessment] | None = field(default=None, metadata=OMITTED)
     witness: Mapping[str, Witness] | None = field(default=None, metadata=OMITTED)
+    decided_by: DecidedBy | None = field(default=None, metadata=OMITTED)
     plan: Sequence[Step]
     seconds: float
 

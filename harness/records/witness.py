@@ -16,13 +16,15 @@ LEAST_S: Final = 1e-9
 class Judged:
     """One run held against a plain engine: whether they agree, until when, and how far the run is from that engine at most.
 
-    `parts_s`: when they part by more than twice their joint numerical error, while both are bounded.
+    `parts_s`: when they part by more than twice their joint numerical error, while both are bounded. `floor_impact`: the
+    coefficient at impacts with which the model was run for it, where it is another than the scene's.
     """
 
     agrees: bool
     until_s: float
     to_rad: float
     parts_s: float | None = None
+    floor_impact: str = ""
 
 
 @dataclass(frozen=True)

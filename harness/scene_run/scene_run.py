@@ -22,10 +22,11 @@ from harness.model.run import Run, machine, versions
 from harness.model.scene import Scene
 from harness.records.assess import Assessment
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
-from harness.records.run import EngineRunRecord, HorizonRecord, RunRecord
+from harness.records.run import DecidedBy, EngineRunRecord, HorizonRecord, RunRecord
 from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores
 from harness.records.witness import Witness
+from harness.scene_run import floor_impact
 from harness.scene_run.answer import answer_of
 from harness.scene_run.confirmation import doubted, finer_rad, finer_runs
 from harness.scene_run.left_out import TakenAway, explained, with_reasons
@@ -51,6 +52,7 @@ class Result:
     horizons: Mapping[str, HorizonRecord] = field(default_factory=dict)
     assessment: Mapping[str, Assessment] = field(default_factory=dict)
     witness: Mapping[str, Witness] = field(default_factory=dict)
+    decided_by: DecidedBy | None = None
 
     @property
     def failed(self) -> bool:
@@ -75,7 +77,16 @@ class Result:
             if run.outcome.failed
         ]
         of_pairs = [found for each in self.scores.values() for found in each.findings]
-        return weighed([*self.scene.findings, *silent, *of_runs, *of_pairs, *findings_of(self.witness)])
+        return weighed(
+            [
+                *self.scene.findings,
+                *silent,
+                *of_runs,
+                *of_pairs,
+                *findings_of(self.witness),
+                *floor_impact.findings_of(self.decided_by),
+            ]
+        )
 
     def record(self) -> RunRecord:
         """The whole record as it stands in `result.json`, but for the list of what lies beside it."""
@@ -91,6 +102,7 @@ class Result:
             horizons=self.horizons,
             assessment=self.assessment,
             witness=self.witness,
+            decided_by=self.decided_by,
             plan=self.plan,
             seconds=self.seconds,
             versions=versions(),
@@ -152,7 +164,8 @@ def run_scene(
     def result() -> Result:
         told = replace(scene, findings=(*scene.findings, *_findings(scene, known(), refined, target)))
         seconds = time.perf_counter() - start
-        return Result(told, known(), scores, steps, seconds, horizons, assessment, witness_answers)
+        choice = floor_impact.decided_by(scene, known())
+        return Result(told, known(), scores, steps, seconds, horizons, assessment, witness_answers, choice)
 
     try:
         _run_engines(scene, loaded, target, runs, on_progress, apart=apart)

@@ -4,7 +4,8 @@ Two runs of a plain engine, with steps that the budget allows, state by their ow
 convergence. Each run of the scene is then judged against the finer of the two as any two models are. So much of this is
 independent of the model: contact, friction, impact and integration are the engine's; shapes, masses and coefficients are the
 scene's. Two coefficients of friction are followed by the plainest rule (`harness.engines.contact.friction.followed`), which is
-another convention than the model's.
+another convention than the model's: they take the static one as an impact breaks the pedestal loose, and so does the model that
+is held against them (`harness.scene_run.floor_impact`).
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.witness import LEAST_S, PLAIN, Judged, Witness
 from harness.scene_run.confirmation import PAST_S
+from harness.scene_run.floor_impact import MODEL, under_static
 
 BUDGET: Final = 1.0
 """A witness costs at most so many times what the run beside it cost, in steps of that run's engine: counts, as times would make
@@ -94,7 +96,8 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
     height_m = 0.0 if scene.pedestal is None else scene.statue.centroid_height_m
     error = apart.stated.or_more(Error(finer.expected_error_rad, finer.expected_error_rad * height_m))
     fine = fine.with_uncertainty(error.rotation_rad, error.slip_m, apart.until_s)
-    judged = {each: _judged(scene, run, fine, coarse) for each, run in runs.items()}
+    as_it_acts, held = under_static(scene, runs)
+    judged = {each: _judged(as_it_acts, run, fine, coarse) for each, run in held.items()}
     steps = coarse.steps + fine.steps
     if parted_s := [each.parts_s for each in judged.values() if each.parts_s is not None]:
         try:
@@ -104,8 +107,10 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
         if third is not None:
             steps += third.steps
             third = third.with_uncertainty(error.rotation_rad, error.slip_m, third.end_s)
-        judged = {each: _confirmed(scene, runs[each], third, fine, first) for each, first in judged.items()}
+        judged = {each: _confirmed(as_it_acts, held[each], third, fine, first) for each, first in judged.items()}
     mine = judged[own.engine]
+    if as_it_acts is not scene and MODEL in judged:
+        judged[MODEL] = mine = replace(judged[MODEL], floor_impact="static")
     reasons = (_why_no_further(own, fine, apart.until_s, until_s, wanted_s), _in_the_plane(scene, engine, runs))
     return Witness(
         name,

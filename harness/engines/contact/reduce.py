@@ -91,7 +91,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
         engine=report.engine,
         outcome=outcome,
         history=_history(scene, motion, derived, end_s) if report.with_history else None,
-        settings=report.settings,
+        settings=report.settings if report.repeats else {**report.settings, **_as_static(scene)},
         steps=report.steps,
         wall_s=report.wall_s,
         peak_theta_rad=peak_rad,
@@ -157,6 +157,12 @@ def _derive(scene: Scene, motion: Trajectory) -> _Derived:
         plain,
         at,
     )
+
+
+def _as_static(scene: Scene) -> dict[str, object]:
+    """What an engine whose coefficient follows its own sliding does as an impact breaks the pedestal loose."""
+    two = scene.pedestal is not None and scene.contact.floor_kinetic < scene.contact.floor_static
+    return {"floor_impact": "static"} if two else {}
 
 
 def _diverged(report: Report, time_s: float) -> Run:

@@ -1,0 +1,75 @@
+"""Whether the coefficient that acts as an impact breaks the pedestal loose decides the answer: the model by another one.
+
+Where the floor has two coefficients, which of them acts there is a choice between laws (docs/model.md, section 3). Engines as
+they come take the static one, as the step of an impact begins stuck: they are held against the model with that one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Final
+
+from harness import engines
+from harness.engines.analytic import by_other_impact
+from harness.engines.base import EngineFailure
+from harness.model.finding import Finding, changes_answer
+from harness.model.options import RunOptions
+from harness.model.run import Run
+from harness.model.scene import Scene
+from harness.records.run import Choice, DecidedBy
+
+KEY: Final = "contact.floor_impact"
+MODEL: Final = "analytic"
+
+
+def matters(scene: Scene) -> bool:
+    """Whether an impact can break a pedestal loose with either of two coefficients."""
+    two = scene.contact.floor_kinetic < scene.contact.floor_static
+    return two and scene.pedestal is not None and scene.form.pedestal_at_impact == "momentum"
+
+
+def decided_by(scene: Scene, runs: Mapping[str, Run]) -> DecidedBy | None:
+    """Outcomes of the model by the scene's choice and by another, from one run more; None where no impact makes the choice."""
+    model = runs.get(MODEL)
+    if model is None or model.outcome.failed or not matters(scene):
+        return None
+    try:
+        other, at_s = by_other_impact(scene)
+    except EngineFailure:
+        return None
+    if at_s is None:
+        return None
+    contact = scene.contact
+    another = "kinetic" if contact.at_impact == contact.floor_static else "static"
+    outcomes = {str(contact.floor_impact): model, another: other}
+    said = {name: Choice(run.outcome, run.end_s, run.peak_theta_rad) for name, run in outcomes.items()}
+    return DecidedBy(KEY, at_s, said, model.outcome is not other.outcome)
+
+
+def findings_of(choice: DecidedBy | None) -> list[Finding]:
+    """That the choice decides the outcome, with both."""
+    if choice is None or not choice.decides:
+        return []
+    outcomes = [each.outcome.value for each in choice.outcomes.values()]
+    return [changes_answer("floor_impact_decides", choices=[*choice.outcomes], outcomes=outcomes)]
+
+
+def under_static(scene: Scene, runs: Mapping[str, Run]) -> tuple[Scene, dict[str, Run]]:
+    """The scene as engines as they come act, and the runs to hold against them: the model's anew, every other one's until an
+    impact makes the choice otherwise.
+    """
+    contact = scene.contact
+    if not matters(scene) or contact.at_impact == contact.floor_static:
+        return scene, dict(runs)
+    static = replace(scene, contact=replace(contact, floor_impact="static"))
+    engine = engines.load(MODEL)
+    try:
+        _, at_s = by_other_impact(scene)
+        model = engine.simulate(static, engine.refinement_levels(static)[-1], RunOptions())
+    except EngineFailure:
+        return scene, dict(runs)
+    if at_s is None:
+        return scene, dict(runs)
+    held = {name: replace(run, reliable_until_s=min(run.bounded_until_s, at_s)) for name, run in runs.items()}
+    return static, held | ({MODEL: model} if MODEL in runs else {})
