@@ -108,7 +108,7 @@ class _Climb:
         index = first_level(levels, self.target.rotation_rad, START_SHARE)[1]
         if not self.promised:
             index = max(sum(item.dt_s > COARSER * levels[-1].dt_s for item in levels) - 1, 0)
-        elif self.scene.duration_s >= LONG_STEPS * levels[second := self._second(index)].dt_s:
+        elif self.scene.duration_s >= LONG_STEPS * levels[second := second_level(levels, index)].dt_s:
             self.outgrown = outgrows(self.scene, levels[-1].expected_error_rad, self.target.rotation_rad)
             index = second if self.outgrown else index
         while index < len(levels):
@@ -129,12 +129,6 @@ class _Climb:
             return True
         self.not_tried_s = settings.dt_s
         return False
-
-    def _second(self, first: int) -> int:
-        """The level that follows the first and its verification run."""
-        levels = self.refinement_levels
-        finest_s = VERIFICATION_STEP_SHARE * levels[first].dt_s
-        return next((i for i in range(first + 1, len(levels)) if levels[i].dt_s < CLIMB_SHARE * finest_s), first)
 
     def check(self, settings: Settings) -> _Check:
         """What may end a run with these settings early."""
@@ -281,6 +275,12 @@ def first_level(refinement_levels: tuple[Settings, ...], accuracy_rad: float, sh
         if settings.expected_error_rad <= share * accuracy_rad:
             return settings, index
     return refinement_levels[-1], len(refinement_levels) - 1
+
+
+def second_level(levels: Sequence[Settings], first: int) -> int:
+    """The place of the level that follows one and its verification run."""
+    finest_s = VERIFICATION_STEP_SHARE * levels[first].dt_s
+    return next((i for i in range(first + 1, len(levels)) if levels[i].dt_s < CLIMB_SHARE * finest_s), first)
 
 
 def _factor(spreads: Sequence[Spread], target: Error) -> float:

@@ -4,24 +4,32 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from harness.accuracy.refinement import most_steps
+from harness.accuracy.outlook import outgrows
+from harness.accuracy.refinement import LONG_STEPS, START_SHARE, first_level, most_steps, second_level
 from harness.campaign.progress import duration_words
 from harness.engines import load
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
 
-SECONDS: Final[Mapping[str, tuple[float, float]]] = {
-    "analytic": (6e-5, 6e-5),
-    "pymunk": (0.08, 0.08),
-    "pybullet": (0.06, 0.5),
-    "spatial": (0.05, 0.05),
+CERTIFIED_S: Final[Mapping[str, float]] = {"analytic": 6e-5, "spatial": 0.05}
+"""Seconds of one core per second of motion of models that certify their own error: an order of magnitude."""
+STEP_S: Final[Mapping[str, tuple[float, float]]] = {
+    "pymunk": (1.1e-5, 1.7e-5),
+    "pymunk:plain": (1.0e-5, 1.8e-5),
+    "pybullet": (2.6e-5, 1.1e-4),
+    "pybullet:plain": (1.0e-4, 5e-4),
 }
-"""Seconds of one core per second of motion to 1e-3 rad, without and with a pedestal: an order of magnitude (docs/studies.md)."""
-STEP_S: Final = 5e-5
-"""A step of a contact engine by the expert's own step: what these seconds are at steps of a millisecond or so."""
+"""Seconds of one core of a step of a contact engine, without and with a pedestal, on the statue of the shipped scenes."""
+CALM_TIMES: Final = 4.2
+"""Steps of a climb over those of its first level, where that and the run that checks it agree: both, and the third one."""
+OUTGROWN_TIMES: Final = 1.7
+"""Steps of a climb over those of its one whole run, where errors outgrow every level: 1.4 to 2.0 on the paper's conditions."""
+ASKED_S: Final = 30.0
+"""The model is asked of so much of a scene at most: what does not outgrow by then hardly does."""
 AIM_RAD: Final = 1e-3
 LONGEST_S: Final = 24 * 3600.0
 """Longer work is refused, or begun only when that is asked for."""
@@ -36,13 +44,26 @@ NUMBER_BYTES: Final = 200
 
 def run_s(engine: str, scene: Scene, accuracy_rad: float | None = None, dt_s: float | None = None) -> float:
     """Roughly the seconds of one core that an engine takes for a scene, without what its history takes."""
-    each = SECONDS.get(engine.split(":")[0], max(SECONDS.values()))[scene.pedestal is not None] * scene.duration_s
-    if engine == "analytic":
-        return each
+    if engine in CERTIFIED_S:
+        return CERTIFIED_S[engine] * scene.duration_s
+    return _step_s(engine, scene) * expected_steps(engine, scene, accuracy_rad, dt_s)
+
+
+def expected_steps(name: str, scene: Scene, accuracy_rad: float | None = None, dt_s: float | None = None) -> float:
+    """Steps of all runs that a contact engine is expected to make of a scene, to a target or with an expert's own step."""
     if dt_s is not None:
-        return STEP_S * scene.duration_s / dt_s
-    # The contact engines' errors fall about in proportion to their steps, of which the finest is some thirty times the coarsest.
-    return each * min(max(AIM_RAD / (accuracy_rad or AIM_RAD), 1.0), 30.0)
+        return scene.duration_s / dt_s
+    target_rad, levels = accuracy_rad or AIM_RAD, load(name).refinement_levels(scene)
+    first, index = first_level(levels, target_rad, START_SHARE)
+    second = levels[second_level(levels, index)]
+    asked = replace(scene, duration_s=min(scene.duration_s, ASKED_S))
+    if scene.duration_s >= LONG_STEPS * second.dt_s and outgrows(asked, levels[-1].expected_error_rad, target_rad):
+        return OUTGROWN_TIMES * scene.duration_s / second.dt_s
+    return CALM_TIMES * scene.duration_s / first.dt_s
+
+
+def _step_s(engine: str, scene: Scene) -> float:
+    return STEP_S[engine][scene.pedestal is not None] if engine in STEP_S else 0.0
 
 
 def numbers(scene: Scene, dimensions: Sequence[int]) -> float:
@@ -88,7 +109,7 @@ def check(
     most = (
         {} if dt_s is not None else {name: most_steps(load(name), scene, accuracy_rad or AIM_RAD) for name in engines}
     )
-    if max(total, STEP_S * sum(most.values())) < REPORTED_FROM_S:
+    if max(total, sum(_step_s(name, scene) * steps for name, steps in most.items())) < REPORTED_FROM_S:
         return ""
     parts = [
         f"{name} {duration_words(each)}" + (f" in at most {most[name]:.2g} steps" if most.get(name) else "")

@@ -131,7 +131,7 @@ def test_a_climb_makes_no_more_steps_than_it_may(monkeypatch: pytest.MonkeyPatch
     run = run_to_accuracy(engine, scene, 1e-2, RunOptions())
     spent, most = run.work["steps_of_all_runs"], refinement.most_steps(engine, scene, 1e-2)
     assert spent <= most == pytest.approx(8.0 * scene.duration_s / 1e-2)
-    assert any("were not tried" in warning for warning in run.warnings)
+    assert "step_not_tried" in doubles.codes(run.findings)
 
 
 def test_an_error_that_one_event_makes_is_climbed_though_the_runs_part_at_the_same_instant() -> None:
