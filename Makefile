@@ -10,7 +10,7 @@ COMPILE_PLANE = $(PY) -c "import analytic as a; a.simulate(a.Block.rectangle(wid
 COMPILE_SPACE = $(PY) -c "from analytic import spatial as s; s.simulate(s.Body.block(100.0, 0.4, 0.3, 1.2), duration_s=0.01, friction_static=0.5)"
 
 .DEFAULT_GOAL := setup
-.PHONY: help setup report test wheel lowest lint docs types contracts bench stress lock clean
+.PHONY: help setup report test fast wheel lowest lint docs types contracts bench stress lock clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | column -t -s "$$(printf '\t')"
@@ -37,7 +37,10 @@ report: $(STAMP) ## run the main job and say where the report is
 test: $(STAMP) ## pass the tests
 	@# Compiled once here, not once in each of the processes below.
 	@$(COMPILE_PLANE) & plane=$$!; $(COMPILE_SPACE) && wait $$plane
-	@$(PY) -m pytest -q -n auto
+	@$(PY) -m pytest -q -n auto -m "not measures"
+
+fast: $(STAMP) ## pass the fast tests: no engine runs but single steps, under a minute
+	@$(PY) -m pytest -q -m fast $$(cat tests/fast.txt)
 
 wheel: $(STAMP) ## build the wheel, install it in a fresh environment (of a newer Python where there is one), run the main job from it
 	@.ci/wheel $(VENV)

@@ -10,6 +10,24 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 
 
+FAST = frozenset((ROOT / "tests" / "fast.txt").read_text(encoding="utf-8").split())
+"""Files of the fast tier, as measured: `python -m tests.measures.tiers` renews the list."""
+
+
+def tier_of(path: str) -> str:
+    """The tier of a file of tests."""
+    if path.startswith("tests/measures/"):
+        return "measures"
+    return "fast" if path in FAST else "engines"
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark every test with its tier."""
+    for item in items:
+        item.add_marker(tier_of(item.path.relative_to(ROOT).as_posix()))
+
+
 @pytest.fixture(scope="session")
 def root() -> Path:
     """The project's folder."""
