@@ -95,7 +95,8 @@ def test_a_run_of_a_heavier_impact_is_not_confirmed(seed: int, monkeypatch: pyte
     monkeypatch.setattr(witness, "BUDGET", 60.0)
     drawn = GENERATORS["random"](seed)
     scene = replace(drawn, contact=replace(drawn.contact, floor_impact="static"))
-    heavy = replace(scene, statue=replace(scene.statue, inertia_kg_m2=1.2 * scene.statue.inertia_kg_m2))
+    inertia, tensor = 1.2 * scene.statue.inertia_kg_m2, 1.2 * scene.statue.inertia_tensor_kg_m2
+    heavy = replace(scene, statue=replace(scene.statue, inertia_kg_m2=inertia, inertia_tensor_kg_m2=tensor))
     run = simulate(heavy, "pymunk")
     seen = witnesses(scene, {"pymunk": run}, RunOptions())["pymunk:plain"]
     assert seen.agrees is False
