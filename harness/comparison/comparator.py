@@ -41,7 +41,7 @@ def compare(
     """Score answer a against answer b, which is the reference.
 
     >>> scores = harness.compare(run, reference, scene=scene)
-    >>> print(scores.verdict_sentence)
+    >>> scores.verdict
 
     `scene` gives the energies in J; `horizons_s` are the horizons of prediction of
     each model where they were computed (`accuracy.horizon`). Scores of instants reach to the nearer horizon of the two, or to
