@@ -24,6 +24,8 @@ MOST_UNBALANCED: Final = 1e-4
 """Share of all impulses that may be missing in the balance: 1e-12 is, and 1e-3 where a pull or an inertia is off by it."""
 ROUNDED_OFF: Final = 1e-6
 """Share of a body's own momentum that counts as impulse: of a body in flight the last digits are missing."""
+SLOW_M_S: Final = 1e-3
+"""Velocity that is added to a body's own in that: of one at rest, on which nothing acts, rounding is all there is."""
 AFTER_STEPS: Final = 64
 """Whole steps from one that is looked at to the next."""
 IMPACT, STEP = "impact", "step"
@@ -58,16 +60,18 @@ class Balance:
             return
         # What acts on the pedestal from both sides may cancel.
         largest = max(float(np.linalg.norm(impulse)) for impulse, _ in impulses)
+        speeds = (float(np.linalg.norm(after[ALONE * k + 7 : ALONE * k + 10])) for k in range(len(impulses)))
+        moved = sum(mass * (speed + SLOW_M_S) for mass, speed in zip(self.masses, speeds, strict=True))
         for k, (mass, (impulse, moment)) in enumerate(zip(self.masses, impulses, strict=True)):
             at = ALONE * k
             change = np.subtract(after[at + 7 : at + 13], before[at + 7 : at + 13])
             name = "pedestal" if k else "statue"
             given = mass * (change[:3] - pull_m_s)
-            moved = mass * float(np.linalg.norm(after[at + 7 : at + 10]))
             self._count((of, f"{name}_momentum"), given - impulse, largest, moved)
             if of == IMPACT and k == 0:
                 inertia = self._inertia(before)[1]
-                turned = abs(float(inertia @ after[at + 10 : at + 13]))
+                arm_m = self.scene.statue.centroid_height_m
+                turned = abs(float(inertia @ after[at + 10 : at + 13])) + arm_m * (largest + moved)
                 self._count((of, f"{name}_turning"), inertia @ change[3:] - moment[1], abs(moment[1]), turned)
 
     def _inertia(self, row: Row) -> Array:
