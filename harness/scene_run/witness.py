@@ -3,7 +3,7 @@
 Two runs of a plain engine, with steps that the budget allows, state by their own spread how far that engine is from its own
 convergence. Each run of the scene is then judged against the finer of the two as any two models are. So much of this is
 independent of the model: contact, friction, impact and integration are the engine's; shapes, masses and coefficients are the
-scene's. Two coefficients of friction are followed by the plainest rule (`harness.engines.contact.friction.followed`), which is
+scene's. Two coefficients of friction are followed by the plainest rule (`harness.engines.stepping.friction.followed`), which is
 another convention than the model's: they take the static one as an impact breaks the pedestal loose, and so does the model that
 is held against them (`harness.scene_run.floor_impact`).
 """

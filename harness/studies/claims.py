@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.contact.impact import IMPOSED_LABEL
+from harness.engines.stepping.impact import IMPOSED_LABEL
 from harness.model.history import History
 from harness.records.study import ClaimAnswer, ClaimVerdict, StudyRow
 from harness.studies import claim_tests as tests

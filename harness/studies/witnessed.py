@@ -18,7 +18,7 @@ from harness.campaign.runner import Pool
 from harness.campaign.store import Store
 from harness.campaign.task import Answer, Task
 from harness.engines.base import EngineFailure
-from harness.engines.contact.steering import refuse_steering
+from harness.engines.stepping.steering import refuse_steering
 from harness.model.options import RunOptions
 from harness.model.run import to_plain, versions
 from harness.model.scene import Scene

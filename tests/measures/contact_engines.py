@@ -9,10 +9,10 @@ from typing import Final
 from harness import engines
 from harness.bench.standard_scenes import PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.engines.base import Settings
-from harness.engines.contact import frame
-from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.world import build
+from harness.engines.stepping import frame
+from harness.engines.stepping.schedule import Schedule
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene

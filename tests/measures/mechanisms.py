@@ -59,7 +59,7 @@ def _loose(own: Any) -> Any:
 
 
 _M, _B = "harness.engines.pymunk.", "harness.engines.pybullet."
-_E: Final = "harness.engines.event_stepping."
+_E: Final = "harness.engines.stepping."
 LAYER: Final[Mapping[str, Change]] = {
     "nothing (noise of the measurement)": {},
     "micro-rocking": {_E + "micro_rocking:after_impact": _always(None)},

@@ -9,8 +9,8 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from harness.engines.contact import frame
 from harness.engines.pybullet import shapes
+from harness.engines.stepping import frame
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]

@@ -18,18 +18,18 @@ import pybullet
 from numpy.typing import NDArray
 
 from harness.engines import load
-from harness.engines.contact.trajectory import Trajectory
-from harness.engines.event_stepping.columns import trajectory
-from harness.engines.event_stepping.loop import integrate
-from harness.engines.event_stepping.schedule import Schedule
-from harness.engines.event_stepping.step_log import StepLog
-from harness.engines.event_stepping.step_state import StepState
-from harness.engines.event_stepping.stepper import Stepper
-from harness.engines.event_stepping.watch import Watch
 from harness.engines.pybullet import run_phases, shapes
 from harness.engines.pybullet.backend import BulletBackend, reader
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
+from harness.engines.stepping.columns import trajectory
+from harness.engines.stepping.loop import integrate
+from harness.engines.stepping.schedule import Schedule
+from harness.engines.stepping.step_log import StepLog
+from harness.engines.stepping.step_state import StepState
+from harness.engines.stepping.stepper import Stepper
+from harness.engines.stepping.trajectory import Trajectory
+from harness.engines.stepping.watch import Watch
 from harness.model.history import History
 from harness.model.options import RunOptions
 from harness.model.scene import Pedestal, Scene

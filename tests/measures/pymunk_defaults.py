@@ -8,8 +8,8 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
-from harness.engines.contact import frame
 from harness.engines.pymunk.world import rotated
+from harness.engines.stepping import frame
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]

@@ -17,11 +17,11 @@ import trimesh
 
 from harness import engines
 from harness.bench.standard_scenes import MESHES, record, scene_of
-from harness.engines.event_stepping.schedule import Schedule
 from harness.engines.pybullet.backend import reader
 from harness.engines.pybullet.run_phases import Setup, prepare, quiet_start_s
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
+from harness.engines.stepping.schedule import Schedule
 from harness.model.errors import InputError
 from harness.model.options import RunOptions
 from harness.model.scene import Scene

@@ -145,7 +145,7 @@ def _heavier(own: Any) -> Any:
     return build
 
 
-_E: Final = "harness.engines.event_stepping."
+_E: Final = "harness.engines.stepping."
 LAYER: Final[Mapping[str, Change]] = {
     **_turns(_E + "writing:RowWriter.write", Columns(7, 9, 11, 20)),
     **{
@@ -153,7 +153,7 @@ LAYER: Final[Mapping[str, Change]] = {
         for what, columns in {"velocity": (7, 10), "rate": (10, 13), "pedestal's velocity": (20, 23)}.items()
         for share in (1.0 + ARM, 1.0 - ARM)
     },
-    "gravity + 1 ‰": {"harness.engines.contact.frame:apparent_gravity": _gravity},
+    "gravity + 1 ‰": {"harness.engines.stepping.frame:apparent_gravity": _gravity},
     "inertia + 1 ‰": {
         "harness.engines.pymunk.world:build": _heavier,
         "harness.engines.pybullet.run_phases:prepare": _heavier,
@@ -167,7 +167,7 @@ LAYER: Final[Mapping[str, Change]] = {
     },
     "release as static": {
         _E + "stepper:Stepper._slip_onset": _static,
-        _E + "stepper:Stepper.let_loose": lambda _: lambda self, friction, gravity, before: self.backend.read(),
+        _E + "stepper:Stepper.redo_sliding": lambda _: lambda self, friction, gravity, before: self.backend.read(),
     },
 }
 MUTANTS: Final[Mapping[str, Mapping[str, Change]]] = dict.fromkeys(("pymunk", "pybullet"), LAYER)

@@ -18,11 +18,11 @@ from harness.engines.base import (
     Settings,
     own_settings,
 )
-from harness.engines.contact.friction import floor_friction
-from harness.engines.contact.impact import IMPOSED_LABEL
-from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.pybullet import mirror
 from harness.engines.pybullet.settings import BulletSettings
+from harness.engines.stepping.friction import floor_friction
+from harness.engines.stepping.impact import IMPOSED_LABEL
+from harness.engines.stepping.reduce import Report, reduce_trajectory
 from harness.model.finding import Finding, caution, changes_answer
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
@@ -123,8 +123,8 @@ class Bullet3D(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` when pybullet cannot finish it."""
-        from harness.engines.event_stepping.columns import trajectory
         from harness.engines.pybullet import run_phases
+        from harness.engines.stepping.columns import trajectory
 
         level = own_settings(self.name, BulletSettings, settings)
         if scene.initial.pose is not None and scene.contact.restitution is not None:

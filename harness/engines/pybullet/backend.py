@@ -8,14 +8,14 @@ from typing import Final
 
 import pybullet
 
-from harness.engines.event_stepping import settings
-from harness.engines.event_stepping.backend import Instant
-from harness.engines.event_stepping.interventions import Ledger
-from harness.engines.event_stepping.rows import ALONE, Impulse, Row, Vector, bodies, crossed
-from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.pybullet.gyroscopic import Gyroscope
 from harness.engines.pybullet.sliding_line import IN_LINE_RAD, SlidingLine
 from harness.engines.pybullet.world import World
+from harness.engines.stepping import settings
+from harness.engines.stepping.backend import Instant
+from harness.engines.stepping.interventions import Ledger
+from harness.engines.stepping.rows import ALONE, Impulse, Row, Vector, bodies, crossed
+from harness.engines.stepping.step_log import StepLog
 
 GRIP: Final = 0.5
 """Share of the statue's friction limit from which on its feet are not taken to stand, and"""
@@ -36,7 +36,7 @@ MOST_TURNS: Final = 3
 
 
 class BulletBackend:
-    """One of Bullet's worlds (`harness.engines.event_stepping.backend.Backend`); `step_s` is the length of its whole steps,
+    """One of Bullet's worlds (`harness.engines.stepping.backend.Backend`); `step_s` is the length of its whole steps,
     `grip_limit` the statue's coefficient of friction, None where its feet are never told to keep their places.
     """
 
@@ -65,7 +65,7 @@ class BulletBackend:
         if pedestal is not None and self.world.pedestal is not None:
             self.world.place(self.world.pedestal, pedestal)
 
-    def foresee(self, state: Instant, kick_s: float, length_s: float) -> None:
+    def prepare_step(self, state: Instant, kick_s: float, length_s: float) -> None:
         """What Bullet's gyroscopic torque misses in the next step; after an impact the change of velocities is not known yet."""
         self.ledger = state.record.ledger
         if self.gyroscope.moments is None:
@@ -76,7 +76,7 @@ class BulletBackend:
             if last_s > settings.EVENTS.shortest * self.step_s:
                 x, y, z = before
                 change = ((state.row[10] - x) / last_s, (state.row[11] - y) / last_s, (state.row[12] - z) / last_s)
-        self.gyroscope.foresee(state.row, change, kick_s - state.kick_s, length_s, record.ledger)
+        self.gyroscope.prepare_step(state.row, change, kick_s - state.kick_s, length_s, record.ledger)
 
     def impulses(self, places: Row) -> list[Impulse]:
         """What the contacts gave each body in the last step."""

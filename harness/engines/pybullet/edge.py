@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.event_stepping.contact_gaps import past_edge_m
+from harness.engines.stepping.contact_gaps import past_edge_m
 
 Array = NDArray[np.float64]
 

@@ -10,12 +10,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
-from harness.engines.event_stepping.rows import Row, Vector
 from harness.engines.pybullet import writing
+from harness.engines.stepping.rows import Row, Vector
 
 if TYPE_CHECKING:
-    from harness.engines.event_stepping.interventions import Ledger
     from harness.engines.pybullet.world import World
+    from harness.engines.stepping.interventions import Ledger
 
 
 KIND: Final = "gyroscopic"
@@ -25,7 +25,7 @@ STILL_RAD_S: Final = 1e-6
 
 
 class Gyroscope:
-    """The torque that the next step lacks: `foresee` it from the rows, `act` before each solution of the step."""
+    """The torque that the next step lacks: `prepare_step` it from the rows, `act` before each solution of the step."""
 
     def __init__(self, world: World) -> None:
         self.world, self.body, self.client = world, world.statue, world.client
@@ -33,7 +33,7 @@ class Gyroscope:
         self.moments: Vector | None = None if world.in_plane else world.moments
         self.torque: Vector | None = None
 
-    def foresee(self, row: Row, rate_rad_s2: Vector, span_s: float, length_s: float, ledger: Ledger) -> None:
+    def prepare_step(self, row: Row, rate_rad_s2: Vector, span_s: float, length_s: float, ledger: Ledger) -> None:
         """A step of `length_s` that takes velocities on by `span_s` (shorter around events), from a row whose angular velocity
         changes by `rate_rad_s2`.
         """

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from harness.engines.event_stepping.rows import ALONE, Body, Row, Vector
+from harness.engines.stepping.rows import ALONE, Body, Row, Vector
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 The steps are all of one length, none is repeated, no place or velocity is set, no contact parameter changes on the way. The
 shapes are what the scene needs: spheres at the vertices that can touch, and where the statue comes to its pedestal's edge its
 full shape from the start. Two coefficients of friction are the one thing that Bullet does not know: the floor's follows the
-pedestal's own velocity (`harness.engines.contact.friction.followed`).
+pedestal's own velocity (`harness.engines.stepping.friction.followed`).
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from typing import TYPE_CHECKING, ClassVar, Final, final
 import numpy as np
 
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings, near, own_settings
-from harness.engines.contact.frame import greatest_pull_m_s2, step_count
-from harness.engines.contact.friction import floor_friction
-from harness.engines.contact.reduce import Report, reduce_trajectory
-from harness.engines.contact.steering import refuse_steering
-from harness.engines.event_stepping.columns import trajectory
-from harness.engines.event_stepping.plain_steps import plain_steps
-from harness.engines.event_stepping.schedule import Schedule
-from harness.engines.event_stepping.step_log import StepLog
-from harness.engines.event_stepping.watch import LOOK_STEPS, Watch
 from harness.engines.pybullet.adapter import REST_BAND_RAD, Bullet3D
 from harness.engines.pybullet.mirror import halves
 from harness.engines.pybullet.settings import BulletSettings
+from harness.engines.stepping.columns import trajectory
+from harness.engines.stepping.frame import greatest_pull_m_s2, step_count
+from harness.engines.stepping.friction import floor_friction
+from harness.engines.stepping.plain_steps import plain_steps
+from harness.engines.stepping.reduce import Report, reduce_trajectory
+from harness.engines.stepping.schedule import Schedule
+from harness.engines.stepping.steering import refuse_steering
+from harness.engines.stepping.step_log import StepLog
+from harness.engines.stepping.watch import LOOK_STEPS, Watch
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene

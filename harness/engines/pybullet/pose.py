@@ -8,8 +8,8 @@ from itertools import permutations
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.event_stepping.rows import Body
 from harness.engines.pybullet.feet import Rest
+from harness.engines.stepping.rows import Body
 from harness.model.scene import Scene, Statue
 
 Array = NDArray[np.float64]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from harness.engines.event_stepping.domain import SLIDES_M_S
-from harness.engines.event_stepping.rows import ALONE, Row
 from harness.engines.pybullet.world import World
+from harness.engines.stepping.domain import SLIDES_M_S
+from harness.engines.stepping.rows import ALONE, Row
 
 NEAR_M: Final = 1e-4
 """A foot further above its support than this rubs on nothing."""

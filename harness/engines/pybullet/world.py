@@ -10,11 +10,11 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from harness.engines.event_stepping.rows import Body, Vector
 from harness.engines.pybullet import client, mirror, shapes, writing
 from harness.engines.pybullet.heading import Heading
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.solver import Solver
+from harness.engines.stepping.rows import Body, Vector
 from harness.model.scene import Contact, Pedestal, Wall
 
 Array = NDArray[np.float64]

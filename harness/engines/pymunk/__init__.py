@@ -19,20 +19,20 @@ from harness.engines.base import (
     near,
     own_settings,
 )
-from harness.engines.contact.frame import step_count
-from harness.engines.contact.friction import floor_friction
-from harness.engines.contact.impact import IMPOSED_LABEL
-from harness.engines.contact.reduce import Report, reduce_trajectory
-from harness.engines.contact.support import flat_base
-from harness.engines.event_stepping.contact_gaps import ContactGaps
-from harness.engines.event_stepping.loop import integrate
-from harness.engines.event_stepping.rest_spell import STILL_M_S
-from harness.engines.event_stepping.schedule import Schedule
-from harness.engines.event_stepping.step_log import StepLog
-from harness.engines.event_stepping.step_state import StepState
-from harness.engines.event_stepping.stepper import Stepper
-from harness.engines.event_stepping.watch import Watch
 from harness.engines.pymunk.settings import MunkSettings
+from harness.engines.stepping.contact_gaps import ContactGaps
+from harness.engines.stepping.frame import step_count
+from harness.engines.stepping.friction import floor_friction
+from harness.engines.stepping.impact import IMPOSED_LABEL
+from harness.engines.stepping.loop import integrate
+from harness.engines.stepping.reduce import Report, reduce_trajectory
+from harness.engines.stepping.rest_spell import STILL_M_S
+from harness.engines.stepping.schedule import Schedule
+from harness.engines.stepping.step_log import StepLog
+from harness.engines.stepping.step_state import StepState
+from harness.engines.stepping.stepper import Stepper
+from harness.engines.stepping.support import flat_base
+from harness.engines.stepping.watch import Watch
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
@@ -129,7 +129,7 @@ class Munk2D(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it."""
-        from harness.engines.event_stepping.columns import trajectory
+        from harness.engines.stepping.columns import trajectory
 
         own = own_settings(self.name, MunkSettings, settings)
         begin = time.perf_counter()

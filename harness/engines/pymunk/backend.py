@@ -13,17 +13,17 @@ from typing import TYPE_CHECKING, Final
 
 from pymunk._chipmunk_cffi import lib
 
-from harness.engines.event_stepping.interventions import Ledger
-from harness.engines.event_stepping.rows import ALONE, Impulse, Row, Vector
 from harness.engines.pymunk import native
 from harness.engines.pymunk.native import State
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.support import STILL, SupportVertex
 from harness.engines.pymunk.world import World
+from harness.engines.stepping.interventions import Ledger
+from harness.engines.stepping.rows import ALONE, Impulse, Row, Vector
 
 if TYPE_CHECKING:
-    from harness.engines.event_stepping.backend import Instant
-    from harness.engines.event_stepping.step_log import StepLog
+    from harness.engines.stepping.backend import Instant
+    from harness.engines.stepping.step_log import StepLog
 
 Pair = tuple[float, float]
 
@@ -41,7 +41,7 @@ ONE_STEP: Final = 1e-9
 
 
 class ChipmunkBackend:
-    """One of Chipmunk's spaces (`harness.engines.event_stepping.backend.Backend`); a `support` keeps the statue in contact."""
+    """One of Chipmunk's spaces (`harness.engines.stepping.backend.Backend`); a `support` keeps the statue in contact."""
 
     def __init__(self, world: World, settings: MunkSettings, support: SupportVertex | None = None) -> None:
         self.world, self.settings, self.step_s = world, settings, settings.dt_s
@@ -92,7 +92,7 @@ class ChipmunkBackend:
         set_velocity(floor, (u, w))
         set_place(floor, (x - u * self.step_s, z - w * self.step_s))
 
-    def foresee(self, state: Instant, kick_s: float, length_s: float) -> None:
+    def prepare_step(self, state: Instant, kick_s: float, length_s: float) -> None:
         """What the next step's velocities lag behind, and will."""
         solved_s = state.t_s if self.solved_s is None else self.solved_s
         self.since_s = state.t_s - solved_s
@@ -136,12 +136,12 @@ class ChipmunkBackend:
         if self.support is not None:
             self.turns = self.support.turns(before, after, pull)
             below = self.states[1] if len(states) > 1 else STILL
-            self.near = self.support.comes_near(after, below) or (
-                below is not STILL and self._comes_to_rest(below[3] - self.floor_m_s[0])
+            self.near = self.support.contact_within_steps(after, below) or (
+                below is not STILL and self._sticks_within_steps(below[3] - self.floor_m_s[0])
             )
         return row_of(self.states)
 
-    def _comes_to_rest(self, slip_m_s: float) -> bool:
+    def _sticks_within_steps(self, slip_m_s: float) -> bool:
         """Whether the pedestal, slowing as it does, sticks within some steps, or has done so in this one."""
         before, self.slip_m_s = self.slip_m_s, slip_m_s
         lost = before - slip_m_s

@@ -14,9 +14,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.event_stepping.interventions import Ledger
 from harness.engines.pymunk.native import State
 from harness.engines.pymunk.settings import MunkSettings
+from harness.engines.stepping.interventions import Ledger
 from harness.model.scene import Scene
 from meshes.footprint import lower_chain
 
@@ -162,7 +162,7 @@ class SupportVertex:
         top = under[1] + self.half_m + (x + arm_x - under[0]) * under[2]
         return arm_x, arm_z, z + arm_z - top + self.depth_m
 
-    def comes_near(self, state: State, under: State) -> bool:
+    def contact_within_steps(self, state: State, under: State) -> bool:
         """Whether the statue, turning on as it does, lies on its next facet within some steps."""
         spin, lean, level = state[5] - under[5], state[2] - under[2], self.level_rad
         following = bisect_left(level, lean) - (spin < 0.0)

@@ -13,7 +13,7 @@ import pytest
 from harness import engines
 from harness.comparison.distance import error_rad
 from harness.engines.base import Engine
-from harness.engines.contact.friction import FloorFriction, followed
+from harness.engines.stepping.friction import FloorFriction, followed
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from tests import budgets_engines as budget

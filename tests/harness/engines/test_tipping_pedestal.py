@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from analytic import Harmonic
 from harness.comparison.distance import error_rad
-from harness.engines.event_stepping.rows import STANDS_RAD, base_velocity
+from harness.engines.stepping.rows import STANDS_RAD, base_velocity
 from harness.model.options import RunOptions
 from harness.model.scene import Pedestal
 from harness.model.tilted import support_m

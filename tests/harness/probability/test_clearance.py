@@ -10,7 +10,7 @@ import pytest
 
 from analytic import Pulse
 from harness.campaign.runner import InlinePool
-from harness.engines.contact.spatial import statue_columns
+from harness.engines.stepping.spatial import statue_columns
 from harness.model.scene import BaseExcitation, Scene, Statue
 from harness.probability.assessment import assess
 from harness.probability.clearance import clearance, of_model

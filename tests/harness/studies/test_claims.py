@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from harness.engines.contact.impact import IMPOSED_LABEL
+from harness.engines.stepping.impact import IMPOSED_LABEL
 from harness.model.history import Outcome
 from harness.records.study import StudyRow, Value
 from harness.studies import claims

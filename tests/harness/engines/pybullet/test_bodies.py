@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from analytic.closed_form import rolling_cylinder
 from analytic.excitation import Harmonic
 from harness.engines import load
-from harness.engines.contact.spatial import matrices
-from harness.engines.event_stepping.rows import Body
 from harness.engines.pybullet import feet, pose, run_phases, shapes
 from harness.engines.pybullet.edge import EdgeWatch
+from harness.engines.stepping.rows import Body
+from harness.engines.stepping.spatial import matrices
 from harness.input.mesh_statue import statue_of
 from harness.model.history import Outcome
 from harness.model.options import RunOptions

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic
 from harness.engines import load
-from harness.engines.event_stepping.rows import Body
 from harness.engines.pybullet import feet, pose, run_phases, writing
 from harness.engines.pybullet.edge import DEPTH_M, Crossing
 from harness.engines.pybullet.full import HULL_VERTICES, full_shape
 from harness.engines.pybullet.shapes import HULL_INSET_M
 from harness.engines.pybullet.world import World
+from harness.engines.stepping.rows import Body
 from harness.input.mesh_statue import statue_of
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome

@@ -13,11 +13,11 @@ import pytest
 from analytic.excitation import Harmonic
 from harness.bench.standard_scenes import standard_set
 from harness.engines import load
-from harness.engines.event_stepping.schedule import Schedule
-from harness.engines.event_stepping.stepper import Stepper
 from harness.engines.pybullet import run_phases
 from harness.engines.pybullet.backend import BulletBackend
 from harness.engines.pybullet.world import World
+from harness.engines.stepping.schedule import Schedule
+from harness.engines.stepping.stepper import Stepper
 from harness.input.scene_file import load_scene
 from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation, Scene

@@ -11,10 +11,10 @@ import pytest
 
 from analytic.excitation import Harmonic, SampledAcceleration
 from harness.engines.analytic import TwoBlock
-from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.pymunk import Munk2D
 from harness.engines.pymunk.plain import PlainMunk2D
 from harness.engines.pymunk.settings import MunkSettings
+from harness.engines.stepping.impact import IMPOSED_LABEL
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run

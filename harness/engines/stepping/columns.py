@@ -1,0 +1,114 @@
+"""From the loop's rows to the trajectory, with the columns that only three dimensions have."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.stepping import frame
+from harness.engines.stepping.spatial import matrices, planar, statue_columns
+from harness.engines.stepping.step_log import StepLog
+from harness.engines.stepping.trajectory import Trajectory
+from harness.model.scene import Scene
+from harness.model.tilted import centroid_shift_m
+
+Array = NDArray[np.float64]
+
+JUMP_IN_G: Final = 10.0
+"""An acceleration above this many g is an impact's: velocities on its two sides are not averaged."""
+PLANAR: Final = ("pedestal_tilt_rad",)
+"""What a planar engine has of these columns."""
+
+
+def trajectory(scene: Scene, record: StepLog, axes: Array | None, step_s: float) -> Trajectory:
+    """The trajectory in the table's frame; `axes` (3, 3) holds the statue's principal axes as columns (None: a planar engine)."""
+    t_s, rows = _whole_steps(record, step_s, scene)
+    place, table_rate = _table(scene, t_s)
+    turn = matrices(rows[:, 3:7]) @ (np.eye(3) if axes is None else axes.T)
+    spin = rows[:, 10:13]
+    centroid, velocity = rows[:, 0:3] - place, rows[:, 7:10] - table_rate
+    theta, theta_rate = planar(turn[:, :, 2], spin)
+    extra = {} if axes is None else statue_columns(scene.statue, turn, centroid)
+    slip = slip_rate = np.zeros_like(t_s)
+    pedestal = pedestal_rate = pedestal_spin = None
+    if scene.pedestal is not None:
+        below, moving = rows[:, 13:16] - place, rows[:, 20:23] - table_rate
+        pedestal, pedestal_rate, pedestal_spin = below[:, [0, 2]], moving[:, [0, 2]], rows[:, 24]
+        columns = _pedestal_columns(matrices(rows[:, 16:20]), below)
+        tilt, (half_width, _, half_height) = columns["pedestal_tilt_rad"], scene.pedestal.half_m
+        # What slips is the edge on which it stands.
+        slip = below[:, 0] - below[0, 0] - centroid_shift_m(scene.pedestal, tilt)
+        slip_rate = moving[:, 0] - pedestal_spin * (half_height * np.cos(tilt) + half_width * np.abs(np.sin(tilt)))
+        extra |= {name: columns[name] for name in (PLANAR if axes is None else columns)}
+    return Trajectory(
+        t_s=t_s,
+        theta_rad=theta,
+        theta_rate_rad_s=theta_rate,
+        slip_m=slip,
+        slip_rate_m_s=slip_rate,
+        gravity_xz_m_s2=frame.apparent_gravity(scene, t_s)[:, [0, 2]],
+        statue_xz_m=centroid[:, [0, 2]],
+        statue_rate_m_s=velocity[:, [0, 2]],
+        pedestal_xz_m=pedestal,
+        pedestal_rate_m_s=pedestal_rate,
+        pedestal_spin_rad_s=pedestal_spin,
+        extra=extra,
+    )
+
+
+def _whole_steps(record: StepLog, step_s: float, scene: Scene) -> tuple[Array, Array]:
+    """Times (n,) and rows (n, 13 or 26) at whole steps, with velocities of those times instead of half a step before."""
+    t_s, kick_s, rows = np.array(record.t_s), np.array(record.kick_s), record.rows.copy()
+    jump = JUMP_IN_G * scene.gravity_m_s2
+    for columns, limit in (
+        (slice(7, 10), jump),
+        (slice(10, 13), jump / scene.statue.centroid_height_m),
+        (slice(20, 23), jump),
+        (slice(23, 26), jump / (math.inf if scene.pedestal is None else scene.pedestal.centroid_height_m)),
+    ):
+        if columns.stop <= rows.shape[1]:
+            rows[:, columns] = _synchronous(rows[:, columns], t_s, kick_s, limit)
+    whole = t_s == np.round(t_s / step_s) * step_s
+    whole[-1] = True
+    t_s, rows = t_s[whole], rows[whole]
+    if t_s[0] > 0.0:
+        # What came before was not integrated: nothing moved.
+        t_s, rows = np.concatenate([[0.0], t_s]), np.vstack([rows[:1], rows])
+    return t_s, rows
+
+
+def _synchronous(values: Array, t_s: Array, kick_s: Array, jump: float) -> Array:
+    """Velocities (n, 3) at the samples' own times from those of `kick_s`, at most half a step before.
+
+    Between two samples the value is interpolated, except where the acceleration is an impact's: there the one before holds. The
+    last goes on as it did before.
+    """
+    result = values.copy()
+    between = np.diff(kick_s)
+    # An impact's step takes no time for velocities.
+    accel = np.diff(values, axis=0) / np.where(between > 0.0, between, 1.0)[:, None]
+    smooth = (between > 0.0) & (np.max(np.abs(accel), axis=1) < jump)
+    slope = np.where(smooth[:, None], accel, 0.0)
+    # A run of one sample has no acceleration: its velocities stay.
+    last = slope[-1:] if len(slope) else np.zeros_like(values)
+    result += np.vstack([slope, last]) * (t_s - kick_s)[:, None]
+    return result
+
+
+def _table(scene: Scene, t_s: Array) -> tuple[Array, Array]:
+    """Displacement and velocity (n, 3) of a moving table, zero for a moving frame."""
+    if scene.table != "moving":
+        nothing = np.zeros((t_s.size, 3))
+        return nothing, nothing
+    return frame.table_displacement(scene, t_s), frame.table_velocity(scene, t_s)
+
+
+def _pedestal_columns(turn: Array, place: Array) -> dict[str, Array]:
+    return {
+        "pedestal_tilt_rad": np.arctan2(turn[:, 0, 2], turn[:, 2, 2]),
+        "pedestal_yaw_rad": np.arctan2(turn[:, 1, 0], turn[:, 0, 0]),
+        "pedestal_y_m": place[:, 1] - place[0, 1],
+    }

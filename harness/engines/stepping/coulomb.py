@@ -1,0 +1,151 @@
+"""Whether the floor's friction kept Coulomb's law: from the balance of momentum of both bodies, hence as it acted.
+
+What the loop believes of friction is not asked. Sliding, friction is μ_k N; else it is at most μ_s N; the step in which the
+pedestal breaks loose acts with what lies between. A limit that is wrong in the loop, or a release in which the static coefficient
+goes on acting, shows here however small its effect on the motion.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.base import LayerFault
+from harness.engines.stepping.forces import Impulses
+from harness.engines.stepping.trajectory import Trajectory
+from harness.model.interventions import Intervention
+from harness.model.scene import Scene
+
+Array = NDArray[np.float64]
+
+SLIDES: Final = 10.0
+"""A velocity above so many times the one that counts as rest is sliding: what a solver leaves is below a tenth of it."""
+MOST_OVER: Final = 0.04
+"""Share by which friction may exceed its limit, over all steps of a state: 0.024 at most in 650 runs at 4 to 0.25 ms."""
+COARSE_S: Final = 4e-3
+"""Longer steps are allowed more in proportion, as what corrections at events leave grows with them."""
+LEAST_STEPS: Final = 8
+"""Fewer sliding steps are no sliding to judge: corrections at an impact among them would count for too much."""
+HARD: Final = 2.0
+"""A normal force above so many weights is an impact's, and"""
+BESIDE: Final = 2
+"""so many steps beside it do not tell forces: velocities of the middles of steps are taken over to their ends."""
+SMOOTH: Final = 1e-2
+"""A coefficient below this is held to as much: of none at all no share can be taken."""
+AT_LIMIT: Final = 1e-3
+"""A release acted with the static coefficient when its friction is so near to it, as a share of μ_s − μ_k."""
+AS_STATIC: Final = 3
+"""So many releases with the static coefficient, and none without, are no chance: where in its step it comes is anywhere."""
+SLIP_ONSET: Final = "friction_release"
+"""Kind of what is written where static friction gives way: steps that are solved again."""
+
+
+@dataclass(frozen=True)
+class FrictionUsed:
+    """What acted: shares by which friction exceeded its limit `sliding` and `held`; releases, those `as_static`; the step.
+
+    `slid`: whether any step slid.
+    """
+
+    sliding: float
+    held: float
+    releases: int
+    as_static: int
+    step_s: float
+    slid: bool
+
+
+def friction_is_known(scene: Scene, motion: Trajectory) -> bool:
+    """Whether the balance of momentum in the plane tells the floor's friction: on a pedestal that moves in the plane alone.
+
+    Where a ratio is prescribed at impacts, velocities are written there by the harness; a wall pushes along the floor too.
+    """
+    flat = scene.planar or "yaw_rad" not in motion.extra
+    alone = scene.contact.restitution is None and scene.wall is None
+    return scene.pedestal is not None and alone and flat
+
+
+def friction_used(
+    scene: Scene, motion: Trajectory, impulses: Impulses, plain_from_s: float | None, still_m_s: float
+) -> FrictionUsed:
+    """The floor's friction over a trajectory until its contact is another one, if ever; `still_m_s` counts as rest."""
+    static, kinetic = scene.contact.floor_static, scene.contact.floor_kinetic
+    normal = np.diff(impulses.floor_z)
+    mass_kg = scene.statue.mass_kg + (0.0 if scene.pedestal is None else scene.pedestal.mass_kg)
+    acting = np.diff(impulses.floor_x) - mass_kg * _rounded_off_m_s(motion)
+    friction = np.maximum(np.abs(acting) - _unread_n_s(scene, motion), 0.0)
+    before, after = np.abs(motion.slip_rate_m_s[:-1]), np.abs(motion.slip_rate_m_s[1:])
+    weight = mass_kg * scene.gravity_m_s2
+    hard = np.convolve(normal > HARD * weight * np.diff(motion.t_s), np.ones(2 * BESIDE + 1))[BESIDE:-BESIDE] > 0.0
+    counted = (motion.t_s[1:] < (np.inf if plain_from_s is None else plain_from_s)) & (normal > 0.0)
+    one_way = motion.slip_rate_m_s[:-1] * motion.slip_rate_m_s[1:] > 0.0
+    sliding = counted & one_way & ~hard & (np.minimum(before, after) > SLIDES * still_m_s)
+    held = counted & ~hard & (np.maximum(before, after) <= still_m_s)
+    loose = counted & (before <= still_m_s) & (after > still_m_s)
+    # Less than μ_k N: what moved the pedestal by more than counts as rest was a solver's remainder, or a part of the step.
+    released = loose & (friction > (kinetic - 0.5 * (static - kinetic)) * normal)
+    least = static - AT_LIMIT * (static - kinetic)
+    return FrictionUsed(
+        _over(friction, kinetic, normal, sliding),
+        _over(friction, static, normal, held),
+        int(released.sum()),
+        int((released & (friction >= least * normal)).sum()),
+        float(np.median(np.diff(motion.t_s))),
+        bool(sliding.any()),
+    )
+
+
+def _rounded_off_m_s(motion: Trajectory) -> Array:
+    """What a step's change of velocity is read too large by, m/s, as the table's acceleration a curves: a″ dt³/8.
+
+    Velocities at whole steps are the means of those half a step before and after, so that the change between two of them holds
+    the mean of a over two steps and not over one. Of a light friction under a strong, quick motion this is a tenth.
+    """
+    pull = motion.gravity_xz_m_s2[:, 0]
+    curved = np.zeros_like(pull)
+    curved[1:-1] = pull[2:] - 2.0 * pull[1:-1] + pull[:-2]
+    rounded: Array = 0.125 * curved * np.diff(motion.t_s)
+    return rounded
+
+
+def _unread_n_s(scene: Scene, motion: Trajectory) -> Array:
+    """Impulse that a step's friction may lack as it is read, N s: a velocity that is solved at the step's beginning lacks half a
+    step of ω² R, and what friction does to it is told by how that changes.
+    """
+    statue, step_s = scene.statue, np.diff(motion.t_s)
+    arm_m = max(math.hypot(statue.corner_m(side), statue.centroid_height_m) for side in (-1, 1))
+    spin = np.abs(motion.theta_rate_rad_s[:-1])
+    gained = np.abs(np.diff(motion.theta_rate_rad_s))
+    unread: Array = statue.mass_kg * arm_m * step_s * spin * (gained + 0.5 * spin * spin * step_s)
+    return unread
+
+
+def _over(friction: Array, coefficient: float, normal: Array, which: NDArray[np.bool_]) -> float:
+    """Share by which friction exceeds its limit over the steps in question, 0 for too few of them."""
+    if which.sum() < LEAST_STEPS:
+        return 0.0
+    excess = np.maximum(friction[which] - coefficient * normal[which], 0.0).sum()
+    return float(excess / (max(coefficient, SMOOTH) * normal[which].sum()))
+
+
+def check_friction(scene: Scene, used: FrictionUsed, interventions: Mapping[str, Intervention] | None) -> None:
+    """Raise `LayerFault` where friction was not Coulomb's, or a release not solved again (without an account: not asked)."""
+    where = {"sliding": used.sliding, "held": used.held}
+    for name, over in where.items():
+        if over > MOST_OVER * max(1.0, used.step_s / COARSE_S):
+            raise LayerFault(f"friction_{name}", over_its_limit=over)
+    if interventions is None or scene.contact.floor_static == scene.contact.floor_kinetic:
+        return
+    # What an impact breaks loose acts as the scene says.
+    as_static = 0 if scene.contact.at_impact > scene.contact.floor_kinetic else used.as_static
+    again = interventions[SLIP_ONSET].steps_again if SLIP_ONSET in interventions else 0
+    # What never slid has not broken loose: a solver's remainder of some 1e-6 m looks like it (seen on 1 of 77 random scenes).
+    if (used.slid and again < used.releases) or as_static == used.releases >= AS_STATIC:
+        raise LayerFault(
+            "release_not_kinetic", releases=used.releases, as_static=used.as_static, steps_solved_again=again
+        )

@@ -1,0 +1,212 @@
+"""The loop: whole steps, shorter ones around events, when to stop."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from harness.engines.stepping import imposing, micro_rocking
+from harness.engines.stepping.contact_gaps import ContactGaps
+from harness.engines.stepping.contact_time import ContactTimeEstimate
+from harness.engines.stepping.frame import greatest_pull_m_s2
+from harness.engines.stepping.locating import locate_event
+from harness.engines.stepping.rest_spell import STILL_M_S
+from harness.engines.stepping.rows import ALONE, Row, axis_of
+from harness.engines.stepping.schedule import SAME_INSTANT, Schedule
+from harness.engines.stepping.spatial import fallen
+from harness.engines.stepping.step_log import StepLog
+from harness.engines.stepping.step_state import ContactTime, HalfCycle, StepState
+from harness.engines.stepping.watch import LOOK_STEPS, Watch
+from harness.model.scene import Scene
+
+RESTING_FREE: Final = 4
+"""Steps taken at once at rest: an uplift and its return inside them are below a step's own error."""
+MOST_FREE: Final = 16
+"""Steps taken at once at most: so often are overturning, rest and the pedestal's edge looked at."""
+BESIDE_FREE: Final = 2
+"""Steps taken at once where the pedestal's edges may be met: a foot that slides over one stands beside it for no longer."""
+LEANING: Final = 0.2
+"""An axis whose vertical component is larger is far from overturned."""
+STILL_LEAN_RAD: Final = 1e-4
+"""A statue at rest on its base leans less than this from its pose at rest."""
+STILL_CHECK: Final = 64
+STILL_CHECKS: Final = 16
+"""A run may end when everything was still at this many checks in a row, `STILL_CHECK` steps apart."""
+
+
+def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) -> StepLog:
+    """Run `state` to the schedule's end, an overturn, rest, or where it is to leave this world."""
+    pull = greatest_pull_m_s2(scene)
+    kinetic = scene.contact.floor_kinetic * scene.gravity_m_s2
+    still, record, falls = Still(watch), state.record, watch.ends_fallen and scene.initial.pose is None
+    look, leave_look, beside = state.number, state.number, False
+    while state.number < schedule.count:
+        row, jump_s = state.row, schedule.jump_after_s(state.kick_s)
+        zx, zy, zz = axis_of(row, watch.axis)
+        if zz < LEANING and falls and fallen(zx, zy, zz):
+            break
+        if state.on_grid:
+            if watch.leave is not None and state.number >= leave_look:
+                if watch.leave(row):
+                    break
+                beside = watch.edges is not None and watch.edges(row)
+                leave_look = state.number + (BESIDE_FREE if beside else MOST_FREE)
+            if watch.stop is not None and state.number >= look:
+                look = state.number + LOOK_STEPS
+                if watch.stop(state.t_s, math.atan2(zx, zz)):
+                    break
+            if still.lasts(state.number, row, zx, zy):
+                record.rested = True
+                break
+            if watch.spells is not None and not beside and (steps := watch.spells.steps(state)) > 0:
+                state.rest(min(steps, schedule.count - state.number))
+                continue
+        free = MOST_FREE
+        due = jump_s <= state.next_s + SAME_INSTANT * state.step_s
+        if watch.gaps is not None and (beside or tips(row, state.step_s, state.stepper.tipped_rad)):
+            free = BESIDE_FREE if beside else MOST_FREE
+            # Nothing is located: the engine is plain, and no half-cycle is followed.
+            state.half_cycle, state.jumped_s = None, state.t_s
+        elif watch.gaps is not None and state.velocity_jumps < state.events.most_jumps:
+            free = _touched(state, scene, watch.gaps, watch, jump_s if due else math.inf)
+            if free == 0:
+                continue
+            if len(row) > ALONE and len(record.t_s) > 1:
+                free = min(free, _stick_onset(state, pull, kinetic, jump_s))
+                if free == 0:
+                    continue
+        if due:
+            state.meet_jump(jump_s)
+        elif state.even:
+            free = free if jump_s == math.inf else min(free, int((jump_s - state.t_s) / state.step_s + SAME_INSTANT))
+            begin = state.number - schedule.first
+            state.whole_steps(schedule.coarse[begin : begin + free])
+        else:
+            state.to_next()
+    state.stepper.balance.check()
+    return record
+
+
+def tips(row: Row, step_s: float, tipped_rad: float) -> bool:
+    """Whether the pedestal tips: its impacts on the floor are not located, and those of the statue are none on a held support."""
+    if len(row) == ALONE:
+        return False
+    a, b, c, d = row[16:20]
+    tilt = math.hypot(2.0 * (a * c + b * d), 2.0 * (b * c - a * d))
+    return tilt + step_s * math.hypot(row[23], row[24]) > tipped_rad
+
+
+def _touched(state: StepState, scene: Scene, gaps: ContactGaps, watch: Watch, jump_s: float) -> int:
+    """Number of whole steps in which no foot can come down; 0 when one was about to and its impact has been passed.
+
+    What comes after `jump_s`, the instant in the next step at which the floor's acceleration jumps, is not looked at before that.
+    """
+    stepper, step_s = state.stepper, state.step_s
+    if jump_s == math.inf and state.half_cycle is not None and _followed(state, gaps, state.half_cycle):
+        return 0
+    contact_s, soonest, foot = gaps(state.row, state.t_s, state.jumped_s, stepper.table_place[2], stepper.table_rate[2])
+    if watch.impose:
+        return _imposed(state, scene, gaps, watch, soonest, jump_s)
+    # Its velocity is of half a step ago: it may come sooner than at that.
+    if contact_s == math.inf or state.t_s + min(contact_s, soonest) > state.next_s:
+        if stepper.backend.near is False:
+            return MOST_FREE
+        return _free(state, soonest / step_s)
+    contact_time = ContactTimeEstimate(state, gaps, foot)
+    located_s = contact_time()
+    if state.t_s + located_s > jump_s or min(contact_s, located_s) > state.events.later * (state.next_s - state.t_s):
+        return 1
+    _locate_impact(state, gaps, contact_time)
+    return 0
+
+
+def _locate_impact(state: StepState, gaps: ContactGaps, contact_time: ContactTime) -> None:
+    """A foot that comes down, and the half-cycle that begins with its impact."""
+    locate_event(state, gaps, contact_time, state.impact, contact_time.speeds)
+    if state.velocity_jumped:
+        state.half_cycle = micro_rocking.after_impact(state, gaps)
+
+
+def _followed(state: StepState, gaps: ContactGaps, half_cycle: HalfCycle) -> bool:
+    """Whether a part of a short half-cycle, or its impact, was made; if not it is no short one any more."""
+    due = micro_rocking.follow(state, half_cycle)
+    if due is None:
+        state.half_cycle = None
+    elif due:
+        _locate_impact(state, gaps, half_cycle.contact_time)
+    return due is not None
+
+
+def _imposed(state: StepState, scene: Scene, gaps: ContactGaps, watch: Watch, soonest: float, jump_s: float) -> int:
+    """The same where impacts are prescribed: one is imposed when the statue passes upright."""
+    step_s = state.step_s
+    # Right after an impact the statue is upright, to the last digit or not.
+    contact_s = math.inf if state.velocity_jumped else _upright(state, gaps, watch)
+    sure = min(soonest, contact_s)
+    if contact_s == math.inf or state.t_s + sure > state.next_s or state.t_s + contact_s > jump_s:
+        return _free(state, sure / step_s)
+
+    def impose() -> None:
+        lean = axis_of(state.row, watch.axis)[0] - watch.rest[0]
+        state.jump_velocity(imposing.impose(state.stepper, scene, state.row, lean))
+
+    locate_event(state, gaps, lambda: _upright(state, gaps, watch), impose)
+    return 0
+
+
+def _upright(state: StepState, gaps: ContactGaps, watch: Watch) -> float:
+    """Time, s, until the statue passes upright; infinite when it does not come down."""
+    lean, rate = axis_of(state.row, watch.axis)[0] - watch.rest[0], state.row[11]
+    return -lean / rate if lean * rate < 0.0 and abs(rate) > gaps.slow_rad_s else math.inf
+
+
+def _stick_onset(state: StepState, pull: float, kinetic: float, jump_s: float) -> int:
+    """Number of whole steps in which the pedestal cannot stick; 0 when it was about to, before the floor's acceleration jumps,
+    and its stick onset has been met.
+
+    `pull` bounds its deceleration, `kinetic` is kinetic friction's, m/s².
+    """
+    stepper, row, record, step_s = state.stepper, state.row, state.record, state.step_s
+    least_m_s2 = state.events.least_share * kinetic
+    before = record.flat[-2 * len(row) + 20 : -2 * len(row) + 22]
+    vx, vy = row[20] - stepper.table_rate[0], row[21] - stepper.table_rate[1]
+    speed = math.hypot(vx, vy)
+    unseen = MOST_FREE if stepper.backend.near is False else 0
+    if speed <= least_m_s2 * step_s:
+        return unseen or RESTING_FREE
+    last_s = record.kick_s[-1] - record.kick_s[-2]
+    if last_s <= 0.0 or not state.smooth:
+        return 1
+    ax = (vx - before[0] + stepper.table_before[0]) / last_s
+    ay = (vy - before[1] + stepper.table_before[1]) / last_s
+    slowing = -(vx * ax + vy * ay) / speed
+    # Kinetic friction stops nothing that goes past rest: what turns aside slides on, unless less than it is needed.
+    if slowing > least_m_s2 and not stepper.passes_rest((vx, vy), (ax * last_s, ay * last_s)):
+        stick_onset_s = state.kick_s + speed / slowing
+        if stick_onset_s <= min(0.5 * (state.t_s + state.next_s), jump_s):
+            state.bring(stick_onset_s)
+            return 0
+    return unseen or _free(state, speed / (pull * step_s))
+
+
+def _free(state: StepState, steps: float) -> int:
+    """Whole steps that may be taken at once where an event comes no sooner than in so many, or never."""
+    return min(max(int(steps - state.events.ahead), 1), MOST_FREE) if steps < math.inf else RESTING_FREE
+
+
+class Still:
+    """Counts the checks in a row at which nothing moved, from the step on from which the table is still."""
+
+    def __init__(self, watch: Watch) -> None:
+        self.watch, self.next, self.count = watch, watch.quiet_from, 0
+
+    def lasts(self, number: int, row: Row, zx: float, zy: float) -> bool:
+        """Whether everything has been still long enough."""
+        if self.next is None or number < self.next:
+            return False
+        self.next = number + STILL_CHECK
+        rest = self.watch.rest
+        moving = row[7:13] if len(row) == 13 else row[7:13] + row[20:26]
+        upright = max(abs(zx - rest[0]), abs(zy - rest[1])) < STILL_LEAN_RAD
+        self.count = self.count + 1 if upright and max(map(abs, moving)) < STILL_M_S else 0
+        return self.count >= STILL_CHECKS

@@ -1,0 +1,49 @@
+"""Whole steps of an engine as it comes: nothing is located, none is solved again, and no body is written to."""
+
+from __future__ import annotations
+
+import math
+
+from harness.engines.stepping.backend import Backend
+from harness.engines.stepping.friction import floor_friction, followed
+from harness.engines.stepping.rows import Row, axis_of, base_velocity
+from harness.engines.stepping.schedule import Schedule
+from harness.engines.stepping.spatial import fallen
+from harness.engines.stepping.step_log import StepLog
+from harness.engines.stepping.watch import LOOK_STEPS, Watch
+from harness.model.scene import Scene
+
+
+def plain_steps(backend: Backend, schedule: Schedule, watch: Watch) -> StepLog:
+    """All steps of a schedule, or those up to a look at which `watch` ends the run: overturned, stopped, or to leave this world.
+
+    Two coefficients of friction are the one thing that no engine knows: the floor's follows the pedestal's own velocity
+    (`followed`).
+    """
+    step_s, friction = schedule.step_s, floor_friction(schedule.scene, schedule.step_s)
+    row, acting, slips = backend.read(), friction.static, (0.0, 0.0)
+    pedestal = schedule.scene.pedestal if friction.switches else None
+    record = StepLog(len(row))
+    record.keep(0.0, 0.0, row)
+    for number, gravity in enumerate(schedule.coarse, 1):
+        before, row = row, backend.advance(gravity)
+        record.keep(number * step_s, (number - 0.5) * step_s, row)
+        if pedestal is not None:
+            # Asked after a step, for the next: in the one in which the pedestal breaks loose the static coefficient still acts.
+            slipped, slips = slips, base_velocity(pedestal.half_m, before, row)
+            wanted = followed(friction, slipped, slips)
+            if wanted != acting:
+                backend.set_floor_friction(wanted)
+                acting = wanted
+        if number % LOOK_STEPS == 0 and _ended(schedule.scene, watch, number * step_s, row):
+            break
+    return record
+
+
+def _ended(scene: Scene, watch: Watch, t_s: float, row: Row) -> bool:
+    x, y, z = axis_of(row, watch.axis)
+    if watch.ends_fallen and scene.initial.pose is None and fallen(x, y, z):
+        return True
+    if watch.stop is not None and watch.stop(t_s, math.atan2(x, z)):
+        return True
+    return watch.leave is not None and watch.leave(row)

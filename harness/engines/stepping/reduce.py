@@ -1,0 +1,278 @@
+"""From a contact engine's trajectory to the record of its run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.stepping import forces, support
+from harness.engines.stepping.coulomb import check_friction, friction_is_known, friction_used
+from harness.engines.stepping.domain import PlainSpells, plain_spells
+from harness.engines.stepping.ending import by_energy
+from harness.engines.stepping.falling import Fall, fall, side_of
+from harness.engines.stepping.rocking import patterns, rocking
+from harness.engines.stepping.trajectory import Trajectory
+from harness.model.finding import Finding, caution
+from harness.model.history import History, Outcome, hermites, output_grid
+from harness.model.interventions import Intervention
+from harness.model.run import Run
+from harness.model.scene import OVERTURN_RAD, Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Report:
+    """What the adapter knows of its own run: settings, counts, findings.
+
+    `resolution_rad` is the rotation that the contact's slop leaves at rest; `stuck_below_m_s` the velocity that is rest.
+    `rested` says that the run was ended at rest before the scene's end, so that the last state holds to it. `repeats` that a step
+    in which the pedestal breaks loose is solved again.
+    """
+
+    engine: str
+    settings: Mapping[str, object]
+    steps: int
+    wall_s: float
+    resolution_rad: float
+    stuck_below_m_s: float
+    rested: bool = False
+    with_history: bool = True
+    validity: Mapping[str, object] = field(default_factory=dict)
+    work: Mapping[str, int] = field(default_factory=dict)
+    skipped: Mapping[str, float | None] = field(default_factory=dict)
+    findings: Sequence[Finding] = ()
+    labels: Sequence[str] = ()
+    interventions: Mapping[str, Intervention] = field(default_factory=dict)
+    repeats: bool = True
+
+
+def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> Run:
+    """The whole record of a run; a trajectory that is not finite is `diverged`, without a history.
+
+    The run ends at the overturning rotation, the same in every model, unless it begins from a pose in space; the time is
+    interpolated between two samples. Raises `LayerFault` where the floor's friction was not Coulomb's.
+    """
+    finite = (
+        np.isfinite(trajectory.theta_rad) & np.isfinite(trajectory.theta_rate_rad_s) & np.isfinite(trajectory.slip_m)
+    )
+    if not finite.all():
+        return _diverged(report, float(trajectory.t_s[int(np.flatnonzero(~finite)[0])]))
+    end_s, overturn_s, until_s = _ending(scene, trajectory, report.rested)
+    motion = trajectory.until(until_s)
+    theta, rate = motion.theta_rad, motion.theta_rate_rad_s
+    cycles = rocking(motion.t_s, theta, rate, report.resolution_rad)
+    wall_s = support.wall_touch_s(scene, motion)
+    inside = motion.t_s <= end_s
+    peak = int(np.abs(np.where(inside, theta, 0.0)).argmax())
+    derived = _derive(scene, motion)
+    if friction_is_known(scene, motion):
+        used = friction_used(scene, motion, derived.impulses, derived.plain["plain_from_s"], report.stuck_below_m_s)
+        check_friction(scene, used, report.interventions if report.repeats else None)
+    fallen = fall(scene, motion, overturn_s)
+    outcome, ahead_rad = _outcome(scene, motion, fallen, wall_s, derived, report.stuck_below_m_s)
+    if not outcome.overturned and overturn_s is None:
+        fallen = None
+    peak_rad, peak_s = float(abs(theta[peak])), float(motion.t_s[peak])
+    if overturn_s is not None:
+        peak_rad, peak_s = OVERTURN_RAD, overturn_s
+    elif ahead_rad > peak_rad:
+        peak_rad, peak_s = ahead_rad, end_s
+    validity = _validity(scene, motion, derived) | _energies(scene, motion, derived.energy_j, cycles.impact_times_s)
+    validity |= dict(derived.plain)
+    validity |= {"impact_ratios": _ratios(cycles.rates_before_rad_s, cycles.rates_after_rad_s)}
+    if wall_s is not None:
+        validity["wall_touch_time_s"] = wall_s
+    return Run(
+        engine=report.engine,
+        outcome=outcome,
+        history=_history(scene, motion, derived, end_s) if report.with_history else None,
+        settings=report.settings if report.repeats else {**report.settings, **_as_static(scene)},
+        steps=report.steps,
+        wall_s=report.wall_s,
+        peak_theta_rad=peak_rad,
+        peak_time_s=peak_s,
+        end_s=end_s,
+        overturn_time_s=None if fallen is None else fallen.overturn_s,
+        no_return_time_s=None if fallen is None else fallen.no_return_s,
+        impact_times_s=tuple(time for time in cycles.impact_times_s if time <= end_s),
+        uplift_times_s=tuple(time for time in cycles.uplift_times_s if time <= end_s),
+        peak_slip_m=float(np.abs(motion.slip_m).max()),
+        residual_slip_m=float(motion.slip_m[-1]),
+        patterns=patterns(motion.t_s, theta, motion.slip_rate_m_s, report.resolution_rad, report.stuck_below_m_s),
+        validity=validity | dict(report.validity),
+        work=report.work,
+        skipped=report.skipped,
+        findings=(*own_contact(scene), *report.findings),
+        labels=report.labels,
+        interventions=report.interventions,
+    )
+
+
+def own_contact(scene: Scene) -> list[Finding]:
+    """Forms of the two-block model that an engine replaces by its own contact."""
+    keys = []
+    if scene.pedestal is not None and scene.form.friction_normal == "static":
+        keys.append("model.friction_normal")
+    if (
+        scene.pedestal is not None
+        and scene.form.pedestal_at_impact == "unchanged"
+        and scene.contact.restitution is None
+    ):
+        keys.append("model.pedestal_at_impact")
+    return [caution("own_contact", keys=keys)] if keys else []
+
+
+@dataclass(frozen=True, eq=False)
+class _Derived:
+    """What validity and history both read off a trajectory, shape (n,): impulses, slip and gap of the corners, energy; and how
+    deep the statue was in its support at most.
+    """
+
+    impulses: forces.Impulses
+    slip_m: Array
+    gap_m: Array
+    penetration_m: float
+    energy_j: Array
+    plain: PlainSpells
+    corners: support.Corners
+
+
+def _derive(scene: Scene, motion: Trajectory) -> _Derived:
+    at = support.corners(scene, motion)
+    slip, gap = support.statue_slip_m(scene, at), support.gap_m(scene, at)
+    # A point beside the pedestal's top is not in it.
+    over = gap if scene.pedestal is None else support.gap_m(scene, at, 0.5 * scene.pedestal.width_m)
+    plain = plain_spells(motion, slip, gap, at, scene.pedestal)
+    return _Derived(
+        forces.impulses(scene, motion),
+        slip,
+        gap,
+        float(max(-over.min(), 0.0)),
+        forces.energy_j(scene, motion),
+        plain,
+        at,
+    )
+
+
+def _as_static(scene: Scene) -> dict[str, object]:
+    """What an engine whose coefficient follows its own sliding does as an impact breaks the pedestal loose."""
+    two = scene.pedestal is not None and scene.contact.floor_kinetic < scene.contact.floor_static
+    return {"floor_impact": "static"} if two else {}
+
+
+def _diverged(report: Report, time_s: float) -> Run:
+    return Run(
+        engine=report.engine,
+        outcome=Outcome.DIVERGED,
+        history=None,
+        settings=report.settings,
+        steps=report.steps,
+        wall_s=report.wall_s,
+        peak_theta_rad=0.0,
+        peak_time_s=0.0,
+        end_s=time_s,
+        message=f"the engine's numbers are not finite from {time_s:.6g} s",
+        findings=report.findings,
+        labels=report.labels,
+        interventions=report.interventions,
+    )
+
+
+def _ending(scene: Scene, trajectory: Trajectory, rested: bool) -> tuple[float, float | None, int]:
+    """End of the run, time of overturning or None, and the number of samples that belong to it."""
+    t_s, size = trajectory.t_s, np.abs(trajectory.theta_rad)
+    over = np.flatnonzero(size >= OVERTURN_RAD)
+    # A body thrown through space has no upright to overturn from: its run goes on over any rotation.
+    if over.size and scene.initial.pose is None:
+        k = int(over[0])
+        if k == 0:
+            return float(t_s[0]), float(t_s[0]), 1
+        share = (OVERTURN_RAD - size[k - 1]) / (size[k] - size[k - 1])
+        time = float(t_s[k - 1] + share * (t_s[k] - t_s[k - 1]))
+        if time <= scene.duration_s:
+            return time, time, k + 1
+    last = scene.duration_s if rested else min(float(t_s[-1]), scene.duration_s)
+    count = int(np.searchsorted(t_s, last, side="left")) + 1
+    return last, None, min(count, t_s.size)
+
+
+def _outcome(
+    scene: Scene, motion: Trajectory, fallen: Fall | None, wall_s: float | None, derived: _Derived, still_m_s: float
+) -> tuple[Outcome, float]:
+    """What came first: the wall before a fall across the plane, the slide off the support before the balance point; else what
+    the energy that is left gives. With the largest rotation, rad, of what it has yet to give.
+    """
+    passed_s = math.inf if fallen is None or fallen.no_return_s is None else fallen.no_return_s
+    if wall_s is not None and (fallen is None or not fallen.across or wall_s <= passed_s):
+        return Outcome.TOUCHES_WALL, 0.0
+    if fallen is not None and fallen.whole:
+        return fallen.outcome, 0.0
+    until = int(np.searchsorted(motion.t_s[:-1], passed_s))
+    if _left_support(scene, motion, float(derived.slip_m[until])):
+        return Outcome.LEFT_PEDESTAL, 0.0
+    own = Outcome.STANDS if fallen is None else fallen.outcome
+    ahead = None if fallen is not None and fallen.lies else by_energy(scene, motion, derived.corners, still_m_s)
+    # The model knows no flank: one over which a statue that tips on may not come is asked of its own silhouette.
+    if ahead is None or (own is Outcome.UNDECIDED and ahead[0] is side_of(motion)):
+        return own, 0.0
+    return ahead
+
+
+def _left_support(scene: Scene, motion: Trajectory, statue_slip_m: float) -> bool:
+    """Whether the middle of the statue's base is beside the pedestal's top."""
+    if scene.pedestal is None or motion.pedestal_xz_m is None:
+        return False
+    middle = -scene.pedestal.offset_m + statue_slip_m
+    return abs(middle) > 0.5 * scene.pedestal.width_m
+
+
+def _validity(scene: Scene, motion: Trajectory, derived: _Derived) -> dict[str, object]:
+    gap = derived.gap_m
+    validity: dict[str, object] = {
+        **forces.force_limits(scene, motion, derived.impulses),
+        "statue_slip_m": float(np.abs(derived.slip_m).max()),
+        "statue_flight_m": float(max(gap.max(), 0.0)),
+        "penetration_m": derived.penetration_m,
+    }
+    if "pedestal_tilt_rad" in motion.extra:
+        validity["pedestal_tilt_rad"] = float(np.abs(motion.extra["pedestal_tilt_rad"]).max())
+    return validity
+
+
+def _energies(scene: Scene, motion: Trajectory, energy_j: Array, impact_times_s: Sequence[float]) -> dict[str, float]:
+    lost = forces.energy_lost_j(scene, motion, energy_j)
+    energies = (
+        {"lost_in_impacts_j": forces.lost_in_impacts_j(motion.t_s, lost, impact_times_s)} if impact_times_s else {}
+    )
+    return energies | {"energy_gained_j": forces.energy_gained_j(lost)}
+
+
+def _ratios(before: Sequence[float], after: Sequence[float]) -> list[float]:
+    return [b / a if a != 0.0 else 0.0 for a, b in zip(before, after, strict=True)]
+
+
+def _history(scene: Scene, motion: Trajectory, derived: _Derived, end_s: float) -> History:
+    grid = output_grid(end_s, scene.output_dt_s) if end_s > 0.0 else np.zeros(1)
+    t_s, impulses = motion.t_s, derived.impulses
+    columns = {"statue_slip_m": derived.slip_m, "energy_j": derived.energy_j, **motion.extra}
+    extra = {name: np.interp(grid, t_s, values) for name, values in columns.items()}
+    loads = {"statue_force_x_n": impulses.statue_x, "statue_force_z_n": impulses.statue_z}
+    if scene.pedestal is not None:
+        loads |= {"floor_force_x_n": impulses.floor_x, "floor_force_z_n": impulses.floor_z}
+    extra |= zip(loads, forces.mean_forces(t_s, list(loads.values()), grid), strict=True)
+    theta, slip = hermites(
+        grid, t_s, ((motion.theta_rad, motion.theta_rate_rad_s), (motion.slip_m, motion.slip_rate_m_s))
+    )
+    return History(
+        grid,
+        theta,
+        np.interp(grid, t_s, motion.theta_rate_rad_s),
+        slip,
+        np.interp(grid, t_s, motion.slip_rate_m_s),
+        extra,
+    )

@@ -1,0 +1,98 @@
+"""Impulses of the table's motion, step by step, for an engine's own integrator read as a leapfrog.
+
+A step changes velocities first and places after, v ← v + g Δt, x ← x + v Δt. Read as velocities half a step before their
+places it is of second order; so the gravity of the step from t_n to t_{n+1} is the mean over the time from the middle of the
+step before to the middle of this one. The first step begins with synchronous velocities: half of its time lies before t_0.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.excitation import ZeroExcitation
+from harness.engines.stepping import frame
+from harness.engines.stepping.rows import Vector
+from harness.model.scene import Scene
+
+Array = NDArray[np.float64]
+
+SAME_INSTANT: Final = 1e-6
+"""Share of a step by which two instants may differ and be one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Schedule:
+    """Steps of `step_s` from number `first` to `count`; `moving` says that the table itself moves, so that gravity is constant.
+
+    A gravity is what acts for a whole step, m/s².
+    """
+
+    scene: Scene
+    step_s: float
+    first: int
+    count: int
+
+    @property
+    def moving(self) -> bool:
+        """Whether the table moves instead of the frame."""
+        return self.scene.table == "moving"
+
+    @cached_property
+    def coarse(self) -> list[Vector]:
+        """Gravity of every whole step that follows a whole step, from number `first` on."""
+        middles = (np.arange(self.first, self.count) + 0.5) * self.step_s
+        # From the middle of one step to that of the next; the first begins at its own instant, with half the time.
+        edges_s = np.concatenate([[self.first * self.step_s], middles])
+        share = np.diff(edges_s)[:, None] / self.step_s
+        if self.moving:
+            gravity = np.array([0.0, 0.0, -self.scene.gravity_m_s2]) * share
+        else:
+            gravity = frame.apparent_gravity(self.scene, edges_s) * share
+        return list(zip(*gravity.T.tolist(), strict=True))
+
+    @cached_property
+    def _jumps_s(self) -> list[float]:
+        """Instants at which the floor's acceleration jumps, in order."""
+        motion = self.scene.base_excitation
+        end_s = (self.count + 1) * self.step_s
+        return sorted({float(t) for part in (motion.x, motion.y, motion.z) for t in part.jumps_s(end_s)})
+
+    def jump_after_s(self, kick_s: float) -> float:
+        """The first instant after `kick_s` at which the floor's acceleration jumps; infinite for none."""
+        # What is nearer is where the velocities stand already.
+        number = bisect_right(self._jumps_s, kick_s + SAME_INSTANT * self.step_s)
+        return self._jumps_s[number] if number < len(self._jumps_s) else math.inf
+
+    def between(self, start_s: float, end_s: float, step_s: float) -> Vector:
+        """Gravity of a step of `step_s` that takes velocities from `start_s` to `end_s`."""
+        if end_s <= start_s:
+            return 0.0, 0.0, 0.0
+        pull = [0.0, 0.0, -self.scene.gravity_m_s2 * (end_s - start_s) / step_s]
+        for axis, velocity in self._velocities:
+            pull[axis] -= (velocity(end_s) - velocity(start_s)) / step_s
+        return pull[0], pull[1], pull[2]
+
+    @cached_property
+    def _velocities(self) -> list[tuple[int, Callable[[float], float]]]:
+        """The axes along which the frame is accelerated, with the velocities of their motions, m/s, at one time each."""
+        base_excitation = self.scene.base_excitation
+        parts = [] if self.moving else list(enumerate((base_excitation.x, base_excitation.y, base_excitation.z)))
+        return [(axis, part.velocity_at) for axis, part in parts if not isinstance(part, ZeroExcitation)]
+
+    def table(self, t_s: float, kick_s: float, step_s: float) -> tuple[Vector, Vector]:
+        """Displacement of a moving table at the start of a step, and its mean velocity in it; where its acceleration jumps at
+        `kick_s`, to which the step takes velocities, that instant's.
+        """
+        here, there = frame.table_displacement(self.scene, np.array([t_s, t_s + step_s]))
+        rate = (there - here) / step_s
+        if kick_s in self._jumps_s:
+            rate = frame.table_velocity(self.scene, np.array([kick_s]))[0]
+        return (float(here[0]), float(here[1]), float(here[2])), (float(rate[0]), float(rate[1]), float(rate[2]))

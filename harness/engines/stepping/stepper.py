@@ -1,0 +1,168 @@
+"""One step of an engine with the scene's two coefficients of friction, and with a table that moves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+from harness.engines.stepping import settings
+from harness.engines.stepping.backend import Backend
+from harness.engines.stepping.balance import Array, Balance
+from harness.engines.stepping.coulomb import SLIP_ONSET
+from harness.engines.stepping.friction import Pair
+from harness.engines.stepping.rows import Row, Vector, base_velocity
+from harness.engines.stepping.schedule import Schedule
+from harness.engines.stepping.writing import RowWriter
+from harness.model.scene import Scene
+
+NOTHING: Final = (0.0, 0.0, 0.0)
+LEAST_M_S: Final = 1e-12
+"""Below this a velocity does not change."""
+REVERSAL: Final = "friction_reversal"
+"""Kind of what is written where the pedestal's velocity passed zero, and static friction may hold."""
+
+
+class Stepper:
+    """One step at a time: gravity or table, friction's two numbers; keeps the sliding state between steps."""
+
+    def __init__(
+        self, backend: Backend, scene: Scene, schedule: Schedule, event_share: float = 1.0, axes: Array | None = None
+    ) -> None:
+        self.backend, self.schedule, self.events = backend, schedule, settings.EVENTS.stretched(event_share)
+        self.writer, self.balance = RowWriter(backend, scene), Balance(scene, axes)
+        contact, pedestal = scene.contact, scene.pedestal
+        self.static, self.kinetic, self.at_impact = contact.floor_static, contact.floor_kinetic, contact.at_impact
+        self.kinetic_m_s = self.kinetic * scene.gravity_m_s2 * schedule.step_s
+        self.switches = pedestal is not None and self.static != self.kinetic
+        self.masses = (scene.statue.mass_kg, 0.0 if pedestal is None else pedestal.mass_kg)
+        freely_rad = 0.0 if pedestal is None else 2.0 * scene.gravity_m_s2 / pedestal.height_m * schedule.step_s**2
+        self.tipped_rad = max(self.events.tipped_rad, self.events.tipped * freely_rad)
+        # Whole steps that ask for nothing between them are made at once.
+        self.runs = backend.runs and not (schedule.moving or self.switches)
+        self.stuck, self.just_slipped, self.past_rest = True, False, False
+        self.half_m = NOTHING if pedestal is None else pedestal.half_m
+        # Velocity over the floor of what the pedestal stands on, m/s, before the present step, and the row where this one begins.
+        self.slip_before: Pair = (0.0, 0.0)
+        self.places: Row | None = None
+        self.table_place = self.table_rate = self.table_before = NOTHING
+
+    def step(self, gravity: Vector, t_s: float, kick_s: float, step_s: float, before: Row) -> Row:
+        """Advance the world from `before` at `t_s` by `step_s`, velocities to `kick_s`."""
+        if self.schedule.moving:
+            self.table_before = self.table_rate
+            self.table_place, self.table_rate = self.schedule.table(t_s, kick_s, step_s)
+            self.backend.move_table(self.table_place, self.table_rate)
+        self.just_slipped = False
+        row = self.backend.advance(gravity)
+        if not self.switches:
+            return row
+        # A velocity is solved at the places at which its step began.
+        self.slip_before = self._slip(before if self.places is None else self.places, before, self.table_before)
+        self.places = before
+        pull = (gravity[0] * step_s, gravity[1] * step_s, gravity[2] * step_s)
+        if self.stuck:
+            row = self._slip_onset(gravity, pull, before, row)
+            # What a blow set moving slides throughout: no force before it tells when it broke loose.
+            taken_m_s = self.kinetic * math.hypot(*pull)
+            self.just_slipped = not self.stuck and math.hypot(*self.slip_before) < self.events.sticks_below * taken_m_s
+            return row
+        slip = self._slip(before, row, self.table_rate)
+        if self._goes_past_rest(slip):
+            return row
+        if self._sticks(slip) and not self._saturated(self.kinetic, pull, before, row):
+            self._hold(self.static)
+        elif self._reversed(slip):
+            # The velocity passed zero: the step again with the static limit, which may hold.
+            self._hold(self.static)
+            self._again(before, REVERSAL)
+            row = self._slip_onset(gravity, pull, before, self.backend.advance(gravity))
+        return row
+
+    def _slip_onset(self, gravity: Vector, pull: Vector, before: Row, row: Row) -> Row:
+        """A step computed with the static limit, or, where it reached the limit, once more with kinetic friction.
+
+        One that brings the pedestal to rest, from a slip or a blow, reaches the limit too: static friction has it then.
+        """
+        if not self._saturated(self.static, pull, before, row):
+            return row
+        slip = self._slip(before, row, self.table_rate)
+        gaining = math.hypot(*slip) > math.hypot(*self.slip_before)
+        if not gaining and (self._sticks(slip) or self._reversed(slip)):
+            return row
+        self._again(before)
+        # In an impact, which takes no time and has no pull, another coefficient may act: sliding begins with it.
+        self.backend.set_floor_friction(self.kinetic if any(pull) else self.at_impact)
+        row = self.backend.advance(gravity)
+        self._hold(self.kinetic)
+        return row
+
+    def _again(self, before: Row, kind: str = SLIP_ONSET) -> None:
+        """Back to where the step began, which is to be solved again."""
+        self.backend.place(before)
+        self.writer.ledger.of(kind).steps_again += 1
+
+    def look(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
+        """After whole steps under `pulls`: what the bodies' contacts need next."""
+        self.backend.look(pulls, before, after, self.table_rate)
+
+    def redo_sliding(self, friction: float, gravity: Vector, before: Row) -> Row:
+        """A step in which the pedestal was let loose again, with the coefficient that acts over it: the static one holds it."""
+        self._again(before)
+        self.backend.set_floor_friction(friction)
+        row = self.backend.advance(gravity)
+        self._hold(self.static if friction == self.static else self.kinetic)
+        return row
+
+    def set_sliding(self, sliding: bool) -> None:
+        """The pedestal slides, or is held, from now on, as an impact that is not the engine's left it."""
+        if self.switches:
+            self._hold(self.kinetic if sliding else self.static)
+
+    def _hold(self, friction: float) -> None:
+        self.backend.set_floor_friction(friction)
+        self.stuck = friction == self.static
+
+    def _saturated(self, friction: float, pull: Vector, before: Row, row: Row) -> bool:
+        """Whether the floor's friction in this step, from the balance of momentum, reached its limit."""
+        x, y, normal = self.friction(pull, before, row)
+        owed_x, owed_z = self.backend.owed_m_s
+        x, normal = x + self.masses[0] * owed_x, normal + self.masses[0] * owed_z
+        return math.hypot(x, y) >= self.events.saturated * friction * normal
+
+    def friction(self, pull: Vector, before: Row, row: Row) -> Vector:
+        """The floor's impulse on the pedestal in a step, N s, from the balance of momentum, less what `pull` gives."""
+        (statue, pedestal), (x, y, z) = self.masses, pull
+        return (
+            statue * (row[7] - before[7] - x) + pedestal * (row[20] - before[20] - x),
+            statue * (row[8] - before[8] - y) + pedestal * (row[21] - before[21] - y),
+            statue * (row[9] - before[9] - z) + pedestal * (row[22] - before[22] - z),
+        )
+
+    def _slip(self, places: Row, row: Row, table: Vector) -> Pair:
+        u, v = base_velocity(self.half_m, places, row)
+        return u - table[0], v - table[1]
+
+    def _sticks(self, slip: Pair) -> bool:
+        """Whether friction took nearly all of the velocity that it could take in this step: solver iterations leave a little."""
+        here, there = math.hypot(*slip), math.hypot(*self.slip_before)
+        return here <= self.events.sticks_below * max(there - here, 0.0)
+
+    def _reversed(self, slip: Pair) -> bool:
+        return self.slip_before[0] * slip[0] + self.slip_before[1] * slip[1] < 0.0
+
+    def _goes_past_rest(self, slip: Pair) -> bool:
+        """Whether in this step or the one before the velocity went along a line that passes rest, as it does in space.
+
+        Kinetic friction stops nothing that turns aside where more is needed to hold it; a step's own solution does, as within
+        its length it takes all of a small velocity.
+        """
+        (u, v), (x, y) = self.slip_before, slip
+        one_before, self.past_rest = self.past_rest, self.passes_rest(self.slip_before, (x - u, y - v))
+        return one_before or self.past_rest
+
+    def passes_rest(self, velocity_m_s: Pair, change_m_s: Pair) -> bool:
+        """Whether the pedestal's velocity, going on along the line of its change, passes rest and does not come to it."""
+        (u, v), (a, b) = velocity_m_s, change_m_s
+        past_m_s = abs(u * b - v * a) / max(math.hypot(a, b), LEAST_M_S)
+        return past_m_s > self.events.past_rest * self.kinetic_m_s

@@ -1,0 +1,130 @@
+"""Where the statue stands on its support: slip, gap and penetration of its corners, and the wall."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.stepping.trajectory import Trajectory
+from harness.model.scene import Scene
+
+Array = NDArray[np.float64]
+
+CORNERS_ONLY_RAD: Final = 0.3
+"""Below this lean a statue on a flat base is taken to touch with its corners only; above it every point is asked."""
+TOUCHES_M: Final = 1e-6
+"""A body that its engine stops at a wall stands off by no more: solvers leave a share of what they correct."""
+FLAT_M: Final = 1e-9
+"""Vertices within this height of the lowest touch at first: more is no rounding of a mesh."""
+
+
+@dataclass(frozen=True, eq=False)
+class Corners:
+    """Places of both corners of the base on the support, m, shape (n,): along it and above it, from the middle of the pedestal's
+    top, without one from the table's origin; `lean_rad` is the statue's rotation on the support.
+    """
+
+    right_x: Array
+    right_z: Array
+    left_x: Array
+    left_z: Array
+    lean_rad: Array
+    centroid_x: Array
+    centroid_z: Array
+
+
+def corners(scene: Scene, trajectory: Trajectory) -> Corners:
+    """Where both corners of the base are at each sample, for a planar pose; on a pedestal that tips along its top."""
+    statue = scene.statue
+    right, left, z = statue.corner_right_m, -statue.corner_left_m, -statue.centroid_height_m
+    place_x, place_z = trajectory.statue_xz_m[:, 0], trajectory.statue_xz_m[:, 1]
+    lean_rad = trajectory.theta_rad
+    if scene.pedestal is not None and trajectory.pedestal_xz_m is not None:
+        tilt_cos, tilt_sin = np.cos(trajectory.tilt_rad), np.sin(trajectory.tilt_rad)
+        x, up = place_x - trajectory.pedestal_xz_m[:, 0], place_z - trajectory.pedestal_xz_m[:, 1]
+        place_x, place_z = x * tilt_cos - up * tilt_sin, x * tilt_sin + up * tilt_cos - scene.pedestal.centroid_height_m
+        lean_rad = lean_rad - trajectory.tilt_rad
+    cos, sin = np.cos(lean_rad), np.sin(lean_rad)
+    # θ turns clockwise: x' = x cos θ + z sin θ, z' = z cos θ − x sin θ.
+    z_sin, z_cos = z * sin, z * cos
+    return Corners(
+        place_x + (right * cos + z_sin),
+        place_z + (z_cos - right * sin),
+        place_x + (left * cos + z_sin),
+        place_z + (z_cos - left * sin),
+        lean_rad,
+        place_x,
+        place_z,
+    )
+
+
+def statue_slip_m(scene: Scene, at: Corners) -> Array:
+    """Displacement of the standing corner along the support since t = 0, shape (n,): the model assumes none."""
+    base = scene.statue.corner_left_m + scene.statue.corner_right_m
+    # Upright the corners are a base apart; the standing one tells where the base is.
+    place = np.where(at.lean_rad >= 0.0, at.right_x, at.left_x + base)
+    start: Array = place - place[0]
+    return start
+
+
+def gap_m(scene: Scene, at: Corners, within_m: float = math.inf) -> Array:
+    """Height of the lowest point above the support, shape (n,), of those within so much of its middle; negative: penetration.
+
+    Near upright on a flat base the lowest point is a corner; leaning further, or on an uneven base, any point of the silhouette.
+    """
+
+    def over(along_m: Array, height_m: Array) -> Array:
+        return np.where(np.abs(along_m) <= within_m, height_m, np.inf)
+
+    lowest = np.minimum(over(at.right_x, at.right_z), over(at.left_x, at.left_z))
+    far = np.abs(at.lean_rad) > CORNERS_ONLY_RAD if flat_base(scene) else np.ones(lowest.size, dtype=bool)
+    if far.any():
+        cos, sin = np.cos(at.lean_rad[far]), np.sin(at.lean_rad[far])
+        least = np.full(cos.size, np.inf)
+        for x, z in scene.statue.section_m - np.array([0.0, scene.statue.centroid_height_m]):
+            along, height = at.centroid_x[far] + x * cos + z * sin, at.centroid_z[far] + (z * cos - x * sin)
+            least = np.minimum(least, over(along, height))
+        lowest[far] = least
+    return lowest
+
+
+def flat_base(scene: Scene) -> bool:
+    """Whether the silhouette has both corners at z = 0 and nothing below."""
+    statue = scene.statue
+    corners = np.array([[-statue.corner_left_m, 0.0], [statue.corner_right_m, 0.0]])
+    apart = np.abs(statue.section_m[:, None, :] - corners[None, :, :]).sum(axis=2)
+    return bool(np.all(apart.min(axis=0) <= FLAT_M) and np.min(statue.section_m[:, 1]) >= -FLAT_M)
+
+
+def wall_touch_s(scene: Scene, trajectory: Trajectory) -> float | None:
+    """When the statue's silhouette or the pedestal's side reaches the wall; None if neither does or there is no wall.
+
+    The time is that at which what is left at the sample before would close at the speed with which it came: an engine's own wall
+    stops a body inside the step in which it arrives.
+    """
+    if scene.wall is None:
+        return None
+    statue, sign = scene.statue, scene.wall.sign
+    cos, sin = np.cos(trajectory.theta_rad), np.sin(trajectory.theta_rad)
+    furthest = np.full(trajectory.t_s.size, -np.inf)
+    for x, z in statue.section_m:
+        along = x * cos + (z - statue.centroid_height_m) * sin
+        furthest = np.maximum(furthest, sign * (trajectory.statue_xz_m[:, 0] + along))
+    if scene.pedestal is not None and trajectory.pedestal_xz_m is not None:
+        half, _, half_height = scene.pedestal.half_m
+        tilt = trajectory.tilt_rad
+        side = half * np.cos(tilt) + half_height * np.abs(np.sin(tilt))
+        furthest = np.maximum(furthest, sign * trajectory.pedestal_xz_m[:, 0] + side)
+    gap = statue.corner_m(sign) + scene.wall.distance_m - furthest
+    touching = np.flatnonzero(gap <= TOUCHES_M)
+    if not touching.size:
+        return None
+    t_s, k = trajectory.t_s, int(touching[0])
+    if k < 2:
+        return float(t_s[k])
+    speed = (gap[k - 2] - gap[k - 1]) / (t_s[k - 1] - t_s[k - 2])
+    return float(min(t_s[k - 1] + gap[k - 1] / speed, t_s[k]) if speed > 0.0 else t_s[k])

@@ -1,0 +1,79 @@
+"""Where the floor's acceleration jumps a step ends: none takes a mean of what pulls on its sides."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+import pytest
+
+from analytic.constants import GRAVITY_M_S2 as G
+from analytic.excitation import Excitation, Harmonic, Pulse, Record
+from harness.accuracy.simulation import simulate
+from harness.engines.stepping.schedule import Schedule
+from harness.model.scene import BaseExcitation, Scene
+from tests import budgets_engines as budget
+from tests.engines_for_tests import ready
+from tests.scenes_for_tests import PAESTUM, PAESTUM_PEDESTAL, rectangle, scene
+
+COLUMN = rectangle(0.2, 1.0)
+ENDS_AWAY = Record([0.3, 0.5, 0.7, 0.9], [0.25 * G, 0.1 * G, -0.2 * G, -0.22 * G])
+
+
+def rectangular(start_s: float, share_g: float = 0.3) -> Pulse:
+    return Pulse("rectangular", share_g * G, 0.25, start_s)
+
+
+def cosine(start_s: float) -> Pulse:
+    return Pulse("one_cosine", 0.3 * G, 0.3, start_s)
+
+
+def upwards(motion: Excitation) -> BaseExcitation:
+    return BaseExcitation(x=Harmonic(0.3 * G, 2.0), z=motion)
+
+
+SCENES: Final[dict[str, Scene]] = {
+    "on the grid": scene(COLUMN, rectangular(0.2), duration_s=1.0),
+    "inside a step": scene(COLUMN, rectangular(0.2007), duration_s=1.0),
+    "a record that begins and ends away from zero": scene(COLUMN, ENDS_AWAY, duration_s=1.2),
+    "pedestal": scene(PAESTUM, cosine(0.2), pedestal=PAESTUM_PEDESTAL, mu=0.15, duration_s=0.9),
+    "two coefficients": scene(PAESTUM, cosine(0.2003), pedestal=PAESTUM_PEDESTAL, mu=(0.2, 0.15), duration_s=0.9),
+    "vertical": replace(scene(PAESTUM, duration_s=0.9), base_excitation=upwards(rectangular(0.3, 0.4))),
+    "a table that moves": replace(scene(COLUMN, rectangular(0.2), duration_s=1.0), table="moving"),
+    "an imposed impact": scene(COLUMN, rectangular(0.2), restitution=0.9, duration_s=1.0),
+}
+
+
+@pytest.mark.parametrize("name", ["pymunk", "pybullet"])
+@pytest.mark.parametrize("case", list(SCENES))
+def test_errors_are_none_of_the_jump_s(name: str, case: str) -> None:
+    engine, on = ready(name), SCENES[case]
+    exact = simulate(on, "analytic", accuracy_rad=1e-8)
+    run = simulate(on, engine.name, dt_s=1e-3)
+    assert exact.history is not None
+    assert run.history is not None
+    times = np.linspace(0.0, on.duration_s, 500)
+    assert np.max(np.abs(run.history.at(times) - exact.history.at(times))) < budget.JUMP_RAD
+    assert np.max(np.abs(run.history.slip_at(times) - exact.history.slip_at(times))) < budget.JUMP_M
+
+
+@pytest.mark.parametrize("name", ["pymunk", "pybullet"])
+def test_the_statement_holds(name: str) -> None:
+    """A cosine pulse on a statue on the floor, begun on the grid of some steps and inside others."""
+    engine, on = ready(name), scene(PAESTUM, cosine(0.2184), duration_s=1.2)
+    exact, run = simulate(on, "analytic", accuracy_rad=1e-8), simulate(on, engine.name, accuracy_rad=1e-4)
+    assert exact.history is not None
+    assert run.history is not None
+    assert run.numerical_uncertainty_rad is not None
+    times = np.linspace(0.0, min(run.bounded_until_s, exact.no_return_time_s or math.inf), 500)
+    assert np.max(np.abs(run.history.at(times) - exact.history.at(times))) < run.numerical_uncertainty_rad
+
+
+def test_jumps_of_all_directions_are_met_once_each() -> None:
+    on = replace(SCENES["on the grid"], base_excitation=upwards(rectangular(0.3)))
+    schedule = Schedule(on, 1e-3, 0, 1000)
+    assert schedule.jump_after_s(0.0) == 0.3
+    assert schedule.jump_after_s(0.3) == 0.3 + 0.25
+    assert schedule.jump_after_s(0.55) == math.inf
