@@ -113,7 +113,9 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
         **options,
     )
     # Past its instant of no return a statue that falls falls, whatever its pedestal does then.
-    left = swept.left_domain_s < np.where(swept.overturned, swept.no_return_time_s, np.inf)
+    # (A fall told by energy alone has no such instant: nothing is known past the domain.)
+    falls = swept.overturned & np.isfinite(swept.no_return_time_s)
+    left = swept.left_domain_s < np.where(falls, swept.no_return_time_s, np.inf)
     stands, over = ~left & (swept.outcomes == Outcome.STANDS), ~left & swept.overturned
     left |= np.isin(swept.outcomes, (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX))
     height = sweep.get("centroid_height_m", scene.statue.centroid_height_m)
