@@ -194,6 +194,12 @@ class Pose:
         cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
         return np.asarray((w * w - v @ v) * np.eye(3) + 2.0 * np.outer(v, v) + 2.0 * w * cross)
 
+    @property
+    def in_plane(self) -> bool:
+        """Whether it neither turns nor moves out of the rocking plane."""
+        (_, a, _, b), (p, _, r) = self.quaternion_wxyz, self.angular_velocity_rad_s
+        return not any((a, b, p, r, self.velocity_m_s[1]))
+
     def faster(self, factor: float) -> Pose:
         """The same pose with its velocities multiplied by a factor."""
         (u, v, w), (p, q, r) = self.velocity_m_s, self.angular_velocity_rad_s

@@ -18,6 +18,7 @@ from harness.engines.base import (
     Settings,
     near,
     own_settings,
+    refuse,
 )
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.contact_gaps import ContactGaps
@@ -81,6 +82,7 @@ class Munk2D(Engine):
         pedestal_tips=True,
         statue_slips=True,
         flies=True,
+        posed_start=True,
         moving_table=True,
         forces=True,
         edge_shape="the hull of its silhouette",
@@ -132,6 +134,9 @@ class Munk2D(Engine):
         from harness.engines.stepping.columns import trajectory
 
         own = own_settings(self.name, MunkSettings, settings)
+        refuse_out_of_plane(scene, self.name)
+        if scene.initial.pose is not None and scene.contact.restitution is not None:
+            raise EngineFailure("pymunk locates plastic impacts only: a coefficient of restitution is pymunk:plain's")
         begin = time.perf_counter()
         try:
             record, first = _integrated(scene, own, options)
@@ -188,6 +193,16 @@ def _integrated(scene: Scene, own: MunkSettings, options: RunOptions) -> tuple[S
         ends_fallen=options.allows("stop_at_overturn"),
     )
     return integrate(scene, schedule, watch, state), first
+
+
+def refuse_out_of_plane(scene: Scene, name: str) -> None:
+    """Raise `EngineFailure` for a start that leaves the rocking plane."""
+    pose = scene.initial.pose
+    refuse(
+        name,
+        {"a pose out of the rocking plane": pose is not None and not pose.in_plane},
+        name.replace("munk", "bullet"),
+    )
 
 
 def _located(scene: Scene) -> bool:

@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import ClassVar, Final, final
 
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, EngineFailure, Settings, near, own_settings
-from harness.engines.pymunk import SLOP_RAD_S, Munk2D, resolution_rad
+from harness.engines.pymunk import SLOP_RAD_S, Munk2D, refuse_out_of_plane, resolution_rad
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.columns import trajectory
 from harness.engines.stepping.frame import step_count
@@ -86,6 +86,7 @@ class PlainMunk2D(Engine):
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it, or where it would have to be steered."""
         own = own_settings(self.name, MunkSettings, settings)
         refuse_steering(scene, self.name)
+        refuse_out_of_plane(scene, self.name)
         begin = time.perf_counter()
         try:
             record = _integrate(scene, own, options)

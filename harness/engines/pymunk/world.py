@@ -14,7 +14,7 @@ from harness.engines.pymunk import native
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.forces import pedestal_inertia_kg_m2
 from harness.engines.stepping.support import FLAT_M
-from harness.model.scene import Scene
+from harness.model.scene import Pose, Scene
 
 Array = NDArray[np.float64]
 
@@ -69,6 +69,7 @@ def _floor(scene: Scene, space: pymunk.Space, floor: pymunk.Body) -> pymunk.Shap
     shape = pymunk.Segment(floor, (-FLOOR_M, -thick), (FLOOR_M, -thick), thick)
     # Chipmunk multiplies the coefficients of two shapes: the statue brings its own, the pedestal 1, the floor the rest.
     shape.friction = 1.0 if scene.pedestal is None else scene.contact.floor_static
+    shape.elasticity = 1.0
     space.add(shape)
     if scene.wall is not None:
         reach = scene.statue.corner_m(scene.wall.sign) + scene.wall.distance_m
@@ -97,6 +98,11 @@ def _statue(scene: Scene, settings: MunkSettings) -> pymunk.Body:
     body = pymunk.Body(statue.mass_kg, statue.inertia_kg_m2)
     shape = pymunk.Poly(body, [(float(x), float(z)) for x, z in section])
     shape.friction = scene.contact.statue
+    if scene.initial.pose is not None:
+        _throw(body, scene.initial.pose)
+        # Chipmunk multiplies these coefficients too: the floor's is 1.
+        shape.elasticity = scene.contact.restitution or 0.0
+        return body
     theta, rate = scene.initial.theta_rad, scene.initial.theta_rate_rad_s
     top = 0.0 if scene.pedestal is None else scene.pedestal.height_m - 0.5 * settings.slop_m
     # The vertex it stands on keeps its place; the body turns about it.
@@ -111,6 +117,13 @@ def _statue(scene: Scene, settings: MunkSettings) -> pymunk.Body:
     body.position = (float(start[0]), float(start[1]))
     body.velocity = (float(velocity[0]), float(velocity[1]))
     return body
+
+
+def _throw(body: pymunk.Body, pose: Pose) -> None:
+    """Place a body as a pose in the rocking plane says; `harness.engines.pymunk.plain` refuses any other."""
+    (w, _, turn, _), (x, _, z), (u, _, v) = pose.quaternion_wxyz, pose.position_m, pose.velocity_m_s
+    body.angle, body.angular_velocity = -2.0 * math.atan2(turn, w), -pose.angular_velocity_rad_s[1]
+    body.position, body.velocity = (x, z), (u, v)
 
 
 def rotated(points_m: Array, theta_rad: float) -> Array:

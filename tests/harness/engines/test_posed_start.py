@@ -66,6 +66,13 @@ def test_a_pose_is_begun_from_or_refused(name: str) -> None:
         assert found.outcome is Outcome.CRASHED
         assert "does not begin from a pose in space" in found.message
         return
+    if engine.capabilities.dimensions == 2:
+        assert "a pose out of the rocking plane" in found.message
+        on = thrown(replace(pose, quaternion_wxyz=(math.cos(0.3), 0.0, math.sin(0.3), 0.0)), 0.05)
+        history = run(name, on, 1e-3).history
+        assert history is not None
+        assert history.theta_rad[0] == pytest.approx(0.6, abs=budget.INTEGRATED)
+        return
     assert turned(found)[0].as_quat()[[3, 0, 1, 2]] == pytest.approx(pose.quaternion_wxyz, abs=budget.INTEGRATED)
 
 
@@ -143,6 +150,28 @@ def test_a_block_dropped_flat_bounces_by_its_coefficient_of_restitution() -> Non
     assert top == pytest.approx(0.25 * 0.1, abs=GRAVITY_M_S2 * 1e-8 / 8.0)
     refused = run("pybullet", on, 2.5e-4)
     assert "a coefficient of restitution is pybullet:plain's" in refused.message
+
+
+def test_a_square_thrown_in_the_plane_lands_as_the_exact_body_does() -> None:
+    """Plastic with impacts located; as it comes Chipmunk bounces by its coefficient, which `pymunk` refuses."""
+    turn, block = 0.7, rectangle(0.06, 0.06, depth_m=0.06)
+    pose = Pose(
+        (0.0, 0.0, 0.15), (math.cos(turn / 2), 0.0, math.sin(turn / 2), 0.0), (-0.6, 0.0, -1.7), (0.0, 5.0, 0.0)
+    )
+    on = replace(scene(block, duration_s=0.15), initial=Initial(pose=pose), contact=Contact(0.2, 0.2, 0.6))
+    exactly, located = (run(name, on, 2.5e-4).history for name in ("spatial", "pymunk"))
+    assert exactly is not None
+    assert located is not None
+    assert np.ptp(exactly.theta_rad) > 0.2
+    at = np.interp(exactly.t_s, located.t_s, located.theta_rad)
+    assert np.max(np.abs(at - exactly.theta_rad)) < budget.PLANE_LANDING_RAD
+    bouncing = replace(on, contact=Contact(0.2, 0.2, 0.6, 0.5))
+    assert "a coefficient of restitution is pymunk:plain's" in run("pymunk", bouncing, 2.5e-4).message
+    exactly, plain = (run(name, bouncing, 1e-4).history for name in ("spatial", "pymunk:plain"))
+    assert exactly is not None
+    assert plain is not None
+    at = np.interp(exactly.t_s, plain.t_s, plain.theta_rad)
+    assert np.max(np.abs(at - exactly.theta_rad)) < budget.PLANE_BOUNCING_RAD
 
 
 @pytest.mark.parametrize("name", POSED)
