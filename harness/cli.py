@@ -49,7 +49,7 @@ def engines(as_json: JsonOnly = False) -> None:
     lines = []
     for row in rows:
         able = ", ".join(key.replace("_", " ") for key, value in row.items() if value is True)
-        state = f"not here: {row['missing']}" if row["missing"] else "ready"
+        state = f"not installed: {row['missing']}" if row["missing"] else "ready"
         lines.append(f"{row['engine']:10} {row['dimensions']}D  {state}\n{'':10} {able}")
     OutputOptions(as_json).say(rows, "\n".join(lines))
 

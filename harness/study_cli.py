@@ -52,7 +52,7 @@ def run(
     """Run a study into `folder` (store.sqlite, or columns in `outcomes`; result.json); returns its record and what was done.
 
     `large` lets a study run that would take more than a day; `pool` is used, and not closed, where the caller has one;
-    `beside` are tasks to run with it; `witness` holds a tenth of its scenes against engines as they come. Raises `InputError`
+    `beside` are tasks to run with it; `witness` holds a tenth of its scenes against unmodified engines. Raises `InputError`
     for a wrong study, a store that cannot be used, or `resume` where there is nothing to go on with.
     """
     kind = kind_of(path)

@@ -6,11 +6,16 @@ from x seen from above: the direction towards which the body would topple.
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshes.errors import MeshError
 from meshes.mesh import Array
+
+STRAIGHT_RAD: Final = 4e-12
+"""Turns that rounding makes of a straight side: two facets that the model takes as level differ by less than half of it."""
 
 
 def convex_hull(points: Array) -> Array:
@@ -61,21 +66,25 @@ def footprint(vertices_m: Array, tolerance_m: float) -> Array:
 
 
 def lower_chain(points: Array) -> Array:
-    """Lower convex chain (k, 2) of points (n, 2) in (x, z), from the leftmost to the rightmost (monotone chain)."""
+    """Lower convex chain (k, 2) of points (n, 2) in (x, z), from the leftmost to the rightmost (monotone chain).
+
+    A vertex at which it turns by less than `STRAIGHT_RAD` is left out.
+    """
     order = np.lexsort((points[:, 1], points[:, 0]))
     chain: list[Array] = []
     for point in points[order]:
         if chain and point[0] == chain[-1][0]:
             continue
-        while len(chain) > 1 and _turn(chain[-2], chain[-1], point) <= 0.0:
+        while len(chain) > 1 and _turn_sine(chain[-2], chain[-1], point) <= STRAIGHT_RAD:
             chain.pop()
         chain.append(point)
     return np.array(chain)
 
 
-def _turn(a: Array, b: Array, c: Array) -> float:
-    """Twice the signed area of the triangle a, b, c: positive for a left turn."""
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+def _turn_sine(a: Array, b: Array, c: Array) -> float:
+    """Sine of the turn at b on the way from a to c: positive for a left turn."""
+    along, ahead = b - a, c - b
+    return float(along[0] * ahead[1] - along[1] * ahead[0]) / float(np.hypot(*along) * np.hypot(*ahead))
 
 
 def feet(vertices_m: Array, tolerance_m: float) -> Array:

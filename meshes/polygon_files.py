@@ -86,7 +86,7 @@ def read_ply(data: bytes) -> tuple[NDArray[Any], Faces]:
     form, elements, body = _header(data)
     if form == "ascii":
         with warnings.catch_warnings():
-            warnings.simplefilter("error", DeprecationWarning)  # numpy's word for text that is no number
+            warnings.simplefilter("error", DeprecationWarning)  # numpy's word for text that is not a number
             numbers = np.fromstring(data[body:].decode("ascii", "replace"), dtype="<f8", sep=" ")
         data, body = numbers.tobytes(), 0
         plain = [_Property(each.name, "<f8", each.count_kind and "<f8") for e in elements for each in e.properties]

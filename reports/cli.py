@@ -80,9 +80,7 @@ def run(
     witness: Annotated[
         bool, typer.Option("--witness", help="Hold the runs against unmodified engines: at most once their own time.")
     ] = False,
-    no_assess: Annotated[
-        bool, typer.Option("--no-assess", help="Leave out the probability over what the scene does not know.")
-    ] = False,
+    no_assess: Annotated[bool, typer.Option("--no-assess", help="Skip the overturning probability.")] = False,
     language: cli_record.InLanguage = "en",
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""

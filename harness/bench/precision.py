@@ -86,7 +86,7 @@ def _levels(base: PrecisionRow, scene: Scene, engine: Engine, exact: Run | None,
     tried = _tried(engine, scene, quick)
     good = [(settings, run, once) for settings, run, once in tried if isinstance(run, Run)]
     judge = exact or (good[-1][1] if good else None)
-    # An engine as it comes is not asked what a target takes: it refines until it gives up.
+    # An unmodified engine is not asked what a target takes: it refines until it gives up.
     refines = judge is not None and not engine.capabilities.certifies and not engine.name.endswith(PLAIN)
     refine = partial(run_to_accuracy, engine, scene, TARGET_RAD, RunOptions())
     asked, once = timed(partial(_answered, refine)) if refines else (None, NOTHING)

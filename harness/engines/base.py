@@ -149,7 +149,7 @@ class Engine(ABC):
         return settings
 
     def step_cost(self, scene: Scene) -> float:
-        """Processor time of a step of an engine as it comes over that of the same engine with events located, at most."""
+        """Processor time of a step of an unmodified engine over that of the same engine with events located, at most."""
         return 1.0
 
     def awaited(self) -> str:

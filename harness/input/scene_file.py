@@ -13,6 +13,7 @@ from typing import Final, cast
 import numpy as np
 from pydantic import JsonValue
 
+from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.input import motions, tables
 from harness.input.mesh_statue import statue_from_mesh
@@ -149,7 +150,10 @@ def resolve(
         uncertainty=uncertain_inputs(model, model.uncertainty),
         _reader=changed,
     )
-    _check_wall(scene, path)
+    try:
+        _check_wall(scene, path)
+    except AnalyticInputError as error:  # of a scan, whose base is known only now
+        raise InputError(Mistake(str(path), "statue", "a body that rocks on its base", str(error))) from error
     return scene
 
 

@@ -1,4 +1,4 @@
-"""What the harness wrote into an engine's bodies while it ran: a contact engine as it comes has none."""
+"""What the harness wrote into an engine's bodies while it ran: an unmodified contact engine has none."""
 
 from __future__ import annotations
 

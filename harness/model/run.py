@@ -129,12 +129,12 @@ class Run(Shown):
 
 
 def number(table: Mapping[str, object], name: str, default: float | None = None) -> float:
-    """A number of a run's settings or validity, `default` where there is none. Raises `TypeError` for what is no number."""
+    """A number of a run's settings or validity, `default` where there is none. Raises `TypeError` for what is not a number."""
     value = table.get(name)
     if value is None and default is not None:
         return default
     if not isinstance(value, int | float):
-        raise TypeError(f"{name} is no number: {value!r}")
+        raise TypeError(f"{name} is not a number: {value!r}")
     return float(value)
 
 

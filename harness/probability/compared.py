@@ -1,4 +1,4 @@
-"""Options set against the scene as it is, by the analytic model on common draws: the same luck for all."""
+"""Options set against the scene as it is, by the analytic model with common random numbers."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ def compare_in_space(
     seed: int,
     on_progress: Callable[[str], None],
 ) -> OptionsRecord | None:
-    """Every option's probability of a fall on common draws; None for a scene that the exact body does not know."""
+    """Every option's probability of a fall with common random numbers; None for a scene that the exact body does not know."""
     values = draw(inputs, OPTION_DRAWS, seed)
     on_progress(f"options in space: {AS_IT_IS}")
     own = ends_in_space(scene, values, OPTION_STEPS)

@@ -35,7 +35,7 @@ def summary(record: AssessRecord) -> str:
         if isinstance(item, Assessment):
             lines.append(f"  {name:{width}}  {item.sentence}; {item.engine_runs} runs")
         elif item is not None:
-            lines.append(f"  {name:{width}}  not here: {item.message}")
+            lines.append(f"  {name:{width}}  not installed: {item.message}")
     lines += [
         f"  {text}"
         for text in not_answered(record.answers, record.scene.file, pedestal=record.scene.pedestal is not None)

@@ -189,7 +189,7 @@ class OptionAnswer:
 
 @dataclass(frozen=True)
 class OptionsRecord:
-    """Options on common draws, the scene as it is first; `left_out` says why others are not there.
+    """Options with common random numbers, the scene as it is first; `left_out` says why others are not there.
 
     `plane_only`: the scene is shaken across the rocking plane too, of which these answers know nothing.
     """

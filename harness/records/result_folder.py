@@ -1,4 +1,4 @@
-"""Whose a folder is: only what an own `result.json` lists there is replaced or removed, and nothing that a run reads."""
+"""Overwrite protection: only what an own `result.json` lists there is replaced or removed, and nothing that a run reads."""
 
 from __future__ import annotations
 

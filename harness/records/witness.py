@@ -1,4 +1,4 @@
-"""The record of a witness: what an engine as it comes says of the runs beside it, and its sentences."""
+"""The record of a witness: what an unmodified engine says of the runs beside it, and its sentences."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 PLAIN: Final = ":plain"
-"""What the name of an engine as it comes adds to that of the event-located one."""
+"""What the name of an unmodified engine adds to that of the event-located one."""
 LEAST_S: Final = 1e-9
 """A shorter time is none."""
 

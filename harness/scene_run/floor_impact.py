@@ -1,7 +1,7 @@
 """Whether the coefficient that acts as an impact breaks the pedestal loose decides the answer: the model by another one.
 
-Where the floor has two coefficients, which of them acts there is a choice between laws (docs/model.md, section 3). Engines as
-they come take the static one, as the step of an impact begins stuck: they are held against the model with that one.
+Where the floor has two coefficients, which of them acts there is a choice between laws (docs/model.md, section 3). Unmodified
+engines take the static one, as the step of an impact begins stuck: they are held against the model with that one.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def findings_of(choice: DecidedBy | None) -> list[Finding]:
 
 
 def under_static(scene: Scene, runs: Mapping[str, Run]) -> tuple[Scene, dict[str, Run]]:
-    """The scene as engines as they come act, and the runs to hold against them: the model's anew, every other one's until an
+    """The scene as unmodified engines act, and the runs to hold against them: the model's anew, every other one's until an
     impact makes the choice otherwise.
     """
     contact = scene.contact

@@ -144,7 +144,7 @@ def run_scene(
     milliseconds each); with `horizon` every model does. `apart` runs
     three-dimensional engines beside the others in a process of their own (the caller's script must be importable, as
     `multiprocessing` wants it); the results are the same. With `assess` the analytic model's probability of overturning is found
-    from what the scene does not know. With `witness` engines as they come are run beside those that locate events
+    from what the scene does not know. With `witness` unmodified engines are run beside those that locate events
     (`harness.scene_run.witness`). `stored` are runs of this very scene and target that are there already. An
     interrupt after one of the engines has finished raises `Ended` with the result so far.
     """

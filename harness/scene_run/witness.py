@@ -1,4 +1,4 @@
-"""A witness beside the verdict: do engines as they come, which nothing of this project steers, confirm what a run says?
+"""A witness beside the verdict: do unmodified engines, which nothing of this project steers, confirm what a run says?
 
 Two runs of a plain engine, with steps that the budget allows, state by their own spread how far that engine is from its own
 convergence. Each run of the scene is then judged against the finer of the two as any two models are. So much of this is
@@ -41,7 +41,7 @@ TARGET_RAD: Final = 5e-3
 
 
 def plain_names(names: Sequence[str]) -> list[str]:
-    """The engines as they come of those that are asked."""
+    """The unmodified engines of those that are asked."""
     return [name + PLAIN for name in names if name + PLAIN in engines.REGISTRY]
 
 

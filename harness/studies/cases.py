@@ -100,7 +100,7 @@ def expand(study: StudyFile, base: Base, numbers: range | None = None) -> Iterat
 
 
 def _also(axes: Sequence[Vary], varied: Mapping[str, Value]) -> dict[str, float]:
-    """The further keys that follow a varied one. Raises `InputError` where that one is no number."""
+    """The further keys that follow a varied one. Raises `InputError` where that one is not a number."""
     further = {}
     for item in axes:
         for key, factor in item.also.items():

@@ -1,4 +1,4 @@
-"""How long a study may take, told before it begins; one that nobody can wait for is refused."""
+"""How long a study may take, told before it begins; studies over a day need `--large`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Many scenes, several engines: which case is sent to which engine and why; what needs a run gets one, once.
+"""Many scenes, several engines: which case is sent to which engine and why; results are cached.
 
 A plan of any size is made as it is run; what is finished is never lost.
 """

@@ -1,4 +1,4 @@
-"""A seeded tenth of a study's scenes with a witness: do the engines as they come confirm the answers of the others?"""
+"""A seeded tenth of a study's scenes with a witness: do the unmodified engines confirm the answers of the others?"""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def drawn(numbers: Sequence[int], seed: int) -> list[int]:
 
 
 def _computable(scene: Scene) -> bool:
-    """Whether engines as they come take a scene at all."""
+    """Whether unmodified engines take a scene at all."""
     try:
         refuse_steering(scene, "")
     except EngineFailure:

@@ -44,7 +44,7 @@ class Grid:
 
 
 def numeric(conditions: Sequence[Condition], key: str) -> set[float]:
-    """The values that a key takes, none where one of them is no number."""
+    """The values that a key takes, none where one of them is not a number."""
     values = {item.varied[key] for item in conditions}
     numbers = {value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool)}
     return numbers if len(numbers) == len(values) else set()

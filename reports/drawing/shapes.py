@@ -30,7 +30,7 @@ ANCHORS: Final = {"start": "left", "middle": "center", "end": "right"}
 class Path:
     """Straight lines through `points_px` (n, 2), drawn where `stroke` is a colour, filled where `fill` is one.
 
-    A point that is no number parts one line from the next.
+    A point that is not a number parts one line from the next.
     """
 
     points_px: Array

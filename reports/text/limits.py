@@ -49,7 +49,7 @@ def limit_rows(source: RunSource) -> dict[str, Sequence[tuple[str, str]]]:
 
 
 def interventions_row(written: Mapping[str, Intervention], validity: Table) -> list[tuple[str, str]]:
-    """What was written to the engine's bodies on the way, in one line; none for an engine as it comes."""
+    """What was written to the engine's bodies on the way, in one line; none for an unmodified engine."""
     if not written:
         return []
     every = written.values()

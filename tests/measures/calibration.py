@@ -1,4 +1,4 @@
-"""Are probabilities true? Random scenes, inputs drawn as stated, observed by an engine as it comes: the reliability diagram.
+"""Are probabilities true? Random scenes, inputs drawn as stated, observed by an unmodified engine: the reliability diagram.
 
 `python -m tests.measures.calibration [COUNT FIRST] [--engine NAME] [--out FILE]` computes COUNT scenes on one core, keeps a line
 of JSON for each (a call that was interrupted goes on where it stopped) and renews that engine's table of docs/probability.md.

@@ -46,14 +46,14 @@ WEAKER: Final = 0.25
 """Logarithm by which the strength lies below that at which the nominal run begins to fall, at the median: some per cent fall."""
 SPREAD: Final = 0.2
 OBSERVED: Final = 3
-"""Draws of each scene that pymunk as it comes runs."""
+"""Draws of each scene that unmodified pymunk runs."""
 PAGES: Final = ("run", "conservator", "assess")
 MODULE: Final = "tests.measures.colours"
 
 
 @dataclass(frozen=True)
 class ColourRow(SeededRow):
-    """One scene: which of its pages are green, falls of draws that no page has seen, and of an engine as it comes."""
+    """One scene: which of its pages are green, falls of draws that no page has seen, and of an unmodified engine."""
 
     generator: str
     seed: int

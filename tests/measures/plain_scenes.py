@@ -1,4 +1,4 @@
-"""Unseen wide scenes by engines as they come beside those that locate events: do they agree, does each know its own error?
+"""Unseen wide scenes by unmodified engines beside those that locate events: do they agree, does each know its own error?
 
 `python -m tests.measures.plain_scenes [COUNT FIRST] [--out FILE]` computes COUNT seeds of the generator `wide` on one core, keeps
 a line of JSON for each scene (a call that was interrupted goes on where it stopped) and renews the tables of docs/coverage.md.

@@ -69,7 +69,7 @@ def of_run(scene: Scene) -> str:
 
 
 def of_options() -> str:
-    """Seven options on common draws."""
+    """Seven options with common random numbers."""
     scene = shipped()
     record = compare(scene, uncertain_inputs(scene), options_of(scene)[0][:OPTIONS], {}, draws=OPTION_DRAWS)
     return f"{len(record.options) - 1} options × {record.draws} draws"

@@ -110,3 +110,10 @@ def test_real_scan_weakest_side(data_dir: object) -> None:
     quarters = base.slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, [0.0, 90.0, 180.0, 270.0])
     assert np.rad2deg(quarters.min()) == pytest.approx(20.4, abs=0.15)
     assert solid.height_m == pytest.approx(1.513, abs=5e-4)
+
+
+@pytest.mark.parametrize("lifted_m", [9e-151, 1e-13, -1e-13])
+def test_a_base_level_within_rounding_has_two_corners(lifted_m: float) -> None:
+    """What a scan's file writes for nought bends no facet of the model."""
+    chain = base.lower_chain(np.array([[-8.0, lifted_m], [-0.1, 0.0], [0.1, 0.0], [0.1, 1.0]]))
+    np.testing.assert_allclose(chain, [[-8.0, lifted_m], [0.1, 0.0]], atol=ROUND_OFF_REL)

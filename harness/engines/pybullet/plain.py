@@ -1,4 +1,4 @@
-"""pybullet as it comes: bodies, shapes, masses, inertia, coefficients, gravity, step; after the start no body is written to.
+"""Unmodified pybullet: bodies, shapes, masses, inertia, coefficients, gravity, step; after the start no body is written to.
 
 The steps are all of one length, none is repeated, no place or velocity is set, no contact parameter changes on the way. The
 shapes are what the scene needs: spheres at the vertices that can touch, and where the statue comes to its pedestal's edge its

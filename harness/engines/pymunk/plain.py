@@ -1,4 +1,4 @@
-"""pymunk as it comes: bodies, shapes, masses, coefficients, gravity, step and iterations; after the start no body is written to.
+"""Unmodified pymunk: bodies, shapes, masses, coefficients, gravity, step and iterations; after the start no body is written to.
 
 What `pymunk` adds to this, events located inside a step, rests on rigid-body formulas of this project; this engine has none of
 them, so that where the two agree the contact engine itself has confirmed the answer. Two coefficients of friction are the one

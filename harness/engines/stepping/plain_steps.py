@@ -1,4 +1,4 @@
-"""Whole steps of an engine as it comes: nothing is located, none is solved again, and no body is written to."""
+"""Whole steps of an unmodified engine: nothing is located, none is solved again, and no body is written to."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a contact engine could compute only by writing to its bodies: engines as they come refuse it."""
+"""What a contact engine could compute only by writing to its bodies: unmodified engines refuse it."""
 
 from __future__ import annotations
 

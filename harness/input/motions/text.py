@@ -212,7 +212,7 @@ class Header:
         return header_count(text, self.where, place, what)
 
     def peak(self, pattern: str) -> tuple[float | None, float | None]:
-        """The peak that `pattern` catches and, by its second group, its time; None for what is no number, or before the start."""
+        """The peak that `pattern` catches and, by its second group, its time; None where not a number, or before the start."""
         seek = re.compile(pattern, re.IGNORECASE)
         match = next((hit for line in self.lines if (hit := seek.search(line))), None)
         peak, at_s = (_number(text) for text in (*(match.groups() if match else ()), None, None)[:2])

@@ -1,4 +1,4 @@
-"""Engines as they come: nothing is written to a body after the start, and they converge to the model where it is unambiguous."""
+"""Unmodified engines: nothing is written to a body after the start, and they converge to the model where it is unambiguous."""
 
 from __future__ import annotations
 

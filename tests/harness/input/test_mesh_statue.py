@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import harness
 from harness.input import mesh_statue
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
@@ -156,3 +157,18 @@ def test_the_checks_of_a_scan_are_made_once_for_its_content(folder: Path, monkey
     kept.parent.chmod(0o777)  # where others may write nothing is taken
     assert notes() == [f"statue.mesh: looked at {before + 2} times"]
     mesh_statue._doubts.cache_clear()
+
+
+def test_a_base_that_reaches_over_the_centroid_is_refused(tmp_path: Path) -> None:
+    """A dish lower than the tolerance of contact touches with its rim, as a scene may say."""
+    vertices, faces = box(0.2, 0.2, 0.095)
+    vertices[vertices[:, 2] > 0.0, :2] *= 2.0
+    write(RawMesh(vertices, faces, ""), tmp_path / "dish.ply")
+    scene = {
+        "title": "dish", "duration_s": 1.0, "motion": {"x": {"kind": "rest"}}, "contact": {"statue": 0.6},
+        "statue": {"mesh": {
+            "file": str(tmp_path / "dish.ply"), "unit": "m", "up": "z", "density_kg_m3": 2700.0, "contact_tolerance_m": 0.1,
+        }},
+    }  # fmt: skip
+    with pytest.raises(InputError, match="statue"):
+        harness.scene(scene)

@@ -1,4 +1,4 @@
-"""What would help: options on common draws, intervals that cover, advice only where a difference is shown."""
+"""What would help: options with common random numbers, intervals that cover, advice only where a difference is shown."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What engines as they come confirm of a run: until when, to what, and where a wrong model or a wrong layer is found out."""
+"""What unmodified engines confirm of a run: until when, to what, and where a wrong model or a wrong layer is found out."""
 
 from __future__ import annotations
 

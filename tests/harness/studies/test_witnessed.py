@@ -1,4 +1,4 @@
-"""A seeded tenth of a study's scenes is held against engines as they come, once, and the study says what came out."""
+"""A seeded tenth of a study's scenes is held against unmodified engines, once, and the study says what came out."""
 
 from __future__ import annotations
 

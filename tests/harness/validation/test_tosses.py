@@ -183,7 +183,7 @@ def test_errors_are_the_turn_and_the_shift_that_were_put_in(tmp_path: Path, cube
 
 
 def test_the_coefficient_that_threw_them_is_found_again(tmp_path: Path, root: Path, cube: Scene) -> None:
-    """Three plastic tosses of friction 0.20, thrown by pybullet as it comes: it finds them again to what the table keeps."""
+    """Three plastic tosses of friction 0.20, thrown by unmodified pybullet: it finds them again to what the table keeps."""
     pytest.importorskip("pybullet")
     assert FRICTION in FRICTIONS
     table = written(tmp_path, {str(seed): thrown(cube, seed) for seed in STEADY})

@@ -160,7 +160,7 @@ def _table(text: str, where: str) -> _Table:
     words = _of_words(split, len(headers))
     for row, ((number, line), parts) in enumerate(zip(body, split, strict=True)):
         if not any(map(is_decimal, parts)) and _WORD.search(line):
-            advice = f"words among numbers: take out line {number}, and what is no number below it"
+            advice = f"words among numbers: take out line {number}, and what is not a number below it"
             raise mistake(where, f"line {number}", "numbers", repr(line.strip()[:60]), advice)
         if len(parts) != len(headers):
             damage = (

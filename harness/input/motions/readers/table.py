@@ -45,7 +45,7 @@ CONTRADICTS: Final = "the file contradicts itself: look into its source"
 _PLACE = re.compile(r"[0-9]{1,9}")
 _DATE = re.compile(r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}(?:[T_]\d\S*)?|\d{1,2}:\d\d(?::\d\d(?:[.,]\d*)?)?Z?")
 LABEL = re.compile(r"(?!(?:nan|inf|infinity|null|none|na|n/a)$)[^\W\d_]", re.IGNORECASE)
-"""How a word of a column of flags, stations or remarks begins, which is no number that is missing."""
+"""How a word of a column of flags, stations or remarks begins, which is not a missing number."""
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eEdD][-+]?\d+)?")
 _TIME_OF_DAY = re.compile(r"(?<!\d)(\d{1,2}):(\d\d):(\d\d(?:[.,]\d+)?)")
 _NUMBER = r"(?<![\d.])(\d{1,9}(?:\.\d{0,12})?(?:[eEdD][-+]?\d{1,3})?|\.\d{1,12}(?:[eEdD][-+]?\d{1,3})?)(?!\d)"
