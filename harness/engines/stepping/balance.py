@@ -7,13 +7,13 @@ rounding.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.rotation import rotation_matrices
 from harness.engines.base import LayerFault
 from harness.engines.stepping.rows import ALONE, Impulse, Row, Vector
 from harness.model.scene import Scene
@@ -26,7 +26,7 @@ ROUNDED_OFF: Final = 1e-6
 """Share of a body's own momentum that counts as impulse: of a body in flight the last digits are missing."""
 SLOW_M_S: Final = 1e-3
 """Velocity that is added to a body's own in that: of one at rest, on which nothing acts, rounding is all there is."""
-AFTER_STEPS: Final = 64
+AFTER_STEPS: Final = 128
 """Whole steps from one that is looked at to the next."""
 IMPACT, STEP = "impact", "step"
 
@@ -37,7 +37,10 @@ class Balance:
     def __init__(self, scene: Scene, axes: Array | None) -> None:
         """`axes` (3, 3) holds the statue's principal axes as columns (None: a planar engine)."""
         self.scene, self.planar, self.next = scene, axes is None, 0
-        self.axes = np.eye(3) if axes is None else axes
+        axes = np.eye(3) if axes is None else axes
+        # In the frame of a row's quaternion.
+        self.inertia = (axes.T @ scene.statue.inertia_tensor_kg_m2 @ axes).tolist()
+        self.arm_m = scene.statue.centroid_height_m
         pedestal = scene.pedestal
         self.masses = [scene.statue.mass_kg, *([] if pedestal is None else [pedestal.mass_kg])]
         self.missing: dict[tuple[str, str], float] = {}
@@ -59,29 +62,33 @@ class Balance:
         if not impulses:
             return
         # What acts on the pedestal from both sides may cancel.
-        largest = max(float(np.linalg.norm(impulse)) for impulse, _ in impulses)
-        speeds = (float(np.linalg.norm(after[ALONE * k + 7 : ALONE * k + 10])) for k in range(len(impulses)))
+        largest = max(math.hypot(*impulse) for impulse, _ in impulses)
+        speeds = (math.hypot(*after[ALONE * k + 7 : ALONE * k + 10]) for k in range(len(impulses)))
         moved = sum(mass * (speed + SLOW_M_S) for mass, speed in zip(self.masses, speeds, strict=True))
-        for k, (mass, (impulse, moment)) in enumerate(zip(self.masses, impulses, strict=True)):
-            at = ALONE * k
-            change = np.subtract(after[at + 7 : at + 13], before[at + 7 : at + 13])
-            name = "pedestal" if k else "statue"
-            given = mass * (change[:3] - pull_m_s)
-            self._count((of, f"{name}_momentum"), given - impulse, largest, moved)
-            if of == IMPACT and k == 0:
-                inertia = self._inertia(before)[1]
-                arm_m = self.scene.statue.centroid_height_m
-                turned = abs(float(inertia @ after[at + 10 : at + 13])) + arm_m * (largest + moved)
-                self._count((of, f"{name}_turning"), inertia @ change[3:] - moment[1], abs(moment[1]), turned)
+        for k, (mass, (impulse, _)) in enumerate(zip(self.masses, impulses, strict=True)):
+            at, name = ALONE * k + 7, "pedestal" if k else "statue"
+            missing = [mass * (after[at + n] - before[at + n] - pull_m_s[n]) - impulse[n] for n in range(3)]
+            self._count((of, f"{name}_momentum"), math.hypot(*missing), largest, moved)
+        if of == IMPACT:
+            inertia, moment = self._inertia(before), impulses[0][1][1]
+            gained = sum(each * (after[10 + n] - before[10 + n]) for n, each in enumerate(inertia))
+            turned = abs(sum(each * after[10 + n] for n, each in enumerate(inertia))) + self.arm_m * (largest + moved)
+            self._count((of, "statue_turning"), abs(gained - moment), abs(moment), turned)
 
-    def _inertia(self, row: Row) -> Array:
+    def _inertia(self, row: Row) -> Vector:
+        """Row of the statue's inertia in the world's axes, kg m², that gives the angular momentum about y."""
         x, y, z, w = row[3:7]
-        (turn,) = rotation_matrices(np.array([[w, x, y, z]])) @ self.axes.T
-        tensor: Array = turn @ self.scene.statue.inertia_tensor_kg_m2 @ turn.T
-        return tensor
+        turn = (
+            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)),
+            (2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)),
+            (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)),
+        )
+        across = [sum(each * turn[1][n] for n, each in enumerate(line)) for line in self.inertia]
+        a, b, c = (sum(each * across[n] for n, each in enumerate(line)) for line in turn)
+        return a, b, c
 
-    def _count(self, of: tuple[str, str], missing: Array, impulse: float, moved: float) -> None:
-        self.missing[of] = self.missing.get(of, 0.0) + float(np.linalg.norm(missing))
+    def _count(self, of: tuple[str, str], missing: float, impulse: float, moved: float) -> None:
+        self.missing[of] = self.missing.get(of, 0.0) + missing
         self.size[of] = self.size.get(of, 0.0) + impulse + ROUNDED_OFF * moved
 
     def check(self) -> None:
