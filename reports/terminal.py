@@ -28,9 +28,9 @@ MARK: Final = {Severity.CHANGES_ANSWER: "!!", Severity.CAUTION: "! ", Severity.I
 def run_lines(record: RunRecord, *, verbose: bool = False) -> list[str]:
     """A run: title, answer, a row for each engine and pair, what to beware of; `verbose`: every finding by severity."""
     lines = [_cut(record.title), *_answer(record), *table(_engine_rows(record))]
-    lines += _pair_rows(list(record.scores.values()))
     if verbose:
-        return [*lines, *finding_lines(record.findings)]
+        return [*lines, *_pair_rows(list(record.scores.values()), len(record.scores)), *finding_lines(record.findings)]
+    lines += _pair_rows(list(record.scores.values()), min(PAIR_LINES, LINES - LAST_LINES - len(lines)))
     said = [each for each in record.findings if each.severity is not Severity.INFO and each not in _of_pairs(record)]
     return [*lines, *beware_lines(record, said, LINES - len(lines) - 1)]
 
@@ -89,15 +89,19 @@ def _engine_cells(run: EngineRunRecord) -> list[str]:
     return [outcome, peak, slip, known, f"{digits(run.wall_s, 2)} s"]
 
 
-def _pair_rows(pairs: Sequence[Scores]) -> list[str]:
-    """One line a pair, those that differ first."""
+def _pair_rows(pairs: Sequence[Scores], most: int) -> list[str]:
+    """One line a pair, those that differ first, in at most so many lines."""
     order = sorted(pairs, key=lambda each: each.verdict is Verdict.AGREE)
     rows = [
         [f"{each.a} – {each.b}", ENGLISH.strings[f"pair.{each.verdict.name.lower()}"], _when(each)] for each in order
     ]
-    shown = rows if len(rows) <= PAIR_LINES else rows[: PAIR_LINES - 1]
+    shown = rows if len(rows) <= most else rows[: max(most - 1, 0)]
     lines = table(shown) if shown else []
-    return lines if len(rows) == len(shown) else [*lines, f"  {len(rows) - len(shown)} further pairs (--verbose)"]
+    return (
+        lines
+        if len(rows) == len(shown) or most < 1
+        else [*lines, f"  {len(rows) - len(shown)} further pairs (--verbose)"]
+    )
 
 
 def _when(scores: Scores) -> str:

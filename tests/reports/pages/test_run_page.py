@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from html import unescape
 from pathlib import Path
 from typing import Any
 
@@ -83,7 +84,7 @@ def test_names_from_the_record_are_text_and_not_markup(html: str) -> None:
 
 
 def test_every_finding_and_skip_is_there(folder: Path, html: str) -> None:
-    shown = without_data(html)
+    shown = unescape(without_data(html))
     record = run_source(folder).record
     for name, run in record.runs.items():
         assert name in shown
