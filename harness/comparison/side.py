@@ -22,7 +22,8 @@ class Side:
     model's own perturbed starts stay together; `left_domain_s` is when the model first broke one of its assumptions,
     `left_domain_by` which. `axes` are the axes of the floor's motion that it was given; `across_s` is when it
     left the rocking plane's balance across it: fell for good over its front or back, or ends leaning beyond it.
-    `resolution_rad` and `resolution_m` are how far the digits of a file leave its history open.
+    `resolution_rad` and `resolution_m` are how far the digits of a file leave its history open. `floor_impact` is the coefficient
+    of the floor that an engine takes at impacts, whatever the scene's choice; empty of one that takes the scene's.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Side:
     across_s: float | None = None
     resolution_rad: float = 0.0
     resolution_m: float = 0.0
+    floor_impact: str = ""
 
     @property
     def open_rad(self) -> float:
@@ -84,6 +86,7 @@ def side_of(
         by,
         None if answer.motion_axes is None else tuple(answer.motion_axes),
         _across_s(answer),
+        floor_impact=str(answer.settings.get("floor_impact") or "") if isinstance(answer, Run) else "",
     )
 
 

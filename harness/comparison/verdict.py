@@ -145,6 +145,7 @@ def _findings(verdict: Verdict, evidence: Evidence, a: Side, b: Side) -> list[Fi
         "differs_in": evidence.differs_in,
         "from_s": evidence.exceeded_s,
         "until_s": evidence.horizon_s,
+        "static": [side.name for side in (a, b) if side.floor_impact == "static"],
     }
     said = CODES[verdict]
     if verdict is Verdict.MODEL and len(unstated) == 2:

@@ -1,10 +1,12 @@
-"""The record of a witness: what an unmodified engine says of the runs beside it, and its sentences."""
+"""The record of a witness: what an unmodified engine says of the runs beside it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
+
+from harness.model.finding import Finding
 
 PLAIN: Final = ":plain"
 """What the name of an unmodified engine adds to that of the event-located one."""
@@ -31,15 +33,17 @@ class Judged:
 class Witness:
     """What one plain engine says: until when it was computed and bounded, its own error, and each run judged against it.
 
-    `reason` says why it says nothing, or why no further than `until_s`. `steps`: of all its runs.
+    `reasons` say why it says nothing, or why no further than `until_s`. `steps`: of all its runs. `floor_impact`: which of two
+    coefficients of the floor acts in it as an impact breaks the pedestal loose; empty where there is one.
     """
 
     engine: str
     until_s: float
     to_rad: float | None
     agrees: bool | None
-    reason: str
+    reasons: Sequence[Finding] = ()
     dt_s: float | None = None
     uncertainty_rad: float | None = None
     steps: int = 0
     runs: Mapping[str, Judged] = field(default_factory=dict)
+    floor_impact: str = ""

@@ -64,25 +64,29 @@ def findings_of(witnesses: Mapping[str, Witness]) -> list[Finding]:
         parted = {run: judged for run, judged in item.runs.items() if not judged.agrees}
         if agree:
             until_s, to_rad = min(each.until_s for each in agree.values()), max(each.to_rad for each in agree.values())
-            found.append(info("witness_confirms", witness=name, models=[*agree], until_s=until_s, to_rad=to_rad))
+            values = {"models": [*agree], "until_s": until_s, "to_rad": to_rad, "floor_impact": item.floor_impact}
+            found.append(info("witness_confirms", witness=name, **values))
         if parted:
             first_s = min(each.until_s for each in parted.values())
-            found.append(caution("witness_parts", witness=name, models=[*parted], from_s=first_s))
+            values = {"models": [*parted], "from_s": first_s, "floor_impact": item.floor_impact}
+            found.append(caution("witness_parts", witness=name, **values))
         if not agree and not parted:
-            found.append(info("witness_silent", witness=name, reason=item.reason))
+            found += [info("witness_silent", witness=name), *item.reasons]
     return found
 
 
 def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptions) -> Witness:
     engine, own = engines.load(name), runs[name.removesuffix(PLAIN)]
+
+    def silent(reason: Finding) -> Witness:
+        return Witness(name, 0.0, None, None, [reason])
+
     missing = engine.missing()
     if missing is not None:
-        return Witness(name, 0.0, None, None, missing)
+        return silent(info("witness_failed", witness=own.engine, message=missing))
     wanted_s = own.bounded_until_s
     if wanted_s <= LEAST_S:
-        return Witness(
-            name, 0.0, None, None, f"{own.engine} bounds its numerical error nowhere: there is nothing to confirm"
-        )
+        return silent(info("witness_of_nothing", engine=own.engine))
     affordable = BUDGET * own.work.get("steps_of_all_runs", own.steps) / engine.step_cost(scene)
     settings, finer, until_s = _affordable(engine, scene, wanted_s, affordable)
     short = replace(scene, duration_s=until_s)
@@ -91,7 +95,7 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
         coarse = engine.simulate(short, settings, with_history)
         fine = engine.simulate(short, finer, with_history)
     except EngineFailure as failure:
-        return Witness(name, 0.0, None, None, str(failure))
+        return silent(info("witness_failed", witness=own.engine, message=str(failure)))
     apart = spread(coarse, fine, target_of(scene, TARGET_RAD))
     height_m = 0.0 if scene.pedestal is None else scene.statue.centroid_height_m
     error = apart.stated.or_more(Error(finer.expected_error_rad, finer.expected_error_rad * height_m))
@@ -103,7 +107,7 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
         try:
             third = _third(engine, scene, max(parted_s), CHECK_TIMES * affordable, with_history)
         except EngineFailure as failure:
-            return Witness(name, 0.0, None, None, str(failure))
+            return silent(info("witness_failed", witness=own.engine, message=str(failure)))
         if third is not None:
             steps += third.steps
             third = third.with_uncertainty(error.rotation_rad, error.slip_m, third.end_s)
@@ -111,17 +115,17 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
     mine = judged[own.engine]
     if as_it_acts is not scene and MODEL in judged:
         judged[MODEL] = mine = replace(judged[MODEL], floor_impact="static")
-    reasons = (_why_no_further(own, fine, apart.until_s, until_s, wanted_s), _in_the_plane(scene, engine, runs))
     return Witness(
         name,
         mine.until_s,
         mine.to_rad,
         mine.agrees,
-        "; ".join(filter(None, reasons)),
+        [*_why_no_further(own, fine, apart.until_s, until_s, wanted_s), *_in_the_plane(scene, engine, runs)],
         finer.dt_s,
         error.rotation_rad,
         steps,
         judged,
+        str(fine.settings.get("floor_impact") or ""),
     )
 
 
@@ -175,20 +179,18 @@ def _falls(scene: Scene, run: Run, plain: Run, coarser: Run, parts_s: float) -> 
     return rad <= FALLS * coarser_rad and m <= max(FALLS * coarser_m, (plain.slip_uncertainty_m or 0.0))
 
 
-def _in_the_plane(scene: Scene, engine: Engine, runs: Mapping[str, Run]) -> str:
+def _in_the_plane(scene: Scene, engine: Engine, runs: Mapping[str, Run]) -> list[Finding]:
     """That what is compared is the rotation in the rocking plane, where one of both was not given all of the floor's motion."""
     given = scene.base_excitation.axes(engine.capabilities.dimensions)
     unlike = [name for name, run in runs.items() if run.motion_axes is not None and tuple(run.motion_axes) != given]
-    if not unlike:
-        return ""
-    return f"of the rocking plane alone: {' and '.join(unlike)} got another part of the floor's motion"
+    return [info("witness_in_plane", models=unlike)] if unlike else []
 
 
-def _why_no_further(own: Run, plain: Run, bounded_s: float, reached_s: float, wanted_s: float) -> str:
+def _why_no_further(own: Run, plain: Run, bounded_s: float, reached_s: float, wanted_s: float) -> list[Finding]:
     if own.end_s - min(bounded_s, wanted_s) <= LEAST_S:
-        return ""
+        return []
     if bounded_s < min(plain.end_s, reached_s):
-        return f"its own error is not bounded by {TARGET_RAD:g} rad from {bounded_s:.4g} s on"
+        return [info("witness_not_bounded", witness=own.engine, limit_rad=TARGET_RAD, from_s=bounded_s)]
     if reached_s < wanted_s:
-        return f"{BUDGET:g} times the run's own cost reach to {reached_s:.4g} s"
-    return f"the numerical error of {own.engine} is not bounded beyond {wanted_s:.4g} s"
+        return [info("witness_budget", witness=own.engine, times=BUDGET, until_s=reached_s)]
+    return [info("witness_run_not_bounded", engine=own.engine, from_s=wanted_s)]

@@ -197,6 +197,13 @@ def test_a_verdict_says_in_what_two_answers_differ() -> None:
     assert turned.findings[0].values["limit_rad"] == pytest.approx(COVERAGE * 2.0 * U_RAD)
 
 
+def test_a_verdict_says_which_engine_takes_the_static_coefficient_at_impacts() -> None:
+    history = doubles.rocking()
+    plain, model = certain(history, "pymunk:plain", settings={"floor_impact": "static"}), certain(history, "analytic")
+    assert compare(model, plain).findings[0].values["static"] == ["pymunk:plain"]
+    assert compare(model, model).findings[0].values["static"] == []
+
+
 def test_a_slip_s_error_that_is_not_stated_is_said() -> None:
     history, slid = doubles.rocking(slip_m=0.0), doubles.rocking(slip_m=0.02)
     scores = compare(certain(slid, "a", slip_uncertainty_m=None), certain(history, "b"))

@@ -90,7 +90,8 @@ def test_a_heavier_impact_in_the_study_s_engine_is_told(tmp_path: Path, monkeypa
     """The judged engine with the statue's inertia doubled: nothing is confirmed, and each scene is named."""
 
     def heavy(scene: Scene, name: str, **named: Any) -> Run:
-        statue = replace(scene.statue, inertia_kg_m2=2.0 * scene.statue.inertia_kg_m2)
+        inertia, tensor = 2.0 * scene.statue.inertia_kg_m2, 2.0 * scene.statue.inertia_tensor_kg_m2
+        statue = replace(scene.statue, inertia_kg_m2=inertia, inertia_tensor_kg_m2=tensor)
         return simulate(replace(scene, statue=statue), name, **named)
 
     monkeypatch.setattr(witnessed, "simulate", heavy)
