@@ -19,6 +19,7 @@ from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
 from harness.model.files import FRESH
+from harness.model.finding import Say
 from harness.probability.assessment import Assessed, assess
 from harness.probability.by_model import MODEL
 from harness.probability.options import read_options
@@ -78,11 +79,12 @@ def run(
     dask: str | None = None,
     quiet: bool = False,
     scanned: Scanned = Scanned(),
+    say: Say = lambda finding: "",
 ) -> AssessRecord:
     """Assess a scene file, or a scan, into `folder` (store.sqlite, result.json, draws.csv where asked, the scan's scene).
 
-    Engine runs in the store are not computed again. Raises `InputError` for wrong input, or `resume` where there is nothing to go
-    on with.
+    Engine runs in the store are not computed again; `say` fills in the sentences. Raises `InputError` for wrong input, or
+    `resume` where there is nothing to go on with.
     """
     of_scan = [SCENE_NAME, MESH_NAME, LOG_NAME]
     names = [RECORD, COMING, *PAGES, *([DRAWS_NAME, CLEARANCE_NAME] if csv else [])]
@@ -122,7 +124,7 @@ def run(
                 for made in scene_file.parent.iterdir():
                     shutil.copy(made, fresh)
 
-        return write_whole(folder, assessed.record, write)
+        return write_whole(folder, assessed.record.texted(say), write)
 
 
 def _write_draws(assessed: Assessed, path: Path) -> None:

@@ -152,17 +152,18 @@ def assess(
 ) -> None:
     """Find how probable it is that the statue falls, by each model, from what is not known of the scene."""
     from harness import assess_cli
-    from harness.probability.words import summary
     from harness.records.base import plain
     from harness.records.result_folder import named_after
+    from reports.messages import ENGLISH
+    from reports.terminal import assess_lines
 
     folder = out or OUT / f"{named_after(scene)}-assess"
     record = assess_cli.run(
         scene, folder, asked, sampling, no_options=no_options, options=options,
         csv=csv, jobs=jobs, resume=resume, dask=dask, quiet=saying.silent,
-        scanned=assess_cli.Scanned(motion_file, known, around, text),
+        scanned=assess_cli.Scanned(motion_file, known, around, text), say=ENGLISH.say,
     )  # fmt: skip
-    say_result(plain(record), summary(record), folder, saying)
+    say_result(plain(record), "\n".join(assess_lines(record, verbose=saying.verbose)), folder, saying)
 
 
 @command(app, None, "rockcheck study scenes/paestum_table2.toml --jobs 2")

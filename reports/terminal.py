@@ -9,6 +9,7 @@ from typing import Final
 
 from harness.model.finding import Finding, Severity
 from harness.model.terminal import printable
+from harness.records.assess import Assessment, AssessRecord
 from harness.records.base import Record
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scores import Scores, Verdict
@@ -19,6 +20,7 @@ from reports.messages.numbers import digits, length
 LINES: Final = 16
 COLUMNS: Final = 100
 ANSWER_LINES: Final = 4
+LONG_ANSWER_LINES: Final = 7
 PAIR_LINES: Final = 3
 LAST_LINES: Final = 2
 """How many findings there are beside those shown, and where the pages are."""
@@ -35,14 +37,36 @@ def run_lines(record: RunRecord, *, verbose: bool = False) -> list[str]:
     return [*lines, *beware_lines(record, said, LINES - len(lines) - 1)]
 
 
+def assess_lines(record: AssessRecord, *, verbose: bool = False) -> list[str]:
+    """An assessment: title, answer, a row for each model, what to beware of."""
+    rows = [["model", "probability", "interval", "draws", "runs", "undecided"]]
+    for name, item in record.answers.items():
+        shares = [ENGLISH.value(each, "share").replace("\u00a0", " ") for each in _shares(item)]
+        p, low, high, undecided = shares
+        rows.append([name, p, f"{low} to {high}", str(item.draws), str(item.engine_runs), undecided])
+    return _headed(record, table(rows) if record.answers else [], verbose=verbose)
+
+
+def _shares(item: Assessment) -> list[float]:
+    return [item.probability_overturned, item.low, item.high, item.undecided]
+
+
+def _headed(record: Record, rows: Sequence[str], *, verbose: bool) -> list[str]:
+    """Title, answer and rows, then what to beware of, in what room is left."""
+    lines = [_cut(record.title), *_answer(record, LONG_ANSWER_LINES), *rows]
+    if verbose:
+        return [*lines, *finding_lines(record.findings)]
+    said = [each for each in record.findings if each.severity is not Severity.INFO]
+    return [*lines, *beware_lines(record, said, LINES - len(lines) - 1)]
+
+
 def _of_pairs(record: RunRecord) -> list[Finding]:
     """Each pair's verdict, which has a row of its own."""
     return [each.findings[0] for each in record.scores.values() if each.findings]
 
 
-def _answer(record: Record) -> list[str]:
-    text = "" if record.answer is None else record.answer.text
-    return wrapped(text, ANSWER_LINES)
+def _answer(record: Record, most: int = ANSWER_LINES) -> list[str]:
+    return [] if record.answer is None else wrapped(record.answer.text, most)
 
 
 def wrapped(text: str, most: int, indent: str = "") -> list[str]:

@@ -20,6 +20,7 @@ from harness.model.errors import InputError, Mistake
 from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain
 from harness.model.shown import Shown, new_axes
+from harness.probability.answer import answer_of, findings_of
 from harness.probability.by_model import MODEL, SAMPLER, probability_of, sampled
 from harness.probability.clearance import of_engine, of_model
 from harness.probability.compared import OPTION_DRAWS, compare
@@ -161,6 +162,7 @@ def assess(
     record = _by_model(record, scene, values, seed, more_options, on_progress, in_space=fell is not None)
     if record.indices is None:
         record = replace(record, indices=indices_of_draws(inputs, values, model.overturned if fell is None else fell))
+    record = replace(record, answer=answer_of(record), findings=[*findings_of(record), *record.findings])
     return Assessed(record, values, model, others.fell)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal
@@ -44,63 +43,10 @@ class Assessment:
         """Whether the interval is narrow enough for a number: else the statue may fall or stand."""
         return self.high - self.low <= MOSTLY
 
-    @property
-    def sentence(self) -> str:
-        """`falls in 40 % of what may be true (39 to 41 %)`; says where a model has no answer, for that is no standing."""
-        if self.undecided >= 1.0:
-            return "may fall or stand: the model has no answer in anything that may be true"
-        low, high = percent(self.low), percent(self.high)
-        falls, open_ = f"falls in {percent(self.probability_overturned)} %", f"in {percent(self.undecided)} %"
-        if self.tells:
-            said = f"{falls} of what may be true ({low} to {high} %)"
-        else:
-            said = f"may fall or stand: it falls in {low} to {high} % of what may be true"
-        said += f", and {open_} the model has no answer" if self.undecided else ""
-        if self.sampled:
-            said += (
-                f"; for {percent(self.left_domain)} %, outside its domain, {self.sampled} runs of {self.sampler} answer"
-            )
-        return said + (", the shaking across its plane left out" if self.plane_only else "")
 
-
-def percent(share: float) -> str:
-    """A share in per cent, two digits of it where it is small, two of what is left where it is large: no 100 for 99.97."""
-    value = 100.0 * share
-    left = 100.0 - value
-    if 0.0 < left < 9.95:
-        digits = min(max(1 - math.floor(math.log10(left)), 0), 3)
-        return f"{value:.{digits}f}".rstrip("0").rstrip(".")
-    return f"{value:.0f}" if value >= 9.95 or value == 0.0 else f"{value:.2g}"
-
-
-def draws_of(answers: Mapping[str, Assessment]) -> dict[str, str]:
-    """By model, from how many draws its answer is; and why, of a model that ran fewer than the others were given."""
-    most = max((item.draws for item in answers.values()), default=0)
-    fewer = ", as many as its runs make in some two seconds of two cores: each costs milliseconds"
-    return {name: f"{item.draws} draws{fewer if item.draws < most else ''}" for name, item in answers.items()}
-
-
-def not_answered(answers: Mapping[str, Assessment], file: str | None, *, pedestal: bool) -> list[str]:
-    """What is said where every answer leaves out the shaking across the plane, or most of what may be true on a pedestal: that,
-    and the command that knows it.
-    """
-    said: list[str] = []
-    if not answers:
-        return said
-    if all(item.plane_only for item in answers.values()):
-        across = (
-            "The scene is shaken across the rocking plane too: that shaking is in none of these probabilities. In space"
-        )
-        said.append(f"{across}: {command_in_space(file)} (pybullet's own runs, stratified by the planar model).")
-    if pedestal and all(not item.tells for item in answers.values()):
-        tips = "The model has no answer where the pedestal itself tips. A contact engine follows that"
-        said.append(f"{tips}: rockcheck assess {file or 'SCENE'} -e analytic -e pymunk.")
-    return said
-
-
-def command_in_space(file: str | None) -> str:
-    """The command that asks an engine of three dimensions for the probability."""
-    return f"rockcheck assess {file or 'SCENE'} -e analytic -e pybullet"
+def worst(answers: Mapping[str, Assessment]) -> str:
+    """The model by which a fall is the most probable; of equal ones one that knows all of the shaking."""
+    return max(answers, key=lambda name: (answers[name].high, not answers[name].plane_only))
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,11 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Final, Literal
 
-from harness.model.finding import Answer, Finding, caution, changes_answer, info
+from harness.model.finding import Answer, Finding, changes_answer, info
 from harness.model.history import Outcome
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.probability.answer import probability
 from harness.records.assess import Assessment
 from harness.records.run import HorizonRecord, has_answer
 from harness.records.scores import Scores, Verdict
@@ -41,7 +42,7 @@ def answer_of(
     known = {name: run for name, run in runs.items() if has_answer(run)}
     judged = [each for each in scores.values() if each.a in known and each.b in known]
     code = _code(known, judged)
-    parts = [_what(scene, known, len(runs)), *_probability(assessment), *_until(known, judged, code), *_decides(scores)]
+    parts = [_what(scene, known, len(runs)), *probability(assessment), *_until(known, judged, code), *_decides(scores)]
     return Answer(code, [*parts, *_unpredictable(horizons, known)])
 
 
@@ -97,37 +98,6 @@ def _side(run: Run) -> int:
     if run.history is None:
         return 1
     return 1 if float(run.history.at(run.peak_time_s)) >= 0.0 else -1
-
-
-def _probability(assessment: Mapping[str, Assessment]) -> list[Finding]:
-    """How probable a fall is, by the answer in which it is the most probable.
-
-    The interval of one model's draws holds neither another model nor a friction that nobody knows: so a number is `about`; where
-    draws have no answer, or an engine answered a sample of them, the interval is told, and where it is wide no number at all.
-    """
-    if not assessment:
-        return []
-    name, worst = max(assessment.items(), key=lambda item: (item[1].high, not item[1].plane_only))
-    values = {
-        "share": worst.probability_overturned,
-        "low": worst.low,
-        "high": worst.high,
-        "undecided": worst.undecided,
-        "model": name,
-        "sampled": worst.sampled,
-        "sampler": worst.sampler,
-    }
-    if worst.tells and not (worst.undecided or worst.sampled) and worst.probability_overturned in (0.0, 1.0):
-        found = [info("probability_extreme", none=worst.probability_overturned == 0.0, **values)]
-    elif not worst.tells:
-        found = [caution("probability_open", **values)]
-    elif worst.undecided or worst.sampled:
-        found = [caution("probability_between", **values)]
-    else:
-        found = [info("probability", **values)]
-    if all(item.plane_only for item in assessment.values()):
-        found.append(caution("probability_in_plane"))
-    return found
 
 
 def _until(known: Mapping[str, Run], scores: Sequence[Scores], code: Code) -> list[Finding]:

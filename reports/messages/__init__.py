@@ -114,6 +114,24 @@ def _shares(say: Language, shares: Mapping[str, float]) -> str:
     return say.listed(f"{say.percent(share)} {say.word('without')} {say.word(what)}" for what, share in shares.items())
 
 
+def _factors(say: Language, factors: Mapping[str, Sequence[float | None]]) -> str:
+    """`5 % at 1.10 (1.02 to 1.20)`: the factor at which each share is reached, and what draws leave open."""
+
+    def factor(at: float | None) -> str:
+        return "–" if at is None else say.digits(at, 3)
+
+    def each(share: str, soonest: float | None, at: float | None, latest: float | None) -> str:
+        between = "" if soonest == latest else f" ({factor(soonest)} {say.word('to')} {factor(latest)})"
+        return f"{say.value(float(share), 'share')} {say.word('at')} {factor(at)}{between}"
+
+    return say.listed(each(share, *at) for share, at in factors.items())
+
+
+def _named_key(say: Language, key: str) -> str:
+    words = say.key(key)
+    return printable(key) if words is None else f"{words} ({key})"
+
+
 FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
     "plain": lambda say, value: say.word(value) if isinstance(value, str) else say.short(float(value)),
     "count": lambda say, value: str(value),
@@ -131,6 +149,9 @@ FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
     "vector": lambda say, value: ", ".join(say.short(part, 3) for part in value),
     "groups": _grouped,
     "without": _shares,
+    "factors": _factors,
+    "key": _named_key,
+    "points": lambda say, value: f"{100.0 * value:+.1f}".replace("-", "−").replace(".", say.strings["decimal"]),
 }
 """How a value is written, by the word after its colon."""
 

@@ -7,86 +7,50 @@ from typing import Final
 
 from harness.model.assumed import assumption
 from harness.model.scene import Uncertain
+from harness.probability.answer import CLEAR, clearance
 from harness.probability.by_model import MODEL
 from harness.probability.sensitivity import LEAST_DRAWS
-from harness.probability.words import CLEAR, advice, reserve, room
 from harness.records.assess import (
     AssessRecord,
     ClearanceByModel,
     FragilityRecord,
-    Index,
-    ProbabilityDifference,
-    not_answered,
-    percent,
 )
 from reports.charts import Json
 from reports.charts.figure import axis, band, curve, figure
 from reports.charts.palette import INK, MUTED
 from reports.drawing.conservator_pictures import plan_svg
 from reports.drawing.floor_plan import probable_plan
-from reports.messages import ENGLISH
+from reports.messages import ENGLISH, probability_text
 from reports.text.chance import tone_of_answers
+from reports.text.limits import by_severity
 from reports.text.wording import Verdict
 
-MATTERS: Final = 0.05
-"""A total index below this: knowing the input would change next to nothing."""
 TICKS: Final = [0.25, 0.5, 1.0, 2.0, 4.0]
 """Factors written on the axis."""
 
 
 def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
     """Everything that the assess template shows."""
-    clearance = record.clearance
-    room_words = None if clearance is None else room(clearance)
-    plan = None if clearance is None else probable_plan(clearance, CLEAR)
+    room = record.clearance
+    plan = None if room is None else probable_plan(room, CLEAR)
     return {
         "verdict": assess_verdict(record),
+        "notes": by_severity(record.findings),
         "inputs": [(item, _said(item, record.assumed)) for item in record.uncertainty],
         "totals": any(item.total is not None for item in (record.indices or {}).values()),
         "least_draws": LEAST_DRAWS,
         "chart": None if record.fragility is None else _chart(record.fragility),
-        "advice": [] if record.options is None else advice(record.options),
         "planar": record.options is not None and record.options.model == MODEL,
-        "room": room_words,
-        "plan": plan and plan_svg(record.scene, plan, str(room_words), ENGLISH),
-        "clearance": [_clearance(*each) for each in (clearance.answered.items() if clearance else ())],
+        "plan": room and plan and plan_svg(record.scene, plan, ENGLISH.say(clearance(room)), ENGLISH),
+        "clearance": [_clearance(*each) for each in (room.answered.items() if room else ())],
     }
 
 
 def assess_verdict(record: AssessRecord) -> Verdict:
-    """The first model's probability, then what the others say, and the factors on the motion."""
-    answers = record.answers
-    if not answers:
-        return Verdict("No model could assess this scene", "failed", [])
-    # What knows all of the shaking speaks first; the most probable fall decides the colour.
-    first = next((name for name, item in answers.items() if not item.plane_only), next(iter(answers)))
-    points = [f"{name}: {item.sentence}." for name, item in answers.items()] if len(answers) > 1 else []
-    points += not_answered(answers, record.scene.file, pedestal=record.scene.pedestal is not None)
-    if record.options is not None:
-        points.append(advice(record.options)[0])
-    if record.clearance is not None:
-        points.append(room(record.clearance))
-    if record.fragility is not None:
-        points.append(reserve(record.fragility, record.plane_only))
-    key, most = max((record.indices or {}).items(), key=lambda item: item[1].most, default=("", Index(0.0, 0.0)))
-    if most.most >= max(MATTERS, most.half_width):
-        planar = record.plane_only and record.fragility is not None and record.fragility.model == MODEL
-        where = "In the rocking plane alone, what" if planar else "What"
-        words = ENGLISH.key(key)
-        named = key if words is None else f"{words} ({key})"
-        points.append(f"{where} decides most is {named}: {percent(min(most.most, 1.0))} % of the doubt hangs on it.")
-    points += [_difference(name, item) for name, item in record.difference_from_model.items()]
-    return Verdict(f"The statue {answers[first].sentence}", tone_of_answers(answers), points)
-
-
-def _difference(name: str, item: ProbabilityDifference) -> str:
-    low, high = 100.0 * item.low, 100.0 * item.high
-    told = (
-        f"the model's probability less that of {name} is {100.0 * item.value:+.1f} points ({low:+.1f} to {high:+.1f})"
-    )
-    if low > 0.0 or high < 0.0:
-        return f"The model {'over' if low > 0.0 else 'under'}states the danger: {told}."
-    return f"No difference is shown between the model and {name}: {told}."
+    """The record's answer, in the colour of the most probable fall."""
+    answers, told = record.answers, record.answer
+    first, *points = [each.text for each in told.findings] if told else [""]
+    return Verdict(first, tone_of_answers(answers) if answers else "failed", points)
 
 
 def _said(item: Uncertain, assumed: bool) -> str:
@@ -100,8 +64,8 @@ def _said(item: Uncertain, assumed: bool) -> str:
 def _clearance(name: str, item: ClearanceByModel) -> tuple[str, list[str], list[tuple[str, list[str]]]]:
     """A model's table by direction, its heads first: quantiles of the outline's way, and at one share of top and pedestal."""
     at = list(item.share).index(CLEAR)
-    heads = [f"outline, {percent(share)} of 100" for share in item.share]
-    heads += [f"{part}, {percent(CLEAR)} of 100" for part in ("top", "pedestal")]
+    heads = [f"outline, {probability_text(share)} of 100" for share in item.share]
+    heads += [f"{part}, {probability_text(CLEAR)} of 100" for part in ("top", "pedestal")]
     columns = zip(*item.outline_m, item.top_m[at], item.pedestal_m[at], strict=True)
     cells = ([f"{value:.3f}\u00a0m" for value in row] for row in columns)
     return name, heads, [(_towards(angle), row) for angle, row in zip(item.direction_deg, cells, strict=True)]

@@ -17,11 +17,10 @@ from markupsafe import Markup
 
 from harness.model.run import to_plain
 from harness.model.terminal import printable_lines
-from harness.records.assess import percent
 from meshes import array_cache
 from reports.charts import Json
 from reports.charts.static_svg import still
-from reports.messages import ENGLISH
+from reports.messages import ENGLISH, probability_text
 from reports.messages.numbers import angle, digits, given, heading, label, length, plain, short, unit
 
 TEMPLATES: Final = Path(__file__).resolve().parents[1] / "templates"
@@ -141,7 +140,7 @@ def environment() -> Environment:
     templates.filters |= {
         "listed": ENGLISH.listed,
         "metres": length,
-        "percent": percent,
+        "percent": probability_text,
         "script_json": json_for_script,
         "packed_chart": packed_chart,
         "packed_json": packed_json,

@@ -11,16 +11,16 @@ import numpy as np
 
 from harness.model.history import Outcome
 from harness.model.tilted import support_m
-from harness.records.assess import Assessment, percent
+from harness.records.assess import Assessment, worst
 from harness.records.run import EngineRunRecord, RunRecord, has_answer, tips_s
 from reports.drawing.conservator_pictures import plan_svg, reach_svg
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import floor_plan
 from reports.drawing.kinematics import Array, section
-from reports.messages import ENGLISH, Language
+from reports.messages import ENGLISH, Language, probability_text
 from reports.pages.conservator_parts import Picture, end_words, order_picture, page, push_picture
 from reports.source import RunSource, source_of
-from reports.text.chance import worse_tone, worst
+from reports.text.chance import worse_tone
 from reports.text.giving_way import support_of
 from reports.text.limits import TIPS_RAD, tilt_rad
 from reports.text.wording import AT_REST_RAD, horizon_s, prediction_s, unlike_motions
@@ -58,7 +58,7 @@ def _answer(source: RunSource, nominal: str, colour: str, say: Language) -> tupl
         # One run is one draw: a shaking that it stands is no reason for green.
         unknown = colour == "agree" and bool(source.record.motion.accel_m_s2)
         return nominal, "differ" if unknown else colour, [say("chance.unknown")] if unknown else []
-    item, tone = worst(source.record.assessment), worse_tone(source.record.assessment, colour)
+    item, tone = source.record.assessment[worst(source.record.assessment)], worse_tone(source.record.assessment, colour)
     given = say("chance.given", what=nominal[0].lower() + nominal[1:])
     if item.undecided >= 1.0:
         return say("chance.open"), tone, [given]
@@ -84,7 +84,7 @@ def _falls(item: Assessment, say: Language) -> str:
 
 
 def _share(value: float, say: Language) -> str:
-    return percent(value).replace(".", say("decimal"))
+    return probability_text(value).replace(".", say.strings["decimal"])
 
 
 def _nominal(source: RunSource, answered: Mapping[str, EngineRunRecord], say: Language) -> tuple[str, str]:

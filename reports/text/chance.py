@@ -36,11 +36,6 @@ def tone_of_probability(item: Assessment) -> Tone:
     return "failed" if item.probability_overturned >= LIKELY else "differ"
 
 
-def worst(answers: Mapping[str, Assessment]) -> Assessment:
-    """The answer in which a fall is the most probable; of equal ones one that knows all of the shaking."""
-    return max(answers.values(), key=lambda each: (each.high, not each.plane_only))
-
-
 def tone_of_answers(answers: Mapping[str, Assessment]) -> Tone:
     """The worst colour of several models' probabilities; no green where all leave a part of the shaking out."""
     known = any(not item.plane_only for item in answers.values())

@@ -22,6 +22,7 @@ from harness.probability.inputs import uncertain_inputs
 from harness.probability.options import options_of
 from harness.probability.variation import varied
 from harness.studies.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of
+from reports.messages import probability_text
 from tests.harness.probability.measure_own_runs import own_runs
 from tests.measures.pages import renew, table
 
@@ -65,7 +66,10 @@ def used_s(task: Callable[[], str]) -> tuple[str, float, float]:
 def of_run(scene: Scene) -> str:
     """The probability beside a run."""
     answer = assess_models(scene)["analytic"]
-    return f"{answer.draws} draws: {answer.sentence}"
+    p, low, high, open_ = map(
+        probability_text, (answer.probability_overturned, answer.low, answer.high, answer.undecided)
+    )
+    return f"{answer.draws} draws: {p} % ({low} to {high} %), {open_} % undecided"
 
 
 def of_options() -> str:

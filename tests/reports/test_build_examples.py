@@ -107,14 +107,13 @@ def test_an_example_without_an_engine_that_is_not_installed_is_done(
     assert not answer.failed
 
 
-def test_a_shipped_page_says_first_how_probable_a_fall_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Engineer's and conservator's: the statue that stands in every run as given falls in two of five draws."""
+def test_a_shipped_page_of_a_statue_that_may_fall_is_never_green(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Engineer's and conservator's: the statue stands in every run as given, and falls in two of five draws."""
     monkeypatch.setattr(build_examples, "OUT", tmp_path)
     monkeypatch.setattr(engines, "default_engines", lambda scene: ("analytic",))
-    name = "paestum_pedestal"
-    assert "falls in 39 % of what may be true (39 to 40 %)" in build_examples.example((name, {})).record["text"]
-    for page, said in (("report", "falls in 39 % of what may be true"), ("conservator", "falls in 39 of 100")):
-        text = (tmp_path / name / f"{page}.html").read_text().replace("&nbsp;", " ").replace("\N{NO-BREAK SPACE}", " ")
-        tone, headline = re.findall(r'class="verdict (\w+)".*?<h2 id="verdict-title">(.*?)</h2>', text, re.DOTALL)[0]
-        assert said in headline
+    build_examples.example(("paestum_pedestal", {}))
+    for page in ("report", "conservator"):
+        (tone,) = re.findall(r'class="verdict (\w+)"', (tmp_path / "paestum_pedestal" / f"{page}.html").read_text())
         assert tone != "agree"

@@ -16,14 +16,14 @@ from harness.input.scene_file import load_scene
 from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation, Pedestal
 from harness.probability import by_model
+from harness.probability.answer import answer_of, findings_of, probability
 from harness.probability.assessment import assess
 from harness.probability.by_model import assess_models, probability_of
 from harness.probability.inputs import draw, row, uncertain_inputs
 from harness.probability.model_draws import ModelDraws, model_draws
 from harness.probability.stratified import jeffreys
 from harness.probability.variation import varied
-from harness.probability.words import summary
-from harness.records.assess import NotAssessed, not_answered
+from harness.records.assess import AssessRecord, NotAssessed
 from reports.text.chance import tone_of_answers, worse_tone
 from tests import budgets_assess as budget
 from tests.engines_for_tests import ready
@@ -89,7 +89,8 @@ def test_an_engine_none_of_whose_runs_ends_has_no_probability_but_a_reason() -> 
     record = assess(paestum(0.429, 3.0, duration_s=0.5), ["spatial"], draws=100, most_runs=30, more_options=None).record
     none = record.assessment["spatial"]
     assert isinstance(none, NotAssessed)
-    assert "none of its 30 runs came to an end" in none.message
+    (reason,) = (each for each in record.findings if each.code == "not_assessed")
+    assert (reason.engine, reason.values) == ("spatial", {"reason": none.message})
     assert set(record.answers) == {"analytic"}
     assert record.difference_from_model == {}
 
@@ -101,25 +102,31 @@ def test_a_push_across_the_plane_is_the_exact_bodys_to_answer_and_never_green() 
     shaken = replace(given, base_excitation=BaseExcitation(y=push))
     answers = assess_models(shaken, draws=40)
     assert answers["analytic"].probability_overturned == 0.0
-    assert answers["analytic"].sentence.endswith("the shaking across its plane left out")
+    assert answers["analytic"].plane_only
     assert answers["spatial"].probability_overturned > 0.9
     assert tone_of_answers({"analytic": answers["analytic"]}) == "differ"
     assert worse_tone(answers, "agree") == "failed"
     record = assess(shaken, ["analytic"], draws=40).record
     assert set(record.answers) == {"analytic", "spatial"}
     assert record.difference_from_model["spatial"].high < -0.5
-    assert not any("Nothing need be done" in line for line in summary(record).splitlines())
+    assert record.answer is not None
+    assert record.answer.findings[0].values["model"] == "spatial"
+    assert not any(each.values.get("needed") is False for each in record.answer.findings)
+    assert not codes(record) & {"assess_in_space", "probability_in_plane"}, "the exact body answers the other"
     on_pedestal = paestum(0.429, 3.0, duration_s=1.0)
     excitation = replace(on_pedestal.base_excitation, y=push)
     across = replace(on_pedestal, base_excitation=excitation)
     alone = assess_models(across, draws=20)
     assert list(alone) == ["analytic"]
-    said = not_answered(alone, "mine.toml", pedestal=True)
-    assert len(said) == 1
-    assert "shaken across the rocking plane too" in said[0]
-    assert "rockcheck assess mine.toml -e analytic -e pybullet" in said[0]
-    assert said[0] in summary(replace(record, assessment=alone, scene=replace(record.scene, file="mine.toml")))
-    assert not not_answered(answers, "mine.toml", pedestal=True), "the exact body answers the other"
+    assert [each.code for each in probability(alone)][-1] == "probability_in_plane"
+    mine = replace(record, assessment=alone, scene=replace(record.scene, file="mine.toml"))
+    (command,) = (each for each in findings_of(mine) if each.code == "assess_in_space")
+    assert command.values == {"file": "mine.toml"}
+
+
+def codes(record: AssessRecord) -> set[str]:
+    """The codes of all that a record says."""
+    return {each.code for each in (*answer_of(record).findings, *findings_of(record))}
 
 
 def test_an_assumed_strength_is_the_files_own(tmp_path: Path) -> None:
@@ -148,10 +155,9 @@ def test_draws_outside_the_models_domain_are_open_where_no_engine_answers(monkey
     assert found.left_domain > 0.99
     assert (found.low, found.high, found.sampled) == (0.0, 1.0, 0)
     assert not found.tells
-    assert not_answered({"analytic": found}, "tall.toml", pedestal=True)
+    assert [each.code for each in probability({"analytic": found})] == ["probability_open"]
     low = assess_models(replace(TALL, pedestal=Pedestal(80.0, 1.0, 1.0, 0.2)))["analytic"]
     assert low.tells
-    assert not not_answered({"analytic": low}, "low.toml", pedestal=True)
 
 
 def test_an_engine_answers_draws_outside_the_models_domain(monkeypatch: pytest.MonkeyPatch) -> None:

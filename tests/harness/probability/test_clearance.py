@@ -12,12 +12,13 @@ from analytic import Pulse
 from harness.campaign.runner import InlinePool
 from harness.engines.stepping.spatial import statue_columns
 from harness.model.scene import BaseExcitation, Scene, Statue
+from harness.probability.answer import CLEAR, without_clearance
+from harness.probability.answer import clearance as clearance_finding
 from harness.probability.assessment import assess
 from harness.probability.clearance import clearance, of_model
 from harness.probability.inputs import draw, uncertain_inputs
 from harness.probability.model_draws import model_draws
 from harness.probability.plan import AROUND_DEG, PARTS, PLANAR_DEG, reach_m, rest_outline_m
-from harness.probability.words import room
 from harness.records.assess import ClearanceRecord
 from reports.drawing.floor_plan import probable_plan
 from tests import budgets_assess as budget
@@ -97,8 +98,13 @@ def test_draws_without_an_end_are_no_standing_ones() -> None:
     assert answer.undecided > 0
     assert abs(answer.undecided - int((~model.decided).sum())) <= 2, "the sweep is coarser"
     assert abs(answer.standing - int((model.decided & ~model.overturned).sum())) <= 2
-    told = room(ClearanceRecord(1.46, rest_outline_m(cut.statue).tolist(), {"analytic": answer}))
-    assert f"left out are draws of analytic without an answer, {answer.undecided} of 60" in told
+    record = ClearanceRecord(1.46, rest_outline_m(cut.statue).tolist(), {"analytic": answer})
+    (left_out,) = without_clearance(record)
+    assert (left_out.code, left_out.engine) == ("clearance_undecided", "analytic")
+    assert left_out.values == {"undecided": answer.undecided, "draws": 60}
+    right_m, left_m = answer.at(CLEAR).values()
+    told = clearance_finding(record).values
+    assert (told["by"], told["right_m"], told["left_m"], told["height_m"]) == ("plane", right_m, left_m, 1.46)
 
 
 def test_a_run_counts_for_what_it_stands_for() -> None:

@@ -13,12 +13,12 @@ from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.scene import Pedestal, Scene, Uncertain
 from harness.probability import options as made
+from harness.probability.answer import best_option, of_options
 from harness.probability.bodies import as_one, sliding, turned_block
 from harness.probability.compared import common, compare, option_draws, paired_difference
 from harness.probability.inputs import draw, uncertain_inputs
 from harness.probability.model_draws import model_draws
 from harness.probability.options import PAIRS
-from harness.probability.words import advice
 from harness.records.assess import OptionsRecord
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import paestum, rectangle
@@ -119,12 +119,14 @@ def test_what_is_not_shown_is_not_recommended() -> None:
     """A shaking that the statue bears in every draw, and options that change nothing: no advice to do anything."""
     calm = compared(paestum(0.05, 3.0, duration_s=2.0))
     assert not calm.helping
-    assert advice(calm)[0].startswith("Nothing need be done")
+    told = best_option(calm)
+    assert (told.code, told.values) == ("no_option_helps", {"needed": False})
     scene = paestum(0.429, 3.0, duration_s=3.0)
     same = [made.Option("same", "nothing is changed", lambda given: given)]
     idle = compare(scene, uncertain_inputs(scene), same, {}, draws=DRAWS)
     assert 0.0 < idle.as_it_is.probability_overturned < 1.0
-    assert advice(idle) == ["Nothing is recommended: none of these options is shown to make a fall less probable."]
+    assert best_option(idle).values == {"needed": True}
+    assert not list(of_options(idle))
 
 
 def test_an_option_whose_draws_come_to_no_end_is_not_recommended(tmp_path: Path) -> None:
@@ -137,7 +139,7 @@ def test_an_option_whose_draws_come_to_no_end_is_not_recommended(tmp_path: Path)
     assert record.as_it_is.probability_overturned > wall.probability_overturned + 0.4
     assert wall.undecided > 0.5
     assert not wall.helps
-    assert not advice(record)[0].startswith("What would help")
+    assert best_option(record).code == "no_option_helps"
 
 
 def test_the_shipped_pedestal_protects_its_statue() -> None:
@@ -147,9 +149,10 @@ def test_the_shipped_pedestal_protects_its_statue() -> None:
     assert by_name[made.FLOOR].harms
     assert by_name[made.FIXED].helps
     assert by_name[made.TURNED].helps
-    told = advice(record)
-    assert told[0].startswith(f"What would help most: {made.FIXED}.")
-    assert told[-1].startswith("The sliding pedestal protects this statue")
+    best = best_option(record)
+    assert (best.code, best.values["option"]) == ("best_option", made.FIXED)
+    assert best.values["now"] == record.as_it_is.probability_overturned
+    assert pedestal(record) == "protects"
     rough = next(item for name, item in by_name.items() if name.endswith(PAIRS[-1].name))
     assert rough.harms
     assert rough.source == PAIRS[-1].source
@@ -157,11 +160,14 @@ def test_the_shipped_pedestal_protects_its_statue() -> None:
 
 def test_a_pedestal_that_does_not_slide_is_no_example_of_the_claim() -> None:
     held = ["contact.floor_static=5.0", "duration_s=2.0"]
-    told = advice(compared(load_scene(SCENES / "paestum_block.toml", [*held, "motion.scale=0.5"])))
-    assert told[-1].startswith("The pedestal does not slide")
+    assert pedestal(compared(load_scene(SCENES / "paestum_block.toml", [*held, "motion.scale=0.5"]))) == "stuck"
     # Within two seconds most falls come to no end.
-    short = advice(compared(load_scene(SCENES / "paestum_block.toml", held)))
-    assert short[-1].startswith("Whether its pedestal protects this statue is not told: in 6")
+    assert pedestal(compared(load_scene(SCENES / "paestum_block.toml", held))) == "undecided"
+
+
+def pedestal(record: OptionsRecord) -> str:
+    """What the options say of the pedestal."""
+    return next(each.values["shown"] for each in of_options(record) if each.code == "pedestal_effect")
 
 
 def test_a_users_options_come_from_a_file(tmp_path: Path) -> None:

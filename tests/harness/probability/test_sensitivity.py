@@ -11,10 +11,10 @@ import pytest
 
 from harness.input.scene_file import load_scene
 from harness.model.scene import Uncertain
+from harness.probability.answer import reserve
 from harness.probability.inputs import draw, uncertain_inputs
 from harness.probability.model_draws import model_draws, sweepable
 from harness.probability.sensitivity import LEAST_DRAWS, fragility, fragility_of, indices, indices_of_draws
-from harness.probability.words import reserve
 from tests import budgets_assess as budget
 from tests.harness.probability.measure_own_runs import SCENE
 
@@ -109,17 +109,19 @@ def test_draws_without_an_end_stand_at_one_edge_of_the_fragility_and_fall_at_the
     for asked, soonest in some_open.soonest_at.items():
         assert soonest is not None
         assert soonest < (decided.soonest_at[asked] or 0.0)
-    assert reserve(decided).startswith("Reserve: a fall is as probable as 5 % at 1.09 (")
-    assert "without an answer" not in reserve(decided)
-    told = reserve(some_open)
-    assert told.startswith("No reserve is shown: "), "at today's strength a fifth of the draws may fall"
-    assert told.endswith("Draws without an answer, up to 30 %, fall in the lower factor and stand in the higher.")
+    told, at = reserve(decided).values, decided.factor_at["0.05"]
+    assert (told["kind"], told["undecided"]) == ("some", 0.0)
+    assert told["factors"]["0.05"] == [decided.soonest_at["0.05"], at, decided.latest_at["0.05"]]
+    told = reserve(some_open).values
+    assert (told["kind"], told["undecided"]) == ("open", 0.3), "at today's strength a fifth of the draws may fall"
+    assert reserve(decided, plane_only=True).values["kind"] == "plane"
 
 
 def test_what_no_strength_decides_is_no_reserve() -> None:
     never = fragility_of((1.0, 2.0), [(0, 0, 1000)] * 2)
-    assert reserve(never) == "Reserve: at 2 times today's shaking a fall is still less probable than 5 %."
+    told = reserve(never).values
+    assert (told["kind"], told["factors"], told["most"], told["soonest"]) == ("some", {}, 2.0, None)
     unknown = fragility_of((0.5, 1.0, 2.0), [(0, 0, 64), (0, 30, 64), (0, 64, 64)])
-    assert reserve(unknown).startswith(
-        "No reserve is shown: at 2 times today's shaking a fall is still less probable than 5 %, as far"
-    )
+    told = reserve(unknown).values
+    assert (told["kind"], told["factors"], told["most"]) == ("open", {}, 2.0)
+    assert told["soonest"] < 1.0

@@ -8,8 +8,11 @@ from pathlib import Path
 import pytest
 
 from harness.input.scene_file import load_scene
+from harness.model.finding import Severity
+from harness.probability.answer import answer_of, findings_of
 from harness.probability.assessment import assess
 from harness.records.assess import Assessment, Index, ProbabilityDifference
+from reports.messages import ENGLISH
 from reports.pages.assess_page import assess_verdict
 from reports.pages.page import write_report
 from reports.text.chance import tone_of_probability, worse_tone
@@ -42,10 +45,7 @@ def test_draws_without_an_end_are_said_and_are_no_reason_for_green() -> None:
     assert tone_of_probability(half) == "differ"
     most = replace(half, high=0.9, undecided=0.9)
     assert not most.tells
-    none = replace(half, undecided=1.0)
-    assert worse_tone({"analytic": none}, "agree") == "differ"
-    assert "0 %" not in none.sentence
-    assert "has no answer in anything that may be true" in none.sentence
+    assert worse_tone({"analytic": replace(half, undecided=1.0)}, "agree") == "differ"
 
 
 def test_the_most_probable_fall_decides_the_colour() -> None:
@@ -54,26 +54,28 @@ def test_the_most_probable_fall_decides_the_colour() -> None:
         assessment={"analytic": answer(0.01, 0.0, 0.02), "pymunk": answer(0.3, 0.25, 0.35)},
         difference_from_model={"pymunk": ProbabilityDifference(-0.29, -0.34, -0.24, 0.9)},
     )
-    verdict = assess_verdict(record)
-    assert verdict.tone == "differ"
-    assert "falls in 1 % of what may be true" in verdict.headline
-    assert any("The model understates the danger" in point for point in verdict.points)
+    answer_told = answer_of(record)
+    assert answer_told.findings[0].values["model"] == "pymunk"
+    assert assess_verdict(replace(record, answer=answer_told).texted(ENGLISH.say)).tone == "differ"
+    (difference,) = (each for each in findings_of(record) if each.code == "probability_difference")
+    assert (difference.severity, difference.values["shown"]) == (Severity.CAUTION, "under")
 
 
-def test_the_first_screen_says_what_helps_what_room_it_needs_and_what_decides_in_words() -> None:
+def test_answer_and_findings_name_what_helps_what_room_it_needs_and_what_decides() -> None:
     scene = load_scene(SCENE)
     inputs = {"contact.floor": Index(0.4, 0.02, 0.77), "motion.scale": Index(0.1, 0.02, 0.4)}
     record = replace(assess(scene, ["analytic"], draws=300).record, indices=inputs)
-    helps, needs, reserve, decides = assess_verdict(record).points
-    assert helps.startswith("What would help most: ")
-    assert "its outline stays within" in needs
-    assert reserve.startswith("No reserve")
-    assert decides.startswith("What decides most is the friction of the pedestal on the floor (contact.floor): 77 %")
+    told = answer_of(record)
+    assert told.code == told.findings[0].code
+    assert [each.code for each in told.findings[-3:]] == ["reserve", "best_option", "clearance"]
+    assert told.findings[-3].values["kind"] == "none"
+    (decides,) = (each for each in findings_of(record) if each.code == "decisive_input")
+    assert decides.values == {"input": "contact.floor", "share": 0.77, "planar": False}
 
 
 def test_a_page_is_written_of_an_assessment(tmp_path: Path) -> None:
     page = write_report(write_assessment(tmp_path / "out")).read_text(encoding="utf-8")
-    assert "of what may be true" in page
+    assert "Overturning probability" in page
     assert "assumed" in page
     assert "By the strength of the shaking" in page
 
