@@ -11,6 +11,7 @@ import pybullet
 import pytest
 
 from analytic.excitation import Harmonic
+from harness.engines.base import EngineFailure
 from harness.engines.pybullet import client
 from harness.model.options import RunOptions
 from harness.model.run import Run
@@ -72,7 +73,7 @@ def test_a_client_whose_run_failed_is_not_kept(alone: dict[str, bytes]) -> None:
     def fails(t_s: float, theta_rad: float) -> bool:
         raise ArithmeticError("stopped from outside")
 
-    with pytest.raises(ArithmeticError):
+    with pytest.raises(EngineFailure, match="stopped from outside"):
         bullet(case, 1e-3, replace(options, stop=fails))
     assert client._idle == before[:-1]
     assert not pybullet.isConnected(before[-1][1])

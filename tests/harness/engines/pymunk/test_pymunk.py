@@ -11,6 +11,7 @@ import pytest
 
 from analytic.excitation import Harmonic, SampledAcceleration
 from harness.engines.analytic import TwoBlock
+from harness.engines.base import EngineFailure
 from harness.engines.pymunk import Munk2D
 from harness.engines.pymunk.plain import PlainMunk2D
 from harness.engines.pymunk.settings import MunkSettings
@@ -221,7 +222,7 @@ def test_energy_and_contact_are_recorded() -> None:
 
 def test_settings_of_another_engine_are_refused() -> None:
     model = TwoBlock()
-    with pytest.raises(TypeError, match="pymunk wants its own settings"):
+    with pytest.raises(EngineFailure, match="pymunk wants its own settings"):
         ENGINE.simulate(paestum(), model.refinement_levels(paestum())[0], RunOptions())
 
 
