@@ -41,8 +41,9 @@ def test_a_pedestal_that_tips_does_not_slide(name: str) -> None:
     """Holding it as it tips needs more than kinetic friction: taken to slide, as its centroid moves, it is 3.9e-3 rad off."""
     scene = replace(wide_scene(772183), duration_s=0.7)
     located, plain = (
-        engine.simulate(scene, engine.settings_for_dt(scene, 1e-4), RunOptions())
-        for engine in (ready(name), ready(name + ":plain"))
+        # Of a pedestal that tips 200 iterations leave 1.6e-3 rad.
+        engine.simulate(scene, replace(engine.settings_for_dt(scene, 1e-4), **changes), RunOptions())  # type: ignore[arg-type]
+        for engine, changes in ((ready(name), {}), (ready(name + ":plain"), {"iterations": 1000}))
     )
     assert located.validity["pedestal_tilt_rad"] > 0.05
     assert error_rad(located, plain, 0.7) <= budget.TIPPING_ALIKE_RAD
