@@ -101,7 +101,7 @@ def _engine_cells(run: EngineRunRecord) -> list[str]:
     if run.no_return_time_s is not None:
         outcome += f" at {digits(run.no_return_time_s, 3)} s"
     peak = f"{digits(math.degrees(run.peak_theta_rad), 3)}° {digits(run.peak_theta_rad, 3)} rad"
-    if run.overturn_time_s is not None:
+    if run.outcome.overturned:
         peak = "–"
     elif abs(run.peak_theta_rad) < STILL_RAD:
         peak = "0°"
