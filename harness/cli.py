@@ -12,7 +12,6 @@ import typer
 from harness.campaign.progress import ProgressMessages
 from harness.command import EngineOptions, JsonOnly, OutputOptions, Target, command
 from harness.model.errors import InputError, Mistake, nearest
-from harness.model.terminal import printable
 
 if TYPE_CHECKING:
     from harness.model.options import RunOptions
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     from harness.records.scores import Scores
     from harness.records.sets import SetScores
     from harness.scene_run.scene_run import Result
+    from harness.statics.plan import Step
 
 
 @dataclass(frozen=True)
@@ -176,14 +176,12 @@ def compute(
         )
 
 
-def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None) -> tuple[list[object], str]:
-    """The plan of a scene: its steps as plain values, and as text."""
+def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None) -> Sequence[Step]:
+    """The plan of a scene."""
     from harness.engines import REGISTRY, default_engines, load
-    from harness.model.run import to_plain
     from harness.statics.plan import plan
 
-    steps = plan(scene, [load(name) for name in names or default_engines(scene)], options_without(no_skip), REGISTRY)
-    return to_plain(steps), "\n".join(printable(str(step)) for step in steps)
+    return plan(scene, [load(name) for name in names or default_engines(scene)], options_without(no_skip), REGISTRY)
 
 
 def options_without(no_skip: Sequence[str] | None) -> RunOptions:

@@ -89,7 +89,7 @@ def run(
     from harness.records.result_folder import check_folder, named_after
     from harness.scene_run.scene_run import Ended, write_result
     from reports.messages import ENGLISH
-    from reports.terminal import run_lines
+    from reports.terminal import explained, run_lines
 
     folder = out or OUT / named_after(scene)
     check_folder(folder, ("run",))
@@ -98,7 +98,8 @@ def run(
         from harness.input.scene_file import load_scene
 
         check_target(target.accuracy, target.dt)
-        saying.say(*harness_cli.explain(load_scene(scene, asked.overrides or ()), asked.engine, no_skip))
+        steps = harness_cli.explain(load_scene(scene, asked.overrides or ()), asked.engine, no_skip)
+        saying.say(*explained(steps))
         return
     try:
         result = harness_cli.compute(

@@ -5,15 +5,18 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Final
 
 from harness.model.finding import Finding, Severity
+from harness.model.run import to_plain
 from harness.model.terminal import printable
 from harness.records.assess import Assessment, AssessRecord
 from harness.records.base import Record
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scores import Scores, Verdict
 from harness.scene_run.answer import STILL_RAD
+from harness.statics.plan import Step
 from reports.messages import ENGLISH
 from reports.messages.numbers import digits, length
 
@@ -159,3 +162,10 @@ def finding_lines(findings: Iterable[Finding]) -> list[str]:
 
 def _owner(finding: Finding) -> str:
     return f"{finding.engine.replace('_vs_', ' – ')}: " if finding.engine and "_vs_" not in finding.engine else ""
+
+
+def explained(steps: Sequence[Step]) -> tuple[list[object], str]:
+    """A plan as plain values with its sentences, and as lines."""
+    told = [replace(step, reason=replace(step.reason, text=ENGLISH.say(step.reason))) for step in steps]
+    lines = [f"{'skip' if step.applies else 'keep'} {step.skip} ({step.engine}): {step.reason.text}" for step in told]
+    return to_plain(told), "\n".join(map(printable, lines))

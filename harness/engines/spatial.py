@@ -53,7 +53,7 @@ class Spatial(Engine):
     name: ClassVar[str] = "spatial"
     capabilities: ClassVar[Capabilities] = Capabilities(
         dimensions=3, certifies=True, uses_mesh=True, own_impact=True, statue_slips=True, flies=True, forces=True,
-        pedestal=False, posed_start=True, edge_shape="the base's vertices alone",
+        pedestal=False, posed_start=True, edge_shape="base_vertices",
     )  # fmt: skip
     order: ClassVar[float] = 8.0
 

@@ -15,33 +15,30 @@ HULL_EXCESS_LIMIT: Final = 0.12
 
 @dataclass(frozen=True)
 class Need:
-    """The shape that meets a pedestal's edge: `base` (vertices alone), `hull` or `parts`; `reason` is half a sentence.
+    """The shape that meets a pedestal's edge: `base` (vertices alone), `hull` or `parts`.
 
     `hull_excess_rel` is what the hull adds to the volume of the mesh below `below_m`, the highest that an edge can meet.
     """
 
     shape: Literal["base", "hull", "parts"]
-    reason: str
     hull_excess_rel: float = 0.0
     below_m: float = 0.0
 
 
 def shape_needed(scene: Scene) -> Need:
-    """The cheapest shape that is right: planes touch vertices of the hull, an edge touches what lies between them."""
+    """The cheapest shape that is right: planes touch vertices of the hull, an edge touches what lies between them.
+
+    A level floor and a wall are planes; a statue given by numbers is convex.
+    """
     from meshes.collision import hull_excess_rel
 
     if scene.pedestal is None:
-        return Need("base", "a level floor and a wall are planes, which touch a body at its hull's vertices only")
+        return Need("base")
     if scene.statue.solid is None:
-        return Need("hull", "a statue given by numbers is convex")
+        return Need("hull")
     below_m = min(edge_reach_m(scene.statue, scene.pedestal), scene.statue.height_m)
     excess = hull_excess_rel(scene.statue.solid, below_m)
-    said = (
-        f"its hull adds {100.0 * excess:.0f} % to the {below_m:.2g} m of the statue that can meet the pedestal's edge"
-    )
-    if excess <= HULL_EXCESS_LIMIT:
-        return Need("hull", f"{said}, at most {100.0 * HULL_EXCESS_LIMIT:.0f} %", excess, below_m)
-    return Need("parts", f"{said}, more than {100.0 * HULL_EXCESS_LIMIT:.0f} %", excess, below_m)
+    return Need("hull" if excess <= HULL_EXCESS_LIMIT else "parts", excess, below_m)
 
 
 def edge_reach_m(statue: Statue, pedestal: Pedestal) -> float:

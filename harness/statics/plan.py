@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Protocol
 
+from harness.model.finding import Finding, info
 from harness.model.options import SKIPS, Capabilities, RunOptions
 from harness.model.scene import OVERTURN_RAD, Scene
-from harness.statics.collision_shape import shape_needed
+from harness.statics.collision_shape import HULL_EXCESS_LIMIT, Need, shape_needed
 from harness.statics.rest import LimitsOfRest, first_motion_s
 from harness.statics.symmetry import asymmetry
 
@@ -32,10 +33,7 @@ class Step:
     skip: str
     engine: str
     applies: bool
-    reason: str
-
-    def __str__(self) -> str:
-        return f"{'skip' if self.applies else 'keep'} {self.skip} ({self.engine}): {self.reason}"
+    reason: Finding
 
 
 def plan(
@@ -57,81 +55,67 @@ def plan(
 def _decided(name: str, scene: Scene, engine: Asked, options: RunOptions) -> Step:
     """One skip of one engine."""
     if name not in options.skips:
-        return Step(name, engine.name, False, "switched off")
+        return Step(name, engine.name, False, info("plan_switched_off"))
     applies, reason = DECISIONS[name](scene, options)
     return Step(name, engine.name, applies, reason)
 
 
 def _quiet_start(scene: Scene, options: RunOptions) -> Decision:
     quiet = first_motion_s(scene)
-    if quiet > 0.0:
-        return True, f"nothing can move before {quiet:.4g} s"
-    return False, "the motion is not quiet at its start, or the statue starts off rest"
+    return (True, info("plan_nothing_moves", until_s=quiet)) if quiet > 0.0 else (False, info("plan_not_quiet"))
 
 
 def _quiet_rest(scene: Scene, options: RunOptions) -> Decision:
     if scene.table != "frame":
-        return False, "the table moves, not the frame"
+        return False, info("plan_table_moves")
     if LimitsOfRest.of(scene) is None:
-        return False, "the motion is a formula, or the statue tilts off the vertices that it rests on"
-    return True, "while the statue rests and the record's samples stay below what moves it"
+        return False, info("plan_no_limits_of_rest")
+    return True, info("plan_below_limits_of_rest")
 
 
 def _quiet_end(scene: Scene, options: RunOptions) -> Decision:
     end = scene.base_excitation.end_s
-    if end < scene.duration_s:
-        return True, f"the floor is still after {end:.4g} s: the run ends once the statue is at rest"
-    return False, "the floor moves until the end"
+    return (True, info("plan_floor_still", from_s=end)) if end < scene.duration_s else (False, info("plan_floor_moves"))
 
 
 def _energy(scene: Scene, options: RunOptions) -> Decision:
-    if options.history:
-        return False, "histories are asked"
     end = scene.base_excitation.end_s
-    if end < scene.duration_s:
-        return True, f"after {end:.4g} s the energy decides the outcome, where the pedestal is shown to hold"
-    return False, "the floor moves until the end"
+    if options.history:
+        return False, info("plan_histories_asked")
+    return (True, info("plan_energy", from_s=end)) if end < scene.duration_s else (False, info("plan_floor_moves"))
 
 
 def _base_only(scene: Scene, options: RunOptions) -> Decision:
     from meshes.decomposition import missing
 
-    need = shape_needed(scene)
-    if need.shape == "base":
-        sentence = "nothing but the base can touch before the statue has overturned"
-        return (
-            True,
-            sentence if scene.wall is None else f"{sentence} but the wall, at vertices of the hull: {need.reason}",
-        )
-    body = "hull" if need.shape == "hull" else "convex parts"
-    sentence = (
-        f"the base alone touches until the body can meet the pedestal's edge; from there on its {body}: {need.reason}"
-    )
-    if need.shape == "parts" and (reason := missing()):
-        sentence += f"; but {reason}, so its hull is taken"
-    return True, sentence if scene.wall is None else f"{sentence}; the wall is met at vertices of the hull"
+    need, wall = shape_needed(scene), None if scene.wall is None else scene.wall.side
+    absent = missing() if need.shape == "parts" else None
+    return True, info("plan_shape", shape=need.shape, wall=wall, missing=absent, **_excess(need))
+
+
+def _excess(need: Need) -> dict[str, float]:
+    return {"excess": need.hull_excess_rel, "limit": HULL_EXCESS_LIMIT, "below_m": need.below_m}
 
 
 def _mirror(scene: Scene, options: RunOptions) -> Decision:
     if scene.table != "frame":
-        return False, "the table moves, not the frame"
-    reason = asymmetry(scene)
-    if reason is not None:
-        return False, reason
+        return False, info("plan_table_moves")
+    cause = asymmetry(scene)
+    if cause is not None:
+        return False, info("plan_asymmetric", cause=cause)
     whole = "base_only" not in options.skips and scene.pedestal is not None
-    sentence = "its bodies turn in the plane alone" if whole else "half of it is computed"
-    return True, f"the scene is its own mirror image across the rocking plane: {sentence}"
+    return True, info("plan_mirror", whole=whole)
 
 
 def _no_history(scene: Scene, options: RunOptions) -> Decision:
-    return (False, "histories are asked") if options.history else (True, "only the outcome is asked")
+    return (False, info("plan_histories_asked")) if options.history else (True, info("plan_outcome_asked"))
 
 
 def _stop(scene: Scene, options: RunOptions) -> Decision:
-    return True, f"a run ends at |θ| = {OVERTURN_RAD:g} rad"
+    return True, info("plan_overturned", lean_rad=OVERTURN_RAD)
 
 
-Decision = tuple[bool, str]
+Decision = tuple[bool, Finding]
 DECISIONS: Final[Mapping[str, Callable[[Scene, RunOptions], Decision]]] = {
     "quiet_start": _quiet_start,
     "quiet_rest": _quiet_rest,
@@ -150,32 +134,28 @@ def _edges(scene: Scene, engines: Sequence[Asked]) -> list[Step]:
     need = shape_needed(scene)
     if need.shape != "parts":
         return []
-    said = "it meets the pedestal's edge with {} in every scene; {}"
     shapes = {engine.name: engine.capabilities.edge_shape for engine in engines if engine.capabilities.edge_shape}
-    return [Step("base_only", name, False, said.format(shape, need.reason)) for name, shape in shapes.items()]
+    return [
+        Step("base_only", name, False, info("plan_edge_shape", shape=shape, **_excess(need)))
+        for name, shape in shapes.items()
+    ]
 
 
 def _planar(scene: Scene, engines: Sequence[Asked]) -> Step:
     """Switched by naming a 3D engine."""
     solid = [engine.name for engine in engines if engine.capabilities.dimensions == 3]
     if solid:
-        return Step("planar", "*", False, f"{', '.join(solid)} asked: computed in 3D (leave it out with -e)")
-    if not scene.planar:
-        return Step("planar", "*", False, "the scene is not planar, but no 3D engine is asked (name one with -e)")
-    return Step("planar", "*", True, "the scene is planar and no 3D engine is asked (name one with -e)")
+        return Step("planar", "*", False, info("plan_in_3d", engines=solid))
+    return Step("planar", "*", scene.planar, info("plan_no_3d", planar=scene.planar))
 
 
 def _lazy(engines: Sequence[Asked], registered: Iterable[str]) -> Step:
     """Switched by naming the engine."""
     asked = {engine.name for engine in engines}
     idle = [name for name in registered if name not in asked]
-    if not idle:
-        return Step("lazy_engines", "*", False, "every engine is asked")
-    return Step("lazy_engines", "*", True, f"{', '.join(idle)} not asked (-e): not imported")
+    return Step("lazy_engines", "*", bool(idle), info("plan_engines", idle=idle, every=not idle))
 
 
 def _cached() -> Step:
     """Switched by another folder for the store."""
-    return Step(
-        "cached", "*", False, "one run is always computed; a study finds what its store has (--out elsewhere: anew)"
-    )
+    return Step("cached", "*", False, info("plan_always_computed"))

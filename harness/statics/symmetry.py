@@ -14,14 +14,14 @@ SAME: Final = 1e-9
 
 
 def asymmetry(scene: Scene) -> str | None:
-    """What keeps a scene from being its own mirror image, or None when it is one."""
+    """What keeps a scene from being its own mirror image: `plane`, `inertia` or `base`; None when it is one."""
     if not scene.planar:
-        return "the motion has a part across the plane, or the statue is a scan"
+        return "plane"
     tensor, feet = scene.statue.inertia_tensor_kg_m2, scene.statue.footprint_m
     if max(abs(float(tensor[0, 1])), abs(float(tensor[1, 2]))) > SAME * float(np.trace(tensor)):
-        return "the plane is no principal plane of the statue's inertia"
+        return "inertia"
     if np.max(np.abs(_sorted(feet) - _sorted(feet * np.array([1.0, -1.0, 1.0])))) > SAME:
-        return "the base is not the same on both sides of the plane"
+        return "base"
     return None
 
 

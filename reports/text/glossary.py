@@ -88,28 +88,6 @@ VALIDITY_WORDS: Final[Mapping[str, str]] = {
 }
 
 
-SKIP_WORDS: Final[Mapping[str, str]] = {
-    "quiet_start": "the time before anything can move",
-    "quiet_rest": "the times of rest in which nothing can move",
-    "quiet_end": "the time after everything has come to rest for good",
-    "energy_outcome": "what follows once the outcome is certain",
-    "base_only": "contact of parts other than the base",
-    "mirror": "one of two halves that mirror each other",
-    "no_history": "the histories",
-    "planar": "the third dimension",
-    "stop_at_overturn": "what follows after the statue has fallen",
-    "lazy_engines": "the loading of engines that were not asked",
-    "cached": "what was computed before",
-}
-"""What each skip leaves out."""
-REASON_WORDS: Final[Mapping[str, str]] = {
-    "histories are asked": "this page shows the whole histories",
-    "only the outcome is asked": "only the outcome was wanted",
-    "switched off": "this saving was switched off (--no-skip)",
-}
-"""Reasons of the plan in a reader's words; others are shown as they stand."""
-
-
 def score_rows(scores: Mapping[str, Scores]) -> list[tuple[str, str, list[str]]]:
     """The table of scores: words, meaning, one cell per pair; each with its numerical uncertainty where it is stated."""
     known = dict.fromkeys([*SCORE_WORDS, *(each.name for each in fields(Scores))])

@@ -16,7 +16,7 @@ from harness.statics.plan import Step
 from reports.messages import ENGLISH
 from reports.messages.numbers import digits, short, unit
 from reports.source import RunSource
-from reports.text.glossary import REASON_WORDS, SKIP_WORDS, validity_rows
+from reports.text.glossary import validity_rows
 
 FOLLOWED: Final[Mapping[str, str]] = {
     "yaw_rad": "yaw_rad",
@@ -100,9 +100,8 @@ def plan_rows(plan: Iterable[Step]) -> list[tuple[bool, str, str, str]]:
     """The plan in words: whether it was left out, what, for which engines (those of one reason together), and why."""
     together: dict[tuple[bool, str, str], list[str]] = {}
     for step in plan:
-        words = SKIP_WORDS.get(step.skip, step.skip.replace("_", " "))
-        reason = REASON_WORDS.get(step.reason, step.reason)
-        together.setdefault((step.applies, words, reason), []).append(step.engine)
+        words = ENGLISH.strings[f"skip.{step.skip}"]
+        together.setdefault((step.applies, words, ENGLISH.say(step.reason)), []).append(step.engine)
     return [
         (applies, words, "" if "*" in engines else ENGLISH.listed(engines), reason)
         for (applies, words, reason), engines in together.items()
@@ -112,7 +111,7 @@ def plan_rows(plan: Iterable[Step]) -> list[tuple[bool, str, str, str]]:
 def skipped_rows(runs: Mapping[str, EngineRunRecord]) -> list[tuple[str, str]]:
     """What each engine left out, by engine, with the time that it saved."""
     return [
-        (name, SKIP_WORDS[skip] + ("" if time_s is None else f" ({unit(time_s, 's')})"))
+        (name, ENGLISH.strings[f"skip.{skip}"] + ("" if time_s is None else f" ({unit(time_s, 's')})"))
         for name, run in runs.items()
         for skip, time_s in run.skipped.items()
     ]

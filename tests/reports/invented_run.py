@@ -127,6 +127,6 @@ def write_invented(folder: Path, *, disagree: bool = False, mesh: bool = False, 
         "pybullet": invented_run("pybullet", invented_history(0.02, falls=disagree), fallen, 2e-3),
     }
     scores = {f"analytic_vs_{name}": invented_scores("analytic", name) for name in ("pymunk", "pybullet")}
-    plan = [Step("quiet_start", "*", True, "nothing can move before 0.2 s")]
+    plan = [Step("quiet_start", "*", True, info("plan_nothing_moves", until_s=0.2))]
     write_result(Result(scene, runs, scores, plan, 1.9), folder, ENGLISH.say)
     return folder

@@ -85,7 +85,7 @@ class Munk2D(Engine):
         posed_start=True,
         moving_table=True,
         forces=True,
-        edge_shape="the hull of its silhouette",
+        edge_shape="silhouette_hull",
         skips=frozenset({"quiet_start", "quiet_end", "no_history", "stop_at_overturn"}),
     )
     order: ClassVar[float] = 1.0

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -27,25 +29,26 @@ def test_the_choice() -> None:
     assert 0.0 < need.below_m <= figure.height_m
 
 
-def told(name: str, *, pedestal: bool, wall: bool = False, mesh: bool = True) -> str:
-    """The reason of the plan's row on shapes for one engine; empty where it has none."""
+def told(name: str, *, pedestal: bool, wall: bool = False, mesh: bool = True) -> Mapping[str, Any]:
+    """The values of the plan's row on shapes for one engine; none where it has none."""
     scene = paestum(0.3, 2.0, pedestal=pedestal)
     scene = replace(
         scene, statue=statue_of(togatus.build()) if mesh else scene.statue, wall=Wall("right", 0.05) if wall else None
     )
     rows = [step for step in plan(scene, [engines.load(name)], RunOptions()) if step.skip == "base_only"]
-    return rows[0].reason if rows else ""
+    return rows[0].reason.values if rows else {}
 
 
 def test_the_plan_says_which_shape_and_why(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(decomposition, "decompose", None)  # a plan decomposes nothing
     parts = told("pybullet", pedestal=True)
-    assert "from there on its convex parts" in parts
-    assert "more than 12 %" in parts
-    assert "from there on its hull" in told("pybullet", pedestal=True, mesh=False)
-    assert "the wall, at vertices of the hull" in told("pybullet", pedestal=False, wall=True)
+    assert (parts["shape"], parts["wall"]) == ("parts", None)
+    assert parts["excess"] > parts["limit"] == HULL_EXCESS_LIMIT
+    assert told("pybullet", pedestal=True, mesh=False)["shape"] == "hull"
+    on_floor = told("pybullet", pedestal=False, wall=True)
+    assert (on_floor["shape"], on_floor["wall"]) == ("base", "right")
     monkeypatch.setattr(decomposition, "missing", lambda: "coacd is not installed")
-    assert told("pybullet", pedestal=True).endswith("but coacd is not installed, so its hull is taken")
+    assert told("pybullet", pedestal=True)["missing"] == "coacd is not installed"
 
 
 @pytest.mark.parametrize("name", engines.REGISTRY)
@@ -54,5 +57,5 @@ def test_an_engine_without_a_choice_says_what_it_takes(name: str) -> None:
     chooses, touches = "base_only" in engine.capabilities.skips, engine.capabilities.own_impact
     assert bool(engine.capabilities.edge_shape) == (touches and not chooses)
     if touches and not chooses:
-        assert engine.capabilities.edge_shape in told(name, pedestal=True)
-        assert told(name, pedestal=False) == ""
+        assert engine.capabilities.edge_shape == told(name, pedestal=True)["shape"]
+        assert told(name, pedestal=False) == {}

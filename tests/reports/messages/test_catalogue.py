@@ -11,6 +11,7 @@ import pytest
 
 from harness.model.finding import Answer, Finding, caution, changes_answer, info, texted, weighed
 from harness.model.history import Outcome
+from harness.model.options import SKIPS
 from harness.records.scores import Verdict
 from reports.messages import FIELD, FORMATS, LANGUAGES, OPTIONAL, language
 
@@ -80,13 +81,14 @@ def test_every_sentence_is_filled_with_all_of_its_values_and_with_the_least(code
                 assert not re.search(r"[{}\[\]]|–\s|None", told), told
 
 
-def test_every_outcome_and_verdict_has_a_word_and_a_cell() -> None:
+def test_every_outcome_verdict_and_skip_has_words() -> None:
     for code in LANGUAGES:
         say = language(code)
         for outcome in Outcome:
             assert say.strings[f"word.{outcome.value}"]
             assert say.strings[f"short.{outcome.value}"]
         assert {f"pair.{verdict.name.lower()}" for verdict in Verdict} <= set(say.strings)
+        assert {f"skip.{name}" for name in SKIPS} <= set(say.strings)
 
 
 def test_a_number_is_written_as_the_language_writes_it() -> None:

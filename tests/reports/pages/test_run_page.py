@@ -27,7 +27,6 @@ from reports.messages import ENGLISH
 from reports.pages.conservator import of_run
 from reports.pages.page import write_report
 from reports.source import run_source
-from reports.text.glossary import SKIP_WORDS
 from reports.text.wording import run_verdict
 from tests.budgets_reports import DRAWN_RAD, PAGE_BYTES
 from tests.reports.invented_run import write_invented
@@ -89,9 +88,9 @@ def test_every_finding_and_skip_is_there(folder: Path, html: str) -> None:
     for name, run in record.runs.items():
         assert name in shown
         for skip in run.skipped:
-            assert SKIP_WORDS[skip] in shown
+            assert ENGLISH.strings[f"skip.{skip}"] in shown
     assert record.findings
-    for text in (*(each.text for each in record.findings), *(step.reason for step in record.plan)):
+    for text in (*(each.text for each in record.findings), *(ENGLISH.say(step.reason) for step in record.plan)):
         assert text in shown
     for version in record.versions.values():
         assert version in shown

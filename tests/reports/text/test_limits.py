@@ -74,11 +74,11 @@ def test_a_fall_is_told_beside_what_was_before(fallen: tuple[EngineRunRecord, Hi
 
 
 def test_engines_of_one_reason_stand_together_in_plain_words() -> None:
-    plan = [Step("no_history", name, False, "histories are asked") for name in ("analytic", "pymunk")]
-    plan.append(Step("base_only", "pybullet", True, "nothing else can touch"))
+    plan = [Step("no_history", name, False, info("plan_histories_asked")) for name in ("analytic", "pymunk")]
+    plan.append(Step("base_only", "pybullet", True, info("plan_shape", shape="base")))
     assert plan_rows(plan) == [
-        (False, "the histories", "analytic and pymunk", "this page shows the whole histories"),
-        (True, "contact of parts other than the base", "pybullet", "nothing else can touch"),
+        (False, "the histories", "analytic and pymunk", ENGLISH.say(plan[0].reason)),
+        (True, "contact of parts other than the base", "pybullet", ENGLISH.say(plan[-1].reason)),
     ]
 
 
