@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+import shlex
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal, TypeVar
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from harness.campaign.cache_key import key_of, scene_key
@@ -15,18 +18,17 @@ from harness.campaign.campaign import Campaign, OnProgress, silent
 from harness.campaign.runner import Pool
 from harness.campaign.store import STORE_NAME, Store, check_begun
 from harness.campaign.task import Answer, Task
-from harness.effects3d.band import band
-from harness.effects3d.conditions import CONDITIONS, solid_of, without_meaning
+from harness.effects3d.conditions import CONDITIONS, GEOMETRY_REL, amplified, changed_scene, solid_of, without_meaning
 from harness.effects3d.departure import departure
-from harness.effects3d.replay import PLANAR, write_replay
-from harness.effects3d.search import EXACT, Search, find, peak_g
-from harness.effects3d.summary import effects, scan_directions, static_rose
+from harness.effects3d.search import EXACT, STEPS, Search, find, peak_g, start_factor
 from harness.input.mistakes import Contradiction, Table
 from harness.input.tables import read_model
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
+from harness.model.finding import Finding, info
 from harness.model.options import Capabilities
 from harness.model.scene import Scene
+from harness.model.written import scan_azimuth_deg, written
 from harness.records.base import part
 from harness.records.effects3d import (
     BASELINE,
@@ -34,16 +36,196 @@ from harness.records.effects3d import (
     Amplitude,
     AskedRecord,
     Band,
+    Change,
     Departure,
+    Effect,
     EffectsAnswers,
     EffectsRecord,
     EffectsSummary,
+    ReplayRecord,
+    StaticLimit,
 )
 from harness.records.result_folder import check_folder, write_whole
 from harness.records.scene import SceneRecord
+from harness.scene_run.scene_run import run_scene, write_result
+from harness.statics.standstill import motion_sized
 from harness.studies.cases import Base, base_of_scene
 from harness.studies.file import EngineName
 from meshes import footprint
+from meshes.orientation import turn_axis
+from meshes.solid import turn_about_z
+
+# What the rows of an effects study say together: the planar model asked at the base's sides, and each
+# condition's effect.
+
+
+GRAZING_COS: Final = 0.05
+"""A side that the shaking meets more obliquely than this (87°) is not tipped by it."""
+
+
+def scan_directions(scene: Scene) -> Finding:
+    """Where the study's 0° and 90° point on the scan as its file has it, before it was set upright and turned."""
+    file, up = (written(scene, "statue", "mesh", key) for key in ("file", "up"))
+    back = turn_axis(str(up or "z")).T @ turn_about_z(scan_azimuth_deg(scene)).T
+    first, second = ((column.round(12) + 0.0).tolist() for column in (back[:, 0], back[:, 1]))
+    return info("scan_directions", file=str(file), along_0=first, along_90=second)
+
+
+def static_rose(scene: Scene, azimuths_deg: Sequence[float], sides: Sequence[Amplitude]) -> list[StaticLimit]:
+    """By direction: peaks, g, at which a level push lifts the statue in 3D and in the plane, and the sides' planar answer.
+
+    `projected_g` is the least over the base's sides of the planar model's amplitude at the side divided by the cosine between
+    shaking and the side's direction: the share of the shaking that turns the statue about that side.
+    """
+    solid = solid_of(scene)
+    back = [azimuth + 180.0 for azimuth in azimuths_deg]
+    # The floor shakes both ways along a direction.
+    reach, corner = (
+        np.minimum(of(solid.footprint_m, azimuths_deg), of(solid.footprint_m, back)) / solid.centroid_height_m
+        for of in (footprint.reach_m, footprint.corner_m)
+    )
+    limits = zip(azimuths_deg, reach.tolist(), corner.tolist(), strict=True)
+    return [StaticLimit(azimuth, lifts, planar, *_projected(azimuth, sides)) for azimuth, lifts, planar in limits]
+
+
+def _projected(azimuth_deg: float, sides: Sequence[Amplitude]) -> tuple[float | None, float | None]:
+    amplitudes = [
+        (row.peak_g / share, row.azimuth_deg)
+        for row in sides
+        for share in [math.cos(math.radians(azimuth_deg - row.azimuth_deg))]
+        if row.peak_g is not None and share > GRAZING_COS
+    ]
+    return min(amplitudes, default=(None, None))
+
+
+def effects(rows: Sequence[Amplitude], conditions: Sequence[str]) -> list[Effect]:
+    """For every engine and condition how much the overturning amplitude changes: by direction, median, least and largest."""
+    base = {(row.engine, row.azimuth_deg): row.peak_g for row in rows if row.condition == BASELINE}
+    by_engine = []
+    for engine in dict.fromkeys(row.engine for row in rows):
+        for condition in conditions:
+            mine = [row for row in rows if row.condition == condition and row.engine == engine]
+            if not mine:
+                continue
+            changes = [
+                Change(row.azimuth_deg, row.peak_g / unchanged - 1.0)
+                for row in mine
+                for unchanged in [base[engine, row.azimuth_deg]]
+                if row.peak_g is not None and unchanged is not None
+            ]
+            values = [item.relative for item in changes]
+            median = float(np.median(values)) if values else None
+            least, largest = min(values, default=None), max(values, default=None)
+            group = CONDITIONS[condition].group
+            flips = sum(row.peak_g is None for row in mine)
+            by_engine.append(Effect(engine, condition, group, changes, median, least, largest, flips))
+    return by_engine
+
+
+# One case of an effects study run with histories, to be watched: where 3D leaves the plane most.
+
+
+PLANAR: Final = "analytic"
+
+
+def write_replay(
+    scene: Scene, rows: Sequence[Amplitude], departures: Sequence[Departure], dt_s: float, folder: Path
+) -> ReplayRecord | None:
+    """Run the direction whose motion turns most about the vertical, at its overturning amplitude, into `folder`; say what it is.
+
+    By a contact engine where one was asked: there the exact model may slide for a million steps. None when no engine
+    overturned the statue in any direction whose motion was followed.
+    """
+    yaw_rad = {row.azimuth_deg: abs(row.yaw_rad) for row in departures}
+    overturned = [row for row in rows if row.condition == BASELINE and row.peak_g and row.azimuth_deg in yaw_rad]
+    chosen = max(
+        (row for row in overturned if row.engine in SOLID),
+        key=lambda row: (row.engine != EXACT, yaw_rad[row.azimuth_deg]),
+        default=None,
+    )
+    if chosen is None or chosen.peak_g is None:
+        return None
+    engine, azimuth, peak = chosen.engine, chosen.azimuth_deg, chosen.peak_g
+    turned = changed_scene(scene, BASELINE, azimuth)
+    shaken = amplified(turned, peak / peak_g(turned))
+    shaken = replace(shaken, title=f"{scene.title}, shaken towards {azimuth:g}° with {peak:.3g} g")
+    result = run_scene(shaken, [PLANAR, engine], dt_s=dt_s)
+    write_result(result, folder)
+    outcomes = {name: run.outcome for name, run in result.runs.items()}
+    return ReplayRecord(azimuth, engine, peak, outcomes, folder.name, _command(scene, azimuth, peak, engine, dt_s))
+
+
+def _command(scene: Scene, azimuth_deg: float, peak: float, engine: str, dt_s: float) -> str:
+    """The command that runs the same case by itself; empty where the motion has no single key for its size."""
+    sized = motion_sized(scene, peak / peak_g(scene))
+    if not sized or scene.source is None:
+        return ""
+    turn = scan_azimuth_deg(scene) - azimuth_deg
+    still = "".join(f" --set motion.{axis}=none" for axis in "yz" if written(scene, "motion", axis) is not None)
+    return (
+        f"rockcheck run {shlex.quote(scene.source.name)} -e {PLANAR} -e {engine} --dt {dt_s:g}"
+        f" --set statue.mesh.azimuth_deg={turn:g}"
+        f" --set {sized}{still}"
+    )
+
+
+# The planar model's overturning amplitude of many statues that differ by a survey's errors: the band around a
+# rose.
+
+
+SIGMAS: Final = 2.0
+"""The stated uncertainty of a length or an inertia is this many standard deviations."""
+
+
+def band(scene: Scene, azimuth_deg: float, search: Search, samples: int, seed: int) -> Band:
+    """The band at one azimuth; h, each corner and J drawn independently, normal, two standard deviations being 3 %.
+
+    Every statue has two corners (a ragged base counts as its outer ones). Raises `InputError`.
+    """
+    from analytic import Block, ensemble
+    from harness.engines.analytic import keywords
+
+    changed = changed_scene(scene, BASELINE, azimuth_deg)
+    statue, unit = changed.statue, peak_g(changed)
+    block = Block.two_corners(
+        mass_kg=statue.mass_kg,
+        centroid_height_m=statue.centroid_height_m,
+        inertia_kg_m2=statue.inertia_kg_m2,
+        corner_left_m=statue.corner_left_m,
+        corner_right_m=statue.corner_right_m,
+    )
+    draws = 1.0 + GEOMETRY_REL / SIGMAS * np.random.default_rng([seed, round(azimuth_deg)]).standard_normal(
+        (4, samples, 1)
+    )
+    least, most = min(start_factor(changed), 0.5 * search.most_g / unit), search.most_g / unit
+    count = math.ceil(math.log(most / least) / math.log(STEPS["analytic"]))
+    factors = np.geomspace(least, most, count + 1)
+    given: dict[str, Any] = {name: value for name, value in keywords(changed).items() if name not in UNUSED}
+    drawn = ensemble(
+        block,
+        changed.base_excitation.x,
+        sweep={
+            "scale": factors[None, :],
+            "centroid_height_m": statue.centroid_height_m * draws[0],
+            "corner_left_m": statue.corner_left_m * draws[1],
+            "corner_right_m": statue.corner_right_m * draws[2],
+            "inertia_kg_m2": statue.inertia_kg_m2 * draws[3],
+        },
+        threads=1,
+        **given,
+    )
+    falls = drawn.overturned.any(axis=1)
+    first = np.where(falls, factors[np.argmax(drawn.overturned, axis=1)] * unit, np.inf)
+    low, middle, high = (
+        None if math.isinf(value) else value
+        for value in (float(np.quantile(first, q, method="inverted_cdf")) for q in (0.05, 0.5, 0.95))
+    )
+    return Band(float(azimuth_deg), low, middle, high, float(np.mean(~falls)), int(drawn.steps.size))
+
+
+UNUSED: Final = frozenset({"statue_friction", "pedestal", "wall"})
+"""Keywords that an effects scene leaves at rest: the statue stands on the floor."""
+
 
 ORDER: Final = (*SOLID, "pymunk", "pymunk:plain", "analytic")
 """Longest first keeps both ends of a pool busy."""

@@ -9,7 +9,7 @@ from typing import Literal
 import harness
 from harness.effects3d import BASELINE
 from harness.effects3d.conditions import turned
-from harness.effects3d.summary import effects, static_rose
+from harness.effects3d.study import effects, static_rose
 from harness.model.history import Outcome
 from harness.model.run import machine, versions, write_json
 from harness.records.base import as_file

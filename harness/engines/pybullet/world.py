@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from types import TracebackType
 from typing import Final, Self, final
@@ -10,12 +11,49 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from harness.engines.pybullet import client, mirror, shapes, writing
+from harness.engines.base import EngineFailure
+from harness.engines.pybullet import mirror, shapes, writing
 from harness.engines.pybullet.heading import Heading
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.solver import Solver
 from harness.engines.stepping.rows import Body, Vector
 from harness.model.scene import Contact, Pedestal, Wall
+
+# Clients of Bullet, kept from one run to the next: to start and end one costs more than many a run. A kept
+# client is emptied (`resetSimulation` makes a new world with new solver and new numbering) and every
+# parameter is sent again, so a run does not see what ran before. A client whose run failed is ended, not
+# kept.
+
+
+MOST_IDLE: Final = 2
+"""Clients kept at once at most: a run and one inside it."""
+
+_idle: list[tuple[int, int]] = []
+"""Process and number of each client that is not in use."""
+
+
+def take() -> int:
+    """An empty client of this process, for one run at a time. Raises `EngineFailure` when no client can be had."""
+    while _idle:
+        process, client = _idle.pop()
+        # A process that was forked has its parent's list, whose clients are not its own.
+        if process == os.getpid() and pybullet.isConnected(client):
+            break
+    else:
+        client = int(pybullet.connect(pybullet.DIRECT))
+        if client < 0:
+            raise EngineFailure("pybullet gave no client")
+    pybullet.resetSimulation(physicsClientId=client)
+    return client
+
+
+def give_back(client: int, *, sound: bool) -> None:
+    """Keep a client for the next run, or end it: when its run failed (`sound` false) or enough are kept."""
+    if sound and len(_idle) < MOST_IDLE:
+        _idle.append((os.getpid(), client))
+    elif pybullet.isConnected(client):
+        pybullet.disconnect(client)
+
 
 Array = NDArray[np.float64]
 
@@ -45,7 +83,7 @@ class World:
         self.settings, self.mirrored, self.in_plane = settings, mirrored, mirrored or in_plane
         self.turn_rad, self.heading = settings.turn_rad, Heading.of(settings.turn_rad)
         self.follows = settings.axes == "along"
-        self.client = client.take()
+        self.client = take()
         self.solver = Solver(settings, self.client, mirrored=mirrored)
         self.floor = -1
         self.wall: int | None = None
@@ -64,7 +102,7 @@ class World:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        client.give_back(self.client, sound=error is None)
+        give_back(self.client, sound=error is None)
 
     def build(
         self,

@@ -3,21 +3,163 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Final
 
-from harness.engines.stepping import imposing, micro_rocking
 from harness.engines.stepping.contact_gaps import ContactGaps
 from harness.engines.stepping.contact_time import ContactTimeEstimate
 from harness.engines.stepping.frame import greatest_pull_m_s2
-from harness.engines.stepping.locating import locate_event
+from harness.engines.stepping.impact import impact
 from harness.engines.stepping.rest_spell import STILL_M_S
-from harness.engines.stepping.rows import ALONE, Row, axis_of
+from harness.engines.stepping.rows import ALONE, Row, advanced, axis_of, bodies
 from harness.engines.stepping.schedule import SAME_INSTANT, Schedule
 from harness.engines.stepping.spatial import fallen
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import ContactTime, HalfCycle, StepState
+from harness.engines.stepping.stepper import Stepper
 from harness.engines.stepping.watch import LOOK_STEPS, Watch
 from harness.model.scene import Scene
+
+# Micro-rocking: half-cycles of a few steps are followed in parts of each, so that none ends in the step in
+# which it returns.
+
+
+def after_impact(state: StepState, gaps: ContactGaps) -> HalfCycle | None:
+    """The half-cycle that an impact begins; None where it is sure to be long, or the foot that rises did not stand."""
+    stepper, step_s, events = state.stepper, state.step_s, state.events
+    heights = gaps.heights(state.row, stepper.table_place[2], stepper.table_rate[2])
+    foot = min(range(len(heights)), key=lambda index: heights[index][1])
+    gap, closing = heights[foot]
+    # Thrown up at v against an acceleration a it is back after 2 v/a; the bound of a gives the shortest time.
+    soonest_s = -2.0 * closing / float(gaps.bounds[foot])
+    if abs(gap) > gaps.near_m or closing >= 0.0 or soonest_s > events.short_steps * step_s:
+        return None
+    return HalfCycle(
+        ContactTimeEstimate(state, gaps, foot),
+        state.t_s,
+        min(max(soonest_s, events.least_first * step_s), events.most_first * step_s),
+    )
+
+
+def follow(state: StepState, half_cycle: HalfCycle) -> bool | None:
+    """Make the next part of a half-cycle. True, with none made, where its impact is due within it; None: it is no short one."""
+    step_s, back_s, events = state.step_s, 0.0, state.events
+    if half_cycle.parts > 0:
+        back_s = half_cycle.contact_time()
+        if not half_cycle.known:
+            whole_s = state.t_s - half_cycle.start_s + back_s
+            if not events.least_steps * step_s <= whole_s <= events.short_steps * step_s:
+                return None
+            half_cycle.part_s, half_cycle.known = whole_s / events.parts, True
+        if half_cycle.parts > events.most_parts:
+            return None
+    end_s = state.t_s + min(half_cycle.part_s, step_s)
+    whole = end_s > state.next_s - events.tail_parts * half_cycle.part_s
+    end_s = state.next_s if whole else end_s
+    if half_cycle.parts > 0 and back_s <= events.close_parts * (end_s - state.t_s):
+        return True
+    half_cycle.parts += 1
+    if whole:
+        state.to_next()
+    else:
+        state.to(end_s, max(0.5 * (state.t_s + end_s), state.kick_s))
+    return False
+
+
+# An event inside a step, met at its instant: velocities are brought there by the engine, places by their
+# velocities.
+
+
+def locate_event(
+    state: StepState,
+    gaps: ContactGaps,
+    until: Callable[[], float],
+    act: Callable[[], None],
+    speeds: Callable[[], tuple[float, float]] | None = None,
+) -> None:
+    """Go to the instant at which `until`, the time, s, to the event, is zero, and `act` there.
+
+    `speeds` gives the time at the present velocities, s, and what these grow to over them up to the event; without it they are
+    taken not to change. Where the event comes later than it seemed the step is taken to its end instead.
+    """
+    step_s, floor, events = state.step_s, state.stepper, state.events
+    contact_s = until()
+    for _ in range(events.most_approaches):
+        # A gap is closed at the speed that closes it within the step, whatever its length: before short steps there must be none.
+        state.lower(gaps.drift_m(state.row, floor.table_place[2]))
+        if contact_s <= events.far * step_s:
+            break
+        end = min(state.t_s + events.approach * contact_s, state.next_s - events.aside * step_s)
+        if end < state.t_s + events.shortest * step_s:
+            break
+        state.to(end, max(0.5 * (state.t_s + end), state.kick_s))
+        contact_s = until()
+    if state.t_s + contact_s > state.next_s:
+        if state.schedule.jump_after_s(state.kick_s) > state.next_s:
+            state.to_next()
+        return
+    room, there_s = max(contact_s, events.room * step_s), state.t_s + contact_s
+    plain, grown = (contact_s, 1.0) if speeds is None else speeds()
+    # Back to where the velocities of the instant, not the present ones, take it down in that time: short of it they are stopped.
+    back = room * grown - plain
+    if back != 0.0:
+        state.drift(-back)
+    forward, state.t_s, instant = contact_s + back - events.short * room, there_s - room, max(there_s, state.kick_s)
+    state.kick(events.short * room, instant)
+    feet = gaps.standing(state.row, floor.table_place[2], floor.table_rate[2])
+    if feet:
+        # The velocities stand square to the arm of the standing foot at the places before that step: both turn on together.
+        before, there = state.row, advanced(state.row, room)
+        state.turn(room, gaps.foot_m(feet, before))
+        at_contact = [(*there[:7], *row[7:13], *there[13:]) for row in (before, state.row)]
+        owed, left = gaps.foot_speeds_m_s(feet, before, at_contact, floor.table_place[2], floor.table_rate[2])
+        floor.writer.ledger.of("turn_on").compare(owed, left, events.still * gaps.least_m_s)
+    contact_s = until()
+    if abs(contact_s) > room:
+        # What came down no longer does.
+        state.drift(forward)
+        state.t_s = instant
+        state.jump_velocity(state.row)
+        return
+    state.drift(contact_s)
+    state.lower(gaps.drift_m(state.row, floor.table_place[2], within_s=events.together * step_s))
+    act()
+
+
+# The model's impact in place of the engine's own, for a scene that prescribes a ratio.
+
+
+def impose(stepper: Stepper, scene: Scene, row: Row, lean_rad: float) -> Row:
+    """Put both bodies upright with the velocities after the model's impact; `lean_rad` is what little is left to fall."""
+    # It came down from the side against which it turns, whether or not the last digits of the lean have passed zero.
+    was, statue, side = row, scene.statue, 1 if row[11] < 0.0 else -1
+    body, pedestal = bodies(row)
+    table_x, table_y = stepper.table_rate[0], stepper.table_rate[1]
+    slip = 0.0 if pedestal is None else pedestal.velocity_m_s[0] - table_x
+    jump = impact(scene, old_side=side, theta_rate_rad_s=row[11], slip_rate_m_s=slip, stuck=stepper.stuck)
+    rate, base = jump.theta_rate_rad_s, jump.slip_rate_m_s + table_x
+    # The old corner stays where it stands; the centroid comes to lie over the base again.
+    old, new = side * statue.corner_m(side), -side * statue.corner_m(-side)
+    shift = old * math.cos(lean_rad) - statue.centroid_height_m * math.sin(lean_rad) - old
+    top = 0.0
+    if pedestal is not None and scene.pedestal is not None:
+        top = pedestal.place_m[2] + 0.5 * scene.pedestal.height_m
+        stepper.set_sliding(jump.slip_rate_m_s != 0.0)
+        row = (*row[:20], base, table_y, 0.0, 0.0, 0.0, 0.0)
+    height = top - stepper.backend.depth_m + statue.centroid_height_m
+    place = (body.place_m[0] + shift, body.place_m[1], height)
+    velocity = (base + rate * statue.centroid_height_m, table_y, rate * new)
+    upright = (*place, *_level(body.turn, lean_rad), *velocity, 0.0, rate, 0.0)
+    stepper.writer.write("imposed_impact", was, upright + row[len(upright) :])
+    return stepper.backend.read()
+
+
+def _level(turn: tuple[float, float, float, float], lean_rad: float) -> tuple[float, float, float, float]:
+    """A quaternion turned back by a lean about y."""
+    x, y, z, w = turn
+    s, c = math.sin(-0.5 * lean_rad), math.cos(-0.5 * lean_rad)
+    return (c * x + s * z, c * y + s * w, c * z - s * x, c * w - s * y)
+
 
 RESTING_FREE: Final = 4
 """Steps taken at once at rest: an uplift and its return inside them are below a step's own error."""
@@ -124,12 +266,12 @@ def _locate_impact(state: StepState, gaps: ContactGaps, contact_time: ContactTim
     """A foot that comes down, and the half-cycle that begins with its impact."""
     locate_event(state, gaps, contact_time, state.impact, contact_time.speeds)
     if state.velocity_jumped:
-        state.half_cycle = micro_rocking.after_impact(state, gaps)
+        state.half_cycle = after_impact(state, gaps)
 
 
 def _followed(state: StepState, gaps: ContactGaps, half_cycle: HalfCycle) -> bool:
     """Whether a part of a short half-cycle, or its impact, was made; if not it is no short one any more."""
-    due = micro_rocking.follow(state, half_cycle)
+    due = follow(state, half_cycle)
     if due is None:
         state.half_cycle = None
     elif due:
@@ -146,11 +288,11 @@ def _imposed(state: StepState, scene: Scene, gaps: ContactGaps, watch: Watch, so
     if contact_s == math.inf or state.t_s + sure > state.next_s or state.t_s + contact_s > jump_s:
         return _free(state, sure / step_s)
 
-    def impose() -> None:
+    def pass_upright() -> None:
         lean = axis_of(state.row, watch.axis)[0] - watch.rest[0]
-        state.jump_velocity(imposing.impose(state.stepper, scene, state.row, lean))
+        state.jump_velocity(impose(state.stepper, scene, state.row, lean))
 
-    locate_event(state, gaps, lambda: _upright(state, gaps, watch), impose)
+    locate_event(state, gaps, lambda: _upright(state, gaps, watch), pass_upright)
     return 0
 
 

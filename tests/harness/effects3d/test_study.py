@@ -13,10 +13,18 @@ from harness.campaign.campaign import silent
 from harness.campaign.runner import InlinePool, LocalPool
 from harness.campaign.store import Store
 from harness.effects3d import BASELINE, Search, find
-from harness.effects3d.band import band
 from harness.effects3d.conditions import turned
-from harness.effects3d.study import KIND, Questions, checked_azimuths, run_effects, side_azimuths
-from harness.effects3d.summary import effects, scan_directions, static_rose
+from harness.effects3d.study import (
+    KIND,
+    Questions,
+    band,
+    checked_azimuths,
+    effects,
+    run_effects,
+    scan_directions,
+    side_azimuths,
+    static_rose,
+)
 from harness.input.tables import kind_of
 from harness.model.errors import InputError
 from harness.model.scene import Scene

@@ -12,7 +12,7 @@ import pytest
 
 from analytic.excitation import Harmonic
 from harness.engines.base import EngineFailure
-from harness.engines.pybullet import client
+from harness.engines.pybullet import world
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
@@ -39,8 +39,8 @@ def bits(result: Run) -> bytes:
 
 def forget() -> None:
     """End every kept client."""
-    while client._idle:
-        pybullet.disconnect(client._idle.pop()[1])
+    while world._idle:
+        pybullet.disconnect(world._idle.pop()[1])
 
 
 @pytest.fixture(scope="module")
@@ -62,20 +62,20 @@ def test_a_kept_client_gives_the_bits_of_a_new_one(alone: dict[str, bytes], orde
     for name in (*order, *order):
         bullet(odd, 5e-4, reach=2e-2, erp=0.5, iterations=7, cone_friction=False, reversed_bodies=True)
         assert bits(run(name)) == alone[name], name
-    assert len(client._idle) == 1, "no client was kept: nothing was shown"
+    assert len(world._idle) == 1, "no client was kept: nothing was shown"
 
 
 def test_a_client_whose_run_failed_is_not_kept(alone: dict[str, bytes]) -> None:
     case, options = CASES["pedestal"]
     run("floor")
-    before = list(client._idle)
+    before = list(world._idle)
 
     def fails(t_s: float, theta_rad: float) -> bool:
         raise ArithmeticError("stopped from outside")
 
     with pytest.raises(EngineFailure, match="stopped from outside"):
         bullet(case, 1e-3, replace(options, stop=fails))
-    assert client._idle == before[:-1]
+    assert world._idle == before[:-1]
     assert not pybullet.isConnected(before[-1][1])
     assert bits(run("pedestal")) == alone["pedestal"]
 
@@ -94,15 +94,15 @@ def test_a_run_inside_a_run_and_runs_in_threads_do_not_meet(alone: dict[str, byt
     with ThreadPoolExecutor(3) as pool:
         names = list(CASES) * 2
         assert list(pool.map(lambda name: bits(run(name)) == alone[name], names)) == [True] * len(names)
-    assert len(client._idle) <= client.MOST_IDLE
+    assert len(world._idle) <= world.MOST_IDLE
 
 
 def test_a_forked_process_leaves_its_parents_clients_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     forget()
-    client.give_back(client.take(), sound=True)
-    kept = client._idle[0][1]
-    monkeypatch.setattr(client.os, "getpid", lambda: -1)
-    other = client.take()
+    world.give_back(world.take(), sound=True)
+    kept = world._idle[0][1]
+    monkeypatch.setattr(world.os, "getpid", lambda: -1)
+    other = world.take()
     assert other != kept
     pybullet.disconnect(other)
     pybullet.disconnect(kept)
