@@ -206,6 +206,45 @@ def study(
     raise typer.Exit(FAILED if summary.failed else OK)
 
 
+@command(
+    app, None, "rockcheck trust scenes/paestum_floor.toml --coarse",
+    "rockcheck trust scenes/paestum_pedestal.toml -e pymunk -e pybullet --motion pulse --jobs 2",
+)  # fmt: skip
+def trust(
+    scene: SceneFile,
+    asked: EngineOptions,
+    saying: OutputOptions,
+    motion: Annotated[
+        str,
+        typer.Option(
+            "--motion", help="What shakes: sine, pulse (one sine), scene (its own motion, weaker or stronger)."
+        ),
+    ] = "sine",
+    coarse: Annotated[
+        bool, typer.Option("--coarse", help="Fewer points, and engines in the plane alone unless named.")
+    ] = False,
+    seed: Seed = 0,
+    jobs: Jobs = None,
+    resume: Resume = False,
+    dask: Dask = None,
+    out: Out = None,
+) -> None:
+    """Map over strength and frequency how far the analytic model is confirmed by the engines for this statue."""
+    from harness.records.base import plain
+    from harness.records.result_folder import named_after
+    from harness.trust.trust_run import run_trust
+    from reports.messages import ENGLISH
+    from reports.terminal import trust_lines
+
+    folder = out or OUT / f"{named_after(scene)}-trust"
+    record = run_trust(
+        scene, folder, asked.engine, asked.overrides or (), motion=motion, coarse=coarse, seed=seed, jobs=jobs,
+        resume=resume, dask=dask, quiet=saying.silent, say=ENGLISH.say,
+    )  # fmt: skip
+    say_result(plain(record), "\n".join(trust_lines(record, verbose=saying.verbose)), folder, saying)
+    raise typer.Exit(FAILED if record.summary.failed else OK)
+
+
 @command(app, None, "rockcheck validate tests.csv -e analytic -e pymunk@dt=5e-4 --samples 20")
 def validate(
     experiments: Annotated[

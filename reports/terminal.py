@@ -15,6 +15,7 @@ from harness.records.assess import Assessment, AssessRecord
 from harness.records.base import Record
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scores import Scores, Verdict
+from harness.records.trust import TrustRecord
 from harness.scene_run.answer import STILL_RAD
 from harness.statics.plan import Step
 from reports.messages import ENGLISH
@@ -61,6 +62,14 @@ def _headed(record: Record, rows: Sequence[str], *, verbose: bool) -> list[str]:
         return [*lines, *finding_lines(record.findings)]
     said = [each for each in record.findings if each.severity is not Severity.INFO]
     return [*lines, *beware_lines(record, said, LINES - len(lines) - 1)]
+
+
+def trust_lines(record: TrustRecord, *, verbose: bool = False) -> list[str]:
+    """A trust map: title, answer, the share of each class, what it rests on."""
+    rows = [[ENGLISH.word(kind), f"{ENGLISH.percent(share)}"] for kind, share in record.shares.items() if share]
+    lines = [_cut(record.title), *_answer(record), *table([["class", "share"], *rows])]
+    found = finding_lines(record.findings) if verbose else beware_lines(record, record.findings, LINES - len(lines) - 1)
+    return [*lines, *found]
 
 
 def _of_pairs(record: RunRecord) -> list[Finding]:

@@ -24,7 +24,8 @@ COMING: Final = ".coming.json"
 PAGES: Final = ("report.html", "conservator.html")
 """Written of a record alone, by whoever reads it: each is sealed, and goes with the record of which it was made."""
 KINDS: Final = (
-    "run", "assess", "study", "effects3d", "rocking_spectrum", "bench", "stress", "validation", "tosses", "compare"
+    "run", "assess", "study", "effects3d", "rocking_spectrum", "bench", "stress", "validation", "tosses", "compare",
+    "trust",
 )  # fmt: skip
 STORE: Final = "store.sqlite"
 COLUMNS: Final = "outcomes"
@@ -37,12 +38,14 @@ STORE_KINDS: Final = (
     "bench --quick",
     "stress",
     "stress --quick",
+    "trust",
 )
 """What a store may be of, in the order of their numbers in its head."""
 STORE_NUMBER: Final = 0x526F6300
 """`application_id` of a store of the first kind."""
 GOES_ON: Final = {
-    "study": "study STUDY", "effects3d": "study STUDY", "assess": "assess SCENE", "validation": "validate EXPERIMENTS"
+    "study": "study STUDY", "effects3d": "study STUDY", "assess": "assess SCENE", "trust": "trust SCENE",
+    "validation": "validate EXPERIMENTS"
 }  # fmt: skip
 """The command that goes on with what was begun of a kind, where it is not the kind itself."""
 INSPECTED: Final = ("motion.png", "motion.json")

@@ -46,7 +46,7 @@ def answer_of(
     return Answer(code, [*parts, *_unpredictable(horizons, known)])
 
 
-def _family(outcome: Outcome) -> str:
+def outcome_family(outcome: Outcome) -> str:
     """What happens to the statue: falls to different sides are one outcome."""
     return "overturned" if outcome.overturned else outcome.value
 
@@ -59,7 +59,7 @@ def _code(known: Mapping[str, Run], scores: Sequence[Scores]) -> Code:
         return "differ_by_model"
     if Verdict.PLANE in verdicts:
         return "plane_left_out"
-    if len({_family(run.outcome) for run in known.values()}) > 1:
+    if len({outcome_family(run.outcome) for run in known.values()}) > 1:
         flips = all(each.verdict in LATE or each.evidence.outcome_flips_within_uncertainty for each in scores)
         return "unpredictable" if flips else "outcome_differs"
     return "agree_until" if verdicts & set(LATE) else "agree"
@@ -71,7 +71,7 @@ def _what(scene: Scene, known: Mapping[str, Run], asked: int) -> Finding:
         return changes_answer("no_answer", asked=asked)
     groups: dict[str, list[str]] = {}
     for name, run in known.items():
-        groups.setdefault(_family(run.outcome), []).append(name)
+        groups.setdefault(outcome_family(run.outcome), []).append(name)
     if len(groups) > 1:
         return changes_answer("models_disagree", groups=groups)
     family = next(iter(groups))
@@ -139,6 +139,6 @@ def _decides(scores: Mapping[str, Scores]) -> list[Finding]:
 def _unpredictable(horizons: Mapping[str, HorizonRecord], known: Mapping[str, Run]) -> list[Finding]:
     """Whether the smallest change of start or motion changes the outcome itself."""
     outcomes = sorted(
-        {_family(outcome) for name, each in horizons.items() if name in known for outcome in each.outcomes}
+        {outcome_family(outcome) for name, each in horizons.items() if name in known for outcome in each.outcomes}
     )
     return [changes_answer("outcome_not_predictable", outcomes=outcomes)] if len(outcomes) > 1 else []

@@ -126,25 +126,32 @@ def _map(grid: Grid, axes: tuple[str, str], xs: Sequence[float], ys: Sequence[fl
         "colorscale": scale, "showscale": False, "xgap": 0.5, "ygap": 0.5,
         "hovertemplate": f"{heading(axes[0])} %{{x:.4g}}<br>{heading(axes[1])} %{{y:.4g}}<br>%{{text}}<extra></extra>",
     }  # fmt: skip
-    return figure([trace], 380, _map_axis(axes[0], xs), _map_axis(axes[1], ys), showlegend=False, margin_top=12)
+    return figure(
+        [trace], 380, _map_axis(heading(axes[0]), xs), _map_axis(heading(axes[1]), ys), showlegend=False, margin_top=12
+    )
 
 
 def _boundaries(grids: Sequence[Grid], axes: tuple[str, str], xs: Sequence[float], ys: Sequence[float]) -> Json:
     """Lines between the places where the statue overturns and those where it does not, one colour a model."""
+    looks = model_looks([grid.model for grid in grids])
+    data = [border(grid.falls, xs, ys, stroke(looks[grid.model], 0.6), grid.model) for grid in grids]
+    return figure(data, 380, *(map_axis(heading(key), values) for key, values in zip(axes, (xs, ys), strict=True)))
+
+
+def border(falls: NDArray[np.bool_], xs: Sequence[float], ys: Sequence[float], line: Json, name: str) -> Json:
+    """The line between the places (rows of y) where the statue overturns and those where it does not."""
     across, along = _edges(xs), _edges(ys)
-    looks, data = model_looks([grid.model for grid in grids]), []
-    for grid in grids:
-        points: list[tuple[float | None, float | None]] = []
-        for i, j in np.argwhere(np.diff(grid.falls, axis=1)):
-            points += [(across[j + 1], along[i]), (across[j + 1], along[i + 1]), (None, None)]
-        for i, j in np.argwhere(np.diff(grid.falls, axis=0)):
-            points += [(across[j], along[i + 1]), (across[j + 1], along[i + 1]), (None, None)]
-        line = stroke(looks[grid.model], 0.6)
-        data.append(curve([x for x, _ in points], [y for _, y in points], line, name=grid.model, hoverinfo="skip"))
-    limits = ((axes[0], xs, across), (axes[1], ys, along))
-    return figure(
-        data, 380, *(_map_axis(key, values) | {"range": _range(ends, values)} for key, values, ends in limits)
-    )
+    points: list[tuple[float | None, float | None]] = []
+    for i, j in np.argwhere(np.diff(falls, axis=1)):
+        points += [(across[j + 1], along[i]), (across[j + 1], along[i + 1]), (None, None)]
+    for i, j in np.argwhere(np.diff(falls, axis=0)):
+        points += [(across[j], along[i + 1]), (across[j + 1], along[i + 1]), (None, None)]
+    return curve([x for x, _ in points], [y for _, y in points], line, name=name, hoverinfo="skip")
+
+
+def map_axis(title: str, values: Sequence[float]) -> Json:
+    """The axis of a map, as long as its cells."""
+    return _map_axis(title, values) | {"range": _range(_edges(values), values)}
 
 
 def _edges(values: Sequence[float]) -> list[float]:
@@ -158,8 +165,8 @@ def _range(edges: Sequence[float], values: Sequence[float]) -> list[float]:
     return [float(np.log10(value)) for value in ends] if _axis_kind(values) == "log" else ends
 
 
-def _map_axis(key: str, values: Sequence[float]) -> Json:
-    axis: Json = {"title": {"text": heading(key)}, "type": _axis_kind(values)}
+def _map_axis(title: str, values: Sequence[float]) -> Json:
+    axis: Json = {"title": {"text": title}, "type": _axis_kind(values)}
     if axis["type"] == "log":
         shown = values[:: max(1, len(values) // 6)]
         axis |= {"tickvals": list(shown), "ticktext": [f"{value:.3g}" for value in shown]}

@@ -280,7 +280,7 @@ def _legend(figure: Json, width: float) -> list[Shape]:
         long = 56 + LETTER * len(str(trace["name"]))
         if x > left and x + long - 24 > width:
             x, y = left, y + 15.0
-        if trace["type"] == "bar":
+        if trace["type"] == "bar" or (trace.get("marker") or {}).get("symbol") == "square":
             shapes += [box(x + 6, y - 6, 20, 12, colour)]
             shapes += _hatching(
                 [(x + 6, y - 6, 20, 12)], ((trace.get("marker") or {}).get("pattern") or {}).get("shape", "")

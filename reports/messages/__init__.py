@@ -110,6 +110,10 @@ def _angles(say: Language, values_rad: Sequence[float]) -> str:
     return f"{degrees}° ({say.range([say.digits(value, 3) for value in values_rad])}\u00a0rad)"
 
 
+def _classes(say: Language, shares: Mapping[str, float]) -> str:
+    return "; ".join(f"{say.percent(share)} {say.word(kind)}" for kind, share in shares.items())
+
+
 def _shares(say: Language, shares: Mapping[str, float]) -> str:
     return say.listed(f"{say.percent(share)} {say.word('without')} {say.word(what)}" for what, share in shares.items())
 
@@ -152,6 +156,8 @@ FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
     "factors": _factors,
     "key": _named_key,
     "points": lambda say, value: f"{100.0 * value:+.1f}".replace("-", "−").replace(".", say.strings["decimal"]),
+    "classes": _classes,
+    "hz": lambda say, value: f"{say.digits(value, 3)}\u00a0Hz",
 }
 """How a value is written, by the word after its colon."""
 

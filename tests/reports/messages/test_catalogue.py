@@ -22,6 +22,7 @@ SAMPLES = {
     "lengths": [0.01, 0.02], "g": 0.3, "j": 2.0, "share": 0.123, "names": ["analytic", "pymunk"], "vector": [1.0, 0.0, 0.0],
     "groups": {"stands": ["analytic"], "overturned": ["pymunk"]}, "without": {"products_of_inertia": 0.03},
     "factors": {"0.05": [1.02, 1.1, None]}, "key": "contact.floor", "points": 0.012,
+    "classes": {"confirmed": 0.3, "refuted": 0.01}, "hz": 2.5,
 }  # fmt: skip
 """A value of each format."""
 

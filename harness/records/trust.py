@@ -1,0 +1,92 @@
+"""The record of a trust map: how far the analytic model is confirmed, over strength and frequency of a shaking."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, get_args
+
+from typing_extensions import TypedDict
+
+from harness.records.base import Record
+from harness.records.scene import SceneRecord
+from harness.records.scores import Interval
+
+MOTIONS: Final = ("sine", "pulse", "scene")
+"""What shakes: a harmonic motion along x, one sine of it, or the scene's own motion made weaker or stronger."""
+TrustClass = Literal[
+    "nothing_moves",
+    "confirmed",
+    "outcome_confirmed",
+    "probability",
+    "left_domain",
+    "plane_left_out",
+    "refuted",
+    "no_answer",
+]
+CLASSES: Final[tuple[TrustClass, ...]] = get_args(TrustClass)
+"""In this order from what is known to what is not; `no_answer`: what was asked there failed."""
+HELD: Final = frozenset(("nothing_moves", "confirmed", "outcome_confirmed"))
+"""Classes in which the model's outcome is confirmed."""
+Basis = Literal["rest", "runs", "between", "checked"]
+
+# `class` is no name of an attribute: so a cell is a typed table.
+TrustCell = TypedDict(
+    "TrustCell",
+    {
+        "amplitude_g": float,
+        "frequency_hz": float | None,
+        "class": TrustClass,
+        "basis": Basis,
+        "answer": str,
+        "why": Sequence[str],
+        "outcomes": Mapping[str, str],
+        "peak_rad": float | None,
+        "peaks_apart_rad": float | None,
+        "agree_until_s": float | None,
+        "horizon_s": float | None,
+        "probability": Interval | None,
+        "amplitude_over_g_tan_alpha": float,
+        "frequency_over_p": float | None,
+    },
+)
+"""One point: its class; `basis` is what that rests on: limits of rest, runs of all engines, such runs at the points of the same
+frequency above and below, which agree (`between`), or runs that check what was said between (`checked`).
+
+`answer` is the code of `rockcheck run` there, `why` the causes of its class, `outcomes` those of every model that ran, `peak_rad`
+the analytic model's, `peaks_apart_rad` how far the models' peaks are apart, `horizon_s` the model's own.
+"""
+
+
+@dataclass(frozen=True)
+class TrustSummary:
+    """What a map cost: points, those at which engines were asked, those that checked the others and how many of these changed,
+    results found finished, processor time of all answers."""
+
+    points: int
+    asked: int
+    checked: int
+    changed: int
+    found: int
+    cpu_s: float
+    failed: int = 0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TrustRecord(Record):
+    """`result.json` of `rockcheck trust`: `shares` of the plane by class, each frequency's strengths evenly in their logarithm.
+
+    `confirmed_up_to_g`: the largest strength up to which outcome and peak are confirmed at every frequency; None: at no strength.
+    """
+
+    kind: Literal["trust"] = "trust"
+    scene: SceneRecord
+    motion: str
+    coarse: bool
+    engines: Sequence[str]
+    seed: int
+    shares: Mapping[TrustClass, float]
+    confirmed_up_to_g: float | None
+    cells: Sequence[TrustCell]
+    summary: TrustSummary
+    seconds: float
