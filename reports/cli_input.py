@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -139,6 +140,8 @@ def motion_inspect(
     from harness.records.result_folder import INSPECTED, check_folder, listing, named_after
     from reports.export.motion_figure import motion_picture
     from reports.export.paper import write_picture
+    from reports.messages import ENGLISH
+    from reports.terminal import motion_lines
 
     folder = out or OUT / named_after(file.with_name(file.name.split(".")[0] or file.name))
     picture, record = (folder / name for name in INSPECTED)
@@ -146,13 +149,10 @@ def motion_inspect(
     inspected = _inspected(file, unit, axis, Layout(**vars(text)))
     folder.mkdir(parents=True, exist_ok=True)
     write_picture(motion_picture(inspected), picture, dpi=150)
-    write_json(record, plain(InspectionRecord.of(inspected, listing([picture]))))
-    rows = [[printable(cell) for cell in row] for row in inspected.table()]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    lines = [printable("; ".join(f"{key}: {said}" for key, said in inspected.source.items() if said))]
-    lines += ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    lines += [printable(f"warning: {text}") for text in inspected.warnings]
-    saying.say(plain(InspectionRecord.of(inspected)), "\n".join([*lines, printable(f"picture: {picture}")]))
+    shown = InspectionRecord.of(inspected, ENGLISH.say)
+    write_json(record, plain(replace(shown, files=listing([picture]))))
+    lines = motion_lines(inspected, shown.findings, verbose=saying.verbose)
+    saying.say(plain(shown), "\n".join([*lines, printable(f"picture: {picture}")]))
 
 
 def _inspected(file: Path, unit: str | None, axis: str, layout: Layout) -> Inspection:

@@ -8,7 +8,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Final
 
-from harness.model.finding import Finding, Severity
+from harness.input.motions.inspect import Inspection
+from harness.model.finding import Finding, Severity, weighed
 from harness.model.run import to_plain
 from harness.model.terminal import printable
 from harness.records.assess import Assessment, AssessRecord
@@ -38,7 +39,7 @@ def run_lines(record: RunRecord, *, verbose: bool = False) -> list[str]:
         return [*lines, *_pair_rows(list(record.scores.values()), len(record.scores)), *finding_lines(record.findings)]
     lines += _pair_rows(list(record.scores.values()), min(PAIR_LINES, LINES - LAST_LINES - len(lines)))
     said = [each for each in record.findings if each.severity is not Severity.INFO and each not in _of_pairs(record)]
-    return [*lines, *beware_lines(record, said, LINES - len(lines) - 1)]
+    return [*lines, *beware_lines(said, len(record.findings), LINES - len(lines) - 1)]
 
 
 def assess_lines(record: AssessRecord, *, verbose: bool = False) -> list[str]:
@@ -61,14 +62,18 @@ def _headed(record: Record, rows: Sequence[str], *, verbose: bool) -> list[str]:
     if verbose:
         return [*lines, *finding_lines(record.findings)]
     said = [each for each in record.findings if each.severity is not Severity.INFO]
-    return [*lines, *beware_lines(record, said, LINES - len(lines) - 1)]
+    return [*lines, *beware_lines(said, len(record.findings), LINES - len(lines) - 1)]
 
 
 def trust_lines(record: TrustRecord, *, verbose: bool = False) -> list[str]:
     """A trust map: title, answer, the share of each class, what it rests on."""
     rows = [[ENGLISH.word(kind), f"{ENGLISH.percent(share)}"] for kind, share in record.shares.items() if share]
     lines = [_cut(record.title), *_answer(record), *table([["class", "share"], *rows])]
-    found = finding_lines(record.findings) if verbose else beware_lines(record, record.findings, LINES - len(lines) - 1)
+    found = (
+        finding_lines(record.findings)
+        if verbose
+        else beware_lines(record.findings, len(record.findings), LINES - len(lines) - 1)
+    )
     return [*lines, *found]
 
 
@@ -148,8 +153,8 @@ def _when(scores: Scores) -> str:
     return f"from {digits(min(times), 3)} s" if times else ""
 
 
-def beware_lines(record: Record, findings: Sequence[Finding], room: int) -> list[str]:
-    """As many of the heaviest findings as there is room for, and how many more there are."""
+def beware_lines(findings: Sequence[Finding], total: int, room: int) -> list[str]:
+    """As many of the heaviest findings as there is room for, and how many of the `total` are not shown."""
     lines: list[str] = []
     shown = 0
     for each in findings:
@@ -158,7 +163,7 @@ def beware_lines(record: Record, findings: Sequence[Finding], room: int) -> list
             break
         lines += said
         shown += 1
-    more = len(record.findings) - shown
+    more = total - shown
     return [*lines, f"  {more} further finding{'s' if more > 1 else ''} (--verbose)"] if more > 0 else lines
 
 
@@ -171,6 +176,15 @@ def finding_lines(findings: Iterable[Finding]) -> list[str]:
 
 def _owner(finding: Finding) -> str:
     return f"{finding.engine.replace('_vs_', ' – ')}: " if finding.engine and "_vs_" not in finding.engine else ""
+
+
+def motion_lines(found: Inspection, findings: Sequence[Finding], *, verbose: bool = False) -> list[str]:
+    """A motion: where it came from, its measures, what to beware of (`findings` with their sentences)."""
+    source = printable("; ".join(f"{key}: {said}" for key, said in found.source.items() if said))
+    rows = table([[printable(cell) for cell in row] for row in found.table()])
+    if verbose:
+        return [source, *rows, *finding_lines(weighed(findings))]
+    return [_cut(source), *rows, *beware_lines(weighed(findings), len(findings), LINES - len(rows) - 2)]
 
 
 def explained(steps: Sequence[Step]) -> tuple[list[object], str]:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from harness.input.motions.check import DRIFTS
 from harness.input.motions.recordfile import Channel, Layout, RecordFile
 
 if TYPE_CHECKING:
@@ -148,6 +147,6 @@ def _motion(
         peak = float(np.abs(channel.accel_m_s2).max())
         yield [*comments, f"{why[axis]}; peak {peak:.3g} m/s²."], {"motion": {axis: keys}}
         comments = []
-        if any(said.startswith(f"{channel.name}{DRIFTS}") for said in shaking.warnings):
+        if any(each.code == "record_drifts" and each.values["channel"] == channel.name for each in shaking.findings):
             # A key to be uncommented stands after the others of its table.
             yield ['baseline = "linear"  # integrated, the record drifts: take the first # away to take that off'], {}

@@ -6,6 +6,7 @@ import copy
 import math
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final, cast
@@ -213,7 +214,7 @@ def _base_excitation(model: SceneFile, path: Path, mistakes: list[Mistake], foun
         try:
             prepared = motions.prepare(motion)
             excitations[axis] = prepared.excitation.scaled(model.motion.scale)
-            found.extend(caution("motion_note", key=motion.key, text=warning) for warning in prepared.warnings)
+            found.extend(replace(each, values={"key": motion.key, **each.values}) for each in prepared.findings)
         except InputError as error:
             mistakes.extend(error.mistakes)
     return BaseExcitation(**excitations)

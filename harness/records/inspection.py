@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field
 from harness.input.motions.inspect import DAMPING, PERIODS_S, Inspection, Trace
 from harness.input.motions.measures import Measures
 from harness.input.motions.spectra import DesignSpectrum
+from harness.model.finding import Finding, Say, texted
 from harness.model.run import OMITTED, SCHEMA_VERSION
 
 
@@ -56,12 +57,13 @@ class InspectionRecord:
     traces: Sequence[TraceRecord]
     target: TargetRecord | None
     warnings: Sequence[str]
+    findings: Sequence[Finding]
     files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)
 
     @classmethod
-    def of(cls, inspection: Inspection, files: Mapping[str, str | None] | None = None) -> InspectionRecord:
-        """The record of an inspected motion."""
-        target = inspection.target
+    def of(cls, inspection: Inspection, say: Say) -> InspectionRecord:
+        """The record of an inspected motion, its findings said by `say`."""
+        target, findings = inspection.target, texted(inspection.findings, say)
         return cls(
             title=inspection.title,
             source=inspection.source,
@@ -71,6 +73,6 @@ class InspectionRecord:
             target=None
             if target is None
             else TargetRecord(**asdict(target), spectrum_m_s2=target.accel_m_s2(PERIODS_S).tolist()),
-            warnings=inspection.warnings,
-            files=files,
+            warnings=[each.text for each in findings],
+            findings=findings,
         )

@@ -270,7 +270,7 @@ def test_a_title_that_steers_the_terminal_is_seen(
 ) -> None:
     titled = SCENE.replace(b"a block", b"\\u001b[31m [/] red")
     assert attempt(every["title"], titled, folder) == Tried()
-    monkeypatch.setattr("harness.cli.printable", str)
+    monkeypatch.setattr("reports.terminal.printable", str)
     assert "steers the terminal" in (attempt(every["title"], titled, folder).wrong or "")
 
 

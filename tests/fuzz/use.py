@@ -90,8 +90,9 @@ def motion(path: Path) -> None:
     from harness.input.motions.inspect import inspect_file
     from harness.model import run as record
     from harness.records.inspection import InspectionRecord
+    from reports.messages import ENGLISH
 
-    found = record.to_plain(InspectionRecord.of(inspect_file(path)))
+    found = record.to_plain(InspectionRecord.of(inspect_file(path), ENGLISH.say))
     (path.parent / WRITTEN).mkdir()
     record.write_json(path.parent / WRITTEN / "motion.json", found)
 

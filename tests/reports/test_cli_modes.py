@@ -100,6 +100,6 @@ def test_a_group_of_options_reaches_its_function() -> None:
         """Say it."""
         got.append((first, asked, saying, last))
 
-    spread(function)(first=1, engine=["a"], overrides=None, as_json=True, quiet=False, last="y")
+    spread(function)(first=1, engine=["a"], overrides=None, as_json=True, quiet=False, verbose=False, last="y")
     assert got == [(1, EngineOptions(["a"], None), OutputOptions(as_json=True), "y")]
     assert spread(function).__doc__ == "Say it."

@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from harness.model.finding import caution, changes_answer, info
+from harness.input.motions.inspect import inspect_file
+from harness.model.finding import caution, changes_answer, info, texted
 from harness.model.history import Outcome
 from harness.records.run import RunRecord
 from reports.messages import ENGLISH
 from reports.source import run_source
-from reports.terminal import COLUMNS, LINES, run_lines
+from reports.terminal import COLUMNS, LINES, motion_lines, run_lines
 from tests.reports.invented_run import write_invented
 
 
@@ -37,7 +38,7 @@ def test_title_answer_engines_and_pairs_stand_in_this_order(record: RunRecord) -
 
 
 def test_many_findings_engines_and_long_names_still_fit(record: RunRecord) -> None:
-    many = [caution("motion_note", key=f"motion.{k}", text="long " * 60) for k in range(30)]
+    many = [caution("engine_failed", outcome=f"{k}", message="long " * 60) for k in range(30)]
     heavy = [changes_answer("near_tie", margin=1e-4).of("analytic")]
     runs = {**record.runs, **{f"{name}:plain": run for name, run in record.runs.items()}}
     pair = record.scores["analytic_vs_pymunk"]
@@ -70,3 +71,16 @@ def test_a_peak_of_a_fall_and_of_a_failure_is_not_told(record: RunRecord, tmp_pa
     )
     assert "not installed" in row
     assert "rad" not in row
+
+
+def test_a_motion_of_many_findings_fits(data_dir: Path) -> None:
+    found = inspect_file(data_dir / "records" / "20161113_110259_WTMC_20.V2A.gz")
+    many = texted(
+        [*found.findings, *(caution("record_flat", channel=f"C{k}", lasts_s=0.2) for k in range(9))], ENGLISH.say
+    )
+    lines = [*motion_lines(found, many), "picture: out/quake/motion.png"]
+    assert len(lines) <= LINES
+    assert max(map(len, lines)) <= COLUMNS
+    assert sum("further finding" in line for line in lines) == 1
+    whole = motion_lines(found, many, verbose=True)
+    assert all(any(each.text.replace("\u00a0", " ")[:60] in line for line in whole) for each in many)

@@ -27,6 +27,7 @@ from harness.input.motions.spec import (
 )
 from harness.input.motions.spectra import DesignSpectrum, design_spectrum
 from harness.input.motions.text import mistake
+from harness.model.finding import Finding
 
 if TYPE_CHECKING:
     from harness.input.tables import SceneFile
@@ -43,7 +44,7 @@ class Prepared:
 
     excitation: Excitation
     done: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
     target: DesignSpectrum | None = None
 
 
@@ -72,7 +73,7 @@ class SceneMotion:
 
 
 def prepare(motion: SceneMotion) -> Prepared:
-    """The excitation of one component with its record of steps and warnings. Raises InputError."""
+    """The excitation of one component with its record of steps and findings. Raises InputError."""
     component = motion.component
     if isinstance(component, RestSpec):
         return Prepared(ZeroExcitation())
@@ -92,8 +93,8 @@ def prepare(motion: SceneMotion) -> Prepared:
     return _on_floor(ground, component.floor, motion) if component.floor else ground
 
 
-def _of_series(series: Series, warnings: tuple[str, ...], target: DesignSpectrum | None = None) -> Prepared:
-    return Prepared(series.excitation(), series.done, warnings, target)
+def _of_series(series: Series, findings: tuple[Finding, ...], target: DesignSpectrum | None = None) -> Prepared:
+    return Prepared(series.excitation(), series.done, findings, target)
 
 
 def _compatible(component: SpectrumSpec, motion: SceneMotion) -> Prepared:
@@ -103,14 +104,14 @@ def _compatible(component: SpectrumSpec, motion: SceneMotion) -> Prepared:
             duration = component.duration_s or compatible.DEFAULT_DURATION_S
             made = compatible.artificial(spectrum, seed=component.seed or 0, duration_s=duration)
             return _of_series(made, (), spectrum)
-        series, warnings = records.load(component.record, base_dir=motion.base_dir, where=where, key=f"{key}.record")
+        series, findings = records.load(component.record, base_dir=motion.base_dir, where=where, key=f"{key}.record")
         if component.method != "scale":
             series = process.resample(series, compatible.STEP_S)
         factor = compatible.best_factor(series, spectrum)
         series = process.scaled(series, factor, f"nearest to {spectrum.name}")
         if component.method != "scale":
             series = compatible.match(series, spectrum)
-        return _of_series(series, warnings, spectrum)
+        return _of_series(series, findings, spectrum)
     except process.ProcessError as error:
         wanted = f"a record that can be sampled at {compatible.STEP_S} s"
         raise mistake(where, f"{key}.record", wanted, f"{error.got}: wanted {error.wanted}") from error
@@ -136,4 +137,4 @@ def _on_floor(ground: Prepared, modes: tuple[Oscillator, ...], motion: SceneMoti
         raise mistake(where, f"{key}.floor.period_s", wanted, f"{shortest_s:g}", advice)
     said = "; ".join(f"{mode.period_s:g} s, damping {mode.damping:g}, share {mode.share:g}" for mode in modes)
     moved = floor_motion(ground.excitation, modes, until)
-    return Prepared(moved, (*ground.done, f"through the building: {said}; to {until:.4g} s"), ground.warnings)
+    return Prepared(moved, (*ground.done, f"through the building: {said}; to {until:.4g} s"), ground.findings)

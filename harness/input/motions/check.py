@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, UNITS_M_S2, Channel, RecordFile
 from harness.input.motions.series import Floats, Series, displacement_m, velocity_m_s
 from harness.input.motions.text import mistake
+from harness.model.finding import Finding, caution, info
 
 LARGEST_PEAK_G: Final = 10.0
 """No free-field accelerogram has exceeded about 4 g (Iwate 2008): above 10 g the unit is wrong."""
@@ -23,7 +25,6 @@ STATED_PEAK_TOLERANCE: Final = 0.01
 """Headers round a peak to three digits or more."""
 ABRUPT: Final = 0.1
 """Share of the peak that a record cut within its shaking still has at an end."""
-DRIFTS: Final = ": drifts, "
 DRIFT_VELOCITY: Final = 0.25
 """Share of the peak velocity that remains at the end; corrected records keep less than 0.1, an offset of any size 1."""
 DRIFT_PATH: Final = (0.9, 0.01)
@@ -45,17 +46,19 @@ FEWEST: Final = 100
 _END_SHARE, _FLAT_SAMPLES, _STRONG = 0.01, 10, (0.05, 0.95)
 
 
-def check(record: RecordFile) -> tuple[str, ...]:
-    """Warnings of every channel; InputError for a record that cannot be one in the unit it is said to have."""
-    doubts: list[str] = []
-    for channel in record.channels:
-        doubts += [f"{channel.name}: {said}" for said in _channel(channel, record)]
+def check(record: RecordFile) -> tuple[Finding, ...]:
+    """What is doubtful of every channel; InputError for a record that cannot be one in the unit it is said to have."""
+    doubts = [
+        replace(found, values={"channel": channel.name, **found.values})
+        for channel in record.channels
+        for found in _channel(channel, record)
+    ]
     if not record.tested:
-        doubts.append(f"the {record.format} reader is untested on originals: compare the peaks with the network's")
+        doubts.append(caution("record_reader_untested", format=record.format))
     return tuple(doubts)
 
 
-def _channel(channel: Channel, record: RecordFile) -> list[str]:
+def _channel(channel: Channel, record: RecordFile) -> list[Finding]:
     accel = channel.accel_m_s2
     if accel.size < 2:
         raise mistake(record.path, channel.name, "two samples or more", str(accel.size), "the file holds no motion")
@@ -68,26 +71,28 @@ def _channel(channel: Channel, record: RecordFile) -> list[str]:
     if peak_g == 0.0:
         raise mistake(record.path, channel.name, "a motion", "nothing but zeros")
     if peak_g > LARGEST_PEAK_G:
-        likely = _spikes(channel, record) or _likely_units(peak_g, record.unit)
+        likely = _likely_units(peak_g, record.unit)
+        if spikes := _spikes(channel, record):
+            likely = f"{spikes['alone']} of {spikes['samples']} samples stand alone above all others: spikes, or missing samples?"
         raise mistake(
             record.path, channel.name, f"a peak below {LARGEST_PEAK_G:g} g", f"{peak_g:.4g} g in {record.unit}", likely
         )
     doubts = _of_clock_and_sense(channel)
     if spikes := _spikes(channel, record):
-        doubts.append(spikes)
+        doubts.append(caution("record_spikes", **spikes))
     if peak_g < SMALLEST_PEAK_G:
         claimed = channel.stated_peak_m_s2 is not None and not _against_header(channel)
-        why = "its header says so too" if claimed else _likely_units(peak_g, record.unit)
-        doubts.append(f"a peak of {peak_g:.2g} g is very small: {why}")
+        units = [*_fitting_units(peak_g, record.unit)]
+        doubts.append(caution("record_small", peak_g=peak_g, stated=claimed, units=units))
     doubts += [*_against_header(channel), *_drift(channel)]
     edge = max(1, int(_END_SHARE * accel.size))
     for name, part in (("begins", accel[:edge]), ("ends", accel[-edge:])):
         share = float(np.abs(part).max() / np.abs(accel).max())
         if share > ABRUPT:
-            doubts.append(f"{name} while shaking ({share:.0%} of the peak): triggered late or cut off")
+            doubts.append(caution("record_abrupt", at=name, share=share))
     run = _longest_flat(accel)
     if run > _FLAT_SAMPLES:
-        doubts.append(f"constant over {run * channel.dt_s:.3g} s of its strong part: a gap that was filled?")
+        doubts.append(caution("record_flat", lasts_s=run * channel.dt_s))
     return doubts
 
 
@@ -124,41 +129,35 @@ def refuse_fillers(values: Floats, where: str, place: Callable[[int], str]) -> N
             raise mistake(where, place(row), "an acceleration", got, FILL)
 
 
-def _spikes(channel: Channel, record: RecordFile) -> str:
-    """What is to be said of samples that stand alone above all others; "" where none does."""
+def _spikes(channel: Channel, record: RecordFile) -> dict[str, object]:
+    """Samples that stand alone above all others, in the file's unit; nothing where none does."""
     size = np.abs(channel.accel_m_s2)
     low = size[size < size.max() * (1.0 - FILLER_STEP[1])]
     highest = float(low.max()) if low.size else 0.0
     if size.size < FEWEST or highest <= 0.0 or size.max() < SPIKE * highest or low.size < (1.0 - SPIKES) * size.size:
-        return ""
+        return {}
     row = int(np.argmax(size))
     unit = record.unit if record.unit in UNITS_M_S2 else "m/s2"
     peak, others = (value / UNITS_M_S2[unit] for value in (channel.accel_m_s2[row], highest))
-    return (
-        f"{size.size - low.size} of {size.size} samples stand alone at {peak:.5g} {unit} (the first at "
-        f"{channel.t_s[row]:.6g} s) where all others stay below {others:.4g}: spikes, or missing samples?"
-    )
+    counts = {"alone": size.size - low.size, "samples": size.size}
+    return counts | {"peak": peak, "others": others, "unit": unit, "at_s": float(channel.t_s[row])}
 
 
-def _of_clock_and_sense(channel: Channel) -> list[str]:
+def _of_clock_and_sense(channel: Channel) -> list[Finding]:
     """What is doubtful in the step, and what was taken for granted of the direction."""
-    doubts: list[str] = []
+    doubts: list[Finding] = []
     least_s, most_s = USUAL_STEPS_S
     if not least_s <= channel.dt_s <= most_s:
         lasts = channel.dt_s * (channel.accel_m_s2.size - 1)
-        doubts.append(
-            f"a step of {channel.dt_s:g} s is no accelerograph's; the record would last {lasts:.4g} s: see its header"
-        )
+        doubts.append(caution("record_step", dt_s=channel.dt_s, lasts_s=lasts))
     if channel.orientation.sense_assumed:
-        doubts.append(
-            "its name says a line, not which way along it: taken as positive to the north, east or up, as networks do"
-        )
+        doubts.append(caution("record_sense_assumed"))
     if channel.orientation.sign < 0:
-        doubts.append("counted downwards in the file: turned in sign, so that up is positive")
+        doubts.append(info("record_downwards"))
     return doubts
 
 
-def _drift(channel: Channel) -> list[str]:
+def _drift(channel: Channel) -> list[Finding]:
     """Whether the record runs away when it is integrated, and what takes that off."""
     series = Series(channel.dt_s, channel.accel_m_s2)
     velocity, path_m = velocity_m_s(series), displacement_m(series)
@@ -169,36 +168,37 @@ def _drift(channel: Channel) -> list[str]:
         left[1] > of_peak * farthest and left[1] > of_way * fastest * series.duration_s
     ):
         return []
-    said = f"integrated, it ends at {velocity[-1]:.2g} m/s and {path_m[-1]:.2g} m"
-    return [f'drifts, {said}: baseline = "linear" (or "rest") in the scene\'s record takes that off']
+    return [caution("record_drifts", velocity_m_s=float(velocity[-1]), displacement_m=float(path_m[-1]))]
 
 
-def _against_header(channel: Channel) -> list[str]:
+def _against_header(channel: Channel) -> list[Finding]:
     accel, stated = channel.accel_m_s2, channel.stated_peak_m_s2
     if stated is None:
         return []
-    doubts: list[str] = []
+    doubts: list[Finding] = []
     at = int(np.argmax(np.abs(accel)))
     if abs(abs(accel[at]) - abs(stated)) > STATED_PEAK_TOLERANCE * abs(stated):
-        doubts.append(f"largest value {accel[at]:.5g} m/s² where the header says {stated:.5g} m/s²")
+        doubts.append(caution("record_peak_stated", peak_m_s2=float(accel[at]), stated_m_s2=stated))
     if channel.stated_peak_s is not None and abs(at * channel.dt_s - channel.stated_peak_s) > 2.0 * channel.dt_s:
-        later = at * channel.dt_s - channel.stated_peak_s
-        doubts.append(
-            f"the peak is the sample at {at * channel.dt_s:.2f} s, the header says {channel.stated_peak_s:.2f} s: "
-            f"the samples' time is kept (header's clock {later:+.2f} s off)"
-        )
+        doubts.append(caution("record_peak_time", at_s=at * channel.dt_s, stated_s=channel.stated_peak_s))
     return doubts
 
 
 def _likely_units(peak_g: float, unit: str) -> str:
-    """Units in which these numbers would be an ordinary earthquake."""
+    """Units in which these numbers would be an ordinary earthquake, as advice."""
     if unit not in UNITS_M_S2:
         return "look at the columns' units"
-    raw = peak_g * STANDARD_GRAVITY_M_S2 / UNITS_M_S2[unit]
-    low, high = PLAUSIBLE_G
-    fits = [(name, raw * factor / STANDARD_GRAVITY_M_S2) for name, factor in UNITS_M_S2.items() if name != unit]
-    said = [f"{name} ({value:.3g} g)" for name, value in fits if low <= value <= high]
+    said = [f"{name} ({value:.3g} g)" for name, value in _fitting_units(peak_g, unit).items()]
     return "the unit may be " + " or ".join(said) if said else "the unit or the file is wrong"
+
+
+def _fitting_units(peak_g: float, unit: str) -> dict[str, float]:
+    """Those units, with the peak in g; none where the file has several."""
+    if unit not in UNITS_M_S2:
+        return {}
+    low, high = PLAUSIBLE_G
+    peaks = {name: peak_g * factor / UNITS_M_S2[unit] for name, factor in UNITS_M_S2.items() if name != unit}
+    return {name: value for name, value in peaks.items() if low <= value <= high}
 
 
 def _longest_flat(accel: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> int:

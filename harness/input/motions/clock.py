@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from harness.input.motions.series import Floats
 from harness.input.motions.text import mistake
+from harness.model.finding import Finding, caution, info
 
 JITTER: Final = 0.02
 """Of a step: what times printed with few digits are off by."""
@@ -61,7 +62,11 @@ class Clock:
     dt_s: float
     count: int
     given_s: Floats | None = None
-    said: tuple[str, ...] = ()
+    said: tuple[Finding, ...] = ()
+
+    def of(self, channel: str) -> tuple[Finding, ...]:
+        """What is said of it, of one channel's."""
+        return tuple(replace(each, values={"channel": channel, **each.values}) for each in self.said)
 
     def on(self, values: Floats) -> Floats:
         """Samples (count,) of the straight lines through `values` (n,) at the file's times."""
@@ -78,9 +83,9 @@ def clock_of(t_s: Floats, where: str, lines: tuple[int, ...] | None = None, *, l
     """
     if t_s.size < 2:
         raise mistake(where, "", "two samples or more", str(t_s.size), "the file holds no motion")
-    doubled: tuple[str, ...] = ()
+    doubled: tuple[Finding, ...] = ()
     if largest is not None and (np.diff(t_s) == 0.0).any():
-        t_s, doubled = _spread(t_s), ("times printed alike for lack of digits: spread evenly",)
+        t_s, doubled = _spread(t_s), (info("record_times_spread"),)
     steps = np.diff(t_s)
     start_s, end_s = float(t_s[0]), float(t_s[-1])
     exact = (end_s - start_s) / (t_s.size - 1)
@@ -122,9 +127,8 @@ def clock_of(t_s: Floats, where: str, lines: tuple[int, ...] | None = None, *, l
         )
     count = int((end_s - start_s) / fine + 1e-6) + 1
     at_s = float(t_s[np.argmax(steps)])
-    said = (
-        f"uneven steps, {steps.min():g} to {steps.max():g} s (from {at_s:g} s): interpolated linearly at {fine:.6g} s"
-    )
+    least_s, most_s = float(steps.min()), float(steps.max())
+    said = caution("record_times_uneven", least_s=least_s, most_s=most_s, at_s=at_s, dt_s=fine)
     return Clock(start_s, fine, count, t_s, (*doubled, said))
 
 
@@ -146,7 +150,7 @@ def _of_rounded(t_s: Floats) -> Clock | None:
             and np.ptp(t_s - step * np.arange(t_s.size)) <= quantum * (1.0 + _SAME)
         ]  # fmt: skip
         if fits:
-            said = f"times printed to {quantum:g} s: read as even steps of {fits[0]:g} s"
+            said = info("record_times_rounded", digit_s=quantum, dt_s=fits[0])
             return Clock(float(t_s[0]), fits[0], t_s.size, None, (said,)) if len(fits) == 1 else None
     return None
 

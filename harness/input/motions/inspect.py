@@ -17,6 +17,7 @@ from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Layout
 from harness.input.motions.records import aligned
 from harness.input.motions.series import Floats, Series
 from harness.input.motions.spectra import DesignSpectrum
+from harness.model.finding import Finding
 
 DAMPING: Final = 0.05
 PERIODS_S: Final = np.geomspace(0.03, 4.0, 80)
@@ -56,7 +57,7 @@ class Inspection:
     title: str
     source: dict[str, str]
     traces: tuple[Trace, ...]
-    warnings: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
     target: DesignSpectrum | None = None
 
     def table(self) -> list[tuple[str, ...]]:
@@ -82,7 +83,7 @@ def inspect_file(
     traces = tuple(
         _trace(channel.name, str(channel.orientation), series[channel.name], target) for channel in record.channels
     )
-    return Inspection(path.name, source, traces, record.warnings, target)
+    return Inspection(path.name, source, traces, record.findings, target)
 
 
 def inspect_component(motion: SceneMotion) -> Inspection:
@@ -103,7 +104,7 @@ def inspect_component(motion: SceneMotion) -> Inspection:
         series = Series(dt_s, excitation.accel_m_s2(dt_s * np.arange(math.ceil(end / dt_s) + 2)))
     kind, title = motion.component.kind, f"{motion.where}: {motion.key}"
     trace = _trace(motion.key, kind, series, prepared.target)
-    return Inspection(title, {"kind": kind}, (trace,), prepared.warnings, prepared.target)
+    return Inspection(title, {"kind": kind}, (trace,), prepared.findings, prepared.target)
 
 
 def _trace(name: str, direction: str, series: Series, target: DesignSpectrum | None) -> Trace:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.input.motions.orientation import Orientation, parse_orientation
+from harness.model.finding import Finding
 
 STANDARD_GRAVITY_M_S2: Final = 9.80665
 UNITS_M_S2: Final[Mapping[str, float]] = MappingProxyType(
@@ -95,7 +96,7 @@ class RecordFile:
     channels: tuple[Channel, ...]
     facts: Mapping[str, str] = field(default_factory=dict)
     group: str = ""
-    warnings: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
 
     @property
     def tested(self) -> bool:

@@ -11,7 +11,6 @@ import numpy as np
 
 from harness.input import paths
 from harness.input.motions import process
-from harness.input.motions.check import DRIFTS
 from harness.input.motions.orientation import parse_orientation
 from harness.input.motions.process import ProcessError
 from harness.input.motions.readers import read_record
@@ -19,9 +18,10 @@ from harness.input.motions.recordfile import Channel, RecordFile
 from harness.input.motions.series import Floats, Series
 from harness.input.motions.spec import Source
 from harness.input.motions.text import mistake
+from harness.model.finding import Finding
 
 
-def load(source: Source, *, base_dir: Path, where: str, key: str) -> tuple[Series, tuple[str, ...]]:
+def load(source: Source, *, base_dir: Path, where: str, key: str) -> tuple[Series, tuple[Finding, ...]]:
     """The processed history, and what the reader said of it; InputError names `key` of `where`, or the file and its line."""
     path = paths.resolve(source.file, base_dir=base_dir, where=where, key=f"{key}.file")
     record = read_record(path, unit=source.unit, layout=source.layout)
@@ -38,11 +38,15 @@ def load(source: Source, *, base_dir: Path, where: str, key: str) -> tuple[Serie
         raise mistake(where, f"{key}.{error.key}", error.wanted, error.got, f"the record is {path.name}") from error
 
 
-def _concerning(record: RecordFile, source: Source, others: Sequence[Channel]) -> tuple[str, ...]:
+def _concerning(record: RecordFile, source: Source, others: Sequence[Channel]) -> tuple[Finding, ...]:
     """What the reader said of the whole file and of its channels but the `others`, which are not used."""
     cured = source.baseline != "none" or source.bandpass_hz is not None
-    unused = tuple(f"{channel.name}: " for channel in others)
-    return tuple(said for said in record.warnings if not (cured and DRIFTS in said) and not said.startswith(unused))
+    unused = {channel.name for channel in others}
+    return tuple(
+        found
+        for found in record.findings
+        if not (cured and found.code == "record_drifts") and found.values.get("channel") not in unused
+    )
 
 
 def _shaped(series: Series, source: Source) -> Series:

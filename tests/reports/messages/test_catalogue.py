@@ -78,7 +78,7 @@ def test_every_sentence_is_filled_with_all_of_its_values_and_with_the_least(code
             chosen = {texts["by"]: {"True": True, "False": False}.get(variant, variant)} if "by" in texts else {}
             for filled in (values, {key: value for key, value in values.items() if key in needed}):
                 told = say.say(info(name, **{**filled, **chosen}))
-                assert told.endswith((".", ")")), told
+                assert told.endswith((".", ")", "?")), told
                 assert not re.search(r"[{}\[\]]|–\s|None", told), told
 
 

@@ -34,6 +34,7 @@ from harness.input.motions.recordfile import FORMATS, UNIT_NAMES, Layout, Record
 from harness.input.motions.text import mistake, text_of
 from harness.input.text_file import read_bytes
 from harness.model.errors import InputError
+from harness.model.finding import Finding, caution, info, weighed
 
 
 class Reader(Protocol):
@@ -97,18 +98,18 @@ def _of_a_network(text: str, where: str) -> RecordFile | None:
             if refused is None or refused[0] is not reader:
                 refused = reader, error
             continue
-        return replace(record, warnings=(*record.warnings, *said))
+        return replace(record, findings=(*record.findings, *said))
     if refused:
         raise refused[1]
     return None
 
 
-def _versions(text: str) -> Iterator[tuple[str, tuple[str, ...]]]:
+def _versions(text: str) -> Iterator[tuple[str, tuple[Finding, ...]]]:
     """The text; without its blank lines; with the blanks at the left that all lines share taken off; what is said of each."""
     yield text, ()
     filled = "\n".join(line for line in text.splitlines() if line.strip())
-    yield filled, ("blank lines between the file's own are left out",)
-    yield textwrap.dedent(filled.expandtabs()), ("blanks at the beginning of every line are left out",)
+    yield filled, (info("record_blank_lines"),)
+    yield textwrap.dedent(filled.expandtabs()), (info("record_blanks"),)
 
 
 def _with_proposal(error: InputError, text: str, where: str) -> InputError:
@@ -131,25 +132,26 @@ def read_record(path: Path, *, unit: str | None = None, layout: Layout | None = 
     record = read_file(path, unit=unit, layout=layout)
     sisters, unread = _read_sisters(record, path) if record.group else ([], [])
     channels = (*record.channels, *(channel for other in sisters for channel in other.channels))
-    warnings = (*record.warnings, *(said for other in sisters for said in other.warnings), *unread)
+    found = [*record.findings, *(each for other in sisters for each in other.findings), *unread]
     names = [channel.name for channel in channels]
     if len(set(names)) < len(names):
-        channels, warnings = record.channels, (*record.warnings, "sister files repeat a component: they are left out")
-    whole = replace(record, channels=channels, warnings=tuple(dict.fromkeys(warnings)))
-    return replace(whole, warnings=(*whole.warnings, *check.check(whole)))
+        channels, found = record.channels, [*record.findings, caution("record_sisters_repeat")]
+    whole = replace(record, channels=channels)
+    return replace(whole, findings=tuple(weighed([*found, *check.check(whole)])))
 
 
-def _read_sisters(record: RecordFile, path: Path) -> tuple[list[RecordFile], list[str]]:
+def _read_sisters(record: RecordFile, path: Path) -> tuple[list[RecordFile], list[Finding]]:
     """Other files of the same record, and what is to be said of those beside it that are damaged."""
     sisters: list[RecordFile] = []
-    unread: list[str] = []
+    unread: list[Finding] = []
     for other in _sisters(path, _ENDINGS.get(record.format)):
         try:
             sister = read_file(other)
             check.check(sister)
         except InputError as error:
             name = ascii(other.name)[1:-1]
-            unread.append(f"{name} beside it is left out: {str(error).splitlines()[0].removeprefix(f'{other}: ')}")
+            message = str(error).splitlines()[0].removeprefix(f"{other}: ")
+            unread.append(caution("record_sister_unread", file=name, message=message))
             continue
         if sister.group == record.group and sister.format == record.format:
             sisters.append(sister)

@@ -11,6 +11,7 @@ from harness.input.motions.orientation import Orientation, parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile, unit_named
 from harness.input.motions.series import Floats
 from harness.input.motions.text import Header, fixed_width, fortran_format, mistake
+from harness.model.finding import Finding, caution, info
 
 _HEADER = re.compile(
     r"^\s*(\d{1,9})\s+(Integer|Real)-header values follow on\s+(\d{1,9})\s+lines?,?\s*Format\s*=\s*(\(.*\))",
@@ -41,7 +42,7 @@ def read(text: str, where: str) -> RecordFile:
     """All acceleration channels of a COSMOS file; InputError where a block is incomplete."""
     lines = text.splitlines()
     channels: list[Channel] = []
-    warnings: list[str] = []
+    found: list[Finding] = []
     numbers: dict[str, Floats] = {}
     text_from, unit = 0, "cm/s2"
     for i, line in enumerate(lines):
@@ -53,7 +54,7 @@ def read(text: str, where: str) -> RecordFile:
                 block, width, int(count), where=where, first_line=i + 2, what=f"{kind} header"
             )
         elif data := _DATA.match(line):
-            channel, unit = _channel(lines, i, data, numbers, Header(lines[text_from:i], where, text_from), warnings)
+            channel, unit = _channel(lines, i, data, numbers, Header(lines[text_from:i], where, text_from), found)
             channels.append(channel)
             numbers, text_from = {}, i + 1
     if not channels:
@@ -65,11 +66,11 @@ def read(text: str, where: str) -> RecordFile:
     group = f"{facts['event']}|{facts['station']}|{place}" if len(channels) == 1 else ""
     name = "COSMOS V0" if unit == _COUNTS else "COSMOS"
     shown = "g" if unit == _COUNTS else unit
-    return RecordFile(where, name, shown, tuple(channels), facts, group, tuple(warnings))
+    return RecordFile(where, name, shown, tuple(channels), facts, group, tuple(found))
 
 
 def _channel(
-    lines: list[str], i: int, data: re.Match[str], numbers: dict[str, Floats], head: Header, warnings: list[str]
+    lines: list[str], i: int, data: re.Match[str], numbers: dict[str, Floats], head: Header, found: list[Finding]
 ) -> tuple[Channel, str]:
     where, place = head.where, f"line {i + 1}"
     count, duration = int(data.group(1)), float(data.group(2))
@@ -83,10 +84,13 @@ def _channel(
         raise mistake(where, place, "whole integer and real headers before the data", "shorter ones")
     dt_s = _step_s([float(reals[at]) for at in _STEP], count, duration, where)
     values = fixed_width(lines[i + 1 : i + 1 + -(-count // per_line)], width, count, where=where, first_line=i + 2)
-    name, orientation = _direction(int(integers[_DIRECTION]), head, warnings)
+    name, orientation = _direction(int(integers[_DIRECTION]), head, found)
     if unit == _COUNTS:
         values, rest_g = _in_g(values, reals, where)
-        warnings.append(f"{name}: counts about a rest of {rest_g:.4g} g, which is taken off; instrument as recorded")
+        found += [
+            info("record_rest_taken_off", channel=name, rest_g=rest_g),
+            caution("record_uncorrected", channel=name),
+        ]
         return Channel.read(name, orientation, dt_s, values, "g"), unit
     known = _UNKNOWN not in (reals[_PEAK], reals[_PEAK_TIME])
     peak = (float(reals[_PEAK]), float(reals[_PEAK_TIME])) if known else (None, None)
@@ -115,14 +119,14 @@ def _step_s(stated: list[float], count: int, duration_s: float, where: str) -> f
     raise mistake(where, "real headers 62 and 34", wanted, got)
 
 
-def _direction(code: int, head: Header, warnings: list[str]) -> tuple[str, Orientation]:
+def _direction(code: int, head: Header, found: list[Finding]) -> tuple[str, Orientation]:
     """By the integer header, unless the channel's SEED name (<SCNL>STATION.BNZ.…) says that it is vertical."""
     seed = head.words(r"<SCNL>[^.\s]*\.(\w{3})\b")
     if code == _DOWN:
         return "DOWN", Orientation(vertical=True, sign=-1)
     if code == _UP or parse_orientation(seed).vertical:
         if code != _UP:
-            warnings.append(f"UP: vertical by its SEED name {seed}, though its header says {code}")
+            found.append(caution("record_vertical_by_name", channel="UP", seed=seed, stated=code))
         return "UP", Orientation(vertical=True)
     if 0 <= code <= 360:
         return f"{code % 360:03d}", Orientation(code % 360.0)

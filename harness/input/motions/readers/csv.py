@@ -17,6 +17,7 @@ from harness.input.motions.readers.table import LABEL, NO_COMPONENT, heading, li
 from harness.input.motions.recordfile import UNIT_NAMES, Channel, RecordFile, unit_named
 from harness.input.motions.text import mistake
 from harness.input.text_file import decimals, is_decimal
+from harness.model.finding import info
 
 _WORD = re.compile(r"\b(?!nan|inf|null)[^\W\d_]{3}", re.IGNORECASE)
 _SECONDS: Final = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3, "us": 1e-6, "min": 60.0}
@@ -100,11 +101,8 @@ def read(text: str, where: str, *, unit: str | None = None) -> RecordFile:
         channels.append(Channel.read(header, orientation, clock.dt_s, values, used, start_s=clock.start_s))
     if not channels:
         raise mistake(where, "", "a time column and an acceleration column", f"the columns {', '.join(table.headers)}")
-    reasons = {
-        header: "holds words" if header in table.words else "is no component of an acceleration" for header in others
-    }
-    said = *clock.said, *(f"column {header} {reason}: left out" for header, reason in reasons.items())
-    return RecordFile(where, "CSV", "/".join(sorted(units)), tuple(channels), {}, warnings=said)
+    left_out = (info("record_column_left_out", column=each, words=each in table.words) for each in others)
+    return RecordFile(where, "CSV", "/".join(sorted(units)), tuple(channels), {}, findings=(*clock.said, *left_out))
 
 
 def _seconds(header: str) -> float:

@@ -43,7 +43,7 @@ def read(text: str, where: str) -> RecordFile:
         for i, (name, sense) in enumerate(named, start=1)
     ]  # fmt: skip
     facts = {"event": head.words(r"^#\s*Origin Time[^:]*:\s*(.*)"), "station": head.words(r"^#\s*StationCode:\s*(.*)")}
-    return RecordFile(where, "CWB", unit, tuple(channels), facts, warnings=clock.said)
+    return RecordFile(where, "CWB", unit, tuple(channels), facts, findings=clock.said)
 
 
 def _stated(head: Header, name: str) -> tuple[float | None, None]:

@@ -6,6 +6,7 @@ import re
 
 from harness.input.motions.recordfile import Channel, RecordFile
 from harness.input.motions.text import NUMERIC, Header, fixed_width, mistake
+from harness.model.finding import caution
 
 _FIRST = re.compile(r"\s*(un)?corrected accelerogram\b.*\bGNS", re.IGNORECASE)
 _TEXT_LINES, _NUMBER_LINES, _WIDTH, _PER_LINE = 16, 10, 8, 10
@@ -33,8 +34,8 @@ def read(text: str, where: str) -> RecordFile:
         raise mistake(where, "line 1", "a channel", f"{len(lines)} lines", "the file is cut off")
     site = lines[1].split()
     facts = {"event": lines[7].strip(), "station": f"{site[1] if len(site) > 1 else ''}, {lines[2].strip()}"}
-    warnings = ("uncorrected accelerogram: baseline and instrument as recorded",) if name == "GeoNet V1A" else ()
-    return RecordFile(where, name, "mm/s2", tuple(channels), facts, warnings=warnings)
+    found = (caution("record_uncorrected"),) if name == "GeoNet V1A" else ()
+    return RecordFile(where, name, "mm/s2", tuple(channels), facts, findings=found)
 
 
 def _channel(lines: list[str], start: int, where: str, blocks: int) -> tuple[Channel, int]:

@@ -6,8 +6,9 @@ import re
 from typing import Final
 
 from harness.input.motions.orientation import Orientation
-from harness.input.motions.recordfile import Channel, RecordFile
+from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, UNITS_M_S2, Channel, RecordFile
 from harness.input.motions.text import Header, free_format, header_number, mistake
+from harness.model.finding import info
 
 _SCALE = re.compile(r"([0-9.]+)\s*\(gal\)\s*/\s*([0-9.]+)", re.IGNORECASE)
 # NIED's manual: north, east and up are positive. KiK-net numbers its components: 1 to 3 in the borehole, 4 to 6 above it.
@@ -53,7 +54,9 @@ def read(text: str, where: str) -> RecordFile:
     facts = {"event": head.words(r"^Origin Time\s+(.*)"), "station": head.words(r"^Station Code\s+(.*)")}
     if kik:
         facts["sensor"] = "borehole" if code in "123" else "surface"
-    warnings = (f"{channel.name}: counts about a rest of {mean:.4g} gal, which is taken off",)
+    found = (
+        info("record_rest_taken_off", channel=channel.name, rest_g=mean * UNITS_M_S2["cm/s2"] / STANDARD_GRAVITY_M_S2),
+    )
     name = "KiK-net" if kik else "K-NET"
     group = "|".join((*facts.values(), head.words(r"^Record Time\s+(.*)")))
-    return RecordFile(where, name, "cm/s2", (channel,), facts, group, warnings)
+    return RecordFile(where, name, "cm/s2", (channel,), facts, group, found)

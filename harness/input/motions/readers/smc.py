@@ -12,6 +12,7 @@ from harness.input.motions.orientation import Orientation, parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile
 from harness.input.motions.series import Floats
 from harness.input.motions.text import Header, fixed_width, mistake
+from harness.model.finding import Finding, caution
 
 _KIND = re.compile(r"\s*([1-6])\s.*(ACCELEROGRAM|VELOCITY|DISPLACEMENT|SPECTR)", re.IGNORECASE)
 _TEXT_LINES, _INTEGER_LINES, _REAL_LINES = 11, 6, 10
@@ -45,15 +46,15 @@ def read(text: str, where: str) -> RecordFile:
     head = Header(lines[:_TEXT_LINES], where)
     name = head.words(r"component\s*=\s*(\S+)") or str(int(ints[_AZIMUTH]))
     dt_s, start_s = (0.0 if paired else 1.0 / rate), 0.0
-    said: tuple[str, ...] = ()
+    said: tuple[Finding, ...] = ()
     if paired:
         times, values = values[: count // 2 * 2].reshape(-1, 2).T
         clock = clock_of(times, where, largest=int(np.argmax(np.abs(values))))
         dt_s, start_s, values = clock.dt_s, clock.start_s, clock.on(values)
-        said = tuple(f"{name}: {each}" for each in clock.said)
+        said = clock.of(name)
     channel = Channel.read(name, _direction(name, ints), dt_s, values, "cm/s2", _stated(reals, start_s), start_s)
     facts = {"event": lines[3].strip(), "station": head.words(r"station\s*=\s*(.*?)\s*component\s*=")}
-    raw = () if kind == "2" else ("uncorrected accelerogram: baseline and instrument as recorded",)
+    raw = () if kind == "2" else (caution("record_uncorrected"),)
     form = "USGS SMC" if kind == "2" else "USGS SMC, uncorrected"
     group = f"{facts['event']}|{facts['station']}"
     return RecordFile(where, form, "cm/s2", (channel,), facts, group, (*raw, *said))

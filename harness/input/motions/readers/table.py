@@ -27,6 +27,7 @@ from harness.input.motions.series import Floats
 from harness.input.motions.text import free_format, mistake
 from harness.input.text_file import fortran
 from harness.model.errors import InputError
+from harness.model.finding import Finding
 
 _LEAST_NUMBERS: Final = 16
 """Fewer numbers in a row of lines are a header's."""
@@ -132,7 +133,7 @@ def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFi
         )
     if layout.time_column is None:
         dt_s, start_s = float(layout.dt_s or 0.0), 0.0
-        said: tuple[str, ...] = ()
+        said: tuple[Finding, ...] = ()
     else:
         times = table[:, layout.time_column - 1]
         if np.isnan(times).any():
@@ -144,7 +145,7 @@ def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFi
         Channel.read(name, _direction(name), dt_s, table[:, column], unit, start_s=start_s)
         for column, name in named.items()
     ]
-    return RecordFile(where, "numbers as described", unit, tuple(channels), {}, warnings=said)
+    return RecordFile(where, "numbers as described", unit, tuple(channels), {}, findings=said)
 
 
 def _direction(name: str) -> Orientation:

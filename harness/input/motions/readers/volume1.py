@@ -25,6 +25,7 @@ from harness.input.motions.text import (
     header_number,
     mistake,
 )
+from harness.model.finding import Finding, caution
 
 _FIRST = re.compile(r"\s*(FILE\s+\d+ OF )?UNCORRECTED\s+ACCELEROGRAM\s+DATA|\s*\* ?VOL1DS", re.IGNORECASE)
 _TEXT_LINES, _NUMBER_LINES, _HEADER_LINES = 13, 14, 27
@@ -57,13 +58,12 @@ def read(text: str, where: str) -> RecordFile:
     name = "RENADIC V1" if head.words("(RENADIC)") else f"{network} V1"
     event, station = (2, 7) if network == "BHRC" else (1, 5)
     facts = {"event": lines[event].strip(), "station": re.split(r"\s{2,}", lines[station].strip())[0]}
-    raw = "uncorrected accelerogram: baseline and instrument as recorded"
-    warnings = (raw, *(said for _, more in channels for said in more))
+    found = (caution("record_uncorrected"), *(said for _, more in channels for said in more))
     group = "|".join((*facts.values(), lines[4].strip())) if network == "USC" else ""
-    return RecordFile(where, name, "g", tuple(channel for channel, _ in channels), facts, group, warnings)
+    return RecordFile(where, name, "g", tuple(channel for channel, _ in channels), facts, group, found)
 
 
-def _channel(lines: list[str], start: int, end: int, where: str) -> tuple[Channel, tuple[str, ...]]:
+def _channel(lines: list[str], start: int, end: int, where: str) -> tuple[Channel, tuple[Finding, ...]]:
     units = next((i for i in range(start, end) if _UNITS.match(lines[i])), start)
     head = Header(lines[start : max(start + _TEXT_LINES, units + 1)], where, start)
     count = head.count(r"NO\. OF POINTS\s*=\s*(\d+)", "'NO. OF POINTS =' and how many")
@@ -88,7 +88,7 @@ def _channel(lines: list[str], start: int, end: int, where: str) -> tuple[Channe
     clock = clock_of(pairs[:, 0], where, largest=int(np.argmax(np.abs(pairs[:, 1]))))
     values = clock.on(pairs[:, 1]) / 10.0
     channel = Channel.read(name, None, clock.dt_s, values, "g", peak, clock.start_s)
-    return channel, tuple(f"{name}: {said}" for said in clock.said)
+    return channel, clock.of(name)
 
 
 def _data_from(lines: list[str], start: int, units: int, end: int) -> int:

@@ -18,6 +18,7 @@ from harness.model.run import to_plain
 from harness.records.inspection import InspectionRecord
 from reports.drawing.shapes import Text
 from reports.export.motion_figure import _trace, build_up_figure, histories_figure, motion_picture, spectrum_figure
+from reports.messages import ENGLISH
 from tests.harness.input.motions.writers import GRAVITY
 
 ADAPTER: TypeAdapter[Any] = TypeAdapter(Component)
@@ -25,12 +26,13 @@ ADAPTER: TypeAdapter[Any] = TypeAdapter(Component)
 
 def test_a_file_is_shown_with_its_peaks_units_and_findings(data_dir: Path) -> None:
     found = inspect_file(data_dir / "records" / "20161113_110259_WTMC_20.V2A.gz")
-    record = json.loads(json.dumps(to_plain(InspectionRecord.of(found))))
+    record = json.loads(json.dumps(to_plain(InspectionRecord.of(found, ENGLISH.say))))
     assert [trace["name"] for trace in record["traces"]] == ["N28W", "S62W", "Up"]
     assert [round(trace["measures"]["pga_g"], 3) for trace in record["traces"]] == [0.992, 0.812, 1.838]
     assert record["source"]["unit"] == "mm/s2"
     assert "tried on originals" in record["source"]["format"]
-    assert len(record["warnings"]) == 3
+    assert record["warnings"] == [each["text"] for each in record["findings"]]
+    assert {each["code"] for each in record["findings"]} == {"record_peak_time"}
     rows = {row[0]: row[1:] for row in found.table()}
     assert rows["PGA"][:2] == ("g", "0.9925")
     assert {len(row) for row in found.table()} == {5}
@@ -76,4 +78,4 @@ def test_components_without_a_file(keys: dict[str, Any]) -> None:
     charts = histories_figure(found), spectrum_figure(found), build_up_figure(found)
     assert all(np.all(np.isfinite(trace["y"])) for chart in charts for trace in chart["data"])
     assert motion_picture(found).shapes
-    json.dumps(to_plain(InspectionRecord.of(found)))
+    json.dumps(to_plain(InspectionRecord.of(found, ENGLISH.say)))

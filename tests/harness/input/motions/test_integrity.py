@@ -12,6 +12,7 @@ import pytest
 from harness.input.motions.readers import read_record
 from harness.model.errors import InputError
 from tests.budgets_motions import CSV_DIGITS, RATE_DIGITS
+from tests.doubles import codes
 from tests.harness.input.motions import writers
 from tests.harness.input.motions.writers import wave
 
@@ -73,23 +74,22 @@ def test_a_unit_that_contradicts_the_file_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("accel", "said"),
     [
-        (wave(peak_m_s2=0.001), "very small"),
-        (wave(400)[:150], "ends while shaking"),
-        (wave(400)[150:], "begins while shaking"),
-        (np.where((np.arange(400) > 180) & (np.arange(400) < 200), 0.5, wave(400)), "constant over 0.18 s"),
+        (wave(peak_m_s2=0.001), "record_small"),
+        (wave(400)[:150], "record_abrupt"),
+        (wave(400)[150:], "record_abrupt"),
+        (np.where((np.arange(400) > 180) & (np.arange(400) < 200), 0.5, wave(400)), "record_flat"),
     ],
 )
 def test_doubtful_records_are_said(tmp_path: Path, accel: writers.Floats, said: str) -> None:
-    found = read_record(csv(tmp_path / "a.csv", accel)).warnings
-    assert any(said in warning for warning in found), found
-    assert read_record(csv(tmp_path / "b.csv", wave(400))).warnings == ()
+    assert said in codes(read_record(csv(tmp_path / "a.csv", accel)).findings)
+    assert read_record(csv(tmp_path / "b.csv", wave(400))).findings == ()
 
 
 def test_uneven_steps_are_said_and_evened(tmp_path: Path) -> None:
     t_s = np.sort(np.concatenate([0.01 * np.arange(200), [0.505, 0.605]]))
     accel = np.interp(t_s, 0.01 * np.arange(200), wave(200))
     record = read_record(csv(tmp_path / "a.csv", accel, t_s))
-    assert any("uneven steps" in warning for warning in record.warnings)
+    assert codes(record.findings) == ["record_times_uneven"]
     assert record.channels[0].dt_s == pytest.approx(0.005)
     np.testing.assert_allclose(record.channels[0].accel_m_s2[::2], wave(200), atol=1e-8)
 
@@ -97,7 +97,7 @@ def test_uneven_steps_are_said_and_evened(tmp_path: Path) -> None:
 def test_times_of_few_digits_are_not_uneven(tmp_path: Path) -> None:
     t_s = np.round(np.arange(400) / 200.0, 4)
     record = read_record(csv(tmp_path / "a.csv", wave(400, 0.005), t_s))
-    assert record.warnings == ()
+    assert record.findings == ()
 
 
 @pytest.mark.parametrize("lost", [1, 60])
@@ -129,9 +129,10 @@ def test_a_header_that_claims_another_peak_is_said(tmp_path: Path) -> None:
     accel = wave(333, peak_m_s2=3.0)
     accel = accel if accel.max() == np.abs(accel).max() else -accel
     true = read_record(writers.smc(tmp_path / "a.smc", accel, 100.0, 0, 0, 300.0))
-    assert not any("header says" in warning for warning in true.warnings)
+    assert "record_peak_stated" not in codes(true.findings)
     false = read_record(writers.smc(tmp_path / "b.smc", accel, 100.0, 0, 0, 310.0))
-    assert any("header says 3.1 m/s²" in warning for warning in false.warnings)
+    (told,) = [each for each in false.findings if each.code == "record_peak_stated"]
+    assert told.values["stated_m_s2"] == pytest.approx(3.1)
 
 
 def test_the_last_whole_originals_line_matters(data_dir: Path, tmp_path: Path) -> None:
@@ -185,10 +186,11 @@ def test_what_programs_write_for_a_missing_sample_is_none(tmp_path: Path, unit: 
 def test_a_sample_may_be_a_filler_s_number_and_a_spike_is_told(tmp_path: Path) -> None:
     passing = np.round(1000.0 * wave(600, peak_m_s2=1.5))
     passing[np.argmin(np.abs(passing - 999.0))] = 999.0
-    assert read_record(csv(tmp_path / "a.csv", passing, header="t_s,a_N_mms2")).warnings == ()
+    assert read_record(csv(tmp_path / "a.csv", passing, header="t_s,a_N_mms2")).findings == ()
     spike = wave(600)
     spike[77] = 7.7 * np.abs(spike).max()
-    assert any("1 of 600 samples stand alone" in said for said in read_record(csv(tmp_path / "b.csv", spike)).warnings)
+    (told,) = [each for each in read_record(csv(tmp_path / "b.csv", spike)).findings if each.code == "record_spikes"]
+    assert (told.values["alone"], told.values["samples"]) == (1, 600)
     spike[77] = 1e10
     with pytest.raises(InputError, match="1 of 600 samples stand alone"):
         read_record(csv(tmp_path / "c.csv", spike))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import re
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ from harness.input.motions.orientation import parse_orientation
 from harness.input.motions.readers import read_record
 from harness.input.motions.records import channel_named
 from harness.model.errors import InputError
+from tests.doubles import codes
 from tests.fuzz.records import at2
 from tests.harness.input.motions import writers
 from tests.harness.input.motions.writers import wave
@@ -41,9 +41,10 @@ def test_a_step_that_is_no_number_is_refused_in_the_reader_s_words(tmp_path: Pat
 
 def test_a_step_that_no_accelerograph_has_is_told(tmp_path: Path) -> None:
     slow = read_record(_with_step(tmp_path / "a.AT2", b"1. SEC"))
-    assert any("step of 1 s is no accelerograph's; the record would last 39 s" in said for said in slow.warnings)
+    (told,) = [each for each in slow.findings if each.code == "record_step"]
+    assert (told.values["dt_s"], told.values["lasts_s"]) == (1.0, 39.0)
     usual = read_record(_with_step(tmp_path / "b.AT2", str(USUAL_STEPS_S[1]).encode()))
-    assert not any("accelerograph's;" in said for said in usual.warnings)
+    assert "record_step" not in codes(usual.findings)
 
 
 def test_a_cell_with_an_underscore_is_no_number(tmp_path: Path) -> None:
@@ -92,10 +93,9 @@ def test_a_line_s_name_and_a_turned_sign_are_told(tmp_path: Path) -> None:
     assert west_east.orientation.azimuth_deg == east.orientation.azimuth_deg
     assert np.array_equal(west_east.accel_m_s2, east.accel_m_s2)
     assert down.accel_m_s2.tolist() == [0.0, -1.0, -1.0]
-    told = " | ".join(record.warnings)
-    assert "WE_ms2: its name says a line" in told
-    assert "DOWN_ms2: counted downwards" in told
-    assert "E_ms2: its name" not in told.replace("WE_ms2", "")
+    told = {(each.code, each.values.get("channel")) for each in record.findings}
+    assert {("record_sense_assumed", "WE_ms2"), ("record_downwards", "DOWN_ms2")} <= told
+    assert ("record_sense_assumed", "E_ms2") not in told
 
 
 @pytest.mark.parametrize(
@@ -108,7 +108,8 @@ def test_a_bad_sister_costs_itself_only(tmp_path: Path, content: bytes) -> None:
     record = read_record(good)
     assert [channel.name for channel in record.channels] == ["090"]
     assert np.array_equal(record.channels[0].accel_m_s2, alone.channels[0].accel_m_s2)
-    assert any(re.match(r"RSN1_A_180.AT2 beside it is left out: (line 4: )?wanted", said) for said in record.warnings)
+    (told,) = [each for each in record.findings if each.code == "record_sister_unread"]
+    assert told.values["file"] == "RSN1_A_180.AT2"
     with pytest.raises(InputError):
         read_record(tmp_path / "RSN1_A_180.AT2")
 

@@ -16,6 +16,7 @@ from harness.input.motions.readers import read_file, read_record
 from harness.input.motions.text import NUMERIC
 from harness.model.errors import InputError
 from tests.budgets_motions import CLOCK_S, COUNTS_M_S2, GAL_3, GAL_6, TENTH_G_3
+from tests.doubles import codes
 from tests.harness.input.motions import layouts, writers
 from tests.harness.input.motions.writers import GRAVITY, Floats, wave
 
@@ -130,7 +131,7 @@ def test_k_net_s_three_files_are_one_record_by_any_of_them(tmp_path: Path) -> No
     for ending in ("EW", "NS", "UD"):
         record = read_record(tmp_path / f"AOM001.{ending}")
         assert {c.name: c.orientation for c in record.channels} == {"N-S": NORTH, "E-W": EAST, "U-D": UP}
-        assert not any("header says" in said for said in record.warnings)
+        assert not {"record_peak_stated", "record_peak_time"} & set(codes(record.findings))
     north = next(c for c in record.channels if c.name == "N-S")
     _same(north.accel_m_s2, THREE[0] - THREE[0].mean(), COUNTS_M_S2)
 
@@ -190,7 +191,7 @@ def test_smc_in_pairs_keeps_its_peak_where_no_clock_meets_all_times(tmp_path: Pa
     record = read_record(layouts.smc_pairs(tmp_path / "a.smc", t_s, accel))
     found = record.channels[0].accel_m_s2
     assert np.abs(found).max() == pytest.approx(2.5, rel=1e-4)
-    assert not any("header says" in said for said in record.warnings)
+    assert not {"record_peak_stated", "record_peak_time"} & set(codes(record.findings))
 
 
 def test_tables_of_three_columns(tmp_path: Path) -> None:
@@ -214,7 +215,8 @@ def test_cosmos_of_today(tmp_path: Path) -> None:
     factor = 0.794729e-6 / 1.2 * GRAVITY
     expected = np.round(THREE[0] * 1e5) * factor
     _same(counts.channels[0].accel_m_s2, expected - expected.mean(), 1e-12)
-    assert any("counts about a rest of -0.65" in said for said in counts.warnings)
+    (told,) = [each for each in counts.findings if each.code == "record_rest_taken_off"]
+    assert told.values["rest_g"] == pytest.approx(-0.65, abs=0.01)
     line = "   {n} acceleration pts, approx  {s} secs, units=cm/sec2(04),Format=(8f9.6)"
     upright = read_file(layouts.cosmos_of_today(tmp_path / "z.V2C", THREE[0], 0.005, 0, line, seed="BNZ")).channels[0]
     assert upright.orientation == UP
@@ -240,9 +242,7 @@ def test_what_holds_no_accelerations_is_said_to(tmp_path: Path) -> None:
 def test_a_record_that_drifts_is_said_to_with_the_cure(tmp_path: Path) -> None:
     def told(accel: Floats) -> bool:
         path = writers.at2(tmp_path / "a.AT2", accel, 0.01, "090")
-        return any(
-            "drifts, integrated" in said and 'baseline = "linear"' in said for said in read_record(path).warnings
-        )
+        return "record_drifts" in codes(read_record(path).findings)
 
     assert not told(wave(2000))
     assert told(wave(2000) + 0.02)

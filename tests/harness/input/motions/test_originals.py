@@ -22,6 +22,7 @@ from tests.budgets_motions import (
     SINGLE_PRECISION_M_S2,
     STATED_VELOCITY,
 )
+from tests.doubles import codes
 
 GEONET, GEONET_CSV = "20161113_110259_WTMC_20.V2A.gz", "kaikoura2016_WTMC.csv"
 CSMIP, CSMIP_CSV = "ce36456p_CE36456.V2.gz", "coalinga1983_PFZ14.csv"
@@ -76,9 +77,9 @@ def test_velocity_agrees_with_the_networks_own(records: Path, file: str, name: s
 
 
 def test_the_headers_clock_five_seconds_off_is_said(records: Path) -> None:
-    said = [warning for warning in read_record(records / GEONET).warnings if "+5.00 s off" in warning]
-    assert len(said) == 3
-    assert not [warning for warning in read_record(records / CSMIP).warnings if "header" in warning]
+    told = [each.values for each in read_record(records / GEONET).findings if each.code == "record_peak_time"]
+    assert [each["at_s"] - each["stated_s"] for each in told] == pytest.approx([5.0] * 3, abs=0.005)
+    assert not {"record_peak_stated", "record_peak_time"} & set(codes(read_record(records / CSMIP).findings))
 
 
 def test_the_librarys_reader_still_fails_where_numbers_touch(records: Path, tmp_path: Path) -> None:
@@ -94,12 +95,13 @@ def test_the_librarys_reader_still_fails_where_numbers_touch(records: Path, tmp_
 
 
 def test_a_motion_is_told_what_concerns_its_own_channel(records: Path) -> None:
-    def told(**chosen: object) -> tuple[str, ...]:
+    def told(**chosen: object) -> set[str]:
         source = Source.model_validate({"file": GEONET, **chosen})
-        return load(source, base_dir=records, where="scene", key="motion.x")[1]
+        found = load(source, base_dir=records, where="scene", key="motion.x")[1]
+        return {each.values["channel"] for each in found}
 
-    assert {warning.split(":")[0] for warning in told(column="S62W")} == {"S62W"}
-    assert {warning.split(":")[0] for warning in told(azimuth_deg=30.0)} >= {"N28W", "S62W"}
+    assert told(column="S62W") == {"S62W"}
+    assert told(azimuth_deg=30.0) >= {"N28W", "S62W"}
 
 
 @pytest.mark.parametrize(
@@ -145,7 +147,7 @@ def test_every_original_has_its_header_s_peak_and_sign_to_a_thousandth(records: 
 def test_a_vertical_channel_that_its_header_calls_north_is_told(records: Path) -> None:
     record = read_record(records / "originals" / "us1000hyfh_akbmrp_AKBMR--n.1000hyfh.BNZ.--.acc.V2c.gz")
     assert record.channels[0].orientation.vertical
-    assert any("vertical by its SEED name BNZ" in said for said in record.warnings)
+    assert [each.values["seed"] for each in record.findings if each.code == "record_vertical_by_name"] == ["BNZ"]
 
 
 def test_obspy_reads_the_same_numbers(records: Path) -> None:

@@ -14,6 +14,7 @@ from harness.input.motions.records import aligned, channel_named, turned
 from harness.input.motions.text import fixed_width, free_format
 from harness.model.errors import InputError
 from tests.budgets_motions import SAME_MOTION, WRITTEN_DIGITS_G
+from tests.doubles import codes
 from tests.harness.input.motions import layouts, writers
 from tests.harness.input.motions.writers import GRAVITY, wave
 
@@ -150,9 +151,9 @@ def test_readers_without_originals_say_so(tmp_path: Path) -> None:
         "CSV": True, "miniSEED/SAC": False,
     }  # fmt: skip
     record = read_record(layouts.nsmn(tmp_path / "a.txt", [wave(), wave(), wave()], 0.01))
-    assert any("untested on originals" in warning for warning in record.warnings)
+    assert "record_reader_untested" in codes(record.findings)
     record = read_record(writers.at2(tmp_path / "a.AT2", wave(), 0.01, "UP"))
-    assert not any("untested on originals" in warning for warning in record.warnings)
+    assert "record_reader_untested" not in codes(record.findings)
 
 
 def test_turning_recovers_the_motion_that_two_oblique_channels_saw(tmp_path: Path) -> None:

@@ -108,7 +108,7 @@ def test_a_table_of_another_program_is_read_by_what_its_header_says(tmp_path: Pa
     assert first.dt_s == pytest.approx(0.01)
     np.testing.assert_allclose(first.accel_m_s2, NORTH, rtol=0.0, atol=GAL_6)
     assert len(record.channels) == 1 + ("E" in head[-2 if "row" in name else 0] or "Z" in head[0])
-    left_out = [said for said in record.warnings if said.endswith("is no component of an acceleration: left out")]
+    left_out = [each for each in record.findings if each.values.get("words") is False]
     assert len(left_out) == ("beside" in name or "resultant" in name)
 
 
@@ -184,7 +184,7 @@ def test_words_stand_beside_the_columns_asked_for_and_in_a_first_line_of_data(tm
     named = _write(tmp_path / "named.txt", ["seconds quality north", *lines])
     chosen = read_file(named, unit="m/s2", layout=Layout(skip_lines=1, time_column=1, columns="3:N"))
     bare = read_file(_write(tmp_path / "bare.txt", lines), unit="m/s2")
-    assert bare.warnings == ("column 2 holds words: left out",)
+    assert [each.values for each in bare.findings] == [{"column": "2", "words": True}]
     for record in (chosen, bare):
         np.testing.assert_allclose(record.channels[0].accel_m_s2, NORTH, rtol=0.0, atol=GAL_6)
     with pytest.raises(InputError, match=r"line 1: wanted numbers, got 'seconds'"):
