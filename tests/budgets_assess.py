@@ -39,7 +39,7 @@ MOST_OF_HUNDRED: Final = 95
 """above it intervals are wider than they say: of a thousand estimates 89.1 and 88.8 % cover."""
 LEAST_INVENTED: Final = 0.85
 """Four invented populations, a hundred estimates each: their mean share has a standard error of 1.5 %; 89.2 % in the worst class
-(docs/probability.md), less more than two of these."""
+(docs/measured/interval_coverage.md), less more than two of these."""
 MOST_INVENTED: Final = {0.6: 0.94, 0.8: 0.96, 0.9: 0.98, 0.99: 1.0}
 """By the upper correlation of a class: 89.2, 90.8, 92.2 and 98.5 % on the average of a dozen, and what populations differ by."""
 RUNS_OF_ESTIMATE: Final = 115

@@ -40,7 +40,7 @@ OUTLINE_NOISE_SHARE = 1.5
 """A side fitted to n >= 40 points is off by 2σ/√n at its ends, 0.3 σ; two sides and a joined bump of 4σ stay below 1.5 σ."""
 
 SAME_PLANE_RAD = 4e-4
-"""pybullet's own error at 0.25 ms over the first second, from spheres at the base's corners (docs/pybullet_contact.md)."""
+"""pybullet's own error at 0.25 ms over the first second, from spheres at the base's corners (docs/engines.md)."""
 
 WITHIN_HULL_M = 1e-9
 """Corners of a part against the planes of the statue's hull: rounding of the exact cut and of the hull's own planes."""

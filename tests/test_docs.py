@@ -1,4 +1,4 @@
-"""What the documentation names is there: modules, functions, commands, files."""
+"""What the documentation names is there: modules, functions, commands, files, and what it links to; and it stays short."""
 
 from __future__ import annotations
 
@@ -8,8 +8,15 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = ("README.md", "CONTRIBUTING.md", *(f"docs/{path.name}" for path in sorted((ROOT / "docs").glob("*.md"))))
+PAGES = (
+    "README.md",
+    "CONTRIBUTING.md",
+    *(str(path.relative_to(ROOT)) for path in sorted((ROOT / "docs").rglob("*.md"))),
+)
 DOTTED = re.compile(r"(?:python -m |from |`)((?:analytic|meshes|harness|reports|tests)(?:\.\w+)+)")
+LINK = re.compile(r"\]\((?!https?:)([^)#\s]+)")
+MOST_BYTES = 150_000
+"""Of all pages together: what can be read in an afternoon."""
 FILED = re.compile(r"(?<![\w/])((?:analytic|meshes|harness|reports|tests|scenes|docs)/[a-z0-9_/]+(?:\.\w+|/))")
 
 
@@ -31,7 +38,7 @@ def absent(root: Path, name: str) -> bool:
 
 
 def test_names_are_found_and_missed(root: Path) -> None:
-    page = "`harness.load_scene(x)`, `python -m harness.bench_x`, from harness.nowhere import y, tests/none.py, docs/bench.md"
+    page = "`harness.load_scene(x)`, `python -m harness.bench_x`, from harness.nowhere import y, tests/none.py, docs/model.md"
     assert {name for name in named(page) if absent(root, name)} == {
         "harness.bench_x",
         "harness.nowhere",
@@ -44,3 +51,24 @@ def test_names_are_found_and_missed(root: Path) -> None:
 def test_what_a_page_names_is_there(root: Path, page: str) -> None:
     missing = sorted(name for name in named((root / page).read_text(encoding="utf-8")) if absent(root, name))
     assert not missing, f"{page} names {', '.join(missing)}"
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_what_a_page_links_to_is_there(root: Path, page: str) -> None:
+    folder = (root / page).parent
+    broken = [link for link in LINK.findall((root / page).read_text(encoding="utf-8")) if not (folder / link).exists()]
+    assert not broken, f"{page} links to {', '.join(broken)}"
+
+
+def test_the_pages_stay_short(root: Path) -> None:
+    assert sum((root / page).stat().st_size for page in (*PAGES, "CHANGELOG.md")) <= MOST_BYTES
+
+
+def test_a_measured_page_names_its_command_first(root: Path) -> None:
+    pages = sorted((root / "docs" / "measured").glob("*.md"))
+    assert len(pages) >= 10
+    for page in pages:
+        command = f"python -m tests.measures.{page.stem}"
+        first, *lines = page.read_text(encoding="utf-8").splitlines()
+        assert command in first
+        assert any(line.startswith(f"<!-- begin: {command}") for line in lines)

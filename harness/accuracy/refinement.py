@@ -4,7 +4,7 @@ The error of a run is taken from the spread between it and a coarser run of the 
 step, other order of bodies, fewer iterations), never from another model. Where errors fall at least in proportion to the step,
 the finer run's is at most the spread over (the steps' ratio - 1); `spread.SAFETY` covers that errors of contact fall
 irregularly. Two runs may agree by chance where small differences grow: so a third one, of the coarser settings under a slightly
-stronger motion, shows how they do (`sensitivity`). How often statements hold: docs/coverage.md.
+stronger motion, shows how they do (`sensitivity`). How often statements hold: docs/engines.md.
 """
 
 from __future__ import annotations

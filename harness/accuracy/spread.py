@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 SAFETY: Final = 3.0
 """Stated uncertainty over the error that a spread shows: what the grid convergence index takes for two grids (Roache, 1994);
-docs/coverage.md says how often it was enough."""
+docs/measured/random_scenes.md says how often it was enough."""
 LEAST_RATIO: Final = 1.5
 """Two steps that are nearer to each other than this say no more of the error than two that are so far apart."""
 PLAIN_ORDER: Final = 0.5

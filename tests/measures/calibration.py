@@ -1,7 +1,8 @@
 """Are probabilities true? Random scenes, inputs drawn as stated, observed by an unmodified engine: the reliability diagram.
 
 `python -m tests.measures.calibration [COUNT FIRST] [--engine NAME] [--out FILE]` computes COUNT scenes on one core, keeps a line
-of JSON for each (a call that was interrupted goes on where it stopped) and renews that engine's table of docs/probability.md.
+of JSON for each (a call that was interrupted goes on where it stopped) and renews that
+engine's table of docs/measured/calibration.md.
 
 A random scene falls surely or surely not; so each is shaken at the strength at which the model's nominal run begins to fall,
 times a factor of its own. Neither knows anything of the engine that observes.
@@ -111,7 +112,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     given = words.parse_args(arguments)
     wanted = [(seed, given.engine) for seed in seeds_of(given)]
     mark = MODULE if given.engine == OBSERVER else f"{MODULE} --engine {given.engine}"
-    renew("probability.md", mark, text(measured(given.out, CalibrationRow, wanted, row_of)))
+    renew("measured/calibration.md", mark, text(measured(given.out, CalibrationRow, wanted, row_of)))
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 `python -m tests.measures.colours [COUNT FIRST] [--out FILE]` makes the pages of a run and of an assessment of COUNT scenes of
 each of two generators on one core, keeps a line of JSON for each (a call that was interrupted goes on where it stopped) and
-renews its table of docs/probability.md. Pages of studies, of directions and of comparisons hold no probability: never green.
+renews its table of docs/measured/colours.md. Pages of studies, of directions and of comparisons hold no probability: never green.
 """
 
 from __future__ import annotations
@@ -129,7 +129,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, print the table and write it into the page."""
     given = command_line(MODULE, __doc__, SCENES, FIRST_SEED).parse_args(arguments)
     wanted = [(generator, seed) for seed in seeds_of(given) for generator in GENERATORS]
-    renew("probability.md", MODULE, text(measured(given.out, ColourRow, wanted, row_of)))
+    renew("measured/colours.md", MODULE, text(measured(given.out, ColourRow, wanted, row_of)))
 
 
 if __name__ == "__main__":

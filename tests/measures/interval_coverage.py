@@ -1,7 +1,7 @@
 """Do the intervals of contact engines cover as often as they say? Invented populations, then the engines' own thousand runs.
 
 `python -m tests.measures.interval_coverage` makes a thousand estimates of each with other seeds, as `rockcheck assess` makes
-them, and renews the table of docs/probability.md. The rule of the interval was chosen by the invented ones alone.
+them, and renews the table of docs/measured/interval_coverage.md. The rule of the interval was chosen by the invented ones alone.
 """
 
 from __future__ import annotations
@@ -122,4 +122,4 @@ def text() -> str:
 
 
 if __name__ == "__main__":
-    renew("probability.md", MODULE, text())
+    renew("measured/interval_coverage.md", MODULE, text())

@@ -1,4 +1,4 @@
-"""What several parameter sets in one vector register may gain, and where the time of a step goes (docs/bench.md).
+"""What several parameter sets in one vector register may gain, and where the time of a step goes.
 
 `python -m tests.measures.lanes` prints the processor time of the parts of a step of two blocks that rock and slide; of the
 recurrence of a rocking block alone, one set against four in a register; and of heyoka's single block with its impacts, one set

@@ -1,4 +1,4 @@
-"""An engine's error against the analytic model at each step, on the paper's cases: the table of docs/pymunk.md.
+"""An engine's error against the analytic model at each step, on the paper's cases.
 
 `python -m tests.measures.level_errors ENGINE [STEP_S...]` prints, for each kind of scene and step, the largest errors of
 rotation, rad, and slip, m, in the first second.

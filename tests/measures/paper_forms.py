@@ -1,4 +1,4 @@
-"""What each misprint or simplification of the paper changes on its own cases, in numbers: the tables of docs/paper_forms.md.
+"""What each misprint or simplification of the paper changes on its own cases: docs/measured/paper_forms.md.
 
 `python -m tests.measures.paper_forms [TABLE...]` computes them again, or those named.
 """
@@ -16,7 +16,7 @@ import analytic
 from analytic.constants import GRAVITY_M_S2
 from tests.measures.pages import renew_tables, table
 
-PAGE: Final = "paper_forms.md"
+PAGE: Final = "measured/paper_forms.md"
 MODULE: Final = "tests.measures.paper_forms"
 DURATION_S: Final = 10.0
 RATIO: Final = 0.875

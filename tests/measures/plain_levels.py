@@ -1,7 +1,7 @@
 """Plain and event-located engines side by side: error against processor time, over the paper's cases.
 
-`python -m tests.measures.plain_levels` renews the table of docs/bench.md: for each engine, step and kind of scene the largest
-error of the rotation against the analytic model in the first second, and the processor time of a second.
+`python -m tests.measures.plain_levels` renews docs/measured/plain_levels.md: for each engine, step and kind of
+scene the largest error of the rotation against the analytic model in the first second, and the processor time of a second.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def _cell(engine: Engine, scenes: list[Scene], exact: list[Run], dt_s: float) ->
 def main() -> None:
     """Measure, print the table and write it into the page."""
     heads = ["engine", "step", *(f"{kind}: largest error, time of a second" for kind in KINDS)]
-    renew("bench.md", MODULE, table(heads, rows()))
+    renew("measured/plain_levels.md", MODULE, table(heads, rows()))
 
 
 if __name__ == "__main__":

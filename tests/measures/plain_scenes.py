@@ -1,7 +1,8 @@
 """Unseen wide scenes by unmodified engines beside those that locate events: do they agree, does each know its own error?
 
 `python -m tests.measures.plain_scenes [COUNT FIRST] [--out FILE]` computes COUNT seeds of the generator `wide` on one core, keeps
-a line of JSON for each scene (a call that was interrupted goes on where it stopped) and renews the tables of docs/coverage.md.
+a line of JSON for each scene (a call that was interrupted goes on where it stopped) and renews
+docs/measured/plain_scenes.md.
 """
 
 from __future__ import annotations
@@ -9,8 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
-
-from harness.scene_run.convention import choice_between
 
 from harness import engines
 from harness.accuracy import outlook
@@ -44,7 +43,7 @@ class Beside:
     """A plain engine beside the event-located one, while both are bounded: how far apart, and the sum of their uncertainties.
 
     `known_s`: the horizon, at most until there is no return from a fall. `limits_rad`: how far much finer runs of both are apart
-    while both are bounded, where the plain one's was made. `convention`: the choice between conventions that came before.
+    while both are bounded, where the plain one's was made.
     """
 
     until_s: float
@@ -52,7 +51,6 @@ class Beside:
     apart_rad: float
     joint_rad: float
     limits_rad: float | None = None
-    convention: str = ""
 
     @property
     def agree(self) -> bool:
@@ -103,9 +101,7 @@ def _beside(scene: Scene, name: str) -> tuple[dict[str, Statement], Beside]:
         stated, limits = statement(plain, finer), error_rad(truth, finer, until_s)
     joint = (located.numerical_uncertainty_rad or 0.0) + (plain.numerical_uncertainty_rad or 0.0)
     apart = error_rad(located, plain, until_s)
-    choice = None if apart <= joint else choice_between(scene, located, plain, until_s)
-    words = "" if choice is None else f"at {choice.at_s:.4g} s, {choice.words}"
-    beside = Beside(until_s, _known_s(scene, located, plain, until_s), apart, joint, limits, words)
+    beside = Beside(until_s, _known_s(scene, located, plain, until_s), apart, joint, limits)
     return {name: statement(located, truth), plain.engine: stated}, beside
 
 
@@ -123,7 +119,7 @@ def _known_s(scene: Scene, located: Run, plain: Run, until_s: float) -> float:
 
 
 def tables(rows: Sequence[PlainRow]) -> str:
-    """Statements by engine; agreement by pair; every scene on which a statement failed or a pair disagreed."""
+    """Statements by engine; agreement by pair."""
     names = [name + kind for name in NAMES for kind in ("", PLAIN)]
     heads = [
         "engine",
@@ -142,9 +138,7 @@ def tables(rows: Sequence[PlainRow]) -> str:
         agree, whole = sum(pair.agree for pair in pairs), sum(pair.whole for pair in pairs)
         shares = [f"{count} ({100.0 * count / max(len(pairs), 1):.3g} %)" for count in (agree, whole)]
         by_pair.append([f"`{name}` and `{name}{PLAIN}`", str(len(pairs)), *shares])
-    exceptions = [text for row in rows for text in _exceptions(row)]
-    lines = "\n".join(f"- {text}" for text in exceptions) or "No exception."
-    return f"{table(heads, by_engine)}\n\n{table(beside, by_pair)}\n\n{lines}"
+    return f"{table(heads, by_engine)}\n\n{table(beside, by_pair)}"
 
 
 def _exceptions(row: PlainRow) -> list[str]:
@@ -160,22 +154,19 @@ def _exceptions(row: PlainRow) -> list[str]:
     for name, pair in row.pairs.items():
         if not pair.agree:
             limits = "" if pair.limits_rad is None else f"; much finer runs of both: {pair.limits_rad:.2g}"
-            why = f"; by convention: {pair.convention}" if pair.convention else ""
             apart = f"{pair.apart_rad:.2g} rad apart until {pair.until_s:.3g} s, joint uncertainty {pair.joint_rad:.2g}"
-            texts.append(f"seed {row.seed}, `{name}` and `{name}{PLAIN}`: {apart}{limits}{why}")
+            texts.append(f"seed {row.seed}, `{name}` and `{name}{PLAIN}`: {apart}{limits}")
     return texts
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Measure, print the tables and write them into the page."""
+    """Measure; print each scene on which a statement failed or a pair disagreed, and write the tables into the page."""
     given = command_line(MODULE, __doc__, SCENES, FIRST_SEED).parse_args(arguments)
     seeds = seeds_of(given)
+    rows = measured(given.out, PlainRow, [(seed,) for seed in seeds], row_of)
+    print(*(text for row in rows for text in _exceptions(row)), sep="\n", flush=True)
     sentence = f"Wide scenes, seeds {seeds[0]} to {seeds[-1]}, target {SHARE * JOINT_RAD:g} rad for each engine:"
-    renew(
-        "coverage.md",
-        MODULE,
-        f"{sentence}\n\n{tables(measured(given.out, PlainRow, [(seed,) for seed in seeds], row_of))}",
-    )
+    renew("measured/plain_scenes.md", MODULE, f"{sentence}\n\n{tables(rows)}")
 
 
 if __name__ == "__main__":

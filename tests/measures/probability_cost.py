@@ -1,5 +1,6 @@
-"""What probabilities cost: `python -m tests.measures.probability_cost` renews its table of docs/probability.md (some 90 s of
-processor time; needs the data folder). Kernels are loaded and every worker has begun before its clock does.
+"""What probabilities cost: `python -m tests.measures.probability_cost` renews
+docs/measured/probability_cost.md (some 90 s of processor time; needs the data folder). Kernels are loaded and every
+worker has begun before its clock does.
 
 Processor time is that of this process and its workers; half of it is what two quiet cores need by the clock.
 """
@@ -112,7 +113,7 @@ def main() -> None:
         said, processor_s, clock_s = used_s(task)
         lines.append([name, wanted, f"{processor_s:.1f} s", f"{0.5 * processor_s:.2g} s", f"{clock_s:.0f} s", said])
     heads = ["", "asked, two cores", "processor time", "half of it", "by the clock of this day", "what came"]
-    renew("probability.md", MODULE, table(heads, lines))
+    renew("measured/probability_cost.md", MODULE, table(heads, lines))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""Bases of more than two vertices (docs/model.md, section 8) beside pymunk with the same polygon; renews the page's table.
+"""Bases of more than two vertices (docs/model.md, section 8) beside pymunk with the same polygon.
 
-`python -m tests.measures.profiles` runs every body and motion and prints the largest difference of the rotation.
+`python -m tests.measures.profiles` runs every body and motion and renews docs/measured/profiles.md.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def rows(bases: Sequence[str] = tuple(BASES), steps_s: Sequence[float] = STEPS_S
 
 
 def main() -> None:
-    """Renew the table of docs/model.md, section 8."""
+    """Renew the table."""
     head = ["base", "motion", "impacts", "peak θ", *(f"pymunk, {1e3 * dt:g} ms" for dt in STEPS_S)]
     lines = [
         [
@@ -119,7 +119,7 @@ def main() -> None:
         ]
         for row in rows()
     ]
-    renew("model.md", "tests.measures.profiles", table(head, lines))
+    renew("measured/profiles.md", "tests.measures.profiles", table(head, lines))
 
 
 if __name__ == "__main__":

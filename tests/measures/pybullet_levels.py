@@ -1,5 +1,5 @@
 """What each level of refinement errs by: `expected_error_rad` states the largest of its errors and a finer level's, and more
-on the floor (docs/pybullet_contact.md).
+on the floor (docs/measured/pybullet_levels.md).
 
 `python -m tests.measures.pybullet_levels` prints the errors on every scene and renews the page's table: the surveyed statue's
 four cases on the floor and on its pedestal, with one coefficient of friction, with two, and with a ratio imposed, and the bench's
@@ -78,7 +78,7 @@ def main() -> None:
         sys.stdout.write(" ".join(f"{value:8.1e}" for value in values) + f"  {of}: stated\n")
     steps = [f"{1e3 * level.dt_s:g} ms" for level in load("pybullet").refinement_levels(paper_scene(*PAPER[0]))]
     rows = [[of, *(f"{value:.1e}" for value in values)] for of, values in largest.items()]
-    renew("pybullet_contact.md", "tests.measures.pybullet_levels", table(["", *steps[:-1], "residual 0"], rows))
+    renew("measured/pybullet_levels.md", "tests.measures.pybullet_levels", table(["", *steps[:-1], "residual 0"], rows))
 
 
 if __name__ == "__main__":

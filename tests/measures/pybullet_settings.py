@@ -1,4 +1,4 @@
-"""The base contact and the solver's settings, settled by measurement: the tables of docs/pybullet_contact.md.
+"""The base contact and the solver's settings, settled by measurement: the tables of docs/measured/pybullet_settings.md.
 
 `python -m tests.measures.pybullet_settings [TABLE...]` computes them again, or those named. Errors are against the analytic model
 over the first second of the surveyed statue, given by its numbers, under the paper's cases; costs are processor time.
@@ -198,34 +198,6 @@ def variations() -> Iterator[Cells]:
         yield row(name, replace(CHOSEN, **change))
 
 
-def levels(pedestal: bool) -> Iterator[Cells]:
-    """The levels of refinement."""
-    refinement_levels = load("pybullet").refinement_levels(paper_scene(0.429, 3.0, pedestal=pedestal))
-    for number, level in enumerate(refinement_levels, 1):
-        if isinstance(level, BulletSettings):
-            name = f"level {number}: {1e3 * level.dt_s:g} ms, residual {level.residual:g}"
-            yield row(name, level, pedestal=pedestal)
-            yield row("half of it", level, pedestal=pedestal, half=True)
-
-
-def conditions() -> Iterator[Cells]:
-    """Two coefficients of friction and prescribed ratios, by whole runs of the engine."""
-    engine = load("pybullet")
-    kinds = (("μ_s = 0.20", None), ("the same, ratio 0.85 imposed", 0.85), ("the same, ratio 0.90 imposed", 0.90))
-    for name, ratio in kinds:
-        for level in engine.refinement_levels(paper_scene(*PAPER[0]))[:5]:
-            misses, costs = [], []
-            for amplitude, frequency in PAPER:
-                scene = paper_scene(amplitude, frequency, static=0.20, ratio=ratio)
-                start = time.process_time()
-                run = engine.simulate(scene, level, RunOptions(skips=frozenset({"base_only", "mirror"})))
-                costs.append(1e6 * (time.process_time() - start) / run.steps)
-                if run.history is None:
-                    raise RuntimeError("pybullet gave no history")
-                misses.append(errors(scene, run.history))
-            yield _line(f"{name}; {1e3 * level.dt_s:g} ms", misses, costs)
-
-
 def overhead() -> Iterator[Cells]:
     """Whole loop against a bare one, in turns; the least of many samples, as other work disturbs each."""
     plain = replace(CHOSEN, events=False)
@@ -241,9 +213,6 @@ HEAD: Final = ("contact or setting", "error of rotation, rad (four cases)", "sli
 TABLES: Final[Mapping[str, tuple[Sequence[str], Callable[[], Iterator[Cells]]]]] = {
     "bodies": (HEAD, contacts),
     "settings": (HEAD, variations),
-    "pedestal": (HEAD, partial(levels, True)),
-    "floor": (HEAD, partial(levels, False)),
-    "conditions": (HEAD, conditions),
     "overhead": (("", "bare", "whole loop", "more"), overhead),
 }
 
@@ -256,4 +225,4 @@ def table(name: str) -> str:
 
 if __name__ == "__main__":
     made = {name: partial(table, name) for name in TABLES}
-    renew_tables("pybullet_contact.md", "tests.measures.pybullet_settings", made, sys.argv[1:])
+    renew_tables("measured/pybullet_settings.md", "tests.measures.pybullet_settings", made, sys.argv[1:])

@@ -1,7 +1,8 @@
 """Random scenes of three generators: how often stated uncertainties hold, and whether finer runs refute any "differ: model".
 
 `python -m tests.measures.random_scenes [COUNT FIRST] [--out FILE]` computes COUNT seeds of each generator on one core, keeps a
-line of JSON for each scene (a call that was interrupted goes on where it stopped) and renews the tables of docs/coverage.md.
+line of JSON for each scene (a call that was interrupted goes on where it stopped) and renews
+docs/measured/random_scenes.md.
 """
 
 from __future__ import annotations
@@ -118,7 +119,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     seeds = seeds_of(given)
     rows = measured(given.out, SceneRow, [(each, seed) for seed in seeds for each in GENERATORS], row_of)
     sentence = f"Seeds {seeds[0]} to {seeds[-1]} of each generator, target 1e-3 rad:"
-    renew("coverage.md", MODULE, f"{sentence}\n\n{tables(rows)}")
+    renew("measured/random_scenes.md", MODULE, f"{sentence}\n\n{tables(rows)}")
 
 
 if __name__ == "__main__":

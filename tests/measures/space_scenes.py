@@ -1,7 +1,7 @@
 """Contact engines held to the exact rigid body on random scenes in three dimensions (`seeded_scenes.space_scene`).
 
 `python -m tests.measures.space_scenes [COUNT FIRST] [--out FILE]` computes COUNT seeds on one core, keeps a line of JSON for each
-scene (a call that was interrupted goes on where it stopped) and renews the tables of docs/coverage.md.
+scene (a call that was interrupted goes on where it stopped) and renews the tables of docs/measured/space_scenes.md.
 """
 
 from __future__ import annotations
@@ -150,7 +150,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     sentence = (
         f"Seeds {seeds[0]} to {seeds[-1]} of `space_scene`, target 1e-3 rad; attitudes at {1e3 * STEP_S:g} ms, rad."
     )
-    renew("coverage.md", MODULE, f"{sentence} {tables(rows)}")
+    renew("measured/space_scenes.md", MODULE, f"{sentence} {tables(rows)}")
 
 
 if __name__ == "__main__":

@@ -47,7 +47,7 @@ def test_bins_of_false_probabilities_are_named() -> None:
 
 
 def test_the_page_s_diagram_lies_within_its_band_in_every_bin(root: Path) -> None:
-    page = (root / "docs" / "probability.md").read_text(encoding="utf-8")
+    page = (root / "docs" / "measured" / "calibration.md").read_text(encoding="utf-8")
     part = page.partition(begin("tests.measures.calibration"))[2].partition("<!-- end -->")[0]
     rows = [
         [cell.strip() for cell in line.strip("|").split("|")] for line in part.splitlines() if line.startswith("| 0.")

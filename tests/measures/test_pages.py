@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from importlib.util import find_spec
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -45,10 +45,11 @@ def test_every_mark_of_the_documentation_names_a_command_and_its_table() -> None
     }
     marks = [
         mark
-        for path in DOCS.glob("*.md")
+        for path in DOCS.rglob("*.md")
         for mark in re.findall(r"<!-- begin: python -m (\S+) ?(\S*) -->", path.read_text())
     ]
     assert len(marks) >= 12
-    assert all(find_spec(module) for module, _ in marks)
+    for module in {module for module, _ in marks}:
+        assert hasattr(import_module(module), "__file__"), module
     for module, tables in named.items():
         assert [name for at, name in marks if at == module] == list(tables)

@@ -16,7 +16,7 @@ from harness.model.options import RunOptions
 from tests.budgets_engines import PROFILE_FINE_RAD, PROFILE_RAD, REST_ANGLE_RAD, ROUNDING_RAD
 from tests.measures import profiles as bench
 
-MODEL_PAGE = Path(__file__).resolve().parents[2] / "docs" / "model.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "measured" / "profiles.md"
 NAMES = ("bulging", "worn", "uneven", "keeled")
 
 
@@ -74,6 +74,6 @@ def test_a_chip_that_is_never_rolled_over_leaves_a_block_of_two_corners() -> Non
 
 def test_the_page_shows_what_the_model_computes() -> None:
     """The engine's columns are measured; those of the model stand on the page digit by digit."""
-    page = MODEL_PAGE.read_text(encoding="utf-8")
+    page = PAGE.read_text(encoding="utf-8")
     for row in bench.rows(steps_s=()):
         assert f"| {row.base} | {row.motion} | {row.impacts} | {row.peak_theta_rad:.3f} |" in page

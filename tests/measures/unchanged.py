@@ -1,7 +1,7 @@
 """What each skip changes: seeded scenes with all skips and with all but one, at one step.
 
 `python -m tests.measures.unchanged [FIRST COUNT ENGINE...]` prints a row for each engine and skip; without
-arguments it renews the table of docs/bench.md.
+arguments it renews the table of docs/measured/unchanged.md.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def main(arguments: Sequence[str]) -> None:
     """Print the rows of the engines and seeds asked, or renew the page."""
     if not arguments:
         every = [row for name, count in SCENES.items() for row in rows(name, range(FIRST_SEED, FIRST_SEED + count))]
-        renew("bench.md", "tests.measures.unchanged", table(HEAD, every))
+        renew("measured/unchanged.md", "tests.measures.unchanged", table(HEAD, every))
         return
     first, count = (int(item) for item in arguments[:2])
     for name in arguments[2:] or SCENES:

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 from reports.cli import app
 from tests.harness.validation.experiments import write_experiments
 from tests.meshes import togatus
+from tests.reports.shown import not_printed, shown
 
 pytestmark = pytest.mark.slow
 
@@ -83,3 +84,25 @@ def test_a_command_works_as_printed(desk: Path, data_dir: Path, line: str, monke
     done = CliRunner().invoke(app, words)
     assert done.exit_code == 0, f"{line}: {done.output} {done.exception}"
     assert done.output.strip()
+
+
+def test_the_first_run_is_shown_as_it_is_printed(tmp_path: Path) -> None:
+    """The model's part, in a second; `tests/measures/test_documents.py` holds all of it."""
+    ((line, lines),) = shown((ROOT / "README.md").read_text(encoding="utf-8"))
+    words = shlex.split(line.removeprefix(".venv/bin/"))[1:]
+    done = CliRunner().invoke(app, [words[0], str(ROOT / words[1]), "-e", "analytic", "--out", str(tmp_path / "run")])
+    (row,) = (each for each in lines if each.split()[0] == "analytic" and "–" not in each)
+    assert not_printed([lines[0], row], done.output) == [], done.output
+    chance = re.search(r"between \d+ % and \d+ %", " ".join(lines))
+    assert chance
+    assert chance[0] in " ".join(done.output.split())
+
+
+def test_the_readme_speaks_of_targets_of_the_makefile() -> None:
+    """`make NAME` of the readme, with or without a variable."""
+    made = (ROOT / "Makefile").read_text(encoding="utf-8")
+    named = set(
+        re.findall(r"(?m)(?:^|[`(])make (?:[A-Z]+=[^\s`]+ )?([a-z]+)", (ROOT / "README.md").read_text(encoding="utf-8"))
+    )
+    assert {"report", "test", "fast", "help"} <= named
+    assert [name for name in named if not re.search(rf"^{name}:", made, re.M)] == []

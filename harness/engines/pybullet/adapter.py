@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 STEPS_S: Final = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4)
 ON_FLOOR_RAD: Final = (7e-4, 3e-4, 8e-5, 3.5e-5, 1.5e-5, 6e-6, 2e-6)
 """What the levels are expected to err by where the scene is planar and on the floor: at least twice the largest errors of
-`python -m tests.measures.pybullet_levels`, as random scenes err by more (docs/pybullet_contact.md).
+`python -m tests.measures.pybullet_levels`, as random scenes err by more (docs/engines.md).
 """
 ON_PEDESTAL_RAD: Final = (6e-4, 4e-4, 1.5e-4, 5e-5, 4e-5, 2e-5, 5e-6)
 """The same on a pedestal, and"""
@@ -86,7 +86,7 @@ class Bullet3D(Engine):
         return None
 
     def refinement_levels(self, scene: Scene) -> tuple[Settings, ...]:
-        """Levels from coarse to fine; measured in docs/pybullet_contact.md."""
+        """Levels from coarse to fine; measured in docs/engines.md."""
         return _levels(scene)
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:

@@ -1,7 +1,7 @@
 """The scene turned about the vertical in Bullet's world, so that what slides does so along one of Bullet's axes.
 
 Bullet resolves friction along its own x and y. Askew to these the force that it settles on leans towards them at every step, so
-that runs with finer steps agree on it; along them it is Coulomb's (docs/pybullet_contact.md). All above the world keeps the
+that runs with finer steps agree on it; along them it is Coulomb's (docs/engines.md). All above the world keeps the
 scene's axes: states and pulls are turned as they are handed to Bullet, rows as they are read.
 """
 

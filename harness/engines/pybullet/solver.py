@@ -14,7 +14,7 @@ RESTING_RESIDUAL: Final = 1e-4
 """Share of it for bodies that rest one on the other: what the iterations leave of a step there adds up to a creep that goes with
 the square root of the residual (6e-7 m a minute at 4 ms; 6e-5 without it), and they need as many as"""
 RESTING_ITERATIONS: Final = 2000
-"""this (docs/pybullet_contact.md)."""
+"""this (docs/engines.md)."""
 SHORT: Final = 0.1
 """Share of a step below which nothing is taken back of what a standing foot has crept along: it holds an impact."""
 NO_RESTITUTION_BELOW_M_S: Final = 1e9

@@ -1,4 +1,4 @@
-"""pymunk (Chipmunk): rigid polygons in the rocking plane, contact by iterated impulses. docs/pymunk.md."""
+"""pymunk (Chipmunk): rigid polygons in the rocking plane, contact by iterated impulses. docs/engines.md."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ def test_no_heading_changes_what_sticks_or_flies(on: Scene, name: str) -> None:
 
 @pytest.mark.parametrize(("depth_m", "leans"), [(0.4, False), (0.8, True)])
 def test_a_block_that_slides_askew_keeps_its_line_where_bullets_axes_follow_it(depth_m: float, leans: bool) -> None:
-    # The two directions of friction have the same effective mass at the corners of a square base only (docs/pybullet_contact.md).
+    # The two directions of friction have the same effective mass at the corners of a square base only (docs/engines.md).
     start = Pose((0.0, 0.0, 0.1), velocity_m_s=(math.cos(0.5), math.sin(0.5), 0.0))
     on = replace(
         paestum(0.0, 1.0, pedestal=False, mu=0.3, duration_s=0.5),
