@@ -19,9 +19,10 @@ from harness.effects3d.study import run_effects
 from harness.input.tables import kind_of
 from harness.model.errors import InputError, Mistake
 from harness.model.files import check_own, checksum, is_sealed
-from harness.records.effects3d import EffectsRecord, EffectsSummary
+from harness.model.finding import Say
+from harness.records.effects3d import EffectsRecord
 from harness.records.result_folder import RECORD, check_folder, read_own, write_whole
-from harness.records.rocking_spectrum import RockingSpectrumRecord, SpectrumSummary
+from harness.records.rocking_spectrum import RockingSpectrumRecord
 from harness.records.study import StudyRecord
 from harness.records.study_files import ExportRecord
 from harness.studies import estimate, rocking_spectrum
@@ -31,7 +32,7 @@ from harness.studies.column_rows import ColumnRows, thinned
 from harness.studies.export import export_csv, export_parquet
 from harness.studies.file import StudyFile, load_study
 from harness.studies.study_record import study_record
-from harness.studies.study_run import Beside, Summary, run_in_columns, run_study, study_name
+from harness.studies.study_run import Beside, run_in_columns, run_study, study_name
 from harness.studies.witnessed import witness_study
 
 
@@ -48,8 +49,9 @@ def run(
     pool: Pool | None = None,
     beside: Beside | None = None,
     witness: bool = False,
-) -> tuple[StudyRecord | EffectsRecord | RockingSpectrumRecord, Summary | EffectsSummary | SpectrumSummary]:
-    """Run a study into `folder` (store.sqlite, or columns in `outcomes`; result.json); returns its record and what was done.
+    say: Say = lambda finding: "",
+) -> StudyRecord | EffectsRecord | RockingSpectrumRecord:
+    """Run a study into `folder` (store.sqlite, or columns in `outcomes`; result.json); returns its record.
 
     `large` lets a study run that would take more than a day; `pool` is used, and not closed, where the caller has one;
     `beside` are tasks to run with it; `witness` holds a tenth of its scenes against unmodified engines. Raises `InputError`
@@ -61,8 +63,7 @@ def run(
         if kind == rocking_spectrum.KIND:
             _check_spectrum(export, resume, dask)
             on_progress = stack.enter_context(progress(path.stem, quiet))
-            spectrum = rocking_spectrum.run_spectrum(path, folder, jobs, on_progress)
-            return spectrum, spectrum.summary
+            return rocking_spectrum.run_spectrum(path, folder, jobs, on_progress, say)
         if kind == EFFECTS:
             if export is not None:
                 got = "one of the third dimension: see its result.json"
@@ -76,9 +77,8 @@ def run(
             pool = stack.enter_context(closing(LocalPool(jobs, limit_s) if dask is None else DaskPool(dask, limit_s)))
         if study is None:
             on_progress = stack.enter_context(progress(path.stem, quiet))
-            effects = run_effects(path, folder, pool, on_progress, resume=resume)
-            return effects, effects.summary
-        return _run(study, path, folder, pool, export, large, quiet, beside, witness)
+            return run_effects(path, folder, pool, on_progress, resume=resume, say=say)
+        return _run(study, path, folder, pool, export, large, quiet, beside, witness, say)
 
 
 def _run(
@@ -91,7 +91,8 @@ def _run(
     quiet: bool,
     beside: Beside | None,
     witness: bool,
-) -> tuple[StudyRecord, Summary]:
+    say: Say,
+) -> StudyRecord:
     """A study of cases: its size is told, or refused, before anything is begun."""
     start = time.perf_counter()
     scene = base_of(study, path).scene({})
@@ -116,7 +117,7 @@ def _run(
             writer = export_parquet if export.suffix == ".parquet" else export_csv
             writer(every, study_name(study), export, _exported(export, folder))
             finished = replace(finished, export=ExportRecord(str(export.resolve()), checksum(export)))
-        return write_whole(folder, finished), summary
+        return write_whole(folder, finished.texted(say))
 
 
 def columns_of_study(study: StudyFile, path: Path, folder: Path) -> ColumnStore | None:

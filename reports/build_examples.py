@@ -22,10 +22,10 @@ from harness.model.run import Run
 from harness.records.study import StudyRecord, StudyRow
 from harness.scene_run.scene_run import run_scene, write_result
 from harness.studies.case_tasks import stored_runs
-from harness.studies.study_run import Beside, Summary
+from harness.studies.study_run import Beside
 from reports.messages import ENGLISH
 from reports.pages.page import write_report
-from reports.terminal import run_lines
+from reports.terminal import run_lines, study_lines
 
 BESIDE_THE_CODE: Final = Path(__file__).resolve().parent.parent / "scenes"
 INSTALLED: Final = Path(sysconfig.get_path("data")) / "share" / "rockcheck" / "scenes"
@@ -81,16 +81,16 @@ def main() -> int:
         print(f"left out: {', '.join(WITH_DATA)} (real data absent: set ROCKCHECK_DATA)", file=sys.stderr)
     beside = Beside(examples({name: {} for name in names}), of_study)
     with closing(LocalPool()) as pool:
-        record, done = study_cli.run(SCENES / f"{STUDY}.toml", OUT / STUDY, pool=pool, beside=beside)
-    assert isinstance(done, Summary)  # a study of cases
+        record = study_cli.run(SCENES / f"{STUDY}.toml", OUT / STUDY, pool=pool, beside=beside, say=ENGLISH.say)
     assert isinstance(record, StudyRecord)
+    assert record.usage is not None
     answers = {task.argument[0]: answer for task, answer in beside.answers}
     pages = [write_report(OUT / STUDY), *(OUT / name / "report.html" for name in answers)]
     seconds = time.perf_counter() - start
-    busy_s = done.usage.busy_s + sum(answer.seconds for answer in answers.values())
+    busy_s = record.usage.busy_s + sum(answer.seconds for answer in answers.values())
     busy = f"{pool.workers} workers {100.0 * busy_s / (seconds * pool.workers):.0f} % busy"
     texts = [str(answer.record["text"]) for answer in answers.values()]
-    print("\n".join([f"{STUDY}: {done}", str(done.usage), *texts]))
+    print("\n".join([*study_lines(record), *texts]))
     print("\n".join([f"\ndone in {seconds:.0f} s, {busy}. Reports:", *(f"  {page}" for page in pages)]))
     return int(_failed(record.rows) or any(answer.failed for answer in answers.values()))
 

@@ -188,22 +188,17 @@ def study(
     from harness import study_cli
     from harness.records.base import as_file
     from harness.records.result_folder import named_after
-    from harness.records.study import StudyRecord
-    from reports.pages.study_page import witness_rows
+    from reports.messages import ENGLISH
+    from reports.terminal import study_lines
 
     folder = out or OUT / named_after(study_file)
     cli_record.check_language(language)
-    record, summary = study_cli.run(
+    record = study_cli.run(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent,
-        witness=witness,
+        witness=witness, say=ENGLISH.say,
     )  # fmt: skip
-    said = [record.usage] if isinstance(record, StudyRecord) else []
-    lines = [f"{study_file.name}: {summary}", *(item.sentence for item in said if item is not None)]
-    lines += witness_rows(record) if isinstance(record, StudyRecord) else []
-    over_all = (record.scores or {}) if isinstance(record, StudyRecord) else {}
-    lines += [f"over all cases, {name}: {scores.sentence}" for name, scores in over_all.items()]
-    say_result(as_file(record), "\n".join(lines), folder, saying, language)
-    raise typer.Exit(FAILED if summary.failed else OK)
+    say_result(as_file(record), "\n".join(study_lines(record, verbose=saying.verbose)), folder, saying, language)
+    raise typer.Exit(FAILED if record.summary.failed else OK)
 
 
 @command(

@@ -202,7 +202,9 @@ def compare(
 ) -> None:
     """Score histories against each other: of engines on a scene, or of any software from two CSV files."""
     from harness import cli
+    from harness.model.finding import info
     from harness.model.run import to_plain
+    from reports.messages import ENGLISH
     from reports.text.glossary import scores_text
 
     compared = cli.compare(
@@ -217,7 +219,9 @@ def compare(
         out=out,
     )
     lines = [scores_text(pair, scores) for pair, scores in compared.pairs.items()]
-    lines += [f"over all scenes, {name}: {scores.sentence}" for name, scores in compared.over_all.items()]
+    for name, scores in compared.over_all.items():
+        same = info("same_outcome", model=name, reference=scores.reference, same=scores.same, cases=scores.cases)
+        lines += [ENGLISH.say(each) for each in (same, *scores.findings(name))]
     if out is not None:
         from reports.pages.page import write_report
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Final
@@ -16,17 +17,21 @@ from harness.records.assess import Assessment, AssessRecord
 from harness.records.base import Record
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scores import Scores, Verdict
+from harness.records.study import StudyRecord, StudyRow
 from harness.records.trust import TrustRecord
 from harness.scene_run.answer import STILL_RAD
 from harness.statics.plan import Step
 from reports.messages import ENGLISH
 from reports.messages.numbers import digits, length
+from reports.text.study_rows import family
 
 LINES: Final = 16
 COLUMNS: Final = 100
 ANSWER_LINES: Final = 4
 LONG_ANSWER_LINES: Final = 7
 PAIR_LINES: Final = 3
+MODEL_LINES: Final = 6
+"""Lines of a study's table of models, its heading among them."""
 LAST_LINES: Final = 2
 """How many findings there are beside those shown, and where the pages are."""
 MARK: Final = {Severity.CHANGES_ANSWER: "!!", Severity.CAUTION: "! ", Severity.INFO: "  "}
@@ -54,6 +59,24 @@ def assess_lines(record: AssessRecord, *, verbose: bool = False) -> list[str]:
 
 def _shares(item: Assessment) -> list[float]:
     return [item.probability_overturned, item.low, item.high, item.undecided]
+
+
+def study_lines(record: Record, *, verbose: bool = False) -> list[str]:
+    """A study of any kind: title, answer, of one with rows a line for each model, what to beware of."""
+    rows = _model_rows(record.rows) if isinstance(record, StudyRecord) else []
+    more = [] if len(rows) <= MODEL_LINES or verbose else [f"  {len(rows) - MODEL_LINES} further models (--verbose)"]
+    return _headed(record, [*table(rows if verbose else rows[:MODEL_LINES]), *more] if rows else [], verbose=verbose)
+
+
+def _model_rows(rows: Sequence[StudyRow]) -> list[list[str]]:
+    """How many runs of each model ended how."""
+    ends: dict[str, Counter[str]] = {}
+    for row in rows:
+        if row.run is not None:
+            ends.setdefault(row.model, Counter())[family(row.run.outcome)] += 1
+    kinds = list(dict.fromkeys(kind for count in ends.values() for kind in count))
+    cells = [[model, str(count.total()), *(str(count[kind]) for kind in kinds)] for model, count in ends.items()]
+    return [["model", "runs", *(ENGLISH.strings[f"ends.{kind}"] for kind in kinds)], *cells]
 
 
 def _headed(record: Record, rows: Sequence[str], *, verbose: bool) -> list[str]:

@@ -204,14 +204,5 @@ class Usage:
         return self.own_s / self.runs + statistics.median(self._outside_s)
 
     def record(self) -> UsageRecord:
-        """All numbers with their sentence, as a record holds them."""
-        numbers = {item.name: getattr(self, item.name) for item in fields(UsageRecord) if item.name != "sentence"}
-        return UsageRecord(**numbers, sentence=str(self))
-
-    def __str__(self) -> str:
-        if self.utilisation is None or self.overhead_s_per_run is None:
-            return "nothing had to be computed"
-        return (
-            f"{self.runs} runs in {self.wall_s:.1f} s: {self.workers} workers {100.0 * self.utilisation:.0f} % busy, "
-            f"{1000.0 * self.overhead_s_per_run:.2f} ms per run for planning, sending and storing"
-        )
+        """All numbers, as a record holds them."""
+        return UsageRecord(**{item.name: getattr(self, item.name) for item in fields(UsageRecord)})

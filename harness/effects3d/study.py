@@ -18,6 +18,7 @@ from harness.campaign.campaign import Campaign, OnProgress, silent
 from harness.campaign.runner import Pool
 from harness.campaign.store import STORE_NAME, Store, check_begun
 from harness.campaign.task import Answer, Task
+from harness.effects3d.answer import answer_of, findings_of
 from harness.effects3d.conditions import CONDITIONS, GEOMETRY_REL, amplified, changed_scene, solid_of, without_meaning
 from harness.effects3d.departure import departure
 from harness.effects3d.search import EXACT, STEPS, Search, find, peak_g, start_factor
@@ -25,7 +26,7 @@ from harness.input.mistakes import Contradiction, Table
 from harness.input.tables import read_model
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
-from harness.model.finding import Finding, info
+from harness.model.finding import Finding, Say, info
 from harness.model.options import Capabilities
 from harness.model.scene import Scene
 from harness.model.written import scan_azimuth_deg, written
@@ -251,18 +252,6 @@ class Question:
     arguments: tuple[Any, ...]
 
 
-def sentence(summary: EffectsSummary) -> str:
-    """What a call of an effects study did, in words."""
-    parts = [
-        f"{summary.directions} directions",
-        f"{summary.asked} searches",
-        f"{summary.runs} runs, {summary.cpu_s:.0f} s of processor time",
-    ]
-    parts += [f"{summary.found} searches found finished"] if summary.found else []
-    parts += [f"{summary.failed} failed"] if summary.failed else []
-    return ", ".join(parts)
-
-
 def answer(question: Question) -> Answer:
     """What a worker does; its cost is the processor time, s, that it took."""
     begin = time.process_time()
@@ -308,7 +297,13 @@ class Questions:
 
 
 def run_effects(
-    path: Path, folder: Path, pool: Pool, on_progress: OnProgress = silent, *, resume: bool = False
+    path: Path,
+    folder: Path,
+    pool: Pool,
+    on_progress: OnProgress = silent,
+    *,
+    resume: bool = False,
+    say: Say = lambda finding: "",
 ) -> EffectsRecord:
     """Run an effects study into `folder` (result.json, store.sqlite, replay/); returns its record.
 
@@ -326,7 +321,6 @@ def run_effects(
         questions = Questions(base, scene, store, pool, on_progress)
         answers = _answers(study, scene, questions)
         counts = questions.asked, questions.found, questions.runs, questions.failed, questions.seconds
-    summary = EffectsSummary("", study.directions, *counts)
     finished = EffectsRecord(
         title=study.title,
         file=path.name,
@@ -336,12 +330,13 @@ def run_effects(
         study=part(AskedRecord, study.model_dump(), path),
         unit_g=peak_g(scene),
         replay=write_replay(scene, answers.rows, answers.departures, study.search.dt_s, folder / REPLAY),
-        summary=replace(summary, sentence=sentence(summary)),
+        summary=EffectsSummary(study.directions, *counts),
         versions=record.versions(),
         machine=record.machine(),
         seconds=time.perf_counter() - start,
     )
-    return write_whole(folder, finished)
+    finished = replace(finished, answer=answer_of(finished), findings=[*findings_of(finished), *finished.findings])
+    return write_whole(folder, finished.texted(say))
 
 
 def _check(scene: Scene, path: Path) -> None:

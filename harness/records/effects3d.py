@@ -145,17 +145,12 @@ class ReplayRecord:
 class EffectsSummary:
     """What a call of the study did."""
 
-    sentence: str
     directions: int
     asked: int
     found: int
     runs: int
     failed: int
     cpu_s: float
-
-    def __str__(self) -> str:
-        """Its sentence."""
-        return self.sentence
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -30,10 +30,6 @@ class SpectrumSummary:
     cpu_s: float
     failed: int = 0
 
-    def __str__(self) -> str:
-        """Its sentence."""
-        return f"{self.runs} runs, {self.cpu_s:.1f} s of processor time"
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RockingSpectrumRecord(Record):

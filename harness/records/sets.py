@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from harness.model.finding import Finding, caution, info
 from harness.records.scores import Interval
 
 
@@ -50,15 +51,6 @@ class DistributionScores:
         """Whether the two lie further apart than chance alone puts samples of one distribution, at its level."""
         return self.area.value > self.area_null
 
-    @property
-    def sentence(self) -> str:
-        """Both distances of two distributions of peak rotations, in words."""
-        far = "differ by more than chance" if self.differ else "cannot be told apart"
-        area = f"area between them {self.area.value:.2g} rad ({self.area.low:.2g} to {self.area.high:.2g})"
-        chance = f"chance alone gives up to {self.area_null:.2g}"
-        ks = f"Kolmogorov-Smirnov distance {self.ks:.2f} (p = {self.ks_p:.2g})"
-        return f"the distributions of the peak rotation {far}: {area}, {chance}; {ks}"
-
 
 @dataclass(frozen=True)
 class LogPeaks:
@@ -72,16 +64,6 @@ class LogPeaks:
     dispersion: float
     dispersion_of_reference: float
     dispersion_ratio: Interval
-
-    @property
-    def sentence(self) -> str:
-        """Medians and dispersions, in words."""
-        median, spread = self.median_ratio, self.dispersion_ratio
-        return (
-            f"of {self.cases} under which both rock and stand the median peak is {median.value:.3g} times the reference's "
-            f"({median.low:.3g} to {median.high:.3g}), the dispersion of the logarithm {self.dispersion:.3g} beside "
-            f"{self.dispersion_of_reference:.3g} (ratio {spread.low:.3g} to {spread.high:.3g})"
-        )
 
 
 @dataclass(frozen=True)
@@ -123,12 +105,25 @@ class SetScores:
     peaks: DistributionScores | None
     log_peaks: LogPeaks | None = None
 
-    @property
-    def sentence(self) -> str:
-        """How often the outcome is the reference's, and how the distributions of the maxima compare."""
-        words = [f"the same outcome as {self.reference} in {self.same} of {self.cases} cases"]
-        words.append("too few cases to compare distributions" if self.peaks is None else self.peaks.sentence)
-        return "; ".join(words if self.log_peaks is None else [*words, self.log_peaks.sentence])
+    def findings(self, name: str) -> list[Finding]:
+        """How the distributions of the largest rotations of the model of this name compare with the reference's."""
+        found, pair = [], {"model": name, "reference": self.reference}
+        if self.peaks is not None:
+            values = vars(self.peaks) | pair | {"area": self.peaks.area.value}
+            values |= {"low": self.peaks.area.low, "high": self.peaks.area.high}
+            found += [caution("peaks_differ", **values)] if self.peaks.differ else [info("peaks_alike", **values)]
+        if self.log_peaks is not None:
+            median, spread = self.log_peaks.median_ratio, self.log_peaks.dispersion_ratio
+            found.append(
+                info(
+                    "peak_ratios",
+                    cases=self.log_peaks.cases,
+                    median=[median.value, median.low, median.high],
+                    dispersion=[spread.value, spread.low, spread.high],
+                    **pair,
+                )
+            )
+        return found
 
 
 @dataclass(frozen=True, kw_only=True)

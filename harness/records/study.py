@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from pydantic import JsonValue
 
 from harness.model.errors import InputError, Mistake
-from harness.model.finding import Finding, Severity
+from harness.model.finding import Finding, Say, Severity
 from harness.model.history import Outcome
 from harness.model.run import OMITTED
 from harness.model.shown import Shown, new_axes
@@ -105,7 +105,7 @@ class SupportRecord:
 
 @dataclass(frozen=True, kw_only=True)
 class StudySummary:
-    """What a call of a study did, in numbers and a sentence."""
+    """What a call of a study did."""
 
     cases: int = 0
     wanted: int = 0
@@ -114,7 +114,6 @@ class StudySummary:
     computed: int = 0
     not_sent: int = 0
     failed: int = 0
-    sentence: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,16 +127,17 @@ class UsageRecord:
     own_s: float
     utilisation: float | None
     overhead_s_per_run: float | None
-    sentence: str
 
 
 @dataclass(frozen=True)
 class RecheckRecord:
-    """How the cases that were left out came out where a random share of them was run after all."""
+    """How the cases that were left out came out where a random share of them was run after all: how many `differ` from the
+    analytic outcome, or from that which the refined map took for them.
+    """
 
     audited: int
     differ: int
-    sentence: str
+    against: Literal["analytic", "map"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,13 +165,12 @@ class ClaimVerdict:
     """One claim by one model: the verdict, its number and what the number counts; `untested` are parts that had no case."""
 
     claim: str
-    sentence: str
     model: str
     imposed: bool
     verdict: ClaimAnswer
     held: int
     cases: int
-    evidence: str
+    evidence: Finding
     untested: Sequence[str] = ()
 
 
@@ -216,6 +215,13 @@ class StudyRecord(Record, Shown):
     rows: Sequence[StudyRow]
     table: TableRecord | None = field(default=None, metadata=OMITTED)
     export: ExportRecord | None = field(default=None, metadata=OMITTED)
+
+    def texted(self, say: Say) -> StudyRecord:
+        """The record with its sentences, the evidence of each claim among them."""
+        if self.claims is None:
+            return super().texted(say)
+        claims = [replace(each, evidence=replace(each.evidence, text=say(each.evidence))) for each in self.claims]
+        return replace(super().texted(say), claims=claims)
 
     def plain(self) -> Plain:
         """The record as plain JSON values.

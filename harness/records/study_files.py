@@ -26,4 +26,3 @@ class TableRecord:
     shown: int
     outcomes: Mapping[str, int]
     seconds: float
-    sentence: str

@@ -1,4 +1,4 @@
-"""What each claim asks of one model's answers: how many cases held, of how many, and the evidence in words."""
+"""What each claim asks of one model's answers: how many cases held, of how many, and the evidence."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from harness.model.finding import Finding, info
 from harness.model.history import Outcome
 from harness.records.study import CaseRun, Value
 
@@ -25,7 +26,7 @@ AT_REST_M: Final = 1e-3
 """A pedestal that moves less than this is at rest: the paper's figures would not show it."""
 ROCKS_RAD: Final = 1e-3
 """A statue that turns less than this does not rock: a millimetre at the top of one of a metre."""
-KINDS: Final = ("(a) rocking", "(b) sliding", "(c) rocking and sliding")
+KINDS: Final = ("rocking", "sliding", "rocking_and_sliding")
 """The kinds of motion of the paper's figure 3."""
 LASTING: Final = 0.9
 """A statue that still strikes in the last tenth of the run goes on rocking."""
@@ -35,9 +36,9 @@ RATIO: Final = "contact.restitution"
 AZIMUTH: Final = "statue.mesh.azimuth_deg"
 SUPPORT: Final = "pedestal"
 Condition = tuple[tuple[str, Value], ...]
-Counted = tuple[int, int, str]
+Counted = tuple[int, int, Finding]
 """How many parts or cases held, of how many that were tested, and the evidence."""
-InParts = tuple[int, int, str, tuple[str, ...]]
+InParts = tuple[int, int, Finding, tuple[str, ...]]
 """The same of a claim of several parts, and those of which there was no case."""
 Test = Callable[[Sequence["Answer"]], Counted | InParts]
 
@@ -98,26 +99,26 @@ def _pairs(answers: Sequence[Answer]) -> list[tuple[Answer, Answer]]:
     return [(floor[item.condition], item) for item in answers if item.pedestal and item.condition in floor]
 
 
-def rotates_more(answers: Sequence[Answer]) -> tuple[int, int, str]:
+def rotates_more(answers: Sequence[Answer]) -> Counted:
     low = [(f, p) for f, p in _pairs(answers) if f.frequency_hz <= LOW_HZ]
     held = sum(
         f.no_return_s <= p.no_return_s if f.overturned or p.overturned else f.peak_rad > p.peak_rad for f, p in low
     )
     both = sum(f.overturned and p.overturned for f, p in low)
-    return held, len(low), f"{held} of {len(low)} conditions up to {LOW_HZ:g} Hz; in {both} both overturn"
+    return held, len(low), info("evidence_i", held=held, cases=len(low), limit_hz=LOW_HZ, both=both)
 
 
-def prevents(answers: Sequence[Answer]) -> tuple[int, int, str]:
+def prevents(answers: Sequence[Answer]) -> Counted:
     pairs = _pairs(answers)
     saved = [f.condition for f, p in pairs if f.overturned and not p.overturned]
     lost = sum(p.overturned and not f.overturned for f, p in pairs)
     falling = sum(f.overturned for f, _ in pairs)
-    text = f"prevented in {len(saved)} of {falling} conditions that overturn without; caused in {lost}"
+    text = info("evidence_ii", prevented=len(saved), falling=falling, caused=lost)
     # One case is enough for "in some cases"; where nothing overturns nothing could be prevented.
     return min(len(saved), 1), min(falling, 1), text
 
 
-def fades(answers: Sequence[Answer]) -> tuple[int, int, str]:
+def fades(answers: Sequence[Answer]) -> Counted:
     held = cases = 0
     gains: dict[bool, list[float]] = {True: [], False: []}
     for series in dict.fromkeys(item.without(SUPPORT, FREQUENCY) for item in answers):
@@ -134,13 +135,16 @@ def fades(answers: Sequence[Answer]) -> tuple[int, int, str]:
             cases += 1
             held += mean[True] > mean[False]
     if not cases:
-        return 0, 0, "no pairs"
-    low_text, high_text = (f"{np.mean(gains[low]):+.3f} rad" for low in (True, False))
-    text = f"mean advantage {low_text} up to {LOW_HZ:g} Hz, {high_text} above (an overturned statue counts with the rotation "
-    return held, cases, f"{text}at which its run ends); in {held} of {cases} series"
+        return _untested("pairs")
+    low_rad, high_rad = (float(np.mean(gains[low])) for low in (True, False))
+    return (
+        held,
+        cases,
+        info("evidence_iii", low_rad=low_rad, high_rad=high_rad, limit_hz=LOW_HZ, held=held, cases=cases),
+    )
 
 
-def falls_with_frequency(answers: Sequence[Answer]) -> tuple[int, int, str]:
+def falls_with_frequency(answers: Sequence[Answer]) -> Counted:
     series: dict[tuple[Any, ...], list[Answer]] = {}
     for item in answers:
         series.setdefault(item.without(FREQUENCY), []).append(item)
@@ -150,17 +154,16 @@ def falls_with_frequency(answers: Sequence[Answer]) -> tuple[int, int, str]:
         steps += len(ordered) - 1
         falls += sum(after.peak_rad <= before.peak_rad for before, after in pairwise(ordered))
         fallen += sum(after.overturned and before.overturned for before, after in pairwise(ordered))
-    text = f"the peak does not rise in {falls} of {steps} steps to the next frequency; in {fallen} both overturn"
-    return falls, steps, text
+    return falls, steps, info("evidence_iv", held=falls, cases=steps, both=fallen)
 
 
-def small_displacement(answers: Sequence[Answer]) -> tuple[int, int, str]:
+def small_displacement(answers: Sequence[Answer]) -> Counted:
     slips = [item.slip_m for item in answers if item.pedestal]
     if not slips:
-        return 0, 0, "no pedestal"
+        return _untested("pedestal")
     held = sum(slip <= FEW_CENTIMETRES_M for slip in slips)
-    worst = 1000.0 * max(slips)
-    return held, len(slips), f"largest {worst:.0f} mm; {held} of {len(slips)} within {1000 * FEW_CENTIMETRES_M:.0f} mm"
+    values = {"largest_m": max(slips), "limit_m": FEW_CENTIMETRES_M, "held": held, "cases": len(slips)}
+    return held, len(slips), info("evidence_v", **values)
 
 
 def wall_limit(answers: Sequence[Answer], top_displacement_m: Callable[[float], float]) -> InParts:
@@ -169,55 +172,44 @@ def wall_limit(answers: Sequence[Answer], top_displacement_m: Callable[[float], 
     geometry = abs(top / WALL_M - 1.0) <= WALL_SLACK
     back = [item.peak_rad for item in answers if item.stands]
     within = bool(back) and max(back) <= WALL_RAD
-    largest = f"largest rotation of a statue that comes back {max(back):.3f} rad" if back else "none comes back"
-    text = f"top displaced {top:.3f} m at {WALL_RAD:g} rad; {largest}"
-    return int(geometry) + int(within), 1 + bool(back), text, () if back else ("a statue that comes back",)
+    text = info("evidence_vi", top_m=top, limit_rad=WALL_RAD, largest_rad=max(back, default=None))
+    return int(geometry) + int(within), 1 + bool(back), text, () if back else ("returning",)
 
 
-def only_rocks(answers: Sequence[Answer]) -> tuple[int, int, str]:
+def only_rocks(answers: Sequence[Answer]) -> Counted:
     """(vii): on a pedestal above 3 Hz the statue rocks and the pedestal does not slide."""
     high = [item for item in answers if item.pedestal and item.frequency_hz > LOW_HZ]
     if not high:
-        return 0, 0, "no pedestal above 3 Hz"
+        return _untested("pedestal")
     held = sum(item.slip_m < AT_REST_M and item.peak_rad >= ROCKS_RAD for item in high)
     slides = sum(item.slip_m >= AT_REST_M for item in high)
-    worst = 1000.0 * max(item.slip_m for item in high)
-    return (
-        held,
-        len(high),
-        f"the pedestal slides in {slides} of {len(high)} conditions above {LOW_HZ:g} Hz, by at most {worst:.2g} mm",
-    )
+    largest_m = max(item.slip_m for item in high)
+    text = info("evidence_vii", slides=slides, cases=len(high), limit_hz=LOW_HZ, largest_m=largest_m)
+    return held, len(high), text
 
 
-def goes_on_rocking(answers: Sequence[Answer]) -> tuple[int, int, str]:
+def goes_on_rocking(answers: Sequence[Answer]) -> Counted:
     """(viii): above 3 Hz the statue still strikes its support at the end of the run, and stands."""
     high = [item for item in answers if item.frequency_hz > LOW_HZ and item.last_impact_s is not None]
     if not high:
-        return 0, 0, "no history above 3 Hz was kept"
+        return _untested("histories")
     held = sum(item.stands and (item.last_impact_s or 0.0) >= LASTING * item.end_s for item in high)
     fallen, end_s = sum(item.overturned for item in high), max(item.end_s for item in high)
-    return (
-        held,
-        len(high),
-        f"above {LOW_HZ:g} Hz {held} of {len(high)} go on rocking to the end of {end_s:.3g} s, {fallen} overturn",
-    )
+    text = info("evidence_viii", limit_hz=LOW_HZ, held=held, cases=len(high), end_s=end_s, falls=fallen)
+    return held, len(high), text
 
 
-def reduces(answers: Sequence[Answer]) -> tuple[int, int, str]:
+def reduces(answers: Sequence[Answer]) -> Counted:
     """(ix): where neither overturns, the statue on its pedestal turns less; one case is enough for "in some cases"."""
     stand = [(f.peak_rad, p.peak_rad) for f, p in _pairs(answers) if f.stands and p.stands and f.peak_rad >= ROCKS_RAD]
     if not stand:
-        return 0, 0, "no condition in which it rocks and stands with and without pedestal"
+        return _untested("standing")
     less = sum(p < f for f, p in stand)
-    share = 100.0 * float(np.median([p / f for f, p in stand]))
-    return (
-        min(less, 1),
-        1,
-        f"less in {less} of {len(stand)} conditions in which neither overturns; in the median {share:.0f} % of it",
-    )
+    share = float(np.median([p / f for f, p in stand]))
+    return min(less, 1), 1, info("evidence_ix", less=less, cases=len(stand), share=share)
 
 
-def weakest_plane(answers: Sequence[Answer]) -> tuple[int, int, str]:
+def weakest_plane(answers: Sequence[Answer]) -> Counted:
     """(x): in no other plane does the same motion turn the statue more, or overturn it sooner."""
     lateral = {item.without(AZIMUTH): item for item in answers if float(item.varied.get(AZIMUTH, 0.0)) == 0.0}
     others = [
@@ -226,8 +218,8 @@ def weakest_plane(answers: Sequence[Answer]) -> tuple[int, int, str]:
     pairs = [(lateral[item.without(AZIMUTH)], item) for item in others]
     held = sum(_is_worse(first, other) for first, other in pairs)
     falls = sum(item.overturned for item in lateral.values())
-    text = f"overturns in {falls} of {len(lateral)} motions in the lateral plane, in {sum(item.overturned for item in others)} of"
-    return held, len(pairs), f"{text} {len(others)} in others; lateral worse in {held} of {len(pairs)} comparisons"
+    values = {"falls": falls, "lateral": len(lateral), "other_falls": sum(item.overturned for item in others)}
+    return held, len(pairs), info("evidence_x", **values, others=len(others), held=held, cases=len(pairs))
 
 
 def _is_worse(first: Answer, other: Answer) -> bool:
@@ -249,17 +241,13 @@ def reaches_the_wall(answers: Sequence[Answer]) -> InParts:
     counts = {
         name: sum(item.overturned or item.peak_rad >= WALL_RAD for item in some) for name, some in kinds.items() if some
     }
-    each = [f"{name}: {count} of {len(kinds[name])} conditions" for name, count in counts.items()]
-    text = f"{WALL_RAD:g} rad reached by " + ", ".join(each)
-    return (
-        sum(count > 0 for count in counts.values()),
-        len(counts),
-        text,
-        tuple(name for name in KINDS if name not in counts),
-    )
+    untested = tuple(name for name in KINDS if name not in counts)
+    reached = {name: [count, len(kinds[name])] for name, count in counts.items()}
+    text = info("evidence_xi", limit_rad=WALL_RAD, reached=reached, untested=list(untested))
+    return sum(count > 0 for count in counts.values()), len(counts), text, untested
 
 
-def loses_less(answers: Sequence[Answer]) -> tuple[int, int, str]:
+def loses_less(answers: Sequence[Answer]) -> Counted:
     """(xii): at the next higher ratio the mean loss of an impact is not greater. A model's own impact knows no ratio."""
     series: dict[tuple[Any, ...], list[Answer]] = {}
     for item in answers:
@@ -277,9 +265,13 @@ def loses_less(answers: Sequence[Answer]) -> tuple[int, int, str]:
             for item, loss in zip(ordered, losses, strict=True):
                 means.setdefault(float(item.varied[RATIO]), []).append(loss)
     if not steps:
-        return 0, 0, "the impact is the model's own: no ratio is used"
-    by_ratio = ", ".join(f"{np.mean(losses):.3g} J at {ratio:g}" for ratio, losses in sorted(means.items()))
-    return held, steps, f"not more in {held} of {steps} steps to the next ratio; in the mean {by_ratio}"
+        return _untested("ratio")
+    lost_j = {f"{ratio:g}": float(np.mean(losses)) for ratio, losses in sorted(means.items())}
+    return held, steps, info("evidence_xii", held=held, cases=steps, lost_j=lost_j)
+
+
+def _untested(lacking: str) -> Counted:
+    return 0, 0, info("evidence_none", lacking=lacking)
 
 
 TESTS: Final[Mapping[str, Test]] = {

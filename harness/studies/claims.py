@@ -23,20 +23,6 @@ FAILS: Final[ClaimAnswer] = "does not hold"
 SOME: Final[ClaimAnswer] = "holds for some"
 UNTESTED: Final[ClaimAnswer] = "not tested"
 
-SENTENCES: Final[Mapping[str, str]] = {
-    "i": "up to 3 Hz the statue without pedestal rotates more and overturns sooner",
-    "ii": "in some cases the pedestal prevents overturning",
-    "iii": "the pedestal's advantage fades above 3 Hz",
-    "iv": "the rotation falls with frequency",
-    "v": "the pedestal's displacement stays within a few centimetres",
-    "vi": "0.50 rad, 0.70 m at the top, is the limit set by the wall",
-    "vii": "above 3 Hz only rocking is activated: the pedestal stays at rest",
-    "viii": "above 3 Hz the statue goes on rocking for very long without overturning",
-    "ix": "in some cases the pedestal also reduces the rotation of a statue that stands without it",
-    "x": "the lateral plane is the most vulnerable",
-    "xi": "every kind of motion can reach the back wall",
-    "xii": "the higher the restitution, the less energy is lost in an impact",
-}
 SETS: Final[Mapping[str, tuple[str, ...]]] = {
     "paper": ("i", "ii", "iii", "iv", "v", "vi", "vii", "viii", "ix", "xi", "xii"),
     "pedestal": ("i", "ii", "iii", "iv", "v", "vii", "viii", "ix"),
@@ -75,11 +61,8 @@ def judge(
             test: Test = by_claim[claim]
             held, cases, evidence, *parts = test(answers)
             untested = parts[0] if parts else ()
-            evidence += f"; {UNTESTED}: {', '.join(untested)}" if untested else ""
             said = _verdict(held, cases, untested)
-            verdicts.append(
-                ClaimVerdict(claim, SENTENCES[claim], model, imposed, said, held, cases, evidence, untested)
-            )
+            verdicts.append(ClaimVerdict(claim, model, imposed, said, held, cases, evidence, untested))
     return verdicts
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from harness.campaign.column_store import SECONDS, ColumnStore
 from harness.campaign.store import PlannedRow
-from harness.model.history import History, Outcome
+from harness.model.history import History
 from harness.records.study_files import TableRecord
 from harness.studies import case_selection as selection
 from harness.studies.case_columns import rows_of
@@ -74,11 +74,5 @@ def table(store: ColumnStore, study: StudyFile, shown: int) -> TableRecord:
         outcomes.update({item["values"]: item["counts"] for item in each["outcome"].value_counts().to_pylist()})
         seconds += float((each.schema.metadata or {})[SECONDS])
     rows = outcomes.total()
-    fallen = sum(count for name, count in outcomes.items() if Outcome(name).overturned)
     folder = f"{store.folder.parent.name}/{store.folder.name}"
-    sentence = f"{rows} cases stand in {folder}; {fallen} of them ({fallen / max(rows, 1):.2%}) overturn."
-    if shown < rows:
-        sentence += (
-            f" Maps, curves and counts of this page are those of {shown} of them, a coarser grid of the same ranges."
-        )
-    return TableRecord(folder, rows, shown, dict(sorted(outcomes.items())), seconds, sentence)
+    return TableRecord(folder, rows, shown, dict(sorted(outcomes.items())), seconds)

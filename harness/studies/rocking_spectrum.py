@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -25,6 +25,7 @@ from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import RecordSpec, Source
 from harness.input.tables import read_model
 from harness.model.errors import InputError, Mistake
+from harness.model.finding import Answer, Say, info
 from harness.model.history import Array
 from harness.model.run import machine, versions
 from harness.records.result_folder import write_whole
@@ -163,9 +164,13 @@ def compute(
 
 
 def run_spectrum(
-    path: Path, folder: Path, threads: int | None, on_progress: Callable[[int, int], None]
+    path: Path,
+    folder: Path,
+    threads: int | None,
+    on_progress: Callable[[int, int], None],
+    say: Say = lambda finding: "",
 ) -> RockingSpectrumRecord:
-    """The spectrum of a file: its record and its map (CSV) into `folder`."""
+    """The spectrum of a file: its record, with the sentences of `say`, and its map (CSV) into `folder`."""
     begin = time.process_time()
     spectrum = read_model(SpectrumFile, path)
     excitations = motions_of(spectrum, path)
@@ -193,7 +198,20 @@ def run_spectrum(
         versions=versions(),
         machine=machine(),
     )
-    return write_whole(folder, record, lambda fresh: _write_map(record, fresh / MAP_NAME))
+    record = replace(record, answer=answer_of(record))
+    return write_whole(folder, record.texted(say), lambda fresh: _write_map(record, fresh / MAP_NAME))
+
+
+def answer_of(record: RockingSpectrumRecord) -> Answer:
+    """Which share of the blocks falls in half of the cases, and up to which size those of a slenderness do."""
+    falls = np.array(record.probability_overturned) >= 0.5
+    found = [info("spectrum_falls", share=float(falls.mean()), cases=record.cases)]
+    for k in (0, len(record.slenderness) // 2, len(record.slenderness) - 1):
+        sizes = np.flatnonzero(falls[:, k])
+        up_to = "none" if not sizes.size else "all" if sizes[-1] == len(record.size_m) - 1 else "some"
+        largest_m = record.size_m[sizes[-1]] if sizes.size else None
+        found.append(info("spectrum_size", slenderness=record.slenderness[k], up_to=up_to, largest_m=largest_m))
+    return Answer("blocks", [*found, info("spectrum_done", **vars(record.summary))])
 
 
 def _plain(peaks: Array) -> list[list[float | None]]:

@@ -19,6 +19,7 @@ from harness.model.scene import Scene
 from harness.records.scene import SceneRecord
 from harness.records.study import Curve, Panel, StudyRecord, StudyRow, StudyWitness, SupportRecord
 from harness.studies import claims
+from harness.studies.answer import answer_of, findings_of
 from harness.studies.case_selection import REFERENCE, recheck
 from harness.studies.cases import base_of
 from harness.studies.claims import energy_lost_j, last_impact_s
@@ -49,7 +50,7 @@ def study_record(
     if study.claims:
         rows = _weighed(rows, store, scene)
     verdicts = claims.judge(rows, top_displacement(scene), study.claims) if study.claims else None
-    return StudyRecord(
+    made = StudyRecord(
         title=study.title,
         file=path.name,
         scene=SceneRecord.of(scene),
@@ -74,6 +75,7 @@ def study_record(
         rows=rows,
         table=columns,
     )
+    return replace(made, answer=answer_of(made), findings=[*findings_of(made), *made.findings])
 
 
 def top_displacement(scene: Scene) -> Any:

@@ -47,22 +47,9 @@ class Summary:
     failed: int
     usage: Usage
 
-    def __str__(self) -> str:
-        same = self.wanted - self.distinct
-        parts = [
-            f"{self.cases} cases, {self.wanted} runs wanted",
-            f"{same} the same by their physics" if same else "",
-            f"{self.found} found in the store" if self.found else "",
-            f"{self.computed} computed",
-            f"{self.not_sent} not sent to an engine" if self.not_sent else "",
-            f"{self.failed} failed" if self.failed else "",
-        ]
-        return ", ".join(part for part in parts if part)
-
     def record(self) -> StudySummary:
-        """The counts with their sentence, as a record holds them."""
-        counts = {name: value for name, value in vars(self).items() if name != "usage"}
-        return StudySummary(**counts, sentence=str(self))
+        """The counts, as a record holds them."""
+        return StudySummary(**{name: value for name, value in vars(self).items() if name != "usage"})
 
 
 @dataclass

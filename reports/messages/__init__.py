@@ -44,7 +44,8 @@ class Language:
         by = self.strings.get(f"{key}.by")
         template = self.strings[key if by is None else f"{key}.{values[by]}"]
         filled = OPTIONAL.sub(lambda part: part[1] if self._full(part[1], values) else "", template)
-        return FIELD.sub(lambda place: self.value(values.get(place[1]), place[2] or "plain"), filled)
+        text = FIELD.sub(lambda place: self.value(values.get(place[1]), place[2] or "plain"), filled)
+        return f"{text} ({values['in_runs']} {self.word('runs')})" if "in_runs" in values else text
 
     def _full(self, part: str, values: Mapping[str, Any]) -> bool:
         """Whether every value of a part is there; nought, False and what is not finite are none."""
@@ -131,6 +132,11 @@ def _factors(say: Language, factors: Mapping[str, Sequence[float | None]]) -> st
     return say.listed(each(share, *at) for share, at in factors.items())
 
 
+def _points(say: Language, share: float) -> str:
+    text = f"{100.0 * share:+.1f}"
+    return ("0.0" if float(text) == 0.0 else text).replace("-", "−").replace(".", say.strings["decimal"])
+
+
 def _named_key(say: Language, key: str) -> str:
     words = say.key(key)
     return printable(key) if words is None else f"{words} ({key})"
@@ -154,10 +160,18 @@ FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
     "groups": _grouped,
     "without": _shares,
     "factors": _factors,
+    "counts": lambda say, value: say.listed(
+        f"{say.word(name)}: {say.short(float(each))}" for name, each in value.items()
+    ),
+    "parts": lambda say, value: say.listed(
+        f"{say.word(name)}: {n} {say.word('of')} {of}" for name, (n, of) in value.items()
+    ),
+    "interval": lambda say, value: f"{say.digits(value[0])} ({say.range([*map(say.digits, value[1:])])})",
+    "changes": lambda say, value: say.listed(f"{say.word(key)} {_points(say, each)}" for key, each in value.items()),
     "key": _named_key,
-    "points": lambda say, value: f"{100.0 * value:+.1f}".replace("-", "−").replace(".", say.strings["decimal"]),
     "classes": _classes,
     "hz": lambda say, value: f"{say.digits(value, 3)}\u00a0Hz",
+    "points": _points,
 }
 """How a value is written, by the word after its colon."""
 

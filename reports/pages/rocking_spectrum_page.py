@@ -10,8 +10,6 @@ from harness.comparison.statistics.distributions import wilson
 from harness.probability.stratified import LEVEL
 from harness.records.rocking_spectrum import RockingSpectrumRecord
 from reports.charts.figure import figure
-from reports.messages import ENGLISH
-from reports.messages.numbers import digits, percent, unit
 from reports.text.chance import SAFE, SAFE_HIGH
 from reports.text.wording import Verdict
 
@@ -30,29 +28,13 @@ def context(_folder: Path, record: RockingSpectrumRecord) -> dict[str, object]:
 
 
 def verdict(record: RockingSpectrumRecord) -> Verdict:
-    """Which share of the blocks falls in half of the cases, and from which size on none of a slenderness does."""
+    """The record's answer; green where no block falls often."""
+    first, *points = [each.text for each in record.answer.findings] if record.answer else [""]
     cells = [p for line in record.probability_overturned for p in line]
-    half = sum(p >= 0.5 for p in cells) / len(cells)
-    cases = "the motion" if record.cases == 1 else f"at least half of {ENGLISH.count(record.cases)} cases"
-    headline = f"{percent(half)} of these blocks fall in {cases}"
-    points = []
-    for k in (0, len(record.slenderness) // 2, len(record.slenderness) - 1):
-        falling = [
-            size for size, line in zip(record.size_m, record.probability_overturned, strict=True) if line[k] >= 0.5
-        ]
-        who = f"Of slenderness {digits(record.slenderness[k])}"
-        if not falling:
-            points.append(f"{who} none does.")
-        elif falling[-1] == record.size_m[-1]:
-            points.append(
-                f"{who} blocks of every size up to the largest tried, R = {unit(falling[-1], 'm')}, still do."
-            )
-        else:
-            points.append(f"{who} none above R = {unit(falling[-1], 'm')} does.")
     # The block that falls most often decides, with the interval that so many cases leave open.
     most = wilson(round(max(cells) * record.cases), record.cases, LEVEL)
     safe = most is not None and most.value <= SAFE and most.high < SAFE_HIGH and not record.undecided
-    return Verdict(headline, "agree" if safe else "differ", points)
+    return Verdict(first, "agree" if safe else "differ", points)
 
 
 def _map(record: RockingSpectrumRecord, values: Map, name: str, most: float) -> dict[str, object]:

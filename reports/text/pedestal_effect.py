@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from harness.model.finding import Finding, info
 from harness.model.history import Outcome
 from harness.records.study import StudyRecord
 from reports.charts import Json
@@ -42,13 +43,9 @@ class PedestalEffect:
     charts: Sequence[tuple[str, str, Json]]
 
     @property
-    def sentence(self) -> str:
+    def finding(self) -> Finding:
         """For the engineer."""
-        item = self.counts
-        return (
-            f"Of {item.total} conditions it overturns in {item.bare} without the pedestal; with it {item.prevented} of these are "
-            f"prevented and {item.caused} others caused ({self.model})."
-        )
+        return info("pedestal_saves", model=self.model, **vars(self.counts))
 
 
 def pedestal_effect(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition]) -> PedestalEffect | None:

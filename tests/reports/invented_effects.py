@@ -8,6 +8,7 @@ from typing import Literal
 
 import harness
 from harness.effects3d import BASELINE
+from harness.effects3d.answer import answer_of, findings_of
 from harness.effects3d.conditions import turned
 from harness.effects3d.study import effects, static_rose
 from harness.model.history import Outcome
@@ -25,6 +26,7 @@ from harness.records.effects3d import (
 )
 from harness.records.scene import SceneRecord
 from harness.scene_run.scene_run import run_scene, write_result
+from reports.messages import ENGLISH
 
 SCENE = Path(__file__).parents[2] / "scenes" / "3d_effects_base.toml"
 AZIMUTHS = (0.0, 60.0, 180.0, 270.0)
@@ -59,7 +61,7 @@ def effects_record() -> EffectsRecord:
         seed=0,
         search=SearchRecord(1.2, 0.002, 1e-3),
     )
-    return EffectsRecord(
+    made = EffectsRecord(
         title="an invented rose",
         file="rose.toml",
         scene=SceneRecord.of(scene),
@@ -73,11 +75,17 @@ def effects_record() -> EffectsRecord:
         left_out={"base planed flat": "the base is flat"},
         unit_g=0.3,
         replay=None,
-        summary=EffectsSummary("4 directions", 4, 8, 0, 72, 0, 1.0),
+        summary=EffectsSummary(4, 8, 0, 72, 0, 1.0),
         versions=versions(),
         machine=machine(),
         seconds=1.0,
     )
+    return answered(made)
+
+
+def answered(record: EffectsRecord) -> EffectsRecord:
+    """The record with the answer and the findings of its own rows."""
+    return replace(record, answer=answer_of(record), findings=findings_of(record)).texted(ENGLISH.say)
 
 
 def write_effects(folder: Path) -> Path:

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from harness.model import run as record
-from harness.records.base import part, plain
+from harness.records.base import as_file, part, plain
 from harness.records.kinds import read_result
 from harness.records.scene import SceneRecord
 from harness.records.study import CaseRun, StudyRecord, StudyRow
 from harness.studies import claims
+from harness.studies.answer import answer_of, findings_of
+from reports.messages import ENGLISH
 from tests.reports.invented_run import block_scene, invented_history
 
 OWN = {
@@ -79,7 +82,7 @@ def _record(title: str, rows: list[dict[str, Any]], **more: Any) -> dict[str, An
         "scene": plain(SceneRecord.of(block_scene(wall=False))),
         "findings": [],
         "vary": {key: sorted({row["varied"][key] for row in rows}, key=str) for key in keys},
-        "summary": {"sentence": f"{len(rows)} runs wanted, {len(rows)} computed"},
+        "summary": {"wanted": len(rows), "computed": len(rows)},
         "seconds": 12.5,
         "engine_seconds": {"analytic": 0.2, "pymunk": 8.0},
         "rows": rows,
@@ -88,6 +91,15 @@ def _record(title: str, rows: list[dict[str, Any]], **more: Any) -> dict[str, An
         "machine": record.machine(),
         **more,
     }
+
+
+def _write(folder: Path, found: dict[str, Any]) -> Path:
+    """The record with the answer and the findings of its own rows, in a folder."""
+    made = part(StudyRecord, record.to_plain(found), folder)
+    answered = replace(made, answer=answer_of(made), findings=findings_of(made)).texted(ENGLISH.say)
+    folder.mkdir(parents=True, exist_ok=True)
+    record.write_json(folder / "result.json", as_file(answered))
+    return folder
 
 
 def write_table_study(folder: Path) -> Path:
@@ -123,9 +135,7 @@ def write_table_study(folder: Path) -> Path:
         headline=claims.headline(verdicts),
         panels=panels,
     )
-    folder.mkdir(parents=True, exist_ok=True)
-    record.write_json(folder / "result.json", found)
-    return folder
+    return _write(folder, found)
 
 
 def write_map_study(folder: Path) -> Path:
@@ -142,9 +152,7 @@ def write_map_study(folder: Path) -> Path:
             run = _run(engine, "overturned_right" if falls else "stands", 1.5 if falls else 0.05) if asked else None
             reason = "every case is asked" if asked else "not sent: the map's points around it agree"
             rows.append({"number": case, "engine": engine, "reason": reason, "varied": varied, "run": run})
-    folder.mkdir(parents=True, exist_ok=True)
-    record.write_json(folder / "result.json", _record("An invented map", rows))
-    return folder
+    return _write(folder, _record("An invented map", rows))
 
 
 def write_rose_study(folder: Path) -> Path:
@@ -164,6 +172,4 @@ def write_rose_study(folder: Path) -> Path:
                 "run": run,
             }
         )
-    folder.mkdir(parents=True, exist_ok=True)
-    record.write_json(folder / "result.json", _record("An invented rose", rows))
-    return folder
+    return _write(folder, _record("An invented rose", rows))

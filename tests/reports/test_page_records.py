@@ -7,21 +7,23 @@ from dataclasses import replace
 from html import unescape
 from pathlib import Path
 
+from harness.model.finding import caution, info
 from harness.model.run import write_json
-from harness.records.base import as_file
+from harness.records.base import as_file, plain
 from harness.records.bench import PartRow, ScalingRow
 from harness.records.kinds import read_result
 from harness.records.scores import Interval
 from harness.records.stress import Cell
 from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import ValidationRecord
+from harness.studies.answer import answer_of, findings_of
 from reports.charts.study_figures import rose_picture
 from reports.drawing.shapes import Disc
+from reports.messages import ENGLISH
 from reports.pages.bench_page import bench_verdict, on_front, precision_figure, scaling_figure
 from reports.pages.page import write_report
 from reports.pages.stress_page import notes, stress_verdict
 from reports.pages.study_page import context as study_context
-from reports.pages.study_page import left_domain, study_warnings
 from reports.pages.validation_page import validation_verdict
 from reports.text.study_rows import agreement, conditions
 from tests.reports import invented_records, invented_study
@@ -32,18 +34,14 @@ def shown(folder: Path) -> str:
     return without_data(write_report(folder).read_text(encoding="utf-8"))
 
 
-def test_a_study_says_what_engines_as_they_come_confirm(tmp_path: Path) -> None:
-    folder = invented_study.write_map_study(tmp_path)
-    assert 'id="witness"' not in shown(folder)
+def test_a_study_says_what_unmodified_engines_confirm(tmp_path: Path) -> None:
+    record = invented_study.study(invented_study.write_map_study(tmp_path))
     counts = {"pymunk:plain": WitnessCount(confirmed=8, differ=1, silent=0)}
-    said = "Case 7: pymunk as it comes does not confirm pymunk from 1.2 s on."
-    seen = StudyWitness(
-        scenes=9, of=90, counts=counts, differing=[said], sentence="9 of 90 scenes were held.", seconds=1.0
-    )
-    write_json(folder / "result.json", as_file(replace(invented_study.study(folder), witness=seen)))
-    html = shown(folder)
-    assert "9 of 90 scenes were held." in html
-    assert said in html
+    parts = caution("witness_parts", witness="pymunk", models=["pymunk"], from_s=1.2, case=7)
+    seen = StudyWitness(scenes=9, of=90, counts=counts, differing=[parts], seconds=1.0)
+    told = [each for each in findings_of(replace(record, witness=seen)) if "witness" in each.code]
+    assert [each.code for each in told] == ["study_witness", "study_witness_count", "witness_parts"]
+    assert told[1].values == {"witness": "pymunk", "confirmed": 8, "differ": 1, "silent": 0}
 
 
 def test_every_claim_and_model_has_its_computed_verdict(tmp_path: Path) -> None:
@@ -51,18 +49,14 @@ def test_every_claim_and_model_has_its_computed_verdict(tmp_path: Path) -> None:
     record, html = invented_study.study(folder), shown(folder)
     assert len(re.findall(r'<td class="claim ', html)) == len(record.claims or ())
     for item in record.claims or ():
-        assert item.evidence in unescape(html)
+        assert ENGLISH.say(item.evidence) in unescape(html)
 
 
 def test_the_headline_follows_the_claims(tmp_path: Path) -> None:
-    folder = invented_study.write_table_study(tmp_path)
-    record = invented_study.study(folder)
+    record = invented_study.study(invented_study.write_table_study(tmp_path))
     record = replace(record, headline=dict.fromkeys(record.headline or (), "holds"))
-    write_json(folder / "result.json", as_file(record))
-    every = (
-        "The paper's claims: (i), (ii), (iii), (iv), (v), (vi), (vii), (viii), (ix), (xi) and (xii) true in every model"
-    )
-    assert every in unescape(shown(folder))
+    told = answer_of(record)
+    assert (told.code, told.findings[0].values) == ("claims", {"groups": {"holds": [*(record.headline or ())]}})
 
 
 def test_the_matrix_marks_where_models_of_a_variant_differ(tmp_path: Path) -> None:
@@ -167,21 +161,25 @@ def test_a_stress_run_is_sound_or_says_what_is_wrong(tmp_path: Path) -> None:
     assert shown(tmp_path / "wrong").count('class="claim does-not-hold"') == 1
 
 
-def test_runs_outside_the_models_domain_are_counted_by_cause() -> None:
+def test_runs_outside_the_models_domain_are_counted_by_cause(tmp_path: Path) -> None:
     rows = [
         invented_study.case_row("analytic", invented_study.case_run(validity={"left_domain_by": cause}))
-        for cause in ("the statue slides", "the statue slides", "the pedestal tips", "", None)
+        for cause in ("statue_slides", "statue_slides", "pedestal_tips", "", None)
     ]
-    assert left_domain(rows) == [
-        "analytic (own) left its domain in 3 of 5 runs (the statue slides: 2 and the pedestal tips: 1)."
-    ]
-    assert left_domain(rows[3:]) == []
+    record = invented_study.study(invented_study.write_map_study(tmp_path))
+    (told,) = (each for each in findings_of(replace(record, rows=rows)) if each.code == "left_domain_in_runs")
+    assert told.engine == "analytic (own)"
+    assert told.values == {"left": 3, "cases": 5, "causes": {"statue_slides": 2, "pedestal_tips": 1}}
+    assert "left_domain_in_runs" not in [each.code for each in findings_of(replace(record, rows=rows[3:]))]
 
 
-def test_warnings_that_differ_in_numbers_are_one_kind() -> None:
-    texts = ("From 1.5 s it slides.", "From 2.25 s it slides.", "2D only.")
-    rows = [invented_study.case_row("analytic", invented_study.case_run(warnings=[text])) for text in texts]
-    assert study_warnings(rows) == ["analytic: From 1.5 to 2.25 s it slides. (2 runs)", "analytic: 2D only. (1 run)"]
+def test_findings_of_runs_that_differ_in_numbers_are_one(tmp_path: Path) -> None:
+    found = [info("target_met_until_fall", until_s=value) for value in (1.5, 2.25)] + [info("motion_across_left_out")]
+    rows = [invented_study.case_row("analytic", invented_study.case_run(findings=[plain(each)])) for each in found]
+    record = invented_study.study(invented_study.write_map_study(tmp_path))
+    told = {each.code: each for each in findings_of(replace(record, rows=rows))}
+    assert told["target_met_until_fall"].values == {"until_s": 1.875, "in_runs": 2}
+    assert told["motion_across_left_out"].values == {"in_runs": 1}
 
 
 def test_a_validation_says_how_to_repeat_it_and_how_far_histories_are_apart(tmp_path: Path) -> None:

@@ -168,7 +168,7 @@ def test_a_record_holds_a_coarser_grid_and_counts_all(tmp_path: Path) -> None:
     assert all(parts(row) == every[row.number] for row in shown)
     counted = table(rows.store, rows.study, len(shown))
     assert (counted.rows, sum(counted.outcomes.values()), counted.shown) == (60, 60, len(shown))
-    record, _ = study_cli.run(path, tmp_path / "out", pool=InlinePool(), quiet=True)
+    record = study_cli.run(path, tmp_path / "out", pool=InlinePool(), quiet=True)
     assert isinstance(record, StudyRecord)
     assert record.table is not None
     assert record.table.outcomes == counted.outcomes

@@ -60,7 +60,10 @@ def test_a_set_is_scored_by_outcome_verdict_and_distribution() -> None:
     assert found.peaks.area.value > 0.0
     # What the terminal says is what the page counts: all cases, whatever their outcomes are worth.
     assert (found.same, found.cases) == (10, 12)
-    assert "the distributions of the peak rotation cannot be told apart" in found.sentence
+    told = found.findings("pymunk")[0]
+    assert told.code == "peaks_alike"
+    assert (told.values["model"], told.values["reference"]) == ("pymunk", "analytic")
+    assert told.values["area"] == found.peaks.area.value
 
 
 def test_a_model_whose_maxima_are_larger_over_a_suite_of_motions_is_told_apart() -> None:
@@ -73,10 +76,10 @@ def test_a_model_whose_maxima_are_larger_over_a_suite_of_motions_is_told_apart()
     found = score_sets(rows)
     assert found["pymunk"].peaks is not None
     assert found["pymunk"].peaks.differ
-    assert "differ by more than chance: area between them" in found["pymunk"].sentence
+    assert "peaks_differ" in [each.code for each in found["pymunk"].findings("pymunk")]
     assert found["pybullet"].peaks is not None
     assert found["pybullet"].peaks.ks == found["pybullet"].peaks.area.value == 0.0
-    assert "cannot be told apart" in found["pybullet"].sentence
+    assert "peaks_alike" in [each.code for each in found["pybullet"].findings("pybullet")]
 
 
 def test_without_histories_peaks_and_outcomes_decide() -> None:

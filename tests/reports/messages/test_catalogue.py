@@ -23,6 +23,8 @@ SAMPLES = {
     "groups": {"stands": ["analytic"], "overturned": ["pymunk"]}, "without": {"products_of_inertia": 0.03},
     "factors": {"0.05": [1.02, 1.1, None]}, "key": "contact.floor", "points": 0.012,
     "classes": {"confirmed": 0.3, "refuted": 0.01}, "hz": 2.5,
+    "counts": {"statue_tips": 3}, "parts": {"rocking": [2, 5]}, "interval": [1.0, 0.9, 1.1],
+    "changes": {"planed flat": -0.03},
 }  # fmt: skip
 """A value of each format."""
 

@@ -214,8 +214,8 @@ def test_what_the_pedestal_prevents_is_counted_by_condition(tmp_path: Path) -> N
     record = study(write_table_study(tmp_path))
     found = pedestal_effect(record, *conditions(record.rows))
     assert found is not None
-    told = "it overturns in 12 without the pedestal; with it 6 of these are prevented and 0 others caused"
-    assert told in found.sentence
+    told = found.finding.values
+    assert (told["total"], told["bare"], told["prevented"], told["caused"]) == (30, 12, 6, 0)
     figures = {name: figure for name, _, figure in found.charts}
     assert figures["saved"]["data"][0]["text"] == ["6/6", "6/6", "0/6", "0/6", "0/6"]
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from harness.effects3d.answer import answer_of, findings_of
 from harness.model.run import write_json
 from harness.records.base import as_file
 from harness.records.effects3d import EffectsRecord
@@ -19,7 +22,7 @@ from reports.pages.effects3d_page import effects_verdict
 from reports.pages.page import write_report
 from reports.source import run_source
 from tests.budgets_reports import BASE_M
-from tests.reports.invented_effects import SOLID_G, effects_record, write_effects
+from tests.reports.invented_effects import SOLID_G, answered, effects_record, write_effects
 
 
 @pytest.fixture(scope="module")
@@ -28,32 +31,36 @@ def record() -> EffectsRecord:
 
 
 def test_the_verdict_counts_where_the_planar_model_is_too_safe(tmp_path: Path, record: EffectsRecord) -> None:
-    verdict = effects_verdict(record)
-    assert "too safe at 1 of 4 directions; asked at the base's sides, it is right within" in verdict.headline
-    text = " ".join(verdict.points)
-    assert "The plane is 100 % unsafe towards 60°." in text
-    assert "At 60° it overturns from 1.00\u00a0g, in three dimensions (pybullet) from 0.500\u00a0g" in text
-    assert "within 5 % at 3 of them" in text
-    assert "−3.0 % to −3.0 %" in text
-    assert "12\u00a0mm" in text
+    said = told(record)
+    assert (said["plane_unsafe"]["over"], said["plane_unsafe"]["directions"]) == (1, 4)
+    assert said["plane_by_sides"]["within"] == 3
+    worst = {"bounded": True, "azimuth_deg": 60.0, "planar_g": 1.0, "solid_g": 0.5, "error": 1.0, "never": 0}
+    assert said["plane_worst"] == worst
+    assert (said["survey_effect"]["low"], said["survey_effect"]["high"]) == pytest.approx((-0.03, -0.03))
+    assert said["leaves_plane"]["walked_m"] == 0.012
     never = [
         replace(row, peak_g=None) if (row.engine, row.azimuth_deg) == ("analytic", 60.0) else row for row in record.rows
     ]
-    assert "The plane is at least 140 % unsafe towards 60°." in effects_verdict(replace(record, rows=never)).points
+    bound = told(replace(record, rows=never))["plane_worst"]
+    assert (bound["bounded"], bound["never"], bound["error"]) == (False, 1, pytest.approx(1.4))
     other = [replace(record.rows[1], engine="pybullet:plain", peak_g=0.52), *record.rows[2:]]
     doubted = [replace(record.rows[0], doubt="its outcomes change"), record.rows[1], *other]
-    text = " ".join(effects_verdict(replace(record, rows=doubted)).points)
-    assert (
-        "pybullet:plain and pybullet are 4.0 % apart (median; within 5 % at 1 of 1 directions asked of both)." in text
-    )
-    assert "The answer of pybullet is in doubt at 0° (its outcomes change)." in text
+    said = told(replace(record, rows=doubted))
+    assert said["solids_apart"]["median"] == pytest.approx(0.04)
+    assert (said["solids_apart"]["within"], said["solids_apart"]["directions"]) == (1, 1)
+    assert said["peak_in_doubt"] == {"azimuth_deg": 0.0, "reason": "its outcomes change"}
     write_json(tmp_path / "result.json", as_file(replace(record, rows=doubted)))
     assert "<td>not asked</td>" in write_report(tmp_path).read_text(encoding="utf-8")
     wrong = ("analytic", 60.0)
     rows = [replace(row, peak_g=0.5) if (row.engine, row.azimuth_deg) == wrong else row for row in record.rows]
-    repaired = replace(record, rows=rows)
-    assert effects_verdict(repaired).tone == "agree"
-    assert "too safe at 0 of 4" in effects_verdict(repaired).headline
+    repaired = answered(replace(record, rows=rows))
+    assert "plane_safe" in told(repaired)
+    assert (effects_verdict(repaired).tone, effects_verdict(record).tone) == ("agree", "differ")
+
+
+def told(record: EffectsRecord) -> dict[str, Mapping[str, Any]]:
+    """The values of all that a record says, by code."""
+    return {each.code: each.values for each in (*answer_of(record).findings, *findings_of(record))}
 
 
 def test_the_rose_holds_every_direction_of_every_curve(record: EffectsRecord) -> None:
