@@ -9,6 +9,7 @@ from itertools import groupby, pairwise
 from typing import Final
 
 import numpy as np
+from pydantic import JsonValue
 
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
@@ -78,7 +79,9 @@ class Plane:
             setting = {"motion": {"x": x}, "duration_s": max(self.scene.duration_s, duration_s + RING_DOWN_S)}
         unknown = self.base.content.get("uncertainty")
         if isinstance(unknown, Mapping):
-            setting["uncertainty"] = {key: item for key, item in unknown.items() if not key.startswith("motion.")}
+            setting["uncertainty"] = {
+                key: _alone(item) for key, item in unknown.items() if not key.startswith("motion.")
+            }
         return setting  # type: ignore[return-value]
 
     def at(self, point: Point) -> Scene:
@@ -131,6 +134,13 @@ def to_ask(alike: Sequence[Hashable | None], found: Mapping[int, Hashable], fart
 def below(j: int, found: Mapping[int, Hashable]) -> int:
     """The nearest strength under one at which engines were asked."""
     return max(k for k in found if k < j)
+
+
+def _alone(spread: JsonValue) -> JsonValue:
+    """The distribution of a number without what goes with the scene's own motion, which is not there."""
+    if isinstance(spread, dict) and str(spread.get("correlated_with", "")).startswith("motion."):
+        return {key: value for key, value in spread.items() if key not in ("correlated_with", "rho")}
+    return spread
 
 
 def _rounded(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[float]:

@@ -87,7 +87,7 @@ def said(result: Result) -> Said:
     answer, model = result.answer(), result.runs[MODEL]
     codes = {found.code: found.values for found in answer.findings}
     known = {name: run for name, run in result.runs.items() if has_answer(run)}
-    kind, why = class_of(result, answer.code, CHANGED in codes)
+    kind, why = class_of(result, answer.code, codes.get(CHANGED, {}).get("outcomes", []))
     horizon = result.horizons.get(MODEL)
     fell = any(run.outcome.overturned for run in known.values())
     peaks = [abs(run.peak_theta_rad) for run in known.values()]
@@ -112,8 +112,11 @@ def said(result: Result) -> Said:
     )
 
 
-def class_of(result: Result, code: str, flips: bool) -> tuple[TrustClass, list[str]]:
-    """The class of a run's answer, and why: engines that differ robustly refute whatever else is true."""
+def class_of(result: Result, code: str, others: Sequence[str]) -> tuple[TrustClass, list[str]]:
+    """The class of a run's answer, and why: engines that differ robustly refute whatever else is true.
+
+    `others`: the outcomes that the smallest changes have, where it is more than one.
+    """
     known = {name: run for name, run in result.runs.items() if has_answer(run)}
     judged = {name: each for name, each in result.scores.items() if each.a in known and each.b in known}
 
@@ -143,8 +146,8 @@ def class_of(result: Result, code: str, flips: bool) -> tuple[TrustClass, list[s
         return "no_answer", [model.outcome.value]
     if len(known) < 2:
         return "no_answer", [name for name in result.runs if name not in known]
-    if flips or code in ("unpredictable", "outcome_differs"):
-        return "probability", sorted({outcome_family(run.outcome) for run in known.values()})
+    if others or code in ("unpredictable", "outcome_differs"):
+        return "probability", sorted({*others, *(outcome_family(run.outcome) for run in known.values())})
     if code == "agree":
         return ("nothing_moves" if _still(model) else "confirmed"), []
     return "outcome_confirmed", sorted({each.verdict.name.lower() for each in judged.values()} - {"agree"})

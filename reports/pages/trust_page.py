@@ -47,7 +47,8 @@ def context(_folder: Path, record: TrustRecord) -> dict[str, object]:
     """Everything that the template shows."""
     said = [] if record.answer is None else [each.text for each in record.answer.findings]
     there = {kind: share for kind, share in record.shares.items() if share}
-    tone = "failed" if "refuted" in there else "agree" if there.keys() <= HELD else "differ"
+    falls = any(cell["outcomes"].get(MODEL) == "overturned" for cell in record.cells)
+    tone = "failed" if "refuted" in there else "agree" if there.keys() <= HELD and not falls else "differ"
     return {
         "verdict": Verdict(said[0], tone, said[1:]),
         "map": map_figure(record),

@@ -23,6 +23,7 @@ from harness.scene_run.scene_run import run_scene
 from harness.studies.case_tasks import stored_runs
 from harness.studies.file import load_study
 from harness.studies.study_run import Beside, run_study
+from harness.trust import plane
 from reports import build_examples
 from tests import doubles
 from tests.harness.studies.small_study import BLOCK, written
@@ -117,3 +118,15 @@ def test_a_shipped_page_of_a_statue_that_may_fall_is_never_green(
     for page in ("report", "conservator"):
         (tone,) = re.findall(r'class="verdict (\w+)"', (tmp_path / "paestum_pedestal" / f"{page}.html").read_text())
         assert tone != "agree"
+
+
+def test_the_main_job_s_map_is_the_coarse_one_of_the_statue_on_the_floor(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(build_examples, "OUT", tmp_path)
+    monkeypatch.setattr(plane, "RESOLUTION", {True: 4.5})
+    monkeypatch.setattr(plane, "FREQUENCIES", {True: 1})
+    record = build_examples.trust_map(InlinePool())
+    assert (record.coarse, record.engines, record.scene.file) == (True, ("analytic", "pymunk"), "paestum_floor.toml")
+    assert len(record.cells) == 3
+    assert (tmp_path / "paestum_floor-trust" / "result.json").is_file()

@@ -17,7 +17,10 @@ BLOCK = {
         "mass_kg": 500.0, "centroid_height_m": 0.5, "corner_left_m": 0.2, "corner_right_m": 0.1, "inertia_kg_m2": 43.3,
     },
     "motion": {"x": {"kind": "harmonic", "amplitude_g": 0.3, "frequency_hz": 2.0}, "scale": 2.0},
-    "uncertainty": {"motion.x.frequency_hz": {"kind": "assumed"}, "statue.mass_kg": {"kind": "assumed"}},
+    "uncertainty": {
+        "motion.x.frequency_hz": {"kind": "assumed"},
+        "statue.mass_kg": {"kind": "assumed", "correlated_with": "motion.x.frequency_hz", "rho": 0.5},
+    },
 }  # fmt: skip
 
 

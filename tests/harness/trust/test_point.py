@@ -64,7 +64,7 @@ def test_each_class_is_what_the_answer_of_a_run_says(kind: str, model: dict[str,
 def test_models_that_agree_tell_no_outcome_where_the_smallest_changes_have_another() -> None:
     both = run("analytic"), run("pymunk")
     found = said(result(*both, outcomes=(Outcome.STANDS, Outcome.OVERTURNED_LEFT)))
-    assert (found.kind, found.flips) == ("probability", True)
+    assert (found.kind, found.flips, found.why) == ("probability", True, ["overturned", "stands"])
     assert said(result(*both)).kind == "confirmed"
 
 
