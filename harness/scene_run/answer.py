@@ -37,12 +37,19 @@ def answer_of(
     scores: Mapping[str, Scores],
     horizons: Mapping[str, HorizonRecord],
     assessment: Mapping[str, Assessment],
+    decided: Sequence[Finding] = (),
 ) -> Answer:
-    """The headline, in the order in which a validation asks."""
+    """The headline, in the order in which a validation asks; `decided`: laws whose choice decides the outcome."""
     known = {name: run for name, run in runs.items() if has_answer(run)}
     judged = [each for each in scores.values() if each.a in known and each.b in known]
     code = _code(known, judged)
-    parts = [_what(scene, known, len(runs)), *probability(assessment), *_until(known, judged, code), *_decides(scores)]
+    parts = [
+        _what(scene, known, len(runs)),
+        *probability(assessment),
+        *_until(known, judged, code),
+        *decided,
+        *_decides(scores),
+    ]
     return Answer(code, [*parts, *_unpredictable(horizons, known)])
 
 

@@ -51,8 +51,8 @@ def findings_of(choice: DecidedBy | None) -> list[Finding]:
     """That the choice decides the outcome, with both."""
     if choice is None or not choice.decides:
         return []
-    outcomes = [each.outcome.value for each in choice.outcomes.values()]
-    return [changes_answer("floor_impact_decides", choices=[*choice.outcomes], outcomes=outcomes)]
+    outcomes = {name: each.outcome.value for name, each in choice.outcomes.items()}
+    return [changes_answer("floor_impact_decides", outcomes=outcomes)]
 
 
 def under_static(scene: Scene, runs: Mapping[str, Run]) -> tuple[Scene, dict[str, Run]]:

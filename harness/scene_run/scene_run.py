@@ -66,7 +66,8 @@ class Result:
 
     def answer(self) -> Answer:
         """The headline."""
-        return answer_of(self.scene, self.runs, self.scores, self.horizons, self.assessment)
+        decided = floor_impact.findings_of(self.decided_by)
+        return answer_of(self.scene, self.runs, self.scores, self.horizons, self.assessment, decided)
 
     def findings(self) -> list[Finding]:
         """All that is to be known of the result, by severity."""

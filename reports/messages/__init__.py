@@ -158,6 +158,7 @@ FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
     "names": lambda say, value: say.listed(map(say.word, value)),
     "vector": lambda say, value: ", ".join(say.short(part, 3) for part in value),
     "groups": _grouped,
+    "choices": lambda say, value: "; ".join(f"{say.word(name)}: {say.word(end)}" for name, end in value.items()),
     "without": _shares,
     "factors": _factors,
     "counts": lambda say, value: say.listed(
