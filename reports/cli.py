@@ -270,7 +270,8 @@ def validate(
     from harness.records.result_folder import check_folder, named_after
     from harness.validation.toss_run import body_of_tosses, validate_tosses
     from harness.validation.validation_run import run_validation
-    from harness.validation.words import summary
+    from reports.messages import ENGLISH
+    from reports.terminal import validation_lines
 
     folder = out or OUT / named_after(experiments)
     thrown = body_of_tosses(experiments, body, samples=samples, resume=resume, fit_share=fit_share)
@@ -289,8 +290,9 @@ def validate(
         jobs=jobs,
         resume=resume,
         quiet=saying.silent,
+        say=ENGLISH.say,
     )
-    say_result(as_file(record), summary(record), folder, saying)
+    say_result(as_file(record), "\n".join(validation_lines(record, verbose=saying.verbose)), folder, saying)
 
 
 cli_bench.add_commands(app)

@@ -16,9 +16,10 @@ from harness.model.terminal import printable
 from harness.records.assess import Assessment, AssessRecord
 from harness.records.base import Record
 from harness.records.run import EngineRunRecord, RunRecord
-from harness.records.scores import Scores, Verdict
+from harness.records.scores import Interval, Scores, Verdict
 from harness.records.study import StudyRecord, StudyRow
 from harness.records.trust import TrustRecord
+from harness.records.validation import BaselineRecord, ModelRecord, ValidationRecord
 from harness.scene_run.answer import STILL_RAD
 from harness.statics.plan import Step
 from reports.messages import ENGLISH
@@ -77,6 +78,34 @@ def _model_rows(rows: Sequence[StudyRow]) -> list[list[str]]:
     kinds = list(dict.fromkeys(kind for count in ends.values() for kind in count))
     cells = [[model, str(count.total()), *(str(count[kind]) for kind in kinds)] for model, count in ends.items()]
     return [["model", "runs", *(ENGLISH.strings[f"ends.{kind}"] for kind in kinds)], *cells]
+
+
+def validation_lines(record: ValidationRecord, *, verbose: bool = False) -> list[str]:
+    """A validation: title, answer, how often each model and the bare threshold are right, what to beware of."""
+    bare = record.baseline
+    cells = [
+        [
+            name,
+            rate(item.outcomes.accuracy),
+            rate(None if item.by_probability is None else item.by_probability.accuracy),
+            *_chances(item),
+        ]
+        for name, item in record.models.items()
+    ]
+    cells.append(["PGV threshold", rate(bare.outcomes.accuracy), "–", *_chances(bare)])
+    heading = ["model", "right", "right by P ≥ 1/2", "Brier score", "area under the curve"]
+    shown = cells if verbose or len(cells) <= MODEL_LINES else [*cells[: MODEL_LINES - 1], cells[-1]]
+    return _headed(record, table([heading, *shown]), verbose=verbose)
+
+
+def _chances(item: ModelRecord | BaselineRecord) -> list[str]:
+    area = item.probability.area
+    return [digits(item.probability.brier), digits(None if area is None else area.value)]
+
+
+def rate(item: Interval | None) -> str:
+    """A share with its interval, in per cent."""
+    return ENGLISH.value(item and [item.value, item.low, item.high], "rate").replace("\u00a0", " ")
 
 
 def _headed(record: Record, rows: Sequence[str], *, verbose: bool) -> list[str]:

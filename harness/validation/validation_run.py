@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Final
@@ -19,6 +19,7 @@ from harness.comparison.comparator import compare
 from harness.input.history_file import read_history
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
+from harness.model.finding import Say
 from harness.model.run import Run
 from harness.records.base import RunCounts
 from harness.records.result_folder import write_whole
@@ -33,6 +34,7 @@ from harness.records.validation import (
     TestRow,
     ValidationRecord,
 )
+from harness.validation.answer import answer_of, findings_of
 from harness.validation.fit import Answers, choose
 from harness.validation.jobs import BATCH, BATCH_OTHERWISE, Model, parse_model, task_of
 from harness.validation.motions import Intensity
@@ -57,6 +59,7 @@ def run_validation(
     jobs: int | None = None,
     resume: bool = False,
     quiet: bool = False,
+    say: Say = lambda finding: "",
 ) -> ValidationRecord:
     """Run the models on a table of measured tests and score them; writes store.sqlite and result.json into `folder`.
 
@@ -102,7 +105,8 @@ def run_validation(
         machine=record.machine(),
         seconds=time.perf_counter() - start,
     )
-    return write_whole(folder, result)
+    result = replace(result, answer=answer_of(result), findings=findings_of(result))
+    return write_whole(folder, result.texted(say))
 
 
 class Runs:

@@ -173,6 +173,8 @@ FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
     "classes": _classes,
     "hz": lambda say, value: f"{say.digits(value, 3)}\u00a0Hz",
     "points": _points,
+    "rate": lambda say, value: "{:.0f}\u00a0% ({:.0f}–{:.0f}\u00a0%)".format(*(100.0 * each for each in value)),
+    "speeds": lambda say, value: f"{say.range([*map(say.digits, value)])}\u00a0m/s",
 }
 """How a value is written, by the word after its colon."""
 

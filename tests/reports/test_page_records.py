@@ -17,6 +17,7 @@ from harness.records.stress import Cell
 from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import ValidationRecord
 from harness.studies.answer import answer_of, findings_of
+from harness.validation.answer import answer_of as validation_answer
 from reports.charts.study_figures import rose_picture
 from reports.drawing.shapes import Disc
 from reports.messages import ENGLISH
@@ -103,12 +104,14 @@ def validation(folder: Path) -> ValidationRecord:
 
 
 def test_a_validation_is_held_against_the_bare_threshold(tmp_path: Path) -> None:
-    good = validation_verdict(validation(invented_records.write_validation(tmp_path / "good", skill=1.0)))
-    assert good.tone == "agree"
-    assert "every model beats a bare threshold on PGV beyond chance" in good.headline
-    poor = validation_verdict(validation(invented_records.write_validation(tmp_path / "poor", skill=0.5)))
-    assert "no model beats a bare threshold on PGV, and analytic and pymunk are worse" in poor.headline
-    assert "best" not in good.headline + poor.headline
+    good = validation(invented_records.write_validation(tmp_path / "good", skill=1.0))
+    told = validation_answer(good)
+    assert (told.code, told.findings[-1].values["models"]) == ("better", ["analytic", "pymunk"])
+    assert validation_verdict(replace(good, answer=told)).tone == "agree"
+    poor = validation(invented_records.write_validation(tmp_path / "poor", skill=0.5))
+    told = validation_answer(poor)
+    assert (told.code, told.findings[-1].values["models"]) == ("worse", ["analytic", "pymunk"])
+    assert validation_verdict(replace(poor, answer=told)).tone == "differ"
     html = shown(tmp_path / "good")
     assert html.count('class="o-stands"') == 120
     assert 'class="o-overturns"' not in html
@@ -127,13 +130,12 @@ def test_models_that_are_right_equally_often_are_all_named(tmp_path: Path) -> No
         bare = replace(record.baseline.outcomes, accuracy=Interval(0.85, 0.75, 0.92))
         return replace(record, models=models, baseline=replace(record.baseline, outcomes=bare))
 
-    tied = validation_verdict(with_accuracies(0.8, 0.8))
-    assert tied.headline.startswith("All models are right equally often, in 80 % of the tests that they decide")
-    assert "no model can be told from a bare threshold on PGV, right in 85 % (75–92 %)" in tied.headline
-    assert tied.tone == "differ"
-    assert validation_verdict(with_accuracies(0.8, 0.81)).headline.startswith(
-        f"{names[1]} is right most often, in 81 %"
-    )
+    tied = validation_answer(with_accuracies(0.8, 0.8))
+    assert tied.code == "alike"
+    assert tied.findings[0].values == {"alone": False, "models": names, "right": [0.8, 0.7, 0.9]}
+    assert tied.findings[1].values["right"] == [0.85, 0.75, 0.92]
+    best = validation_answer(with_accuracies(0.8, 0.81)).findings[0].values
+    assert (best["alone"], best["models"]) == (True, names[1:])
 
 
 def test_the_front_holds_what_nothing_beats() -> None:

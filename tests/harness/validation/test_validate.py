@@ -23,6 +23,7 @@ from harness.validation.scenes import Variant, intensity_of, scene_of
 from harness.validation.table import read_table
 from reports.cli import app
 from reports.pages.page import write_report
+from reports.terminal import LINES
 from tests.harness.validation.experiments import validate, write_experiments, write_table
 
 AMPLITUDES = (2.0, 3.0, 4.0, 5.0, 7.0, 8.0, 9.0, 10.0)
@@ -189,18 +190,18 @@ def test_a_swapped_label_is_named_on_terminal_and_page(tmp_path: Path) -> None:
     assert answer.exit_code == 0, answer.output
     record = json.loads((tmp_path / "out" / "result.json").read_text(encoding="utf-8"))
     assert record["unexplained"] == [rows[-1]["test"]]
-    assert f"{rows[-1]['test']}: no run gives what was observed (label swapped?)" in answer.output
-    for words in (
-        "nominal run right in",
-        "by P ≥ 1/2 right in",
-        "Brier",
-        "area under the curve",
-        "of what it says: ",
+    (told,) = (each for each in record["findings"] if each["code"] == "tests_unexplained")
+    assert told["values"] == {"tests": [rows[-1]["test"]]}
+    assert told["text"][:40] in answer.output
+    lines = answer.output.splitlines()
+    assert len(lines) <= LINES
+    assert [line.split("  ")[1].strip() for line in lines if line.startswith("  ")][:3] == [
+        "model",
+        "analytic",
         "PGV threshold",
-    ):
-        assert words in answer.output
+    ]
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "label swapped?" in page
+    assert told["text"] in page
     assert "Share that fell against the probability said" in page
     assert "right, by P ≥ ½" in page
 
