@@ -6,7 +6,7 @@ import gc
 import sys
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -28,6 +28,10 @@ from harness.command import (
 from harness.model.terminal import printable
 from reports import cli_bench, cli_input, cli_record
 from reports.cli_result import OUT, Out, say_result
+
+if TYPE_CHECKING:
+    from harness.records.measured import MeasuredRecord
+    from harness.records.tosses import TossesRecord
 
 app = typer.Typer(
     name="rockcheck",
@@ -254,30 +258,31 @@ def validate(
     ] = None,
     samples: Annotated[int, typer.Option("--samples", help="Draws of each test, for probabilities.")] = 0,
     fit_share: Annotated[
-        str, typer.Option("--fit-share", help="The share of the tests on which unknowns are fitted.")
-    ] = "fit",
+        str | None,
+        typer.Option("--fit-share", help="The share of the tests on which unknowns are fitted. Default: fit."),
+    ] = None,
     seed: Seed = 0,
     jobs: Jobs = None,
     resume: Resume = False,
     body: Annotated[
         Path | None,
-        typer.Option("--body", metavar="SCENE", help="Whose statue is thrown, for a table of measured tosses."),
+        typer.Option("--body", metavar="SCENE", help="Whose statue is thrown, for measured tosses or drops."),
     ] = None,
     out: Out = None,
 ) -> None:
-    """Run the models on measured tests and score them against what was observed; a table of tosses by pose histories."""
+    """Run the models on measured tests, tosses or drops and score them against what was observed; or on impact ratios."""
     from harness.records.base import as_file
     from harness.records.result_folder import check_folder, named_after
-    from harness.validation.toss_run import body_of_tosses, validate_tosses
+    from harness.validation.kinds import kind_of
     from harness.validation.validation_run import run_validation
     from reports.messages import ENGLISH
-    from reports.terminal import validation_lines
+    from reports.terminal import measured_lines, validation_lines
 
     folder = out or OUT / named_after(experiments)
-    thrown = body_of_tosses(experiments, body, samples=samples, resume=resume, fit_share=fit_share)
-    if thrown is not None:
-        measured = validate_tosses(experiments, folder, thrown, models=engine, seed=seed, jobs=jobs)
-        say_result(as_file(measured), "", folder, saying)
+    kind = kind_of(experiments, samples=samples, resume=resume, fit_share=fit_share, body=body, engine=engine)
+    if kind != "tests":
+        measured = _measured(kind, experiments, folder, body or Path(), engine, samples, seed, jobs, saying.silent)
+        say_result(as_file(measured), "\n".join(measured_lines(measured, verbose=saying.verbose)), folder, saying)
         return
     check_folder(folder, ("validation",))
     record = run_validation(
@@ -285,7 +290,7 @@ def validate(
         folder,
         models=engine,
         samples=samples,
-        fit_share=fit_share,
+        fit_share=fit_share or "fit",
         seed=seed,
         jobs=jobs,
         resume=resume,
@@ -293,6 +298,33 @@ def validate(
         say=ENGLISH.say,
     )
     say_result(as_file(record), "\n".join(validation_lines(record, verbose=saying.verbose)), folder, saying)
+
+
+def _measured(
+    kind: str,
+    table: Path,
+    folder: Path,
+    body: Path,
+    models: list[str] | None,
+    samples: int,
+    seed: int,
+    jobs: int | None,
+    quiet: bool,
+) -> TossesRecord | MeasuredRecord:
+    """The record of a table of tosses, drops or impact ratios."""
+    from harness.validation.drop_run import validate_drops
+    from harness.validation.impact_ratios import validate_ratios
+    from harness.validation.toss_run import validate_tosses
+    from reports.messages import ENGLISH
+
+    say = ENGLISH.say
+    if kind == "tosses":
+        return validate_tosses(table, folder, body, models=models, seed=seed, jobs=jobs, say=say)
+    if kind == "impact_ratios":
+        return validate_ratios(table, folder, say)
+    return validate_drops(
+        table, folder, body, models=models, samples=samples, seed=seed, jobs=jobs, quiet=quiet, say=say
+    )
 
 
 cli_bench.add_commands(app)

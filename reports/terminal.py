@@ -15,15 +15,19 @@ from harness.model.run import to_plain
 from harness.model.terminal import printable
 from harness.records.assess import Assessment, AssessRecord
 from harness.records.base import Record
+from harness.records.measured import MeasuredRecord
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scores import Interval, Scores, Verdict
 from harness.records.study import StudyRecord, StudyRow
+from harness.records.tosses import TossesRecord
 from harness.records.trust import TrustRecord
 from harness.records.validation import BaselineRecord, ModelRecord, ValidationRecord
 from harness.scene_run.answer import STILL_RAD
 from harness.statics.plan import Step
 from reports.messages import ENGLISH
 from reports.messages.numbers import digits, length
+from reports.pages.measured_page import heads, keyed
+from reports.pages.tosses_page import means_rows
 from reports.text.study_rows import family
 
 LINES: Final = 16
@@ -33,6 +37,8 @@ LONG_ANSWER_LINES: Final = 7
 PAIR_LINES: Final = 3
 MODEL_LINES: Final = 6
 """Lines of a study's table of models, its heading among them."""
+TOLD_COLUMNS: Final = 7
+"""Of a measured set's table: more are on the page."""
 LAST_LINES: Final = 2
 """How many findings there are beside those shown, and where the pages are."""
 MARK: Final = {Severity.CHANGES_ANSWER: "!!", Severity.CAUTION: "! ", Severity.INFO: "  "}
@@ -127,6 +133,15 @@ def trust_lines(record: TrustRecord, *, verbose: bool = False) -> list[str]:
         else beware_lines(record.findings, len(record.findings), LINES - len(lines) - 1)
     )
     return [*lines, *found]
+
+
+def measured_lines(record: MeasuredRecord | TossesRecord, *, verbose: bool = False) -> list[str]:
+    """A measured set: title, answer, the first columns of its first table, what to beware of."""
+    if isinstance(record, TossesRecord):
+        return _headed(record, table(means_rows(record)), verbose=verbose)
+    first = record.tables[0]
+    rows = [heads(first), *([key, *cells] for key, cells in keyed(first))]
+    return _headed(record, table([row[:TOLD_COLUMNS] for row in rows]), verbose=verbose)
 
 
 def _of_pairs(record: RunRecord) -> list[Finding]:

@@ -97,3 +97,28 @@ SCAN_ROCKS_RAD = 5e-3
 
 SCAN_STEPS = 20_000
 """Steps that a draw of a probability may take: 40 s of a real record take 500 to 2 800."""
+
+FALL_READ_M_S2 = 0.01
+"""A fall read from twelve frames written with nine digits: 1e-9 m over (0.05 s)² is 1e-6,
+far below it; no other noise."""
+
+START_READ = 1e-4
+"""Value and rate by least squares of the same frames: the rate's rounding is 1e-9 m over a frame of 4 ms."""
+
+WEIGHED_RESTITUTION = 0.05
+"""Ends are told apart by 0.1 of restitution: half of that cannot be seen."""
+
+PLATES_FALL_M_S2 = 0.25
+"""125 falls between 8.5 and 9.7 m/s² of which the median is read."""
+
+LIMESTONE = 5e-4
+"""Figures as printed in docs/scores.md."""
+
+FITTED_AGAIN = 0.005
+"""One toss of friction 0.20 thrown again: the descent ends at simplices of 1e-3, its loss flat to rounding around the truth."""
+
+FITTED_ON_ONE_IMPACT = 0.05
+"""The first impact of one toss, which may stick: the friction that it slid with is known to a quarter."""
+
+CLOCK_REL = 1e-5
+"""Twelve places to twelve digits; a second before rounding."""

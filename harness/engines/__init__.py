@@ -25,6 +25,8 @@ THROWN: Final = (EXACT_IN_SPACE, "pybullet")
 """Engines of a scene that begins from a pose in space, with plastic impacts, and"""
 BOUNCING: Final = (EXACT_IN_SPACE, "pybullet:plain")
 """where impacts give back a share of the velocity."""
+PLASTIC_THROWN: Final = ("pymunk", "pybullet")
+"""Engines that locate plastic impacts alone of what is thrown."""
 
 
 def default_engines(scene: Scene) -> tuple[str, ...]:

@@ -17,6 +17,8 @@ from harness.probability.variation import IMPACT, file_scale
 
 Array = NDArray[np.float64]
 
+MOST: Final = {"contact.restitution": 1.0}
+"""Draws above this are drawn again: no impact gives energy."""
 LEAST_SHARE: Final = 1e-3
 """Draws of a positive number below this share of it are drawn again: a friction or a mass has no tail through zero."""
 
@@ -82,27 +84,32 @@ def _of_score(item: Uncertain, score: Array) -> Array:
     """The input at normal scores (n,): the same distribution as `_values` draws, by its quantiles."""
     from scipy.special import ndtr, ndtri
 
+    least, most = _limits(item)
     if item.kind == "lognormal":
-        return np.asarray(item.value * np.exp(math.sqrt(math.log1p(item.width**2)) * score))
-    least = LEAST_SHARE * item.value if item.value > 0.0 else -math.inf
+        return np.minimum(item.value * np.exp(math.sqrt(math.log1p(item.width**2)) * score), most)
     if item.kind == "uniform":
-        low = max(item.value - item.width, least)
-        return np.asarray(low + (item.value + item.width - low) * ndtr(score))
-    cut = ndtr((least - item.value) / item.width)
-    return np.asarray(item.value + item.width * ndtri(cut + (1.0 - cut) * ndtr(score)))
+        low, high = max(item.value - item.width, least), min(item.value + item.width, most)
+        return np.asarray(low + (high - low) * ndtr(score))
+    below, up_to = ndtr((least - item.value) / item.width), ndtr((most - item.value) / item.width)
+    return np.asarray(item.value + item.width * ndtri(below + (up_to - below) * ndtr(score)))
+
+
+def _limits(item: Uncertain) -> tuple[float, float]:
+    """Between which values a draw is kept."""
+    return LEAST_SHARE * item.value if item.value > 0.0 else -math.inf, MOST.get(item.key, math.inf)
 
 
 def _values(item: Uncertain, count: int, random: np.random.Generator) -> Array:
+    least, most = _limits(item)
     if item.kind == "lognormal":
         # The median is the scene's value; cov² = exp(s²) − 1.
         s = math.sqrt(math.log1p(item.width**2))
-        return np.asarray(item.value * np.exp(s * random.standard_normal(count)))
+        return np.minimum(item.value * np.exp(s * random.standard_normal(count)), most)
     values = np.empty(0)
     while values.size < count:
         unit = random.standard_normal(count) if item.kind == "normal" else random.uniform(-1.0, 1.0, count)
         drawn = item.value + item.width * unit
-        allowed = drawn >= LEAST_SHARE * item.value if item.value > 0.0 else np.isfinite(drawn)
-        values = np.concatenate([values, drawn[allowed]])
+        values = np.concatenate([values, drawn[(drawn >= least) & (drawn <= most)]])
     return values[:count]
 
 

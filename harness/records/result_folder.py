@@ -25,7 +25,7 @@ PAGES: Final = ("report.html", "conservator.html")
 """Written of a record alone, by whoever reads it: each is sealed, and goes with the record of which it was made."""
 KINDS: Final = (
     "run", "assess", "study", "effects3d", "rocking_spectrum", "bench", "stress", "validation", "tosses", "compare",
-    "trust",
+    "trust", "measured",
 )  # fmt: skip
 STORE: Final = "store.sqlite"
 COLUMNS: Final = "outcomes"

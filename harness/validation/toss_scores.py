@@ -22,6 +22,8 @@ from harness.validation.tosses import Toss
 STEPS_A_FRAME: Final = 8
 """Steps between two frames where no step is asked for: 0.84 ms at 148 Hz; four times as many change no median by a sixth
 of itself, less than the fit of friction leaves open (docs/scores.md)."""
+TAKEN: Final = 1e-3
+"""Metres, and entries of the rotation: some hundred times what an engine's contact settles in its first step."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,16 @@ def _one(task: TossTask, item: Coefficients) -> Errors | str:
     run = simulate_with(engine, scene, target)
     if run.history is None:
         return run.message or run.outcome.sentence
+    if not began_as_asked(task.toss, scene.statue, run.history):
+        return "its start did not take: its first pose is another one"
     return errors(task.toss, scene.statue, run.history)
+
+
+def began_as_asked(toss: Toss, body: Statue, history: History) -> bool:
+    """Whether a run's first pose is the toss's start: one that is not says nothing of the toss."""
+    turn, place = poses(body, history)
+    apart = np.linalg.norm(place[0] - toss.start.position_m), np.linalg.norm(turn[0] - toss.start.rotation)
+    return bool(max(apart) < TAKEN)
 
 
 def scene_of(base: Scene, toss: Toss, item: Coefficients) -> Scene:

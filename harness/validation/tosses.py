@@ -7,10 +7,8 @@ to the table's `qw, qx, qy, qz`, the velocities of the centroid `vx_m_s, vy_m_s,
 
 from __future__ import annotations
 
-import csv
-import io
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from pathlib import Path
 from typing import Final
 
@@ -19,10 +17,11 @@ from scipy.spatial.transform import Rotation
 
 from analytic import spatial
 from analytic.rotation import rotation_matrices
-from harness.input.text_file import decimals, decoded, read_bytes
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Array
 from harness.model.scene import Pose, Statue
+from harness.records.tosses import Clock
+from harness.validation.number_table import read_groups
 
 PLACE: Final = ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")
 RATES: Final = ("vx_m_s", "vy_m_s", "vz_m_s", "wx_rad_s", "wy_rad_s", "wz_rad_s")
@@ -47,6 +46,8 @@ class Toss:
     quaternions: Array
     start: Pose
     raised_m: float = 0.0
+    contact: int = 0
+    """Number of the first frame near the table."""
 
     @property
     def end_s(self) -> float:
@@ -54,52 +55,46 @@ class Toss:
         return self.frame_s * (len(self.places_m) - 1)
 
 
-def holds_tosses(path: Path) -> bool:
-    """Whether a table's header is that of tosses."""
-    text = decoded(read_bytes(path, "a table"), str(path), "a CSV file with a header")
-    return text.partition("\n")[0].partition(",")[0].strip() == COLUMNS[0]
+def read_tosses(path: Path, body: Statue, gravity_m_s2: float) -> tuple[list[Toss], Clock | None]:
+    """All tosses of a table, stood on it by the body's outer points, begun as their flights say; and their clock, or None.
 
-
-def read_tosses(path: Path, body: Statue, gravity_m_s2: float) -> list[Toss]:
-    """All tosses of a table, stood on it by the body's outer points, begun as their flights say.
-
-    Raises `InputError` with every mistake."""
-    text = decoded(read_bytes(path, "a table of tosses"), str(path), "a CSV file with a header and at least one toss")
-    lines = [line for line in csv.reader(io.StringIO(text, newline="")) if line]
-    if not lines or tuple(name.strip() for name in lines[0]) != COLUMNS:
-        got = "nothing" if not lines else ", ".join(lines[0])
-        raise InputError(Mistake(str(path), "header", ", ".join(COLUMNS), got))
+    Times are those of a clock by which free fall is gravity, where it is not within its error. Raises `InputError` with every
+    mistake.
+    """
     mistakes: list[Mistake] = []
-    rows: list[tuple[str, list[float]]] = []
-    for number, line in enumerate(lines[1:], 2):
-        try:
-            values = decimals(line[1:])
-        except ValueError as error:
-            mistakes.append(Mistake(str(path), f"line {number}", "decimal numbers", str(error)))
-            continue
-        if len(line) != len(COLUMNS):
-            mistakes.append(Mistake(str(path), f"line {number}", f"{len(COLUMNS)} cells", f"{len(line)}"))
-            continue
-        rows.append((line[0].strip(), values))
-    tosses: list[Toss] = []
-    for name, frames in groupby(rows, key=lambda row: row[0]):
-        table = np.array([values for _, values in frames])
-        wrong = _wrong(name, table, {toss.name for toss in tosses})
-        if wrong is None:
-            tosses.append(_stood(name, table, body, gravity_m_s2))
-        else:
+    groups = read_groups(path, COLUMNS)
+    for name, table in groups:
+        if (wrong := _wrong(table)) is not None:
             mistakes.append(Mistake(str(path), f"toss {name}", *wrong))
-    if not tosses and not mistakes:
-        mistakes.append(Mistake(str(path), "", "at least one toss", "none"))
     if mistakes:
         raise InputError(mistakes)
-    return tosses
+    clock = clock_of([table for _, table in groups], body, gravity_m_s2)
+    stretch = 1.0 if clock is None else clock.stated_hz / clock.rate_hz
+    scale = np.array([stretch, *[1.0] * len(PLACE), *[1.0 / stretch] * len(RATES)])
+    return [_stood(name, scale * table, body, gravity_m_s2) for name, table in groups], clock
 
 
-def _wrong(name: str, table: Array, earlier: set[str]) -> tuple[str, str] | None:
+def clock_of(tables: Sequence[Array], body: Statue, gravity_m_s2: float) -> Clock | None:
+    """The clock by which the tosses' free falls are gravity: each flight's, weighed by what it knows; None of fewer than two."""
+    falls, weights = [], []
+    for table in tables:
+        count = in_flight(body, table[:, 1:4], table[:, 4:8])
+        if count >= FEWEST_OF_FALL:
+            (half, *_), cov = np.polyfit(table[:count, 0], table[:count, 3], 2, cov="unscaled")
+            falls.append(-2.0 * half)
+            weights.append(0.25 / cov[0, 0])
+    if len(falls) < 2:
+        return None
+    fall = float(np.average(falls, weights=weights))
+    shares = np.array(weights) / np.sum(weights)
+    error = float(np.sqrt(np.sum((shares * (np.array(falls) - fall)) ** 2)))
+    stated = 1.0 / float(np.mean([table[-1, 0] / (len(table) - 1) for table in tables]))
+    off = fall > 0.0 and abs(fall - gravity_m_s2) > CLOCK_OFF * error and abs(fall / gravity_m_s2 - 1.0) < MOST_OFF
+    return Clock(fall, error, stated, stated * float(np.sqrt(gravity_m_s2 / fall)) if off else stated)
+
+
+def _wrong(table: Array) -> tuple[str, str] | None:
     """What is wrong with a toss's frames: wanted and got."""
-    if name in earlier:
-        return "all its frames after each other", "other tosses between them"
     if len(table) < FEWEST_FRAMES:
         return f"at least {FEWEST_FRAMES} frames", str(len(table))
     times, frame_s = table[:, 0], table[-1, 0] / (len(table) - 1)
@@ -124,9 +119,15 @@ def _stood(name: str, table: Array, body: Statue, gravity_m_s2: float) -> Toss:
     # A backward difference is the velocity of half a frame before.
     first = Pose((x, y, z), (a, b, c, d), (u, v, w - 0.5 * gravity_m_s2 * frame_s), (p, q, r))
     start = nearest_flight(body, gravity_m_s2, frame_s, places, turns, first)
-    return Toss(name, frame_s, places, turns, start, -lowest)
+    return Toss(name, frame_s, places, turns, start, -lowest, in_flight(body, places, turns))
 
 
+CLOCK_OFF: Final = 3.0
+"""Standard errors by which a free fall differs from gravity where the clock is at fault."""
+MOST_OFF: Final = 0.1
+"""A fall that is farther off than this share is no clock's fault: it is told, and the times are left."""
+FEWEST_OF_FALL: Final = 8
+"""Frames in flight of which an acceleration is read."""
 CLEAR: Final = 0.05
 """Share of the body's radius by which its lowest point must be above the table: a camera is off by some millimetres."""
 FEWEST_IN_FLIGHT: Final = 3
@@ -144,12 +145,10 @@ def nearest_flight(
     `first` is where it is looked for, and the answer where too few frames are in flight. A velocity that is the difference of two
     frames has their whole noise over one frame's time.
     """
-    points, turned = body.outer_points_m, rotation_matrices(quaternions)
-    low = places_m[:, 2] + np.min(turned[:, 2] @ points.T, axis=1) < CLEAR * np.max(np.linalg.norm(points, axis=1))
-    count = int(np.argmax(np.append(low, True)))
+    count = in_flight(body, places_m, quaternions)
     if count < FEWEST_IN_FLIGHT:
         return first
-    rigid = spatial.Body(body.mass_kg, body.inertia_tensor_kg_m2, points[:3])
+    rigid = spatial.Body(body.mass_kg, body.inertia_tensor_kg_m2, body.outer_points_m[:3])
     seen, times = _rotations(quaternions[:count]), frame_s * np.arange(count)
     design, pose = np.column_stack([np.ones(count), times]), first
     for _ in range(ROUNDS):
@@ -171,6 +170,13 @@ def nearest_flight(
         (turn, spun), (shift, pushed) = (np.linalg.lstsq(design, missed, rcond=None)[0] for missed in (turn, shift))
         pose = _corrected(pose, turn, spun, shift, pushed)
     return pose
+
+
+def in_flight(body: Statue, places_m: Array, quaternions: Array) -> int:
+    """How many frames are before the first near the table."""
+    points, turned = body.outer_points_m, rotation_matrices(quaternions)
+    low = places_m[:, 2] + np.min(turned[:, 2] @ points.T, axis=1) < CLEAR * np.max(np.linalg.norm(points, axis=1))
+    return int(np.argmax(np.append(low, True)))
 
 
 def _rotations(quaternions: Array) -> Rotation:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final
 
-from harness.records.tosses import PoseErrors, Quartiles, TossesRecord, TossModel
+from harness.records.tosses import PoseErrors, Quartiles, TossesRecord, TossModel, TrajectoryMeans
 from reports.charts.figure import curve
 from reports.charts.palette import look
 from reports.messages.numbers import digits, unit
@@ -29,6 +30,8 @@ def context(folder: Path, record: TossesRecord) -> dict[str, object]:
         "verdict": tosses_verdict(record),
         "names": list(models),
         "errors": _spread,
+        "means": means_rows(record),
+        "keyed_means": [(row[0], row[1:]) for row in means_rows(record)[1:]],
         "shares": (len(record.fitted_on), record.count - len(record.fitted_on)),
         "raised": {key: unit(value, "m") for key, value in vars(record.raised_m).items()},
         "charts": [
@@ -42,26 +45,28 @@ def context(folder: Path, record: TossesRecord) -> dict[str, object]:
 
 
 def tosses_verdict(record: TossesRecord) -> Verdict:
-    """Which model's rotation is nearest at the median of all frames that nothing was fitted on."""
-    known = {name: item.frames.rotation_rad.median for name, item in record.models.items() if item.frames}
-    if not known:
-        return Verdict("No model computed any toss", "failed", [])
-    best = min(known, key=lambda name: known[name])
-    ends = {name: item.end for name, item in record.models.items() if item.end}
-    points = [
-        f"{name}: at the end rotation {_spread(item.rotation_rad, 'rad')}, place {_spread(item.place_m, 'm')}."
-        for name, item in ends.items()
-    ]
-    points += [
-        f"{name} could not compute {len(item.failed)} tosses." for name, item in record.models.items() if item.failed
-    ]
-    points += [
-        f"{name} ended {len(item.ended_s)} tosses before their last frame: its last pose is held there."
-        for name, item in record.models.items()
-        if item.ended_s
-    ]
-    sentence = f"{best} is nearest: its rotation is off by {unit(known[best], 'rad')} at the median of all frames"
-    return Verdict(sentence, "agree", points)
+    """The record's answer as a headline with what is to be known of it."""
+    said = "" if record.answer is None else record.answer.text
+    known = record.answer is not None and record.answer.code == "tosses"
+    return Verdict(said or record.title, "agree" if known else "failed", [each.text for each in record.findings])
+
+
+def means_rows(record: TossesRecord) -> list[list[str]]:
+    """Means over the trajectory by model and fit, those that are published below, under a heading."""
+    rows = [["", "fitted on", "friction", "restitution", "place [% of width]", "rotation [°]"]]
+    for name, model in record.models.items():
+        rows += [
+            [name, fit.replace("_", " "), digits(item.friction, 3), digits(item.restitution, 2), *_means(item.means)]
+            for fit, item in model.fits.items()
+        ]
+    return rows + [[name, "published", "–", "–", *_means(means)] for name, means in record.published.items()]
+
+
+def _means(item: TrajectoryMeans | None) -> list[str]:
+    if item is None:
+        return ["–", "–"]
+    place, turn = (100.0 * item.place_share, 100.0 * item.place_share_sd), (item.rotation_rad, item.rotation_rad_sd)
+    return [f"{mean:.1f} ± {sd:.1f}" for mean, sd in (place, tuple(map(math.degrees, turn)))]
 
 
 def _spread(item: Quartiles, name: str) -> str:

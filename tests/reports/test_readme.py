@@ -23,6 +23,8 @@ RECORD = "records/ce36456p_CE36456.V2.gz"
 TOSSES = "tosses/cube_tosses.csv.gz"
 SOME_ROWS = 420
 """Of the tosses' table: its header and four tosses."""
+DROPS, SOME_DROP_ROWS = "squares/square_drops.csv.gz", 1001
+"""Its header and five drops."""
 
 
 def commands() -> list[str]:
@@ -61,6 +63,10 @@ def desk(tmp_path_factory: pytest.TempPathFactory, data_dir: Path) -> Path:
     write_experiments(folder, [1.0]).rename(folder / "tests.csv")
     measured = gzip.decompress((data_dir / TOSSES).read_bytes()).splitlines(keepends=True)
     (folder / "tosses.csv.gz").write_bytes(gzip.compress(b"".join(measured[:SOME_ROWS])))
+    dropped = gzip.decompress((data_dir / DROPS).read_bytes()).splitlines(keepends=True)
+    (folder / "drops.csv.gz").write_bytes(gzip.compress(b"".join(dropped[:SOME_DROP_ROWS])))
+    (folder / "ratios.csv").symlink_to((data_dir / "impacts" / "limestone_first_impacts.csv").resolve())
+    (folder / "square.toml").symlink_to(ROOT / "scenes" / "square_drop.toml")
     (folder / "cube.toml").symlink_to(ROOT / "scenes" / "cube_toss.toml")
     return folder
 

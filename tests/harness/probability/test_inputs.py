@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -102,6 +103,18 @@ def test_more_draws_begin_with_the_same() -> None:
 def test_a_positive_number_is_never_drawn_at_or_below_zero() -> None:
     values = draw([Uncertain("contact.floor", "normal", 0.2, 0.2)], budget.DRAWS, seed=0)["contact.floor"]
     assert values.min() > 0.0
+
+
+@pytest.mark.parametrize("kind", ["lognormal", "normal", "uniform"])
+def test_no_impact_is_drawn_that_gives_energy(kind: Literal["lognormal", "normal", "uniform"]) -> None:
+    """Alone and by its score: a ratio near 1 has a spread on one side."""
+    ratio = Uncertain("contact.restitution", kind, 0.99, 0.037)
+    first = Uncertain("motion.scale", "normal", 1.0, 0.1)
+    linked = replace(ratio, correlated_with="motion.scale", rho=0.5)
+    for inputs in ([ratio], [first, linked]):
+        values = draw(inputs, 2000, seed=0)["contact.restitution"]
+        assert values.max() <= 1.0
+        assert values.min() < 0.96
 
 
 def test_a_varied_scene_has_the_drawn_values(tmp_path: Path) -> None:
