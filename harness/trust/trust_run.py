@@ -154,9 +154,9 @@ def run_trust(
     check_folder(folder, ("trust",), [RECORD, COMING, *PAGES, CELLS_NAME])
     scene = load_scene(path, overrides)
     check_inputs(folder, [RECORD, CELLS_NAME], [path, *read_files(scene.given, scene.source)])
-    chosen = engines_of(scene, names, coarse=coarse)
     plane = Plane.of(scene, motion, coarse=coarse)
-    hardest = plane.at((len(plane.frequencies_hz) - 1, len(plane.amplitudes_g) - 1))
+    hardest = plane.at(plane.points[-1])
+    chosen = engines_of(hardest, names, coarse=coarse)
     check_work(hardest, {name: engines.load(name).capabilities.dimensions for name in chosen}, str(path))
     if resume:
         check_begun(folder, "a trust map")
@@ -171,18 +171,21 @@ def run_trust(
 
 
 def engines_of(scene: Scene, names: Sequence[str] | None, *, coarse: bool) -> tuple[str, ...]:
-    """The analytic model and who is asked beside it: those named, or of the scene's own all that are no twin of it, of a coarse
-    map those in the plane. Raises `InputError` where there is nobody beside it."""
-    others = dict.fromkeys(names or engines.default_engines(scene))
-    others.pop(MODEL, None)
-    loaded = [engines.load(name) for name in others]
+    """The analytic model and who is asked beside it: those named; or of a run's own all that are here and no twin of it, of a
+    coarse map none that takes seconds for a point.
+
+    Raises `InputError` where there is nobody beside it, or one that was named is not installed.
+    """
+    others = [engines.load(name) for name in dict.fromkeys(names or engines.default_engines(scene)) if name != MODEL]
+    here = [item for item in others if item.missing() is None]
     if not names:
         # A planar scene in three dimensions is the planar answer again.
-        loaded = [item for item in loaded if item.capabilities.dimensions == 2 or not (coarse or scene.planar)]
-    here = [item for item in loaded if item.missing() is None]
-    if not here:
-        got = "; ".join(f"{item.name}: {item.missing()}" for item in loaded) or f"{MODEL} alone"
-        raise InputError(Mistake("--engine", "", "an engine beside the analytic model, for it to be held against", got))
+        quick = [item for item in here if item.capabilities.dimensions == 2 or item.name == engines.EXACT_IN_SPACE]
+        here = quick if coarse or scene.planar else here
+    if not here or (names and here != others):
+        got = "; ".join(f"{item.name}: {item.missing()}" for item in others if item not in here) or f"{MODEL} alone"
+        wanted = "engines that are installed, one of them beside the analytic model, to hold it against"
+        raise InputError(Mistake("--engine", "", wanted, got))
     return (MODEL, *(item.name for item in here))
 
 

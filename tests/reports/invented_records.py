@@ -18,10 +18,15 @@ from harness.model.history import Outcome
 from harness.probability.assessment import assess
 from harness.records.base import as_file, plain
 from harness.records.bench import BenchRecord, Choice, Covered, PartRow, PrecisionRow, ScalingRow, SkipRow
-from harness.records.scores import Scores
+from harness.records.scene import SceneRecord
+from harness.records.scores import Interval, Scores
 from harness.records.sets import FragilityCurve
 from harness.records.stress import Cell, HardRow, Mutated, StressRecord
+from harness.records.trust import CLASSES, TrustCell, TrustRecord, TrustSummary
 from harness.records.validation import FallScores
+from harness.studies.cases import Base
+from harness.trust.plane import Plane
+from harness.trust.trust_run import answer_of, findings_of
 from tests import doubles
 from tests.scenes_for_tests import paestum
 
@@ -222,3 +227,44 @@ def write_comparison(folder: Path) -> Path:
     np.savetxt(b, np.column_stack((history.t_s, history.theta_rad)), "%.5g", ",", header="t_s,theta_rad", comments="")
     write_comparison_of(a, b, compare_files(a, b), folder)
     return folder
+
+
+def trust() -> TrustRecord:
+    """A map of two frequencies on which every class stands once."""
+    cells = [
+        TrustCell({
+            "amplitude_g": 0.1 * 1.5 ** (k % 4), "frequency_hz": (1.0, 2.0)[k // 4], "class": kind, "basis": "runs",
+            "answer": "agree", "why": ["statue_slides"] if kind == "left_domain" else [],
+            "outcomes": {"analytic": "overturned" if k > 4 else "stands", "pymunk": "stands"}, "peak_rad": 0.01,
+            "peaks_apart_rad": 1e-4, "agree_until_s": 3.0, "horizon_s": 4.0,
+            "probability": Interval(0.4, 0.3, 0.5, 0.9) if kind == "probability" else None,
+            "amplitude_over_g_tan_alpha": 1.0, "frequency_over_p": 0.5,
+        })
+        for k, kind in enumerate(CLASSES)
+    ]  # fmt: skip
+    shares = dict.fromkeys(CLASSES, 1.0 / len(CLASSES))
+    summary = TrustSummary(points=8, asked=8, checked=0, changed=0, found=0, cpu_s=1.0)
+    scene = paestum(0.429, 3.0)
+    whole = Plane(Base(None, {}), scene, "sine", [0.1, 0.15, 0.225, 0.3375], [1.0, 2.0])
+    return TrustRecord(
+        title="An invented map",
+        answer=answer_of(whole, shares, 0.15),
+        findings=findings_of(cells, summary, 0),
+        scene=SceneRecord.of(scene),
+        motion="sine",
+        coarse=True,
+        engines=["analytic", "pymunk"],
+        seed=0,
+        shares=shares,
+        confirmed_up_to_g=0.15,
+        cells=cells,
+        summary=summary,
+        seconds=1.0,
+        versions=record.versions(),
+        machine=record.machine(),
+    )
+
+
+def write_trust(folder: Path) -> Path:
+    """The invented map in a folder."""
+    return _write(folder, plain(trust()))

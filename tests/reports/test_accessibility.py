@@ -28,6 +28,7 @@ WRITERS = {
     "validation": invented_records.write_validation,
     "bench": invented_records.write_bench,
     "stress": invented_records.write_stress,
+    "trust": invented_records.write_trust,
 }
 PLAIN = ("run", "table", "map")
 """Records with a conservator's page."""

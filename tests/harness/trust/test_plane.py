@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 
@@ -10,7 +11,7 @@ import harness
 from harness.model.errors import InputError
 from harness.trust.plane import Plane, to_ask
 
-BLOCK = {
+BLOCK: dict[str, Any] = {
     "title": "a block",
     "duration_s": 1.0,
     "statue": {

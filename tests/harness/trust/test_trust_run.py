@@ -14,8 +14,10 @@ import tomli_w
 from typer.testing import CliRunner
 
 import harness
+from harness import engines
 from harness.campaign.runner import InlinePool
 from harness.model.errors import InputError
+from harness.model.finding import Severity
 from harness.records.kinds import read_result
 from harness.records.trust import CLASSES, TrustRecord
 from harness.trust import plane, trust_run
@@ -23,10 +25,12 @@ from harness.trust.plane import Plane
 from harness.trust.point import Said
 from harness.trust.trust_run import Map, confirmed_up_to_g, engines_of
 from reports.cli import app
+from reports.messages import ENGLISH
 from reports.pages.page import write_report
 from reports.pages.trust_page import map_figure
-from reports.terminal import COLUMNS, LINES
+from reports.terminal import COLUMNS, LINES, trust_lines
 from tests.harness.trust.test_plane import BLOCK
+from tests.reports import invented_records
 
 KEYS = {"amplitude_g", "frequency_hz", "class", "basis", "amplitude_over_g_tan_alpha", "frequency_over_p"}
 
@@ -94,13 +98,23 @@ def test_what_is_wrong_is_told_and_nothing_is_written(
     assert not (tmp_path / "map").exists()
 
 
-def test_the_model_is_held_against_somebody_and_not_against_its_twin() -> None:
+def test_the_model_is_held_against_somebody_and_not_against_its_twin(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = harness.scene({**BLOCK, "uncertainty": {}})
     assert engines_of(scene, None, coarse=False) == ("analytic", "pymunk")
     assert engines_of(scene, ["pymunk"], coarse=False) == ("analytic", "pymunk")
-    with pytest.raises(InputError) as caught:
-        engines_of(scene, ["analytic"], coarse=False)
-    assert caught.value.mistakes[0].where == "--engine"
+    monkeypatch.setattr(type(engines.load("pybullet")), "missing", lambda engine: "not installed here")
+    for names in (["analytic"], ["pymunk", "pybullet"]):
+        with pytest.raises(InputError) as caught:
+            engines_of(scene, names, coarse=False)
+        assert caught.value.mistakes[0].where == "--engine"
+
+
+def test_a_shaking_across_the_plane_is_asked_of_space_even_on_a_coarse_map() -> None:
+    across = {**BLOCK["motion"], "y": {"kind": "harmonic", "amplitude_g": 0.1, "frequency_hz": 2.0}}
+    scene = harness.scene({**BLOCK, "motion": across, "uncertainty": {}})
+    for motion, wanted in (("scene", ("analytic", "pymunk", "spatial")), ("sine", ("analytic", "pymunk"))):
+        whole = Plane.of(scene, motion, coarse=True)
+        assert engines_of(whole.at(whole.points[-1]), None, coarse=True) == wanted
 
 
 def word(kind: str, *, still: bool = False, apart_rad: float = 0.0) -> Said:
@@ -154,3 +168,16 @@ def test_the_map_s_picture_has_a_colour_and_a_name_for_each_class(small: Path, t
     assert len(named) - 1 == len({cell["class"] for cell in record.cells})
     changed = replace(record, shares={**record.shares, "refuted": 0.5})
     assert len(map_figure(changed)["data"]) == len(drawn["data"]) + 1
+
+
+def test_a_map_of_every_class_fits_the_terminal_and_its_page_names_each(tmp_path: Path) -> None:
+    record = invented_records.trust().texted(ENGLISH.say)
+    lines = trust_lines(record)
+    assert len(lines) < LINES
+    assert max(map(len, lines)) <= COLUMNS
+    assert record.answer is not None
+    assert record.answer.code == "refuted"
+    assert record.answer.findings[0].severity is Severity.CHANGES_ANSWER
+    html = write_report(invented_records.write_trust(tmp_path / "map")).read_text()
+    assert 'class="verdict failed"' in html
+    assert all(f"<dt>{ENGLISH.word(kind)}, {ENGLISH.percent(0.125)}</dt>" in html for kind in CLASSES)
