@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -157,10 +158,13 @@ def compute(
     if out is not None:
         check_writing(out, scene, names)
     dimensions = {name: load(name).capabilities.dimensions for name in names}
-    estimate = check_work(scene, dimensions, str(scene_file), accuracy, dt)
     with ProgressMessages(quiet) as messages:
-        if estimate:
-            messages.say(estimate)
+        forecast = check_work(
+            scene, dimensions, str(scene_file), accuracy, dt,
+            assess=assess, witness=witness, horizon=horizon, spent_s=time.process_time(),
+        )  # fmt: skip
+        if forecast:
+            messages.say(forecast)
         return run_scene(
             scene,
             names,

@@ -95,10 +95,7 @@ def _run(
 ) -> StudyRecord:
     """A study of cases: its size is told, or refused, before anything is begun."""
     start = time.perf_counter()
-    scene = base_of(study, path).scene({})
-    if not large:
-        estimate.check(study, scene, pool.workers, str(path))
-    size = estimate.sentence(study, scene, pool.workers)
+    size = estimate.check(study, base_of(study, path), pool.workers, str(path), witness=witness, large=large)
     with ExitStack() as stack:
         store: Store | ColumnRows
         every: Store | ColumnRows

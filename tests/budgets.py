@@ -18,3 +18,6 @@ HOLED_REL: Final = 1e-6
 """A box in single precision, as PLY holds it: 6e-8 of each of its sizes."""
 DIFFERENCED: Final = 1e-12
 """Differences over steps of 5 ms of numbers up to 0.5: their rounding, 1.1e-16, over the step."""
+
+FORECAST_TIMES = 1.5
+"""What a run takes may pass either end of what was told by this factor: who plans by it waits half as long again at most."""

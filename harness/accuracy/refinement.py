@@ -116,15 +116,6 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, options: 
     return climb.stated(best, until_s, None if until_s is None else climb.response(until_s))
 
 
-def most_steps(engine: Engine, scene: Scene, accuracy_rad: float) -> float:
-    """Steps of all runs that an engine makes of a scene to a target accuracy of the rotation, rad, at most."""
-    if engine.capabilities.certifies:
-        return 0.0
-    return (
-        MOST_TIMES * scene.duration_s / first_level(engine.refinement_levels(scene), accuracy_rad, START_SHARE)[0].dt_s
-    )
-
-
 @dataclass
 class _Climb:
     """The runs of one climb: `whole` were not ended early, `spreads` are of each run and the one before it.

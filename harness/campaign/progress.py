@@ -123,7 +123,7 @@ def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
     console = Console(stderr=True, quiet=quiet, markup=False, emoji=False)
     title = printable(title)
     if size:
-        console.print(printable(size), highlight=False)
+        console.print(printable(size), highlight=False, soft_wrap=True)
     columns = (
         TextColumn("{task.description}", markup=False),
         BarColumn(),
@@ -178,5 +178,11 @@ def duration_words(seconds: float) -> str:
     """Seconds in the unit that fits."""
     for size, unit in ((86_400.0, "days"), (3600.0, "h"), (60.0, "min")):
         if seconds >= 1.5 * size:
-            return f"{seconds / size:.0f} {unit}"
+            return f"{seconds / size:{'.2g' if seconds < 10.0 * size else '.0f'}} {unit}"
     return f"{max(seconds, 1.0):.0f} s"
+
+
+def forecast_words(least_s: float, most_s: float) -> str:
+    """`about 40 s`, or `40 s to 2 min`."""
+    low, high = duration_words(least_s), duration_words(most_s)
+    return f"about {low}" if low == high else f"{low} to {high}"

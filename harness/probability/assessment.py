@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
@@ -13,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import engines
+from harness.accuracy.forecast import START_S, Range, first_settings, moving_s, step_s
 from harness.campaign.campaign import Campaign
+from harness.campaign.progress import forecast_words
 from harness.campaign.runner import LocalPool, Pool
 from harness.campaign.store import Store
 from harness.model.errors import InputError, Mistake
@@ -57,6 +60,8 @@ MOST_RUNS: Final = 400
 SPACE_DIMENSIONS: Final = 3
 SPACE_STEPS: Final = 1_000_000
 """Steps that the exact body may take in all, where it is asked beside the others: three times those beside a single run."""
+ALL_TIMES: Final = 4.2
+"""What the models take for all that is asked of them over what the draws take: clearance, options, fragility, indices."""
 BATCH: Final = 16
 """Runs between two looks at the interval."""
 
@@ -128,8 +133,12 @@ def assess(
     inputs = _inputs(scene)
     on_progress(f"{MODEL}: {draws} draws")
     values = draws_of(scene, inputs, draws, seed)
+    begin = time.process_time()
     model = model_draws(scene, values)
+    drawn_s = time.process_time() - begin
     with _campaign(store, pool) as (storage, campaign, workers):
+        contact = [name for name in names if name not in (MODEL, SPACE) and engines.load(name).missing() is None]
+        on_progress(_forecast(scene, contact, model, ALL_TIMES * drawn_s, half_width, most_runs, workers))
 
         def asked(name: str) -> tuple[Assessment, EngineRuns]:
             runs = EngineRuns(scene, name, values, storage, campaign, on_progress)
@@ -164,6 +173,31 @@ def assess(
         record = replace(record, indices=indices_of_draws(inputs, values, model.overturned if fell is None else fell))
     record = replace(record, answer=answer_of(record), findings=[*findings_of(record), *record.findings])
     return Assessed(record, values, model, others.fell)
+
+
+def _forecast(
+    scene: Scene,
+    names: Sequence[str],
+    model: ModelDraws,
+    models_s: float,
+    half_width: float,
+    most_runs: int,
+    workers: int,
+) -> str:
+    """What an assessment will take, in words: the runs of each contact engine are counted as if it agreed with the model, and
+    thrice as many."""
+    agreed = estimate(
+        model,
+        lambda draws: model.overturned[list(draws)].tolist(),
+        half_width=half_width,
+        most_runs=most_runs,
+        batch=BATCH,
+    ).engine_runs
+    runs = Range(agreed, min(3 * agreed, most_runs))
+    each_s = sum(step_s(name, scene) * moving_s(scene)[0] / first_settings(name, scene).dt_s for name in names)
+    spent = Range(models_s, models_s).and_also(runs.times(each_s), START_S * workers * bool(names))
+    clock = forecast_words(*spent.times(1.0 / workers))
+    return f"this takes {forecast_words(*spent)} of processor time, {clock} by the clock on {workers} cores"
 
 
 class _Others(NamedTuple):

@@ -21,7 +21,7 @@ from harness.engines.base import EngineFailure
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from harness.probability.engine_runs import ENGINE_ERROR_RAD
-from harness.probability.in_space import SPACE, assess_in_space, shaken_across
+from harness.probability.in_space import SPACE, SPACE_S, assess_in_space, shaken_across
 from harness.probability.inputs import Array, row, uncertain_inputs
 from harness.probability.model_draws import ModelDraws, draws_of, model_draws
 from harness.probability.stratified import LEVEL, jeffreys
@@ -38,6 +38,8 @@ OPEN: Final = 0.02
 SAMPLE_S: Final = 2.0
 """Processor time of the engine's runs beside a single run, s: 20 to 50 of them for a motion of 10 s at 4 ms."""
 MOST_SAMPLED: Final = 60
+TRIAL_SHARE: Final = 0.01
+"""Of the draws are timed before all of them are run."""
 
 
 def assess_models(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> dict[str, Assessment]:
@@ -54,6 +56,26 @@ def assess_models(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> dict[s
     in_space = assess_in_space(scene, values)
     answers = {MODEL: own, SPACE: None if in_space is None else in_space.answer}
     return {name: answer for name, answer in answers.items() if answer is not None}
+
+
+def assessed_s(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> float:
+    """Processor seconds that `assess_models` is expected to take: timed on a share of its draws."""
+    from analytic import AnalyticInputError
+
+    inputs = uncertain_inputs(scene)
+    if not inputs or scene.initial.pose is not None:
+        return 0.0
+    values = draws_of(scene, inputs, draws, seed)
+    size = next(iter(values.values())).size
+    some = {key: column[: math.ceil(TRIAL_SHARE * size)] for key, column in values.items()}
+    try:
+        model_draws(scene, some)  # the first time its code is loaded
+    except AnalyticInputError:  # the model refuses this scene; its own run says why
+        return 0.0
+    begin = time.process_time()
+    model = model_draws(scene, some)
+    seconds = (time.process_time() - begin) * size / model.left.size
+    return seconds + SAMPLE_S * bool(model.left.mean() > OPEN) + SPACE_S * shaken_across(scene)
 
 
 def sampled(scene: Scene, values: Mapping[str, Array], model: ModelDraws) -> dict[int, bool | None]:

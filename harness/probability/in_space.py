@@ -25,7 +25,9 @@ Ends = NDArray[np.object_]
 
 SPACE: Final = "spatial"
 MOST_STEPS: Final = 300_000
-"""Steps of all runs together after which no draws are begun: some three seconds of one core, and"""
+"""Steps of all runs together after which no draws are begun: some"""
+SPACE_S: Final = 3.0
+"""seconds of one core, and"""
 RUN_STEPS: Final = 20_000
 """steps after which one run is given up: what stands or falls in a record of a minute takes a thousand at the median."""
 RUN_COST: Final = 20

@@ -129,8 +129,7 @@ def test_a_climb_makes_no_more_steps_than_it_may(monkeypatch: pytest.MonkeyPatch
     scene = replace(paestum(), duration_s=1.0)
     engine = Fake(blow=1e3, steps_s=(1e-2, 4e-3, 1e-3, 4e-4))
     run = run_to_accuracy(engine, scene, 1e-2, RunOptions())
-    spent, most = run.work["steps_of_all_runs"], refinement.most_steps(engine, scene, 1e-2)
-    assert spent <= most == pytest.approx(8.0 * scene.duration_s / 1e-2)
+    assert run.work["steps_of_all_runs"] <= 8.0 * scene.duration_s / 1e-2
     assert "step_not_tried" in doubles.codes(run.findings)
 
 

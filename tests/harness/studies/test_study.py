@@ -151,14 +151,11 @@ def test_the_size_is_told_and_what_nobody_can_wait_for_is_refused(tmp_path: Path
     text = STUDY.replace('engines = ["analytic"]', 'engines = ["analytic", "pybullet"]')
     path = written(tmp_path, text)
     study = load_study(path)
-    scene = base_of(study, path).scene({})
-    assert estimate.sentence(study, scene, 2).startswith("60 cases, 120 runs: at most about ")
-    estimate.check(study, scene, 2, "study.toml")
+    base = base_of(study, path)
+    assert estimate.check(study, base, 2, "study.toml").startswith("60 cases, 120 runs: about ")
     huge = load_study(written(tmp_path, text.replace("count = 6", "count = 3000").replace("count = 5", "count = 3000")))
-    with pytest.raises(
-        InputError, match=r"18000000 cases, 36000000 runs: at most about \d+ days on 2 workers.*--large"
-    ):
-        estimate.check(huge, scene, 2, "study.toml")
+    with pytest.raises(InputError, match=r"18000000 cases, 36000000 runs: about .* on 2 workers.*--large"):
+        estimate.check(huge, base, 2, "study.toml")
 
 
 def test_a_map_is_estimated_by_its_boundary(tmp_path: Path) -> None:
@@ -167,5 +164,13 @@ def test_a_map_is_estimated_by_its_boundary(tmp_path: Path) -> None:
     whole, along = (
         load_study(written(tmp_path, text + ask)) for ask in ("", '[ask]\ncases = "adaptive"\naudit = 0.01\n')
     )
-    scene = base_of(whole, tmp_path / "study.toml").scene({})
-    assert estimate.seconds(along, scene, 1) < 0.2 * estimate.seconds(whole, scene, 1)
+    base = base_of(whole, tmp_path / "study.toml")
+    assert estimate.seconds(along, base, 1) < 0.2 * estimate.seconds(whole, base, 1)
+
+
+def test_a_forecast_counts_what_is_the_same_by_its_physics_once(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    study = load_study(path)
+    base = base_of(study, path)
+    counted = sum(1.0 / estimate.alike(study, base, case, "analytic") for case in expand(study, base))
+    assert counted == pytest.approx(compute(path, tmp_path / "s.sqlite").distinct)

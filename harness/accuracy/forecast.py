@@ -1,0 +1,137 @@
+"""What a run of an engine is expected to take: steps of its climb by the analytic model, seconds of a step as timed here."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Final, NamedTuple
+
+from harness.accuracy.outlook import MODEL, last_s, outgrows
+from harness.accuracy.refinement import LONG_STEPS, START_SHARE, first_level, second_level
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
+from harness.engines import load
+from harness.engines.base import EngineFailure, Settings
+from harness.model.options import RunOptions
+from harness.model.run import Run, number
+from harness.model.scene import Scene
+from harness.statics.rest import first_motion_s
+
+CERTIFIED_S: Final[Mapping[str, float]] = {"analytic": 6e-5, "spatial": 3e-3}
+"""Processor seconds per second of motion of models that certify their own error: an order of magnitude."""
+UNTIMED_S: Final = 5e-5
+"""Processor seconds of a contact engine's step where there are too few of them to be timed: 2e-5 to 2e-4."""
+TIMED_STEPS: Final = 30_000
+"""From so many steps on a step is timed in the scene itself, in"""
+TRIAL_STEPS: Final = (100, 300, 1000)
+"""runs of so many: the first loads the engine, the others differ by steps alone."""
+CALM_TIMES: Final = (4.2, 20.0)
+"""Steps of a climb over those of its first level: where that and the run that checks it agree, and where the third level does."""
+OUTGROWN_TIMES: Final = (1.4, 2.0)
+"""Steps of a climb over those of its one whole run, where errors outgrow every level: on the paper's conditions."""
+REST_S: Final = 3.0
+"""A statue that stands has come to rest so long after its last impact and the motion's end."""
+START_S: Final = 0.7
+"""To start a process that has an engine's code: its imports."""
+ASKED_S: Final = 30.0
+"""The model is asked of so much of a scene at most: what does not outgrow by then hardly does; and"""
+LOOK_S: Final = 1e-3
+"""for no more samples than these."""
+
+
+class Range(NamedTuple):
+    """From the least to the most that is expected, of steps or processor seconds."""
+
+    least: float
+    most: float
+
+    @property
+    def middle(self) -> float:
+        """As many times the least as the most is its: what many such pieces of work take on average."""
+        return float((self.least * self.most) ** 0.5)
+
+    def times(self, factor: float) -> Range:
+        """So many times the work."""
+        return Range(factor * self.least, factor * self.most)
+
+    def and_also(self, *others: Range | float) -> Range:
+        """All of it, a plain number being certain."""
+        both = [each if isinstance(each, Range) else Range(each, each) for each in (self, *others)]
+        return Range(sum(each.least for each in both), sum(each.most for each in both))
+
+
+NONE: Final = Range(0.0, 0.0)
+
+
+def run_s(engine: str, scene: Scene, accuracy_rad: float | None = None, dt_s: float | None = None) -> Range:
+    """The processor seconds that an engine is expected to take for a scene, without what its history takes."""
+    if engine in CERTIFIED_S:
+        seconds = CERTIFIED_S[engine] * scene.duration_s
+        return Range(seconds, seconds)
+    if load(engine).missing() is not None:
+        return NONE
+    steps = expected_steps(engine, scene, accuracy_rad, dt_s)
+    if steps.most < TIMED_STEPS:
+        return steps.times(UNTIMED_S)
+    return steps.times(step_s(engine, scene, accuracy_rad, dt_s))
+
+
+def expected_steps(name: str, scene: Scene, accuracy_rad: float | None = None, dt_s: float | None = None) -> Range:
+    """Steps of all runs that a contact engine is expected to make of a scene, to a target or with an expert's own step."""
+    least_s, most_s = moving_s(scene)
+    if dt_s is not None:
+        return Range(least_s / dt_s, most_s / dt_s)
+    target_rad, levels = accuracy_rad or DEFAULT_ACCURACY_RAD, load(name).refinement_levels(scene)
+    first, index = first_level(levels, target_rad, START_SHARE)
+    second = levels[second_level(levels, index)]
+    if scene.duration_s >= LONG_STEPS * second.dt_s and outgrows(
+        _asked(scene), levels[-1].expected_error_rad, target_rad
+    ):
+        # Where errors outgrow every level the engine may stand where the model falls.
+        return Range(OUTGROWN_TIMES[0] * least_s / second.dt_s, OUTGROWN_TIMES[1] * most_s / second.dt_s)
+    return Range(CALM_TIMES[0] * least_s / first.dt_s, CALM_TIMES[1] * least_s / first.dt_s)
+
+
+def moving_s(scene: Scene) -> tuple[float, float]:
+    """Seconds of a scene that engines step through: from the first push to a fall by the model, and to rest if it stands."""
+    begin_s = min(first_motion_s(scene), scene.duration_s)
+    run = simulate(_asked(scene), MODEL)
+    # What still moves when the model is asked no longer may move to the end.
+    moves = run.outcome.failed or (run.end_s < scene.duration_s and not run.outcome.overturned)
+    impacts = (scene.duration_s,) if moves else run.impact_times_s or (0.0,)
+    rest_s = min(max(scene.base_excitation.end_s, impacts[-1], begin_s) + REST_S, scene.duration_s)
+    end_s = min(run.end_s, rest_s) if _falls(run) else rest_s
+    return max(end_s - begin_s, 0.0), rest_s - begin_s
+
+
+def _asked(scene: Scene) -> Scene:
+    return replace(scene, duration_s=min(scene.duration_s, ASKED_S), output_dt_s=max(scene.output_dt_s, LOOK_S))
+
+
+def _falls(run: Run) -> bool:
+    """Whether the model's statue falls, told before the model left its domain."""
+    return run.outcome.overturned and last_s(run) <= number(run.validity, "left_domain_s", run.end_s)
+
+
+def first_settings(name: str, scene: Scene, accuracy_rad: float | None = None, dt_s: float | None = None) -> Settings:
+    """The settings of the first run of a contact engine, to a target or with an expert's own step."""
+    engine = load(name)
+    if dt_s is not None:
+        return engine.settings_for_dt(scene, dt_s)
+    return first_level(engine.refinement_levels(scene), accuracy_rad or DEFAULT_ACCURACY_RAD, START_SHARE)[0]
+
+
+def step_s(name: str, scene: Scene, accuracy_rad: float | None = None, dt_s: float | None = None) -> float:
+    """Processor seconds of a step of an engine in this scene, timed here over its first steps."""
+    engine, begin_s, spent = load(name), first_motion_s(scene), list[tuple[int, float]]()
+    settings = first_settings(name, scene, accuracy_rad, dt_s)
+    for count in TRIAL_STEPS:
+        short = replace(scene, duration_s=min(begin_s + count * settings.dt_s, scene.duration_s))
+        begin = time.thread_time()
+        try:
+            steps = engine.simulate(short, settings, RunOptions()).steps
+        except EngineFailure:  # its run will say why
+            return UNTIMED_S
+        spent.append((steps, time.thread_time() - begin))
+    (few, few_s), (many, many_s) = spent[-2:]
+    return (many_s - few_s) / (many - few) if many > few and many_s > few_s else UNTIMED_S

@@ -1,0 +1,45 @@
+"""The steps that are told of an engine's runs are those that are taken, whatever ends the climb."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from harness.accuracy.forecast import expected_steps, moving_s, step_s
+from harness.accuracy.simulation import simulate
+from harness.model.scene import Scene
+from tests.budgets import FORECAST_TIMES
+from tests.measures.seeded_scenes import random_scene, tipping_scene, wide_scene
+from tests.scenes_for_tests import paestum
+
+SCENES = {
+    "errors outgrow every level": paestum(0.334, 4.5, mu=(0.2, 0.15), duration_s=8.0),
+    "two runs agree": random_scene(963_001),
+    "the third level": paestum(0.2, 3.0, duration_s=6.0),
+    "comes to rest": random_scene(977_003, 15.0),
+    "falls early": wide_scene(977_004, 15.0),
+    "the pedestal tips": tipping_scene(977_000, 4.0),
+}
+
+
+@pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
+def test_the_steps_that_are_told_are_those_that_are_taken(scene: Scene) -> None:
+    told, taken = expected_steps("pymunk", scene), simulate(scene, "pymunk").work["steps_of_all_runs"]
+    assert told.least / FORECAST_TIMES < taken < told.most * FORECAST_TIMES
+    # Of three levels each costs twice as much as those before it: no more than these is left open.
+    assert told.most < 12.0 * told.least
+
+
+def test_what_cannot_move_takes_no_steps_and_what_falls_none_after_it() -> None:
+    falls = paestum(0.3, 2.0, duration_s=20.0)
+    least_s, most_s = moving_s(falls)
+    assert least_s < 5.0 < most_s == 20.0
+    assert moving_s(replace(falls, duration_s=10.0))[0] == least_s
+    assert expected_steps("pymunk", falls, dt_s=1e-3).most == pytest.approx(20_000.0)
+
+
+def test_a_step_is_timed_in_its_own_scene() -> None:
+    """A finer target's step has more iterations: what a table of seconds would not know."""
+    scene = paestum(0.2, 3.0, duration_s=6.0)
+    assert 0.0 < step_s("pymunk", scene) < step_s("pymunk", scene, 1e-6)
