@@ -6,11 +6,12 @@ import gc
 import sys
 from io import TextIOWrapper
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
 from harness import cli as harness_cli
+from harness.campaign.progress import ProgressMessages
 from harness.command import (
     FAILED,
     OK,
@@ -26,12 +27,95 @@ from harness.command import (
     guarded,
 )
 from harness.model.terminal import printable
-from reports import cli_bench, cli_input, cli_record
+from reports import cli_bench, cli_input
 from reports.cli_result import OUT, Out, say_result
 
 if TYPE_CHECKING:
     from harness.records.measured import MeasuredRecord
     from harness.records.tosses import TossesRecord
+
+
+# The commands that make something of finished records: pages, figures, an animation.
+
+
+READERS: Final = ("engineer", "conservator")
+
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.json.", show_default=False)]
+InLanguage = Annotated[
+    str, typer.Option("--language", help="Language of the conservator's page: en or it.", show_default=True)
+]
+
+
+def add_commands(app: typer.Typer) -> None:
+    """Mount the commands on the application."""
+    examples = "rockcheck report out/maria", "rockcheck report out/maria --for conservator --language it --pdf"
+    command(app, "report", *examples)(report)
+    command(app, "figures", "rockcheck figures out/paestum_floor --format pdf --width column")(figures)
+    command(app, "gif", "rockcheck gif out/paestum_floor")(gif)
+
+
+def check_language(code: str) -> None:
+    """Raise `InputError` for a language that the conservator's page does not speak, before anything is computed."""
+    from reports.messages import language
+
+    language(code)
+
+
+def report(
+    folder: Folder,
+    saying: OutputOptions,
+    reader: Annotated[str, typer.Option("--for", help="Whose page to name: engineer or conservator.")] = "engineer",
+    pdf: Annotated[bool, typer.Option("--pdf", help="Also print that page, beside it (by Chromium).")] = False,
+    language: InLanguage = "en",
+) -> None:
+    """Write the pages of a result folder again from its records: report.html, and conservator.html where there is one."""
+    from harness.model.errors import InputError, Mistake
+    from reports.export.pdf import browser, write_pdf
+    from reports.pages.page import CONSERVATOR_NAME, write_report
+
+    if reader not in READERS:
+        raise InputError(Mistake("--for", "", f"one of {', '.join(READERS)}", repr(reader)))
+    if pdf:
+        browser()
+    page = write_report(folder, language)
+    if reader == "conservator":
+        page = folder / CONSERVATOR_NAME
+        if not page.is_file():
+            raise InputError(Mistake("--for", "", "a run or a study", "a record that has no conservator's page"))
+    paths = {"report": str(page)} | ({"pdf": str(write_pdf(page))} if pdf else {})
+    saying.say(paths, "\n".join(f"{name}: {path}" for name, path in paths.items()))
+
+
+def figures(
+    folder: Folder,
+    saying: OutputOptions,
+    formats: Annotated[list[str] | None, typer.Option("--format", help="png, svg, pdf (repeat). Default: all.")] = None,
+    width: Annotated[str, typer.Option("--width", help="column or page, as journals print.")] = "page",
+    model: Annotated[
+        str | None, typer.Option("--model", help="Of a study: whose panels, such as `pymunk (paper)`.")
+    ] = None,
+) -> None:
+    """Write the figures of a result for print."""
+    from reports.export.figures import FORMATS, write_figures
+
+    written = [str(path) for path in write_figures(folder, formats or FORMATS, width, model)]
+    saying.say(written, "\n".join(written))
+
+
+def gif(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder of a run.", show_default=False)],
+    saying: OutputOptions,
+    out: Annotated[Path | None, typer.Option("--out", help="The file to write. Default: replay.gif in DIR.")] = None,
+    model: Annotated[str | None, typer.Option("--model", help="Whose motion. Default: the 3D engine's.")] = None,
+) -> None:
+    """Write the replay of a run as an animated picture for slides."""
+    from reports.export.animation import write_gif
+
+    with ProgressMessages(saying.silent) as messages:
+        messages.now("drawing the frames")
+        written = str(write_gif(folder, out, model))
+    saying.say([written], written)
+
 
 app = typer.Typer(
     name="rockcheck",
@@ -85,7 +169,7 @@ def run(
         bool, typer.Option("--witness", help="Hold the runs against unmodified engines: at most once their own time.")
     ] = False,
     no_assess: Annotated[bool, typer.Option("--no-assess", help="Skip the overturning probability.")] = False,
-    language: cli_record.InLanguage = "en",
+    language: InLanguage = "en",
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""
     from harness.accuracy.simulation import check_target
@@ -97,7 +181,7 @@ def run(
 
     folder = out or OUT / named_after(scene)
     check_folder(folder, ("run",))
-    cli_record.check_language(language)
+    check_language(language)
     if explain:
         from harness.input.scene_file import load_scene
 
@@ -185,7 +269,7 @@ def study(
     witness: Annotated[
         bool, typer.Option("--witness", help="Hold a tenth of the scenes against unmodified engines.")
     ] = False,
-    language: cli_record.InLanguage = "en",
+    language: InLanguage = "en",
     out: Out = None,
 ) -> None:
     """Run many scenes with several engines; what is finished is kept, and never computed again."""
@@ -196,7 +280,7 @@ def study(
     from reports.terminal import study_lines
 
     folder = out or OUT / named_after(study_file)
-    cli_record.check_language(language)
+    check_language(language)
     record = study_cli.run(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent,
         witness=witness, say=ENGLISH.say,
@@ -332,7 +416,7 @@ cli_bench.add_commands(app)
 
 harness_cli.add_commands(app)
 cli_input.add_commands(app)
-cli_record.add_commands(app)
+add_commands(app)
 
 
 def main() -> None:

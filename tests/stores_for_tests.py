@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from harness.campaign.serialization import packed
-from harness.campaign.store import Store
+from harness.campaign.store import Store, packed
 from harness.campaign.task import answer_of
 from harness.model.run import Run
 

@@ -20,7 +20,7 @@ VIOLATIONS = {
     "engines are leaves: none knows another": ("harness/engines/pymunk/__init__.py", "import harness.engines.analytic"),
     "compiled code depends on nothing but itself": ("analytic/kernel/impact.py", "import analytic.errors"),
     "the analytic model stands alone": ("analytic/block.py", "import trimesh"),
-    "down the rooms of the harness": ("harness/statics/symmetry.py", "import harness.comparison.verdict"),
+    "down the rooms of the harness": ("harness/statics/plan.py", "import harness.comparison.verdict"),
     "the measuring is a leaf": ("harness/engines/analytic.py", "import harness.bench.timing"),
 }
 

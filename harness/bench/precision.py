@@ -14,14 +14,14 @@ from harness.bench import programs
 from harness.bench.standard_scenes import Standard, standard_set
 from harness.bench.timing import Cost, costs, timed
 from harness.campaign.parts import Row
-from harness.comparison.distance import error_rad
+from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.errors import InputError
 from harness.model.options import RunOptions
 from harness.model.run import Run, number
 from harness.model.scene import Scene
 from harness.records.bench import LEVEL, TARGET, PrecisionRow
-from harness.records.witness import PLAIN
+from harness.records.run import PLAIN
 
 TARGET_RAD: Final = 1e-3
 LONG_S: Final = 1.0

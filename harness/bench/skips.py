@@ -12,7 +12,7 @@ from harness.accuracy.refinement import first_level, run_to_accuracy
 from harness.bench.standard_scenes import COLUMN, PAESTUM, record, scene_of
 from harness.bench.timing import cost
 from harness.campaign.parts import Row
-from harness.comparison.distance import error_rad
+from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, Settings
 from harness.model.errors import InputError
 from harness.model.options import RunOptions

@@ -10,7 +10,7 @@ from itertools import groupby, islice
 from typing import Any, Protocol
 
 from harness.campaign.runner import Crash, Pool
-from harness.campaign.serialization import Packed, packed
+from harness.campaign.store import Packed, packed
 from harness.campaign.task import Answer, Task
 from harness.records.study import UsageRecord
 

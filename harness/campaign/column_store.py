@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from harness.campaign.serialization import Packed
+from harness.campaign.store import Packed
 from harness.model.errors import InputError, Mistake
 from harness.model.files import writing
 from harness.records.result_folder import COLUMNS

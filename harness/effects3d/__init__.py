@@ -4,8 +4,7 @@ Azimuths are directions in the statue's own frame, counter-clockwise from x seen
 floor shakes. The statue is turned, not the floor: shaking stays along x, so every planar model sees its own section.
 """
 
-from harness.effects3d.departure import departure
-from harness.effects3d.search import Search, find
+from harness.effects3d.search import Search, departure, find
 from harness.records.effects3d import BASELINE
 
 __all__ = ["BASELINE", "Search", "departure", "find"]

@@ -20,16 +20,14 @@ from harness.campaign.store import STORE_NAME, Store, check_begun
 from harness.campaign.task import Answer, Task
 from harness.effects3d.answer import answer_of, findings_of
 from harness.effects3d.conditions import CONDITIONS, GEOMETRY_REL, amplified, changed_scene, solid_of, without_meaning
-from harness.effects3d.departure import departure
-from harness.effects3d.search import EXACT, STEPS, Search, find, peak_g, start_factor
+from harness.effects3d.search import EXACT, STEPS, Search, departure, find, peak_g, start_factor
 from harness.input.mistakes import Contradiction, Table
 from harness.input.tables import read_model
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Finding, Say, info
 from harness.model.options import Capabilities
-from harness.model.scene import Scene
-from harness.model.written import scan_azimuth_deg, written
+from harness.model.scene import Scene, scan_azimuth_deg, written
 from harness.records.base import part
 from harness.records.effects3d import (
     BASELINE,

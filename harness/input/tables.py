@@ -13,8 +13,7 @@ from pydantic import BaseModel, BeforeValidator, Field, JsonValue, ValidationErr
 from analytic.constants import GRAVITY_M_S2
 from harness.input.mistakes import Contradiction, Table, mistakes_of
 from harness.input.motions.spec import Motion, list_to_tuple
-from harness.input.overrides import Replacement, override
-from harness.input.toml_text import content_of
+from harness.input.overrides import Replacement, content_of, override
 from harness.input.uncertain import Distribution, uncertain_inputs
 from harness.model.errors import InputError, Mistake
 

@@ -51,7 +51,7 @@ class Capabilities:
     compute what the two-block model only reports; `pedestal` takes a statue that stands on one; `posed_start` begins from a pose
     in space; `moving_table` can move the table instead of the frame; `forces` records contact forces; `edge_shape` says what of
     the statue meets a pedestal's edge where that is the same in every scene (empty: no contact at all, or chosen by
-    `statics.collision_shape`); `skips` are those of `SKIPS` that it has, each with its switch in `RunOptions`.
+    `statics.plan`); `skips` are those of `SKIPS` that it has, each with its switch in `RunOptions`.
     """
 
     dimensions: int

@@ -27,6 +27,23 @@ if TYPE_CHECKING:
     from meshes import Solid
 
 
+# What a scene's file says, read as it was written.
+
+
+def written(scene: Scene, *keys: str) -> object:
+    """What the file has under keys, each in the table of the one before; None where it has nothing."""
+    value: object = scene.given
+    for key in keys:
+        value = value.get(key) if isinstance(value, Mapping) else None
+    return value
+
+
+def scan_azimuth_deg(scene: Scene) -> float:
+    """By how much the file turns the scan about the vertical."""
+    value = written(scene, "statue", "mesh", "azimuth_deg")
+    return float(value) if isinstance(value, int | float) else 0.0
+
+
 @dataclass(frozen=True)
 class Form:
     """Which form of the model (docs/model.md, section 4): `dynamic`/`static` normal force, `momentum`/`unchanged` pedestal."""

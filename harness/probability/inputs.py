@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, ZeroExcitation
 from harness.model.assumed import assumption
-from harness.model.scene import Scene, Uncertain
-from harness.model.written import written
+from harness.model.scene import Scene, Uncertain, written
 from harness.probability.variation import IMPACT, file_scale
 
 Array = NDArray[np.float64]

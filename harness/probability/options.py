@@ -12,8 +12,7 @@ from pydantic import Field
 from harness.input.mistakes import Table
 from harness.input.tables import read_model
 from harness.model.errors import InputError, Mistake
-from harness.model.scene import Scene
-from harness.model.written import scan_azimuth_deg, written
+from harness.model.scene import Scene, scan_azimuth_deg, written
 from harness.probability.bodies import as_one, turned_block, widened
 from harness.probability.variation import reread
 

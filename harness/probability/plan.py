@@ -7,9 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from harness.model.in_space import SOLID_COLUMNS, rotations
+from harness.model.in_space import SOLID_COLUMNS, rotations, support_m
 from harness.model.scene import Scene, Statue
-from harness.model.tilted import support_m
 from harness.probability.inputs import Array
 from meshes.footprint import convex_hull
 

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from analytic.excitation import Harmonic
 from harness.model.errors import InputError, Mistake
-from harness.model.scene import Scene
-from harness.model.written import written
+from harness.model.scene import Scene, written
 
 if TYPE_CHECKING:
     from pydantic import JsonValue

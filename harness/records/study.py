@@ -17,10 +17,35 @@ from harness.model.shown import Shown, new_axes
 from harness.records.base import Plain, Record, Table, plain
 from harness.records.scene import SceneRecord
 from harness.records.sets import SetScores
-from harness.records.study_files import ExportRecord, TableRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+
+# What a study keeps beside its record: the file of all rows, and columns.
+
+
+@dataclass(frozen=True)
+class ExportRecord:
+    """The file of all rows that this study wrote, and its checksum."""
+
+    file: str
+    sha256: str
+
+
+@dataclass(frozen=True)
+class TableRecord:
+    """A study whose results stand in columns: where (beside the record), how many, how many of them are `rows` of the record.
+
+    `outcomes` are counted over all of them; `seconds` are those of all workers.
+    """
+
+    folder: str
+    rows: int
+    shown: int
+    outcomes: Mapping[str, int]
+    seconds: float
+
 
 Value = float | int | str | bool
 ClaimAnswer = Literal["holds", "does not hold", "holds for some", "not tested"]

@@ -11,7 +11,7 @@ import numpy as np
 
 from analytic.excitation import ZeroExcitation
 from harness import engines
-from harness.comparison.distance import errors
+from harness.comparison.scores.pointwise import errors
 from harness.comparison.verdict import CODES
 from harness.engines.base import EngineFailure
 from harness.model.finding import Finding, caution

@@ -22,15 +22,13 @@ from harness.model.run import Run, machine, versions
 from harness.model.scene import Scene
 from harness.records.assess import Assessment
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
-from harness.records.run import DecidedBy, EngineRunRecord, HorizonRecord, RunRecord
+from harness.records.run import DecidedBy, EngineRunRecord, HorizonRecord, RunRecord, Witness
 from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores
-from harness.records.witness import Witness
 from harness.scene_run import floor_impact
 from harness.scene_run.answer import answer_of
-from harness.scene_run.confirmation import doubted, finer_rad, finer_runs
 from harness.scene_run.left_out import TakenAway, explained, with_reasons
-from harness.scene_run.witness import findings_of
+from harness.scene_run.witness import doubted, findings_of, finer_rad, finer_runs
 from harness.statics.plan import Step, plan
 from harness.statics.standstill import standstill
 

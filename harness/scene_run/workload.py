@@ -12,7 +12,7 @@ from harness.campaign.progress import duration_words, forecast_words
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
 from harness.probability.by_model import assessed_s
-from harness.records.witness import PLAIN
+from harness.records.run import PLAIN
 from harness.scene_run.witness import BUDGET, plain_names
 
 HORIZON_RUNS: Final = 17

@@ -4,14 +4,82 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final, Literal, Protocol
+
+import numpy as np
 
 from harness.model.finding import Finding, info
+from harness.model.history import Array
 from harness.model.options import SKIPS, Capabilities, RunOptions
-from harness.model.scene import OVERTURN_RAD, Scene
-from harness.statics.collision_shape import HULL_EXCESS_LIMIT, Need, shape_needed
+from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Statue
 from harness.statics.rest import LimitsOfRest, first_motion_s
-from harness.statics.symmetry import asymmetry
+
+# Which collision shape of the statue a 3D run needs, and why: a pure function of the scene.
+
+
+HULL_EXCESS_LIMIT: Final = 0.12
+"""What a hull may add to the volume near an edge: about what the convex parts themselves add to a statue (docs/meshes.md)."""
+
+
+@dataclass(frozen=True)
+class Need:
+    """The shape that meets a pedestal's edge: `base` (vertices alone), `hull` or `parts`.
+
+    `hull_excess_rel` is what the hull adds to the volume of the mesh below `below_m`, the highest that an edge can meet.
+    """
+
+    shape: Literal["base", "hull", "parts"]
+    hull_excess_rel: float = 0.0
+    below_m: float = 0.0
+
+
+def shape_needed(scene: Scene) -> Need:
+    """The cheapest shape that is right: planes touch vertices of the hull, an edge touches what lies between them.
+
+    A level floor and a wall are planes; a statue given by numbers is convex.
+    """
+    from meshes.collision import hull_excess_rel
+
+    if scene.pedestal is None:
+        return Need("base")
+    if scene.statue.solid is None:
+        return Need("hull")
+    below_m = min(edge_reach_m(scene.statue, scene.pedestal), scene.statue.height_m)
+    excess = hull_excess_rel(scene.statue.solid, below_m)
+    return Need("hull" if excess <= HULL_EXCESS_LIMIT else "parts", excess, below_m)
+
+
+def edge_reach_m(statue: Statue, pedestal: Pedestal) -> float:
+    """Greatest distance from a foot to the pedestal's edge: a body turning on that foot meets the edge with points as far
+    from it, hence no higher above the base (while the foot has not slipped).
+    """
+    centre = statue.base_centre_m + pedestal.offset_m
+    far = np.abs(statue.feet_m[:, :2] - np.array([centre, 0.0])) + 0.5 * np.array([pedestal.width_m, pedestal.depth_m])
+    return float(np.hypot(far[:, 0], far[:, 1]).max())
+
+
+# Whether a scene is its own mirror image across the rocking plane.
+
+
+SAME: Final = 1e-9
+"""Lengths (m) and shares of the inertia that differ by no more are equal: rounding of the numbers given."""
+
+
+def asymmetry(scene: Scene) -> str | None:
+    """What keeps a scene from being its own mirror image: `plane`, `inertia` or `base`; None when it is one."""
+    if not scene.planar:
+        return "plane"
+    tensor, feet = scene.statue.inertia_tensor_kg_m2, scene.statue.footprint_m
+    if max(abs(float(tensor[0, 1])), abs(float(tensor[1, 2]))) > SAME * float(np.trace(tensor)):
+        return "inertia"
+    if np.max(np.abs(_sorted(feet) - _sorted(feet * np.array([1.0, -1.0, 1.0])))) > SAME:
+        return "base"
+    return None
+
+
+def _sorted(points_m: Array) -> Array:
+    """Points (k, 3) in an order that rounding does not change."""
+    return points_m[np.lexsort(np.round(points_m / SAME).T)]
 
 
 class Asked(Protocol):

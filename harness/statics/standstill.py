@@ -12,8 +12,7 @@ from harness.input.motions.spec import LARGEST_G, LARGEST_SCALE
 from harness.model.finding import Finding, caution, changes_answer
 from harness.model.history import Outcome
 from harness.model.run import Run
-from harness.model.scene import Scene
-from harness.model.written import written
+from harness.model.scene import Scene, written
 from harness.statics.push import least_x_factor, push_of
 
 STILL_RAD: Final = 1e-4

@@ -11,9 +11,8 @@ import numpy as np
 
 from harness.model.finding import Answer, Finding, caution, info
 from harness.model.history import Outcome
-from harness.records.study import RecheckRecord, StudyRecord, StudyRow, StudyWitness
-from harness.records.study_files import TableRecord
-from harness.records.witness import PLAIN
+from harness.records.run import PLAIN
+from harness.records.study import RecheckRecord, StudyRecord, StudyRow, StudyWitness, TableRecord
 
 MOST_FINDINGS: Final = 30
 """Kinds of findings of runs that a study keeps, the most frequent ones."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from harness.campaign.column_store import SECONDS, ColumnStore
 from harness.campaign.store import PlannedRow
 from harness.model.history import History
-from harness.records.study_files import TableRecord
+from harness.records.study import TableRecord
 from harness.studies import case_selection as selection
 from harness.studies.case_columns import rows_of
 from harness.studies.file import StudyFile

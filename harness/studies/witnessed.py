@@ -18,13 +18,13 @@ from harness.campaign.runner import Pool
 from harness.campaign.store import Store
 from harness.campaign.task import Answer, Task
 from harness.engines.base import EngineFailure
-from harness.engines.stepping.steering import refuse_steering
+from harness.engines.stepping.plain_steps import refuse_steering
 from harness.model.options import RunOptions
 from harness.model.run import to_plain, versions
 from harness.model.scene import Scene
 from harness.records.base import part
+from harness.records.run import PLAIN, Witness
 from harness.records.study import StudyWitness, WitnessCount
-from harness.records.witness import PLAIN, Witness
 from harness.scene_run.witness import findings_of, plain_names, witnesses
 from harness.studies.cases import Base, base_of, expand
 from harness.studies.file import StudyFile, Value

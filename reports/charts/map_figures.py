@@ -15,7 +15,7 @@ from harness.studies.case_selection import SAME_CELL, Answer, Place, filled
 from reports.charts import Json
 from reports.charts.figure import curve, figure, stroke
 from reports.charts.palette import model_looks
-from reports.charts.static_svg_heatmap import cell_edges
+from reports.charts.static_svg import cell_edges
 from reports.messages.numbers import heading
 from reports.text.study_rows import SYMBOLS, Condition, family
 

@@ -9,8 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.history import History
-from harness.model.in_space import SOLID_COLUMNS
-from harness.model.tilted import support_m
+from harness.model.in_space import SOLID_COLUMNS, support_m
 from harness.records.assess import ClearanceRecord
 from meshes.footprint import convex_hull, lower_chain
 from reports.charts.samples import shown_samples

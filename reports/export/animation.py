@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from harness.model.errors import InputError, Mistake
 from harness.model.files import check_own, writing
 from harness.model.history import History
-from harness.model.in_space import SOLID_COLUMNS
-from harness.model.tilted import centroid_shift_m
+from harness.model.in_space import SOLID_COLUMNS, centroid_shift_m
 from reports.charts.histories import histories_figure
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
 from reports.charts.static_svg import picture

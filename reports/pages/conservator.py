@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.history import Outcome
-from harness.model.tilted import support_m
+from harness.model.in_space import support_m
 from harness.records.assess import Assessment, worst
 from harness.records.run import EngineRunRecord, RunRecord, has_answer, tips_s
 from reports.drawing.conservator_pictures import plan_svg, reach_svg

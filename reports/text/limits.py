@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.model.finding import Finding, Severity, weighed
 from harness.model.history import History
-from harness.model.interventions import Intervention
+from harness.model.run import Intervention
 from harness.records.base import Table
 from harness.records.run import EngineRunRecord
 from harness.statics.plan import Step

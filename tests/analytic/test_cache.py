@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from analytic import _cache
+from analytic import machine_code
 
 ROOT = Path(__file__).resolve().parents[2]
 NEEDS_ROOT = pytest.mark.skipif(os.getuid() != 0, reason="only the superuser can make a folder of another user")
@@ -28,11 +28,11 @@ def folders(home: Path) -> list[str]:
 
 
 def test_every_source_of_the_folder_names_its_cache(sources: Path) -> None:
-    before = _cache.digest(sources)
+    before = machine_code.digest(sources)
     (sources.parent / "page.py").write_text("not of the folder\n")
-    assert _cache.digest(sources) == before
+    assert machine_code.digest(sources) == before
     (sources / "integrator.py").write_text("one = 2\n")
-    assert _cache.digest(sources) != before
+    assert machine_code.digest(sources) != before
 
 
 def test_the_newest_two_are_kept(sources: Path) -> None:
@@ -41,11 +41,11 @@ def test_the_newest_two_are_kept(sources: Path) -> None:
         old = home / f"compiled-{age}"
         old.mkdir(parents=True)
         os.utime(old, (1000.0 - age, 1000.0 - age))
-    chosen = _cache.folder(sources)
+    chosen = machine_code.folder(sources)
     assert chosen is not None
     assert folders(home) == sorted(["compiled-0", chosen.name])
     (home / "compiled-other").mkdir()
-    assert _cache.folder(sources) == chosen
+    assert machine_code.folder(sources) == chosen
     assert "compiled-other" in folders(home), "nothing is removed while the sources stay"
 
 
@@ -63,7 +63,7 @@ def test_a_folder_that_another_process_removes_meanwhile_is_passed_over(
         return real(path, **options)
 
     monkeypatch.setattr(Path, "stat", gone)
-    _cache.prune(home, most=1)
+    machine_code.prune(home, most=1)
     monkeypatch.undo()
     assert len(folders(home)) == 2
 
@@ -73,13 +73,13 @@ def test_read_only_sources_fall_back_to_the_user_s_cache_then_to_temporary_files
 ) -> None:
     (sources / "__pycache__").write_text("a file where a folder is wanted: nothing can be made in it")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setattr(_cache.tempfile, "tempdir", str(tmp_path))
-    chosen = _cache.folder(sources)
+    monkeypatch.setattr(machine_code.tempfile, "tempdir", str(tmp_path))
+    chosen = machine_code.folder(sources)
     assert chosen is not None
     assert chosen.parent == tmp_path / "cache" / "rockcheck"
     shutil.rmtree(tmp_path / "cache")
     (tmp_path / "cache").write_text("no folder either")
-    last = _cache.folder(sources)
+    last = machine_code.folder(sources)
     assert last is not None
     assert last.parent.parent == tmp_path
 
@@ -90,13 +90,13 @@ def test_a_user_without_a_home_is_served(sources: Path, tmp_path: Path, monkeypa
 
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     monkeypatch.setattr(Path, "home", homeless)
-    monkeypatch.setattr(_cache.tempfile, "tempdir", str(tmp_path))
-    assert [home.name.split("-")[0] for home in _cache.homes(sources)] == ["__pycache__", "rockcheck"]
+    monkeypatch.setattr(machine_code.tempfile, "tempdir", str(tmp_path))
+    assert [home.name.split("-")[0] for home in machine_code.homes(sources)] == ["__pycache__", "rockcheck"]
 
 
 def test_where_nothing_can_be_written_nothing_is_cached(sources: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_cache, "_writable", lambda chosen: False)
-    assert _cache.folder(sources) is None
+    monkeypatch.setattr(machine_code, "_writable", lambda chosen: False)
+    assert machine_code.folder(sources) is None
 
 
 def planted(kind: str, tmp_path: Path, wanted: Path) -> None:
@@ -121,10 +121,10 @@ def test_a_folder_that_others_could_have_filled_is_not_used(
     (sources / "__pycache__").write_text("no folder")
     (tmp_path / "cache").write_text("no folder either")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setattr(_cache.tempfile, "tempdir", str(tmp_path / "temporary"))
+    monkeypatch.setattr(machine_code.tempfile, "tempdir", str(tmp_path / "temporary"))
     home = tmp_path / "temporary" / f"rockcheck-{os.getuid()}"
-    planted(kind, tmp_path, home / (_cache.PREFIX + _cache.digest(sources)) if inner else home)
-    assert _cache.folder(sources) is None
+    planted(kind, tmp_path, home / (machine_code.PREFIX + machine_code.digest(sources)) if inner else home)
+    assert machine_code.folder(sources) is None
     left = [path for path in home.rglob("*") if path.is_file()]
     assert left == [], "nothing is written there"
 
@@ -137,12 +137,12 @@ def test_a_folder_that_can_be_replaced_is_not_used(
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     (tmp_path / "cache").mkdir()
     (tmp_path / "cache").chmod(0o777)
-    monkeypatch.setattr(_cache.tempfile, "tempdir", str(tmp_path))
-    chosen = _cache.folder(sources)
+    monkeypatch.setattr(machine_code.tempfile, "tempdir", str(tmp_path))
+    chosen = machine_code.folder(sources)
     assert chosen is not None
     assert chosen.parent == tmp_path / f"rockcheck-{os.getuid()}"
     (tmp_path / "cache").chmod(0o1777)
-    chosen = _cache.folder(sources)
+    chosen = machine_code.folder(sources)
     assert chosen is not None
     assert chosen.parent.parent == tmp_path / "cache"
     assert chosen.stat().st_mode & 0o777 == 0o700

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from analytic import compiling, machine_code
-from analytic._cache import home_of
 from analytic.kernel import compiler
+from analytic.machine_code import home_of
 
 TINY = '''
 import math

@@ -21,7 +21,7 @@ from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.bench.coverage import FIRST_SEED, SCENES
 from harness.bench.precision import TARGET_RAD
-from harness.comparison.distance import error_rad, errors
+from harness.comparison.scores.pointwise import error_rad, errors
 from harness.engines.base import Engine, EngineFailure
 from harness.model.options import RunOptions
 from harness.model.run import Run

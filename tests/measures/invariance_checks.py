@@ -23,7 +23,7 @@ from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, s
 from harness.bench.stress import checks
 from harness.bench.stress.catalogue import ALL, CONTACT, leaning
 from harness.bench.stress.hard_scenes import QUESTIONS, solution
-from harness.comparison.distance import error_rad
+from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, Settings
 from harness.model.errors import InputError
 from harness.model.options import RunOptions

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 from harness import engines
-from harness.comparison.distance import errors
+from harness.comparison.scores.pointwise import errors
 from harness.model.options import RunOptions
 from tests.measures.contact_engines import KINDS, PAPER, analytic_run, paper_scene
 

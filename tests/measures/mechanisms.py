@@ -18,7 +18,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness import engines
-from harness.comparison.distance import errors
+from harness.comparison.scores.pointwise import errors
 from harness.engines.base import Engine, EngineFailure
 from harness.model.options import RunOptions
 from harness.model.run import Run

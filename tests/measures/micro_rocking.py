@@ -12,7 +12,7 @@ from typing import Final
 
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
 from harness import engines
-from harness.comparison.distance import errors
+from harness.comparison.scores.pointwise import errors
 from harness.engines.base import Engine
 from harness.model.options import RunOptions
 from harness.model.scene import Scene

@@ -11,12 +11,12 @@ from collections.abc import Iterator
 from typing import Final
 
 from harness import engines
-from harness.comparison.distance import errors
+from harness.comparison.scores.pointwise import errors
 from harness.engines.base import Engine
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
-from harness.records.witness import PLAIN
+from harness.records.run import PLAIN
 from tests.measures.contact_engines import PAPER, analytic_run, paper_scene
 from tests.measures.pages import renew, table
 

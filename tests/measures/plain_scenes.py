@@ -15,11 +15,11 @@ from harness import engines
 from harness.accuracy import outlook
 from harness.accuracy.horizon import horizon_of
 from harness.accuracy.simulation import simulate
-from harness.comparison.distance import error_rad
+from harness.comparison.scores.pointwise import error_rad
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.bench import Statement
-from harness.records.witness import LEAST_S, PLAIN
+from harness.records.run import LEAST_S, PLAIN
 from harness.scene_run.witness import TARGET_RAD as JOINT_RAD
 from tests.measures.coverage import statement, truth_of
 from tests.measures.pages import renew, table

@@ -14,7 +14,7 @@ import numpy as np
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, ZeroExcitation
 from harness import engines
-from harness.comparison.distance import errors
+from harness.comparison.scores.pointwise import errors
 from harness.engines.analytic import block_of
 from harness.input.mesh_statue import statue_of
 from harness.model.options import RunOptions

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from harness.bench.standard_scenes import resolved, standard_set
-from harness.comparison.distance import errors
+from harness.comparison.scores.pointwise import errors
 from harness.engines import load
 from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run

@@ -26,7 +26,7 @@ from harness.input.mesh_statue import statue_of
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Scene
-from harness.statics.collision_shape import shape_needed
+from harness.statics.plan import shape_needed
 from meshes import Solid
 from tests.measures.exact_shapes import contact_row, shape_row, statues
 

@@ -10,7 +10,7 @@ import sys
 from dataclasses import replace
 from typing import Literal, NamedTuple
 
-from harness.comparison.distance import errors
+from harness.comparison.scores.pointwise import errors
 from harness.engines import load
 from harness.model.options import RunOptions
 from harness.model.run import Run

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from harness import engines
-from harness.comparison.distance import error_rad
+from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import EngineFailure
 from harness.model.options import RunOptions
 from harness.model.run import Run

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.comparison.distance import error_rad as difference_rad
+from harness.comparison.scores.pointwise import error_rad as difference_rad
 from harness.model.history import Array
 from harness.model.run import Run, number
 from harness.model.scene import Scene

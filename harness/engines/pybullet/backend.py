@@ -13,9 +13,8 @@ from harness.engines.pybullet.sliding_line import IN_LINE_RAD, SlidingLine
 from harness.engines.pybullet.world import World
 from harness.engines.stepping import settings
 from harness.engines.stepping.backend import Instant
-from harness.engines.stepping.interventions import Ledger
 from harness.engines.stepping.rows import ALONE, Impulse, Row, Vector, bodies, crossed
-from harness.engines.stepping.step_log import StepLog
+from harness.engines.stepping.step_log import Ledger, StepLog
 
 GRIP: Final = 0.5
 """Share of the statue's friction limit from which on its feet are not taken to stand, and"""

@@ -13,7 +13,7 @@ from harness.engines.pybullet import feet
 from harness.engines.pybullet.feet import CACHED_STATUES
 from harness.engines.pybullet.shapes import inset
 from harness.model.scene import Scene, Statue
-from harness.statics.collision_shape import shape_needed
+from harness.statics.plan import shape_needed
 from meshes.collision import thinned
 
 Array = NDArray[np.float64]

@@ -15,7 +15,7 @@ from harness.engines.stepping.rows import Row, Vector
 
 if TYPE_CHECKING:
     from harness.engines.pybullet.world import World
-    from harness.engines.stepping.interventions import Ledger
+    from harness.engines.stepping.step_log import Ledger
 
 
 KIND: Final = "gyroscopic"

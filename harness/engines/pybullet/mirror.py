@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from harness.engines.pybullet.settings import BulletSettings
 from harness.model.scene import Scene
-from harness.statics.symmetry import SAME, asymmetry
+from harness.statics.plan import SAME, asymmetry
 
 Array = NDArray[np.float64]
 

@@ -19,13 +19,12 @@ from harness.engines.stepping import loop
 from harness.engines.stepping.contact_gaps import ContactGaps
 from harness.engines.stepping.frame import greatest_pull_m_s2, step_count
 from harness.engines.stepping.loop import MOST_FREE
-from harness.engines.stepping.rest_spell import RestSpells
 from harness.engines.stepping.rows import Body, Row, Vector
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import StepState
 from harness.engines.stepping.stepper import Stepper
-from harness.engines.stepping.watch import Watch
+from harness.engines.stepping.watch import RestSpells, Watch
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from harness.statics.rest import LimitsOfRest, first_motion_s

@@ -21,7 +21,7 @@ class BulletSettings(Settings):
     spheres at the base's vertices, `reach` the gap, in radii of the body, up to which they are contacts while it turns slowly.
     `reversed_bodies` puts the statue before its pedestal: the same solution, by more solver iterations. `turn_rad` is the heading
     of the scene in Bullet's world at first, `axes` whether Bullet's are turned to lie along what slides. `full_shape` is what
-    meets a pedestal's edge: what the scene needs (harness/statics/collision_shape.py), or one of two whatever it needs.
+    meets a pedestal's edge: what the scene needs (harness/statics/plan.py), or one of two whatever it needs.
     """
 
     events: bool = True

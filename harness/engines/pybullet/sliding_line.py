@@ -6,8 +6,8 @@ import math
 from typing import Final
 
 from harness.engines.pybullet.world import World
-from harness.engines.stepping.domain import SLIDES_M_S
 from harness.engines.stepping.rows import ALONE, Row
+from harness.engines.stepping.support import SLIDES_M_S
 
 NEAR_M: Final = 1e-4
 """A foot further above its support than this rubs on nothing."""

@@ -27,13 +27,12 @@ from harness.engines.stepping.friction import floor_friction
 from harness.engines.stepping.impact import IMPOSED_LABEL
 from harness.engines.stepping.loop import integrate
 from harness.engines.stepping.reduce import Report, reduce_trajectory
-from harness.engines.stepping.rest_spell import STILL_M_S
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import StepState
 from harness.engines.stepping.stepper import Stepper
 from harness.engines.stepping.support import flat_base
-from harness.engines.stepping.watch import Watch
+from harness.engines.stepping.watch import STILL_M_S, Watch
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene

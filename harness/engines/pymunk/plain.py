@@ -17,10 +17,9 @@ from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.columns import trajectory
 from harness.engines.stepping.frame import step_count
 from harness.engines.stepping.friction import floor_friction
-from harness.engines.stepping.plain_steps import plain_steps
+from harness.engines.stepping.plain_steps import plain_steps, refuse_steering
 from harness.engines.stepping.reduce import Report, reduce_trajectory
 from harness.engines.stepping.schedule import Schedule
-from harness.engines.stepping.steering import refuse_steering
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.watch import Watch
 from harness.model.options import Capabilities, RunOptions

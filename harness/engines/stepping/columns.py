@@ -12,8 +12,8 @@ from harness.engines.stepping import frame
 from harness.engines.stepping.spatial import matrices, planar, statue_columns
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.trajectory import Trajectory
+from harness.model.in_space import centroid_shift_m
 from harness.model.scene import Scene
-from harness.model.tilted import centroid_shift_m
 
 Array = NDArray[np.float64]
 

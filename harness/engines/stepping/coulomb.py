@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from harness.engines.base import LayerFault
 from harness.engines.stepping.forces import Impulses
 from harness.engines.stepping.trajectory import Trajectory
-from harness.model.interventions import Intervention
+from harness.model.run import Intervention
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from harness.engines.base import MOVING_TABLE, refuse
 from harness.engines.stepping.backend import Backend
 from harness.engines.stepping.friction import floor_friction, followed
 from harness.engines.stepping.rows import Row, axis_of, base_velocity
@@ -12,6 +13,19 @@ from harness.engines.stepping.spatial import fallen
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.watch import LOOK_STEPS, Watch
 from harness.model.scene import Scene
+
+# What a contact engine could compute only by writing to its bodies: unmodified engines refuse it.
+
+
+def refuse_steering(scene: Scene, name: str) -> None:
+    """Raise `EngineFailure`, in the name of the plain engine, for what can be had only by writing to bodies."""
+    imposed = "a prescribed ratio at impact (contact.restitution; it would have to be imposed on the bodies)"
+    asked = {
+        # A body thrown in space bounces by the engine's own coefficient of restitution, without a write.
+        imposed: scene.contact.restitution is not None and scene.initial.pose is None,
+        MOVING_TABLE: scene.table == "moving",
+    }
+    refuse(name, asked, name.removesuffix(":plain"))
 
 
 def plain_steps(backend: Backend, schedule: Schedule, watch: Watch) -> StepLog:

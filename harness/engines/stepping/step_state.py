@@ -12,10 +12,9 @@ from array import array
 from dataclasses import dataclass
 from typing import Final, Protocol
 
-from harness.engines.stepping.balance import AFTER_STEPS, IMPACT, STEP
 from harness.engines.stepping.rows import Row, Vector, advanced, crossed
 from harness.engines.stepping.step_log import StepLog
-from harness.engines.stepping.stepper import Stepper
+from harness.engines.stepping.stepper import AFTER_STEPS, IMPACT, STEP, Stepper
 
 # When static friction gives way inside a step: the coefficient that acts over that step in the mean.
 

@@ -16,7 +16,7 @@ from harness import engines
 from harness.bench import other_integrators, precision, scaling, sentences, skip_savings, skips
 from harness.bench.standard_scenes import COLUMN, Standard, resolved, scene_of, standard_set
 from harness.bench.timing import children_cpu_s, cost, costs, largest_child_mb
-from harness.comparison.distance import error_rad
+from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import EngineFailure
 from harness.model.history import History
 from harness.model.options import SKIPS, RunOptions

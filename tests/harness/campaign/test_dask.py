@@ -16,8 +16,7 @@ import pytest
 from harness.campaign import dask_pool
 from harness.campaign.dask_pool import DaskPool
 from harness.campaign.runner import AHEAD, Hung, LocalPool
-from harness.campaign.serialization import Packed
-from harness.campaign.store import Store
+from harness.campaign.store import Packed, Store
 from harness.model.errors import InputError
 from harness.studies.file import load_study
 from harness.studies.study_run import run_study

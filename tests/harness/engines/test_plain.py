@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from harness import engines
-from harness.comparison.distance import error_rad
+from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine
 from harness.engines.stepping.friction import FloorFriction, followed
 from harness.model.options import RunOptions

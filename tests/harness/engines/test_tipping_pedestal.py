@@ -10,11 +10,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from analytic import Harmonic
-from harness.comparison.distance import error_rad
+from harness.comparison.scores.pointwise import error_rad
 from harness.engines.stepping.rows import STANDS_RAD, base_velocity
+from harness.model.in_space import support_m
 from harness.model.options import RunOptions
 from harness.model.scene import Pedestal
-from harness.model.tilted import support_m
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready
 from tests.measures.seeded_scenes import tipping_scene, wide_scene

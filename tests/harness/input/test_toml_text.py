@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.input.overrides import override
+from harness.input.overrides import MOST_KEYS, MOST_PARTS, content_of, override
 from harness.input.tables import read
-from harness.input.toml_text import MOST_KEYS, MOST_PARTS, content_of
 from harness.model.errors import LONGEST, InputError, Mistake
 
 HUGE = "9" * 5000

@@ -23,8 +23,8 @@ from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.scores import Verdict
-from harness.scene_run import confirmation as confirm
 from harness.scene_run import scene_run as run
+from harness.scene_run import witness as confirm
 from harness.scene_run.scene_run import run_scene, write_result
 from tests import doubles
 from tests.scenes_for_tests import paestum, rectangle, scene

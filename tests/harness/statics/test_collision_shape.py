@@ -12,8 +12,7 @@ from harness import engines
 from harness.input.mesh_statue import statue_of
 from harness.model.options import RunOptions
 from harness.model.scene import Wall
-from harness.statics.collision_shape import HULL_EXCESS_LIMIT, shape_needed
-from harness.statics.plan import plan
+from harness.statics.plan import HULL_EXCESS_LIMIT, plan, shape_needed
 from meshes import decomposition
 from tests.meshes import togatus
 from tests.scenes_for_tests import paestum

@@ -10,8 +10,7 @@ import pytest
 
 from harness.accuracy.simulation import simulate
 from harness.campaign.runner import Done, InlinePool, LocalPool, Work
-from harness.campaign.serialization import Packed
-from harness.campaign.store import Store
+from harness.campaign.store import Packed, Store
 from harness.model.errors import InputError
 from harness.model.run import to_plain
 from harness.model.scene import Scene

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from reports.charts.axis_curves import curve_figures
 from reports.charts.map_figures import map_axes
+from reports.charts.study_figures import curve_figures
 from reports.text.study_rows import Condition
 from tests.reports.invented_study import case_row, case_run
 

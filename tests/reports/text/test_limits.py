@@ -10,7 +10,7 @@ import pytest
 
 from harness.model.finding import Severity, changes_answer, info, texted
 from harness.model.history import History, Outcome
-from harness.model.interventions import Intervention
+from harness.model.run import Intervention
 from harness.records.run import EngineRunRecord
 from harness.statics.plan import Step
 from reports.messages import ENGLISH

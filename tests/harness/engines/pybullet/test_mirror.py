@@ -9,7 +9,7 @@ import pytest
 
 from analytic.excitation import Harmonic
 from harness.model.scene import BaseExcitation, Scene
-from harness.statics.symmetry import asymmetry
+from harness.statics.plan import asymmetry
 from tests import budgets_bullet as budget
 from tests.harness.engines.pybullet.cases import WHOLE, apart, bullet
 from tests.measures.seeded_scenes import random_scene

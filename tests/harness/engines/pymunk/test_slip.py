@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic, Pulse
-from harness.comparison.distance import errors
+from harness.comparison.scores.pointwise import errors
 from harness.engines.analytic import TwoBlock
 from harness.engines.pymunk import Munk2D
 from harness.model.options import RunOptions

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from harness.engines.stepping.domain import LEFT_M, LEFT_RAD, plain_spells
-from harness.engines.stepping.support import Corners
+from harness.engines.stepping.support import LEFT_M, LEFT_RAD, Corners, plain_spells
 from harness.engines.stepping.trajectory import Trajectory
 from harness.model.scene import Pedestal
 

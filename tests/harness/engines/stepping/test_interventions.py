@@ -11,7 +11,7 @@ import pytest
 
 from harness import engines
 from harness.engines.base import LayerFault
-from harness.engines.stepping.interventions import Ledger
+from harness.engines.stepping.step_log import Ledger
 from harness.engines.stepping.stepper import RowWriter
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
