@@ -47,10 +47,12 @@ def stress(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out
 def measured(measurement: Measurement[R], saying: OutputOptions, quick: bool, parts: str | None, out: Path | None) -> R:
     """The record of a measurement of these parts (comma-separated; None: of all), once it is said."""
     from harness.records.base import as_file
+    from reports.messages import ENGLISH
+    from reports.terminal import study_lines
 
     folder = out or OUT / measurement.name
     only = None if parts is None else [name.strip() for name in parts.split(",") if name.strip()]
     with ProgressMessages(saying.silent) as messages:
-        record = measurement.run(folder, quick, only, messages.engine)
-    say_result(as_file(record), "\n".join(measurement.sentences(record)), folder, saying)
+        record = measurement.run(folder, quick, only, messages.engine, ENGLISH.say)
+    say_result(as_file(record), "\n".join(study_lines(record, verbose=saying.verbose)), folder, saying)
     return record

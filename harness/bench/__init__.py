@@ -2,7 +2,7 @@
 
 `rockcheck bench` is `bench_run.py`: run time against error (`precision.py`), what a target takes (`coverage.py`), what skips gain
 together and alone (`skips.py`, `skip_savings.py`), how cost grows (`scaling.py`), and other integrators, starts, overhead
-(`other_integrators.py`); `sentences.py` says it in words. `rockcheck stress` is `stress/`.
+(`other_integrators.py`); `findings.py` says what it shows. `rockcheck stress` is `stress/`.
 
 What stands beside other projects' programs, or holds the whole to its claims, is measured by programs that whoever calls brings
 along, each in a process of its own (`programs.py`). Nothing else in the harness imports this room.

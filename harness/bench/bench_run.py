@@ -8,19 +8,20 @@ from typing import Final
 
 from harness.bench import (
     coverage,
+    findings,
     other_integrators,
     precision,
     programs,
     scaling,
-    sentences,
     skip_savings,
     skips,
 )
 from harness.bench.standard_scenes import standard_set
 from harness.campaign import parts
 from harness.campaign.parts import Measured, Measurement, Part, Row
+from harness.model.finding import Answer, caution
 from harness.model.run import machine, versions
-from harness.records.bench import BenchRecord, PrecisionRow, ScalingRow, SkipRow, part_sentences
+from harness.records.bench import BenchRecord, PrecisionRow, ScalingRow, SkipRow, of_parts
 
 CLOCK: Final = "cpu_s: processor time of the process (single-threaded runs); wall_s: by the clock; both best of several"
 
@@ -66,32 +67,28 @@ def assembled(
     grown = [ScalingRow(**row) for row in rows["scaling"] + rows["workers"]]
     solvers = other_integrators.collected(rows["others"] + rows["speeds"])
     target_rad, counts, spent = precision.TARGET_RAD, coverage.counted(seeded), parts.seconds(measured)
-    standard = sentences.choice(timed, target_rad)
-    on_seeds = sentences.choice(coverage.choice_rows(seeded), target_rad)
-    texts = [
-        *sentences.speeds(timed, target_rad),
-        *sentences.choices(standard, on_seeds, target_rad),
-        *sentences.coverage(counts),
-        *skips.sentences(together),
-        *sentences.defaults(timed),
-        *skip_savings.sentences(alone),
-        *scaling.sentences(grown),
-        *other_integrators.sentences(solvers),
-        *(f"“{name}” was left out: {why}." for name, why in absent.items()),
-        *part_sentences(spent),
+    standard = findings.choice(timed, target_rad)
+    on_seeds = findings.choice(coverage.choice_rows(seeded), target_rad)
+    found = [
+        *findings.takes(standard, target_rad, "standard"),
+        *findings.takes(on_seeds, target_rad, "seeded"),
+        *findings.coverage(counts),
+        *skips.findings(together),
+        *findings.defaults(timed),
+        *skip_savings.findings(alone),
+        *scaling.findings(grown),
+        *other_integrators.findings(solvers),
+        *of_parts(spent, absent),
     ]
+    met = findings.speeds(timed, target_rad) or [caution("no_engine_timed")]
     return BenchRecord(
         command=command, target_rad=target_rad, clock=CLOCK, rows=timed, absent=absent, choice=standard, seeded=on_seeds,
         coverage=counts, coverage_rows=seeded, skips=[*together, *alone], scaling=grown, **vars(solvers),
-        parts=spent, sentences=texts, seconds=sum(row.wall_s for row in spent),
-        versions=versions(), machine=machine(),
+        parts=spent, answer=Answer("met" if any(each.code == "meets_target" for each in met) else "not_met", met),
+        findings=found, seconds=sum(row.wall_s for row in spent), versions=versions(), machine=machine(),
     )  # fmt: skip
 
 
 def bench(given: programs.Programs = programs.NONE, sources: Sequence[str] = ()) -> Measurement[BenchRecord]:
     """The bench with what these programs measure; `sources` are the folders of their code, in the source tree."""
-    return Measurement("bench", partial(all_parts, given), partial(assembled, given), _sentences, tuple(sources))
-
-
-def _sentences(record: BenchRecord) -> Sequence[str]:
-    return record.sentences
+    return Measurement("bench", partial(all_parts, given), partial(assembled, given), tuple(sources))

@@ -5,13 +5,13 @@ Measured by a program that is given; its rows are kept and told here.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
 from harness.bench import programs
 from harness.campaign.parts import Row
+from harness.model.finding import Finding, info
 from harness.records.bench import SolverRow, Start, Throughput
 
 COMPARED: Final = {
@@ -52,35 +52,21 @@ def collected(rows: Sequence[Row]) -> OtherSolvers:
     )
 
 
-def sentences(measured: OtherSolvers) -> list[str]:
+def findings(measured: OtherSolvers) -> list[Finding]:
     """What these rows say."""
-    sentences = [
-        text
+    found = [
+        each
         for case in dict.fromkeys(row.case for row in measured.solvers)
         for ours, other in COMPARED
-        for text in _against(case, ours, other, [row for row in measured.solvers if row.case == case])
+        for each in _against(case, ours, other, [row for row in measured.solvers if row.case == case])
     ]
-    if measured.throughput:
-        rate, area = measured.throughput["two_block"], measured.throughput["map"]
-        size = math.isqrt(area.runs)
-        sentences += [
-            f"Outcomes of 10 s on a pedestal at 1e-6: {rate.runs_per_core_s:.3g} a second and core.",
-            f"A {size} × {size} overturning map on a pedestal takes {area.wall_s:.3g} s on {area.threads} cores.",
-        ]
+    for name, rate in measured.throughput.items():
+        found.append(info("throughput", of=name, **vars(rate)))
     if measured.startup is not None:
-        sentences += [
-            f"Importing analytic takes {measured.startup.import_ratio:.2f} times importing numpy and numba.",
-            f"Its first call from the cache takes {measured.startup.first_call_ratio:.2f} times that of a trivial cached kernel.",
-        ]
-    sentences += [
-        f"A pymunk run ({name.removesuffix('_ratio').replace('_', ' ')}) takes {ratio:.2f} times a baseline loop."
-        for name, ratio in measured.overhead.items()
-        if name.endswith("_ratio")
-    ]
-    if rates := measured.scans:
-        listed = ", ".join(f"{name} {rate:.3g}" for name, rate in rates.items())
-        sentences.append(f"Times real time of pybullet on scans under a record: {listed}.")
-    return sentences
+        found.append(info("start_cost", **vars(measured.startup)))
+    ratios = {name.removesuffix("_ratio"): each for name, each in measured.overhead.items() if name.endswith("_ratio")}
+    found += [info("over_baseline", ratios=ratios)] if ratios else []
+    return found + ([info("scan_speeds", factors=measured.scans)] if measured.scans else [])
 
 
 def times_as_fast(ours: str, other: str, error_rad: float, rows: Sequence[SolverRow]) -> float | None:
@@ -99,25 +85,20 @@ def least_s(solver: str, error_rad: float, rows: Sequence[SolverRow]) -> float |
     return min(good, default=None)
 
 
-def _against(case: str, ours: str, other: str, rows: Sequence[SolverRow]) -> list[str]:
+def _against(case: str, ours: str, other: str, rows: Sequence[SolverRow]) -> Iterator[Finding]:
     if not {ours, other} <= {row.solver for row in rows}:
-        return []
+        return
+    values = {"case": case, "ours": ours, "other": other}
     if absent := [row.failed for row in rows if row.solver == other and row.failed]:
-        return [f"{case}: {other} was not measured: {absent[0]}."]
-    sentences = []
+        yield info("solver_absent", reason=absent[0], **values)
+        return
     for error_rad in COMPARED[ours, other]:
-        ratio = times_as_fast(ours, other, error_rad, rows)
-        text = f"{case}: at {error_rad:g} rad {ours} is {ratio or 0.0:.3g} times as fast as {other}."
-        sentences.append(text if ratio is not None else _short_of(case, ours, other, error_rad, rows))
-    return sentences
-
-
-def _short_of(case: str, ours: str, other: str, error_rad: float, rows: Sequence[SolverRow]) -> str:
-    """What is known where a solver did not reach the error: the smallest that it reached, and the ratio there."""
-    failed = ours if least_s(ours, error_rad, rows) is None else other
-    least = min(row.error_rad for row in rows if row.solver == failed and row.error_rad is not None)
-    text = f"{case}: no setting of {failed} reached {error_rad:g} rad"
-    ratio = times_as_fast(ours, other, least, rows)
-    if ratio is None:
-        return f"{text}; its smallest error is {least:.2g}."
-    return f"{text}; at its smallest error, {least:.2g}, {ours} is {ratio:.3g} times as fast as {other}."
+        times = times_as_fast(ours, other, error_rad, rows)
+        if times is not None:
+            yield info("solver_faster", error_rad=error_rad, times=times, **values)
+            continue
+        # Where a solver did not reach the error: the smallest that it reached, and the ratio there.
+        short = ours if least_s(ours, error_rad, rows) is None else other
+        least_rad = min(row.error_rad for row in rows if row.solver == short and row.error_rad is not None)
+        times = times_as_fast(ours, other, least_rad, rows)
+        yield info("solver_short", short=short, error_rad=error_rad, least_rad=least_rad, times=times, **values)

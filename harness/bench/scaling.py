@@ -18,6 +18,7 @@ import numpy as np
 from harness.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.bench.timing import children_cpu_s, cost, largest_child_mb, peak_memory_mb
 from harness.campaign.parts import Row
+from harness.model.finding import Finding, info
 from harness.model.scene import Scene
 from harness.records.bench import ScalingRow
 
@@ -125,22 +126,21 @@ def _workers(jobs: int) -> tuple[float, float, float]:
     return wall_s, peak_memory_mb() + jobs * largest_child_mb(), children_cpu_s() + time.process_time()
 
 
-def sentences(rows: Sequence[ScalingRow]) -> list[str]:
+def findings(rows: Sequence[ScalingRow]) -> list[Finding]:
     """The power of each quantity with which time grows between its two largest values; of workers how much faster they are."""
-    sentences = []
+    found = []
     for engine, quantity in dict.fromkeys((row.engine, row.quantity) for row in rows):
         mine = sorted(
             (row for row in rows if (row.engine, row.quantity) == (engine, quantity)), key=lambda row: row.value
         )
         if len(mine) < 2:
             continue
-        (less, more), words = mine[-2:], quantity.removesuffix("_s").replace("_", " ")
+        less, more = mine[-2:]
         if quantity == "workers":
-            sentences.append(
-                f"{more.value:g} workers are {less.wall_s / more.wall_s:.2g} times as fast as {less.value:g}"
-            )
+            times = less.wall_s / more.wall_s
+            found.append(info("workers_faster", workers=more.value, fewer=less.value, times=times))
             continue
-        times = [row.wall_s if row.cpu_s is None else row.cpu_s for row in (less, more)]
-        power = math.log(times[1] / times[0]) / math.log(more.value / less.value)
-        sentences.append(f"{engine}'s time grows with the power {power:.2f} of {words}")
-    return [f"Scaling: {'; '.join(sentences)}."] if sentences else []
+        times_s = [row.wall_s if row.cpu_s is None else row.cpu_s for row in (less, more)]
+        power = math.log(times_s[1] / times_s[0]) / math.log(more.value / less.value)
+        found.append(info("time_grows", power=power, quantity=quantity).of(engine))
+    return found

@@ -32,6 +32,7 @@ from harness.bench.timing import cost, costs, timed
 from harness.campaign.parts import Row
 from harness.engines.base import Engine
 from harness.model.errors import InputError
+from harness.model.finding import Finding, caution, info
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
@@ -156,21 +157,21 @@ def own_error_rad(engine: Engine, scene: Scene, options: RunOptions, run: Run) -
     )
 
 
-def sentences(rows: Sequence[SkipRow]) -> list[str]:
+def findings(rows: Sequence[SkipRow]) -> list[Finding]:
     """Which skips gain nothing where they were measured alone, and which move a rotation by more than its own error."""
     measured = [row for row in rows if not row.failed]
     if not measured:
         return []
-    idle = [f"{row.skip} ({row.engine}, {row.gain:.2g})" for row in measured if row.gain < GAINS]
-    sentence = f"Alone {len(measured) - len(idle)} of {len(measured)} skips gain a twentieth or more of the time"
-    moved = [
-        f"{row.skip} ({row.engine}) parts rotations by {row.apart_rad:.1e} rad, finer settings without it by "
-        f"{row.own_rad:.1e} rad."
-        for row in measured
-        if row.apart_rad is not None and row.own_rad is not None and row.apart_rad > max(row.own_rad, LEAST_RAD)
-    ]
-    changed = [f"{row.skip} ({row.engine}): {'; '.join(row.changed)}." for row in measured if row.changed]
-    return [f"{sentence} where they were measured{'; not ' + ', '.join(idle) if idle else ''}.", *changed, *moved]
+    idle = [f"{row.skip} ({row.engine})" for row in measured if row.gain < GAINS]
+    found = [info("skips_alone", gaining=len(measured) - len(idle), measured=len(measured), idle=idle)]
+    for row in measured:
+        if row.changed:
+            found.append(caution("skip_changes", skip=row.skip, changed=list(row.changed)).of(row.engine))
+        if row.apart_rad is not None and row.own_rad is not None and row.apart_rad > max(row.own_rad, LEAST_RAD):
+            found.append(
+                caution("skip_parts", skip=row.skip, apart_rad=row.apart_rad, own_rad=row.own_rad).of(row.engine)
+            )
+    return found
 
 
 def _imports() -> SkipRow:

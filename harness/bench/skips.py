@@ -15,6 +15,7 @@ from harness.campaign.parts import Row
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, Settings
 from harness.model.errors import InputError
+from harness.model.finding import Finding, caution, info
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
@@ -114,21 +115,18 @@ def together(rows: Sequence[SkipRow]) -> list[SkipRow]:
     return list(sums.values())
 
 
-def sentences(rows: Sequence[SkipRow]) -> list[str]:
+def findings(rows: Sequence[SkipRow]) -> list[Finding]:
     """What all skips together gain, and change."""
-    sentences = []
+    found = []
     for row in rows:
+        values = {"scenes": row.scenes, "changed": list(row.changed), "unsettled": len(row.unsettled)}
         if row.failed:
-            sentences.append(f"The skips were not measured: {row.failed}.")
-            continue
-        same = "; ".join(row.changed) or "no outcome changed"
-        if row.unsettled:
-            same += f", but for {len(row.unsettled)} that the engine's own finer settings without skips change as well"
-        sentences.append(
-            f"All skips together on {row.scenes} outcomes under the real records, {row.engine}: {row.gain:.2g} times faster; "
-            f"{same}."
-        )
-    return sentences
+            found.append(caution("not_measured", what=row.skip, reason=row.failed))
+        elif row.changed:
+            found.append(caution("skips_change", gain=row.gain, **values).of(row.engine))
+        else:
+            found.append(info("skips_gain", gain=row.gain, **values).of(row.engine))
+    return found
 
 
 def other_outcome(scene: Scene, on: Run, off: Run) -> str:

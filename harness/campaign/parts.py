@@ -17,6 +17,7 @@ from harness.campaign.store import STORE_NAME, Store
 from harness.campaign.task import Answer, Task
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
+from harness.model.finding import Say
 from harness.records.bench import BenchRecord, PartRow
 from harness.records.result_folder import check_folder, full_kind, write_whole
 from harness.records.stress import StressRecord
@@ -57,7 +58,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Measurement(Generic[R]):
-    """A command that measures: its parts, whole or `quick`, the record that they and its command line make, what that says.
+    """A command that measures: its parts, whole or `quick`, the record that they and its command line make.
 
     `sources`: folders of code that computes beside the packages, from the folder that holds these.
     """
@@ -65,7 +66,6 @@ class Measurement(Generic[R]):
     name: str
     parts: Callable[[bool], list[Part]]
     assembled: Callable[[Sequence[Part], Mapping[str, Measured], str], R]
-    sentences: Callable[[R], Sequence[str]]
     sources: tuple[str, ...] = ()
 
     def run(
@@ -74,6 +74,7 @@ class Measurement(Generic[R]):
         quick: bool = False,
         only: Sequence[str] | None = None,
         on_progress: Callable[[str], None] = lambda text: None,
+        say: Say = lambda finding: "",
     ) -> R:
         """Measure everything (or `only` some parts) and write `result.json` into `folder`; `quick` takes a few of each kind.
 
@@ -83,7 +84,7 @@ class Measurement(Generic[R]):
         listed, kind = self.parts(quick), full_kind(self.name, "--quick" if quick else "")
         check_folder(folder, (kind,))
         measured = measure(folder, listed, only, stamp(quick, self.sources), on_progress, kind)
-        return write_whole(folder, self.assembled(listed, measured, command(self.name, quick, measured)))
+        return write_whole(folder, self.assembled(listed, measured, command(self.name, quick, measured)).texted(say))
 
 
 def source(more: Sequence[str] = ()) -> str:

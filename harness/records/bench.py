@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
+from harness.model.finding import Finding, caution, info
 from harness.records.base import Record
 
 Group = Literal["level", "accuracy", "default", "other project"]
@@ -228,14 +229,13 @@ class PartRow:
     busy_s: float = 0.0
 
 
-def part_sentences(rows: Sequence[PartRow]) -> list[str]:
-    """The seconds of each part in words, and what is not measured yet."""
-    spent = ", ".join(f"{row.part} {row.wall_s:.0f} s ({row.busy_s:.0f})" for row in rows if row.tasks)
-    left = [f"{row.part} ({len(row.left)} to do)" for row in rows if row.left]
-    total = f"in all {sum(row.wall_s for row in rows):.0f} s ({sum(row.busy_s for row in rows):.0f})"
-    return [f"Time by part, by the clock (of the processor): {spent}; {total}."] + (
-        [f"Not measured yet: {', '.join(left)}."] if left else []
-    )
+def of_parts(rows: Sequence[PartRow], absent: Mapping[str, str]) -> list[Finding]:
+    """The seconds of each part, what is not measured yet, and what cannot be."""
+    left = {row.part: len(row.left) for row in rows if row.left}
+    found = [caution("parts_left", parts=left)] if left else []
+    found += [caution("not_measured", what=name, reason=why) for name, why in absent.items()]
+    clock_s, busy_s = ({row.part: vars(row)[name] for row in rows if row.tasks} for name in ("wall_s", "busy_s"))
+    return [*found, info("time_by_part", clock_s=clock_s, total_s=sum(clock_s.values()), busy_s=sum(busy_s.values()))]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -261,5 +261,4 @@ class BenchRecord(Record):
     overhead: Mapping[str, float] = field(default_factory=dict)
     scans: Mapping[str, float] = field(default_factory=dict)
     parts: Sequence[PartRow] = ()
-    sentences: Sequence[str] = ()
     seconds: float

@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Final, Literal
 
+from harness.model.finding import Answer, Finding, caution, changes_answer, info
 from harness.records.base import Record
-from harness.records.bench import PartRow, part_sentences
+from harness.records.bench import PartRow, of_parts
+
+CELL: Final = ("setting", "difficulty", "category", "evidence")
+"""What is said of a cell that nothing explains."""
 
 
 @dataclass(frozen=True)
@@ -94,33 +98,38 @@ class StressRecord(Record):
         return whole and sound and all(row.holds for row in self.scenes)
 
 
-def sentences(record: StressRecord) -> list[str]:
-    """What the record says: scenes that did not come out, cells by category, mutated inputs that did harm."""
-    wrong = [row for row in record.scenes if not row.holds]
-    sentences = []
-    if record.scenes:
-        sentences.append(
-            f"{len(record.scenes) - len(wrong)} of {len(record.scenes)} hard scenes come out as they must."
-        )
-    for row in wrong:
-        bad = "; ".join(f"{name}: {got}" for name, got in row.got.items() if got != row.wanted)
-        sentences.append(f"“{row.name}” (wanted: {row.wanted}): {bad}.")
-    sentences += [f"{name} was not run: {why}." for name, why in record.absent.items()]
-    sentences += [
-        f"Known failure, “{row.name}”, {name}: {text}." for row in record.scenes for name, text in row.known.items()
-    ]
+def answer_of(record: StressRecord) -> Answer:
+    """How many hard scenes come out as they must."""
+    if not record.scenes:
+        return Answer("not_run", [caution("no_hard_scene")])
+    right = sum(row.holds for row in record.scenes)
+    values = {"right": right, "scenes": len(record.scenes)}
+    if right < len(record.scenes):
+        return Answer("wrong", [changes_answer("hard_scenes", **values)])
+    return Answer("sound" if record.holds else "open", [info("hard_scenes", **values)])
+
+
+def findings_of(record: StressRecord) -> list[Finding]:
+    """Scenes that did not come out, cells by category, mutated inputs that did harm."""
+    found = []
+    for row in record.scenes:
+        wrong = {name: got for name, got in row.got.items() if got != row.wanted}
+        if not row.holds:
+            found.append(changes_answer("hard_scene_wrong", scene=row.name, wanted=row.wanted, got=wrong))
+        found += [info("known_failure", scene=row.name, what=text).of(name) for name, text in row.known.items()]
     counts = Counter(cell.category for cell in record.cells)
-    if counts:
-        sentences.append("Cells of the stability maps: " + ", ".join(f"{n} {name}" for name, n in counts.items()) + ".")
-    sentences += [
-        f"Unexplained: {cell.engine}, {cell.setting}, {cell.difficulty}: {cell.category}, {cell.evidence}."
+    found += [info("stability_cells", counts=dict(counts))] if counts else []
+    found += [
+        changes_answer("cell_unexplained", **{key: vars(cell)[key] for key in CELL}).of(cell.engine)
         for cell in record.cells
         if cell.unexplained
     ]
     if inputs := sum(item.inputs for item in record.fuzz):
         used, harm = sum(item.accepted for item in record.fuzz), sum(item.harm for item in record.fuzz)
-        sentences.append(f"{inputs} mutated inputs, {used} of them accepted and used, {harm} did harm.")
-    sentences += [
-        f"Mutated {item.reader}, seed {case.seed}: not refused in words." for item in record.fuzz for case in item.found
+        found.append(info("mutated", inputs=inputs, used=used, harm=harm))
+    found += [
+        changes_answer("mutated_harm", reader=item.reader, seed=case.seed, what=case.what)
+        for item in record.fuzz
+        for case in item.found
     ]
-    return [*sentences, *part_sentences(record.parts)]
+    return [*found, *of_parts(record.parts, record.absent)]

@@ -18,7 +18,8 @@ from harness.records.bench import (
 from reports.charts import Json
 from reports.charts.figure import BELOW, LOG, axis, curve, figure, level, stroke
 from reports.charts.palette import INK, MUTED, look
-from reports.messages.numbers import digits, heading, unit
+from reports.messages.numbers import heading
+from reports.text.limits import by_severity
 from reports.text.wording import Verdict
 
 SYMBOLS: Final = {LEVEL: "circle", TARGET: "star", DEFAULT: "square-open", OTHER_PROJECT: "diamond-open"}
@@ -40,6 +41,7 @@ def context(_folder: Path, record: BenchRecord) -> dict[str, object]:
     charts = [(f"work-{k}", scene, precision_figure(scene, rows, record.target_rad)) for k, scene in enumerate(scenes)]
     return {
         "verdict": bench_verdict(record),
+        "notes": by_severity(record.findings),
         "charts": charts,
         "scaling": scaling_figure(record.scaling) if record.scaling else None,
         "scaling_rows": record.scaling,
@@ -50,27 +52,11 @@ def context(_folder: Path, record: BenchRecord) -> dict[str, object]:
 
 
 def bench_verdict(record: BenchRecord) -> Verdict:
-    """Who meets the target on every scene, and how fast the slowest of them is."""
-    target, rows = record.target_rad, record.rows
-    scenes = {row.scene for row in rows}
-    slowest: dict[str, float] = {}
-    for engine in dict.fromkeys(row.engine for row in rows):
-        factors = []
-        for scene in scenes:
-            mine = [row for row in rows if row.engine == engine and row.scene == scene]
-            good = [row.real_time_factor or 0.0 for row in mine if row.meets(target)]
-            # A scene in three dimensions is not asked of a planar model.
-            factors += [max(good, default=0.0)] if mine else []
-        if factors and min(factors) > 0.0:
-            slowest[engine] = min(factors)
-    failed = [row for row in rows if row.failed is not None]
-    points = [*record.sentences]
-    points += [f"{len(failed)} of {len(rows)} settings failed; they stand in the tables."] if failed else []
-    parts = [f"{name} at {digits(factor, 2)} times real time or faster" for name, factor in slowest.items()]
-    aim = f"{unit(target, 'rad', 1)}"
-    if not parts:
-        return Verdict(f"No engine meets {aim} on every scene", "differ", points)
-    return Verdict(f"On every scene {aim} is met by {'; '.join(parts)}", "agree", points)
+    """Who meets the target on every scene, and how fast on the slowest of them."""
+    found = [] if record.answer is None else record.answer.findings
+    first, *points = [each.text for each in found] or [""]
+    met = record.answer is not None and record.answer.code == "met"
+    return Verdict(first, "agree" if met else "differ", points)
 
 
 def on_front(row: PrecisionRow, rows: Sequence[PrecisionRow]) -> bool:

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from harness.records.stress import Cell, StressRecord, sentences
+from harness.records.stress import Cell, StressRecord
 from reports.charts import Json
 from reports.charts.palette import INK
+from reports.text.limits import by_severity
 from reports.text.wording import Verdict
 
 SIGNS: Final = {"stable": "●", "inaccurate": "◐", "drifting": "↗", "diverged": "✕"}
@@ -22,6 +23,7 @@ def context(_folder: Path, record: StressRecord) -> dict[str, object]:
     engines = list(dict.fromkeys(cell.engine for cell in record.cells))
     return {
         "verdict": stress_verdict(record),
+        "notes": by_severity(record.findings),
         "maps": [(engine, *stability_map(engine, record.cells), notes(engine, record.cells)) for engine in engines],
         "signs": SIGNS,
         "charts": [stability_chart(engine, record.cells) for engine in engines],
@@ -30,12 +32,9 @@ def context(_folder: Path, record: StressRecord) -> dict[str, object]:
 
 
 def stress_verdict(record: StressRecord) -> Verdict:
-    """How many hard scenes came out as they must, then what else the record says."""
-    if not record.scenes:
-        return Verdict("No hard scene was run", "differ", sentences(record))
-    first, *points = sentences(record)
-    wrong = any(not scene.holds for scene in record.scenes)
-    return Verdict(first.removesuffix("."), "failed" if wrong else "agree" if record.holds else "differ", points)
+    """How many hard scenes came out as they must."""
+    text, code = ("", "open") if record.answer is None else (record.answer.text, record.answer.code)
+    return Verdict(text, {"wrong": "failed", "sound": "agree"}.get(code, "differ"), [])
 
 
 def stability_map(engine: str, cells: Sequence[Cell]) -> tuple[list[str], list[tuple[str, list[Cell | None]]]]:

@@ -7,13 +7,15 @@ from dataclasses import replace
 from html import unescape
 from pathlib import Path
 
-from harness.model.finding import caution, info
+from harness.model.finding import Answer, caution, info
 from harness.model.run import write_json
 from harness.records.base import as_file, plain
 from harness.records.bench import PartRow, ScalingRow
 from harness.records.kinds import read_result
 from harness.records.scores import Interval
 from harness.records.stress import Cell
+from harness.records.stress import answer_of as stress_answer
+from harness.records.stress import findings_of as stress_findings
 from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import ValidationRecord
 from harness.studies.answer import answer_of, findings_of
@@ -147,19 +149,19 @@ def test_the_front_holds_what_nothing_beats() -> None:
 
 def test_a_bench_names_who_meets_the_target_and_keeps_failures(tmp_path: Path) -> None:
     folder, record = invented_records.write_bench(tmp_path), invented_records.bench()
-    assert "pymunk at 500 times real time or faster" in bench_verdict(record).headline
+    assert bench_verdict(record).tone == "agree"
     html = shown(folder)
     assert "diverged" in html
-    assert bench_verdict(replace(record, target_rad=1e-9)).headline.startswith("No engine meets")
+    missed = replace(record, answer=Answer("not_met", [caution("no_engine_timed")]))
+    assert bench_verdict(missed).tone == "differ"
 
 
 def test_a_stress_run_is_sound_or_says_what_is_wrong(tmp_path: Path) -> None:
-    assert stress_verdict(invented_records.stress()).headline == "2 of 2 hard scenes come out as they must"
+    sound, wrong = (invented_records.stress(sound=sound) for sound in (True, False))
     invented_records.write_stress(tmp_path / "wrong", sound=False)
-    wrong = stress_verdict(invented_records.stress(sound=False))
-    assert wrong.tone == "failed"
-    assert "“vertical −1 g” (wanted: " in " ".join(wrong.points)
-    assert "Unexplained: " in " ".join(wrong.points)
+    assert (sound.answer and sound.answer.findings[0].values) == {"right": 2, "scenes": 2}
+    assert stress_verdict(wrong).tone == "failed"
+    assert {"hard_scene_wrong", "cell_unexplained"} <= {each.code for each in wrong.findings}
     assert shown(tmp_path / "wrong").count('class="claim does-not-hold"') == 1
 
 
@@ -231,10 +233,12 @@ def test_a_bench_shows_what_skips_gain_and_what_the_target_takes(tmp_path: Path)
 def test_a_stress_run_of_one_part_does_not_say_that_hard_scenes_come_out() -> None:
     left = PartRow("scenes", 0.0, 0, ["600 s at rest", "floor friction 0"])
     missing = {"pybullet": "no wheel here"}
-    verdict = stress_verdict(replace(invented_records.stress(), scenes=[], parts=[left], absent=missing))
-    assert (verdict.headline, verdict.tone) == ("No hard scene was run", "differ")
-    assert "Not measured yet: scenes (2 to do)." in verdict.points
-    assert "pybullet was not run: no wheel here." in verdict.points
+    record = replace(invented_records.stress(), scenes=[], parts=[left], absent=missing)
+    told = stress_answer(record)
+    assert (told.code, stress_verdict(replace(record, answer=told)).tone) == ("not_run", "differ")
+    found = {each.code: each.values for each in stress_findings(record)}
+    assert found["parts_left"] == {"parts": {"scenes": 2}}
+    assert found["not_measured"] == {"what": "pybullet", "reason": "no wheel here"}
 
 
 def test_a_known_failure_is_seen_on_the_page(tmp_path: Path) -> None:

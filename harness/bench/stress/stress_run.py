@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
@@ -14,7 +15,7 @@ from harness.bench.stress.catalogue import ALL
 from harness.campaign import parts
 from harness.campaign.parts import Measured, Measurement, Part
 from harness.model.run import machine, versions
-from harness.records.stress import Cell, HardRow, StressRecord, sentences
+from harness.records.stress import Cell, HardRow, StressRecord, answer_of, findings_of
 
 INPUTS: Final = 20_000
 QUICK_INPUTS: Final = 500
@@ -32,7 +33,7 @@ def assembled(
     order = {row.name: place for place, row in enumerate(stability.difficulties())}
     cells = [Cell(**row) for row in rows["maps"]]
     spent = parts.seconds(measured)
-    return StressRecord(
+    made = StressRecord(
         command=command,
         absent=absent(given),
         scenes=[HardRow(**row) for row in (*rows["scenes"], *rows["questions"])],
@@ -43,6 +44,7 @@ def assembled(
         versions=versions(),
         machine=machine(),
     )
+    return replace(made, answer=answer_of(made), findings=findings_of(made))
 
 
 def absent(given: programs.Programs) -> dict[str, str]:
@@ -66,4 +68,4 @@ def all_parts(given: programs.Programs, quick: bool) -> list[Part]:
 
 def stress(given: programs.Programs = programs.NONE, sources: Sequence[str] = ()) -> Measurement[StressRecord]:
     """The stress run with what these programs measure; `sources` are the folders of their code, in the source tree."""
-    return Measurement("stress", partial(all_parts, given), partial(assembled, given), sentences, tuple(sources))
+    return Measurement("stress", partial(all_parts, given), partial(assembled, given), tuple(sources))

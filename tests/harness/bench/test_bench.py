@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from harness import engines
-from harness.bench import other_integrators, precision, scaling, sentences, skip_savings, skips
+from harness.bench import findings, other_integrators, precision, scaling, skip_savings, skips
 from harness.bench.standard_scenes import COLUMN, Standard, resolved, scene_of, standard_set
 from harness.bench.timing import children_cpu_s, cost, costs, largest_child_mb
 from harness.comparison.scores.pointwise import error_rad
@@ -46,7 +46,7 @@ ROWS = [
 
 
 def test_the_choice_is_compared_with_the_fixed_level_that_meets_every_scene() -> None:
-    found = sentences.choice(ROWS, 1e-3)[0]
+    found = findings.choice(ROWS, 1e-3)[0]
     assert found.fixed_s == pytest.approx(0.2)
     assert found.share == pytest.approx(0.202 / 0.2)
     assert found.worst_times == pytest.approx(2.0)
@@ -56,39 +56,37 @@ def test_the_choice_is_compared_with_the_fixed_level_that_meets_every_scene() ->
 def test_a_level_is_known_by_its_place() -> None:
     other = [replace(item, label=f"{item.label}, {item.scene}") for item in ROWS if item.group == "level"]
     asked = [item for item in ROWS if item.group != "level"]
-    assert sentences.choice([*other, *asked], 1e-3) == sentences.choice(ROWS, 1e-3)
+    assert findings.choice([*other, *asked], 1e-3) == findings.choice(ROWS, 1e-3)
 
 
 def test_no_fixed_level_is_said() -> None:
     worse = [replace(item, error_rad=1.0) if item.scene == "hard" else item for item in ROWS]
-    found = sentences.choice(worse, 1e-3)[0]
+    found = findings.choice(worse, 1e-3)[0]
     assert found.fixed_s is None
     assert found.worst_scene == "easy"
     assert found.met == 1
 
 
 def test_the_slowest_scene_of_the_fastest_level_that_meets_the_target() -> None:
-    assert sentences.fastest(ROWS, 1e-3) == {"pymunk": (pytest.approx(10.0), "hard")}
-    assert sentences.fastest(ROWS, 1e-6)["pymunk"][0] == 0.0
+    assert findings.fastest(ROWS, 1e-3) == {"pymunk": (pytest.approx(10.0), "hard")}
+    assert findings.fastest(ROWS, 1e-6)["pymunk"][0] == 0.0
 
 
-def test_sentences_follow_the_rows() -> None:
-    assert sentences.speeds(ROWS, 1e-3) == ["pymunk meets 0.001 rad at 10 times real time or faster; slowest: “hard”."]
-    assert sentences.speeds(ROWS, 1e-6) == ["pymunk: no level of its meets 1e-06 rad on “easy”."]
-    assert sentences.choices(sentences.choice(ROWS, 1e-3), [], 1e-3) == [
-        "--accuracy 0.001 with pymunk: 2 of 2 scenes met, 0.202 s in all, 1.01 times the one fixed level that meets all of "
-        "them; 2 times the best level in hindsight on half of them, at most 2 (“easy”)."
-    ]
-    assert sentences.coverage({"pymunk": Covered(19, 20)}) == [
-        "pymunk: the error lay within what was stated on 19 of 20 seeded scenes."
-    ]
+def test_findings_follow_the_rows() -> None:
+    (met,) = findings.speeds(ROWS, 1e-3)
+    assert (met.code, met.values["scene"], met.values["factor"]) == ("meets_target", "hard", pytest.approx(10.0))
+    assert [each.code for each in findings.speeds(ROWS, 1e-6)] == ["misses_target"]
+    (takes,) = findings.takes(findings.choice(ROWS, 1e-3), 1e-3, "standard")
+    assert (takes.engine, takes.values["met"], takes.values["worst_scene"]) == ("pymunk", 2, "easy")
+    assert findings.coverage({"pymunk": Covered(19, 20)})[0].values == {"inside": 19, "total": 20}
     own = row("pymunk", "easy", "own defaults", 0.1, 1.0, "default")
-    assert sentences.defaults([*ROWS, own, replace(own, scene="hard", error_rad=0.2)]) == [
-        "own defaults (pymunk): 0.2 rad on “hard”."
-    ]
+    (error,) = findings.defaults([*ROWS, own, replace(own, scene="hard", error_rad=0.2)])
+    assert error.values == {"setting": "own defaults", "error_rad": 0.2, "scene": "hard"}
     together = SkipRow("all together", "pymunk", 6, 1.0, 1.5)
-    assert "1.5 times faster; no outcome changed." in skips.sentences([together])[0]
-    assert "1.5 times faster; a: b." in skips.sentences([replace(together, changed=("a: b",))])[0]
+    (gain,) = skips.findings([together])
+    assert (gain.code, gain.values["gain"]) == ("skips_gain", 1.5)
+    (change,) = skips.findings([replace(together, changed=("a: b",))])
+    assert (change.code, change.values["changed"]) == ("skips_change", ["a: b"])
 
 
 def test_an_error_is_seen() -> None:
@@ -187,13 +185,11 @@ def test_skips_that_gain_nothing_or_move_a_rotation_are_told() -> None:
         plain, replace(plain, skip="no_history", off_s=1.01), replace(plain, skip="mirror", apart_rad=2e-3),
         replace(plain, skip="cached", changed=("computed again",)), SkipRow("planar", "*", failed="no record"),
     ]  # fmt: skip
-    told = skip_savings.sentences(rows)
-    assert told == [
-        "Alone 3 of 4 skips gain a twentieth or more of the time where they were measured; not no_history (pymunk, 1).",
-        "cached (pymunk): computed again.",
-        "mirror (pymunk) parts rotations by 2.0e-03 rad, finer settings without it by 1.0e-03 rad.",
-    ]
-    assert skip_savings.sentences([]) == []
+    alone, parts, changes = skip_savings.findings(rows)
+    assert alone.values == {"gaining": 3, "measured": 4, "idle": ["no_history (pymunk)"]}
+    assert (changes.engine, changes.values) == ("pymunk", {"skip": "cached", "changed": ["computed again"]})
+    assert parts.values == {"skip": "mirror", "apart_rad": 2e-3, "own_rad": 1e-3}
+    assert skip_savings.findings([]) == []
 
 
 def test_the_rows_of_a_study_are_summed_by_engine() -> None:
@@ -222,10 +218,11 @@ def test_how_time_grows_is_told_from_the_largest_two() -> None:
 
     rows = [point("duration_s", 2.0, 0.9), point("duration_s", 8.0, 1.0), point("duration_s", 32.0, 4.0)]
     rows += [point("workers", 1.0, 3.0), point("workers", 2.0, 2.0), point("runs", 100.0, 1.0)]
-    assert scaling.sentences(rows) == [
-        "Scaling: pymunk's time grows with the power 1.00 of duration; 2 workers are 1.5 times as fast as 1."
-    ]
-    assert scaling.sentences([]) == []
+    grows, faster = scaling.findings(rows)
+    assert (grows.engine, grows.values["quantity"]) == ("pymunk", "duration_s")
+    assert grows.values["power"] == pytest.approx(1.0)
+    assert faster.values == {"workers": 2.0, "fewer": 1.0, "times": 1.5}
+    assert scaling.findings([]) == []
 
 
 def test_the_memory_of_workers_is_counted() -> None:
@@ -247,33 +244,26 @@ def test_other_solvers_are_compared_at_equal_error() -> None:
         *solvers, {"throughput": {"two_block": rate, "map": rate}}, {"startup": asdict(Start(1.0, 1.0, 1.2, 2.5))},
         {"overhead": {"no_pedestal_ratio": 0.5, "pedestal_ratio": 1.2}},
     ]  # fmt: skip
-    assert other_integrators.sentences(other_integrators.collected([])) == []
-    assert other_integrators.sentences(other_integrators.collected(rows)) == [
-        "block: at 1e-06 rad analytic is 200 times as fast as scipy DOP853.",
-        "block: no setting of scipy DOP853 reached 1e-09 rad; at its smallest error, 1e-07, analytic is 200 times as fast as "
-        "scipy DOP853.",
-        "block: heyoka was not measured: not installed.",
-        "Outcomes of 10 s on a pedestal at 1e-6: 9e+03 a second and core.",
-        "A 200 × 200 overturning map on a pedestal takes 4 s on 2 cores.",
-        "Importing analytic takes 1.20 times importing numpy and numba.",
-        "Its first call from the cache takes 2.50 times that of a trivial cached kernel.",
-        "A pymunk run (no pedestal) takes 0.50 times a baseline loop.",
-        "A pymunk run (pedestal) takes 1.20 times a baseline loop.",
-    ]
+    assert other_integrators.findings(other_integrators.collected([])) == []
+    found = other_integrators.findings(other_integrators.collected(rows))
+    assert [each.code for each in found] == [
+        "solver_faster", "solver_short", "solver_absent", "throughput", "throughput", "start_cost", "over_baseline",
+    ]  # fmt: skip
+    assert (found[0].values["error_rad"], found[0].values["times"]) == (1e-6, pytest.approx(200.0))
+    short = found[1].values
+    assert (short["short"], short["error_rad"], short["least_rad"]) == ("scipy DOP853", 1e-9, 1e-7)
+    assert short["times"] == pytest.approx(200.0)
+    assert found[2].values["reason"] == "not installed"
+    assert found[-1].values == {"ratios": {"no_pedestal": 0.5, "pedestal": 1.2}}
 
 
-@pytest.mark.parametrize(
-    ("theirs_rad", "told"),
-    [
-        (1e-7, "; at its smallest error, 0.0001, analytic is 0.2 times as fast as scipy DOP853."),
-        (1e-3, "; its smallest error is 0.0001."),
-    ],
-)
-def test_an_error_that_is_not_reached_is_told_with_the_smallest_one(theirs_rad: float, told: str) -> None:
+@pytest.mark.parametrize(("theirs_rad", "times"), [(1e-7, 0.2), (1e-3, None)])
+def test_an_error_that_is_not_reached_is_told_with_the_smallest_one(theirs_rad: float, times: float | None) -> None:
     ours = {"case": "block", "solver": "analytic", "tolerance": 1e-4, "error_rad": 1e-4, "seconds": 1.0}
     theirs = ours | {"solver": "scipy DOP853", "error_rad": theirs_rad, "seconds": 0.2}
-    found = other_integrators.sentences(other_integrators.collected([ours, theirs]))
-    assert found[0] == f"block: no setting of analytic reached 1e-06 rad{told}"
+    found = other_integrators.findings(other_integrators.collected([ours, theirs]))[0]
+    assert (found.code, found.values["short"], found.values["least_rad"]) == ("solver_short", "analytic", 1e-4)
+    assert found.values["times"] == times
 
 
 def test_a_bench_with_parts_missing_is_a_record_that_says_so() -> None:
@@ -287,7 +277,8 @@ def test_a_bench_with_parts_missing_is_a_record_that_says_so() -> None:
     found = BENCH.assembled(listed, measured, "rockcheck bench")
     assert [item.scene for item in found.rows] == ["free rocking"]
     assert found.seconds == 1.0
-    assert any(text.startswith("Not measured yet: coverage") for text in found.sentences)
+    (left,) = (each for each in found.findings if each.code == "parts_left")
+    assert left.values["parts"]["coverage"] == len(next(each for each in listed if each.name == "coverage").tasks)
     assert plain(validated(BenchRecord, json.dumps(plain(found)), Path("result.json"))) == plain(found)
     assert [part.name for part in listed if not part.died] == ["speeds", "workers"], (
         "what stands by itself, or is timed by the clock, is alone"

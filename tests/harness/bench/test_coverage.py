@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from harness.bench import coverage, sentences
+from harness.bench import coverage, findings
 from harness.records.bench import Coverage, Covered, Level, Statement
 from tests.measures.coverage import met_whole
 
@@ -30,16 +30,14 @@ def seeded(seed: int, coarse_rad: float, fine_rad: float, cpu_s: float) -> Cover
 def test_seeded_scenes_that_meet_the_target_are_compared_with_their_levels() -> None:
     unmet, died = Coverage("pymunk", 4, 1e-3, stated(1e-5), 1.0), Coverage("pymunk", 5, 1e-3)
     rows = [seeded(1, 1e-4, 1e-5, 2e-3), seeded(2, 1e-2, 1e-5, 5e-3), unmet, died]
-    (found,) = sentences.choice(coverage.choice_rows(rows), 1e-3)
+    (found,) = findings.choice(coverage.choice_rows(rows), 1e-3)
     assert (found.scenes, found.worst_scene) == (2, "seed 1")
     assert found.fixed_s == pytest.approx(8e-3)
     assert found.share == pytest.approx(7e-3 / 8e-3)
     assert found.worst_times == pytest.approx(2.0)
     assert found.median_times == pytest.approx(0.5 * (2.0 + 1.25))
-    assert sentences.choices([], [found], 1e-3) == [
-        "On 2 seeded scenes that pymunk meets to the end, --accuracy 0.001 takes 0.007 s in all, 0.88 times the one fixed level "
-        "that meets all of them; 1.6 times the best level in hindsight on half of them, at most 2 (“seed 1”)."
-    ]
+    (told,) = findings.takes([found], 1e-3, "seeded")
+    assert (told.engine, told.values["scenes_of"], told.values["scenes"]) == (found.engine, "seeded", found.scenes)
 
 
 def test_the_levels_of_a_seeded_scene_are_judged_by_its_finer_run() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -16,7 +15,7 @@ import pytest
 from harness.campaign.parts import Part, command, measure, seconds
 from harness.campaign.store import STORE_NAME, Store
 from harness.model.errors import InputError
-from harness.records.bench import part_sentences
+from harness.records.bench import of_parts
 
 STAMP = {"versions": {"rockcheck": "1"}, "quick": False}
 
@@ -70,11 +69,10 @@ def test_one_part_is_measured_anew_the_others_are_kept(tmp_path: Path) -> None:
 
 def test_a_part_alone_leaves_the_others_to_do_and_says_so(tmp_path: Path) -> None:
     found = measure(tmp_path, parts(Counting()), ["second"], STAMP, silent)
-    told = part_sentences(seconds(found))
-    assert told[1] == "Not measured yet: first (3 to do)."
-    assert re.fullmatch(
-        r"Time by part, by the clock \(of the processor\): second \d+ s \(\d+\); in all \d+ s \(\d+\)\.", told[0]
-    )
+    left, why, spent = of_parts(seconds(found), {"hull": "no program"})
+    assert (left.code, left.values) == ("parts_left", {"parts": {"first": 3}})
+    assert why.values == {"what": "hull", "reason": "no program"}
+    assert list(spent.values["clock_s"]) == ["second"]
 
 
 def test_the_command_that_repeats_a_run_carries_its_options(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""What the rows say, in sentences computed from them."""
+"""What the rows of the bench say."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import statistics
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
+from harness.model.finding import Finding, caution, info
 from harness.records.bench import DEFAULT, LEVEL, OTHER_PROJECT, TARGET, Choice, Covered, PrecisionRow
 
 
@@ -66,52 +67,39 @@ def fastest(rows: Sequence[PrecisionRow], target_rad: float) -> dict[str, tuple[
     return slowest
 
 
-def speeds(rows: Sequence[PrecisionRow], target_rad: float) -> list[str]:
+def speeds(rows: Sequence[PrecisionRow], target_rad: float) -> list[Finding]:
     """How fast each engine meets the target."""
     return [
-        f"{engine} meets {target_rad:g} rad at {factor:.3g} times real time or faster; slowest: “{scene}”."
+        info("meets_target", model=engine, factor=factor, scene=scene, target_rad=target_rad)
         if factor > 0.0
-        else f"{engine}: no level of its meets {target_rad:g} rad on “{scene}”."
+        else caution("misses_target", model=engine, scene=scene, target_rad=target_rad)
         for engine, (factor, scene) in fastest(rows, target_rad).items()
     ]
 
 
-def choices(standard: Sequence[Choice], seeded: Sequence[Choice], target_rad: float) -> list[str]:
-    """What the target takes on the standard set, and on the seeded scenes that meet it to the end."""
-    lines = [
-        f"--accuracy {target_rad:g} with {item.engine}: {item.met} of {item.scenes} scenes met, {_cost(item)}."
-        for item in standard
-    ]
-    return lines + [
-        f"On {item.scenes} seeded scenes that {item.engine} meets to the end, --accuracy {target_rad:g} takes {_cost(item)}."
-        for item in seeded
+def takes(choices: Sequence[Choice], target_rad: float, scenes_of: str) -> list[Finding]:
+    """What the target takes on a set of scenes (`standard`, or those `seeded` that meet it to the end)."""
+    return [
+        info("target_takes", scenes_of=scenes_of, target_rad=target_rad, **vars(item)).of(item.engine)
+        for item in choices
     ]
 
 
-def _cost(item: Choice) -> str:
-    fixed = "where no fixed level that was tried meets all of them"
-    if item.share is not None:
-        fixed = f"{item.share:.2f} times the one fixed level that meets all of them"
-    start = f"{item.total_s:.3g} s in all, {fixed}"
-    if item.worst_times is None:
-        return start
-    half = f"{item.median_times:.2g} times the best level in hindsight on half of them"
-    return f"{start}; {half}, at most {item.worst_times:.2g} (“{item.worst_scene}”)"
-
-
-def coverage(counts: Mapping[str, Covered]) -> list[str]:
+def coverage(counts: Mapping[str, Covered]) -> list[Finding]:
     """How often errors lay within what was stated."""
     return [
-        f"{engine}: the error lay within what was stated on {item.inside} of {item.total} seeded scenes."
-        for engine, item in counts.items()
+        info("stated_errors_hold", inside=item.inside, total=item.total).of(engine) for engine, item in counts.items()
     ]
 
 
-def defaults(rows: Sequence[PrecisionRow]) -> list[str]:
+def defaults(rows: Sequence[PrecisionRow]) -> list[Finding]:
     """The largest error of each setting that is no level."""
     worst: dict[tuple[str, str], PrecisionRow] = {}
     for row in rows:
         key = row.engine, row.label
         if row.group in (DEFAULT, OTHER_PROJECT) and row.error_rad is not None:
             worst[key] = max(row, worst.get(key, row), key=lambda each: each.error_rad or 0.0)
-    return [f"{row.label} ({row.engine}): {row.error_rad:.2g} rad on “{row.scene}”." for row in worst.values()]
+    return [
+        info("error_of_setting", setting=row.label, error_rad=row.error_rad, scene=row.scene).of(row.engine)
+        for row in worst.values()
+    ]
