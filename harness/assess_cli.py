@@ -42,7 +42,7 @@ class Scanned:
     layout: TextLayout = field(default_factory=TextLayout)
 
     @contextmanager
-    def scene_file(self, path: Path, folder: Path) -> Iterator[Path]:
+    def scene_file(self, path: Path, folder: Path, say: Say) -> Iterator[Path]:
         """The scene to assess: `path` itself, or a first scene of the scan, beside `folder` until it is part of the result.
 
         Raises `InputError` for a record without a scan, and for words on a scan beside a scene.
@@ -62,7 +62,7 @@ class Scanned:
         # At the depth of the result's folder: the scene's relative path to the record is then the same in both.
         with tempfile.TemporaryDirectory(dir=folder.parent, prefix=FRESH) as made:
             first = Path(made) / SCENE_NAME
-            yield new(path, self.motion, first, self.known, self.around, Layout(**vars(self.layout)))[0]
+            yield new(path, self.motion, first, self.known, self.around, Layout(**vars(self.layout)), say)[0]
 
 
 def run(
@@ -90,7 +90,7 @@ def run(
     names = [RECORD, COMING, *PAGES, *([DRAWS_NAME, CLEARANCE_NAME] if csv else [])]
     names += [] if scanned.motion is None else of_scan
     check_folder(folder, ("assess",), names)
-    with scanned.scene_file(path, folder) as scene_file:
+    with scanned.scene_file(path, folder, say) as scene_file:
         scene = load_scene(scene_file, asked.overrides or ())
         given = [item for item in (path, scanned.motion, options) if item is not None]
         check_inputs(folder, [*names, *of_scan], [*given, *read_files(scene.given, scene.source)])

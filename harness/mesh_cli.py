@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 from harness.command import ScanOptions, SupportOptions
 from harness.input import paths
 from harness.input.mesh_file import MARBLE_KG_M3
-from harness.input.mesh_statue import mesh_mistake
+from harness.input.mesh_statue import findings_of, mesh_mistake
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.files import check_own, checksum, write_text, writing
+from harness.model.finding import Finding, Say, texted
 from harness.records.result_folder import listed
 
 if TYPE_CHECKING:
@@ -46,7 +47,17 @@ def inspect(file: Path, known: ScanOptions) -> Inspection:
         raise InputError(mesh_mistake(error, str(file))) from error
 
 
-def prepare(file: Path, out: Path, known: ScanOptions) -> tuple[Inspection, Path]:
+def record_of(inspection: Inspection, say: Say) -> dict[str, object]:
+    """An inspection as plain values, what was found with its sentences."""
+    log = inspection.prepared.log
+    findings = texted(findings_of(log.found), say)
+    account = log.as_dict() | {"found": [each.text for each in findings]}
+    return {**inspection.as_dict(), "account": account, "findings": record.to_plain(findings)}
+
+
+def prepare(
+    file: Path, out: Path, known: ScanOptions, say: Say = lambda finding: finding.code
+) -> tuple[Inspection, Path]:
     """Prepare a scan into the mesh file `out`, with its processing log beside it as JSON; returns the inspection and that
     path.
 
@@ -63,7 +74,7 @@ def prepare(file: Path, out: Path, known: ScanOptions) -> tuple[Inspection, Path
         inspection.prepared.write(fresh)
         # Before the mesh is in its place: where there is no room for its log, both are as they were.
         said = {"known": asdict(known), "files": {out.name: checksum(fresh)}}
-        record.write_json(log, {**inspection.as_dict(), **said})
+        record.write_json(log, {**record_of(inspection, say), **said})
     return inspection, log
 
 
@@ -74,14 +85,15 @@ def new(
     known: ScanOptions,
     around: SupportOptions | None = None,
     layout: Layout | None = None,
-) -> tuple[Path, tuple[str, ...]]:
+    say: Say = lambda finding: finding.code,
+) -> tuple[Path, list[Finding]]:
     """Write a first scene `out` (TOML) for a scan and a record, with the prepared mesh beside it; returns its path, and what was
-    found doubtful in the scan.
+    found doubtful in the scan and assumed.
 
-    Everything assumed stands in the scene as a comment. Raises `InputError`; then no scene is written.
+    All of it stands in the scene as comments, in the sentences of `say`. Raises `InputError`; then no scene is written.
     """
     from harness.input.motions.readers import read_record
-    from harness.input.new_scene import UserInput, scene_text
+    from harness.input.new_scene import UserInput, first_scene
     from harness.input.scene_file import load_scene
 
     if out.suffix != ".toml":
@@ -105,15 +117,17 @@ def new(
     for beside in (mesh, mesh.with_suffix(".account.json")):
         if os.path.lexists(beside):
             raise InputError(Mistake("--out", "", f"a name beside which {beside.name} does not exist yet", str(beside)))
-    inspection, log = prepare(scan, mesh, known)
+    inspection, log = prepare(scan, mesh, known, say)
+    found = findings_of(inspection.prepared.log.found)
     try:
-        write_text(out, scene_text(inspection, scan, mesh, shaking, motion, user_input))
+        text, assumed = first_scene(inspection, scan, mesh, shaking, motion, user_input, say)
+        write_text(out, text)
         load_scene(out)
     except BaseException:
         for written in (out, mesh, log):
             written.unlink(missing_ok=True)
         raise
-    return out, inspection.prepared.log.found
+    return out, [*found, *assumed]
 
 
 def _plane(text: str | None) -> tuple[float, float] | None:

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from meshes.attached import attached_floor, cut_below
+from meshes.errors import Doubt
 from meshes.hole_filling import triangulated
 from meshes.mesh import Array, Faces, RawMesh
 from meshes.orientation import area_vector
@@ -32,9 +33,12 @@ COARSE: Final = 0.04
 
 @dataclass(frozen=True)
 class Beside:
-    """What hangs on a statue, in words, and the cut: all farther than `distance_m` from the file's origin along `azimuth_deg`."""
+    """What hangs on a statue, in words and as a doubt, and the cut: all farther than `distance_m` from the file's origin along
+    `azimuth_deg`.
+    """
 
     what: str
+    doubt: Doubt
     azimuth_deg: float
     distance_m: float
 
@@ -67,7 +71,8 @@ def _wall(vertices: Array, faces: Faces) -> Beside | None:
         layer = attached_floor(turned, faces)
         if layer is not None and layer.certain:
             said = f"an outermost {layer.cut_m:.3g} m of {layer.times:.3g} times the outline of all before it: a wall"
-            return Beside(said, float(np.rad2deg(azimuth)) % 360.0, -float(turned[:, 2].min()) - layer.cut_m)
+            doubt = Doubt("scan_wall", {"layer_m": layer.cut_m, "times": layer.times})
+            return Beside(said, doubt, float(np.rad2deg(azimuth)) % 360.0, -float(turned[:, 2].min()) - layer.cut_m)
     return None
 
 
@@ -105,7 +110,8 @@ def _second_body(vertices: Array, faces: Faces) -> Beside | None:
         part = f"{100 * min(beyond, 1.0 - beyond):.0f} % of the volume beyond it"
         said = f"a section of {100 * share[at]:.0f} % of those to its sides, and {part}: a second body"
         far = beyond <= 0.5
-        body = Beside(said, float(np.rad2deg(azimuth)) + (0.0 if far else 180.0), cut if far else -cut)
+        doubt = Doubt("scan_second_body", {"section": float(share[at]), "beyond": min(beyond, 1.0 - beyond)})
+        body = Beside(said, doubt, float(np.rad2deg(azimuth)) + (0.0 if far else 180.0), cut if far else -cut)
         narrowest = float(share[at]), body
     return narrowest[1] if narrowest else None
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshes.errors import MeshError
+from meshes.errors import Doubt, MeshError
 from meshes.hole_filling import close_pinches
 from meshes.mesh import Faces, RawMesh, drop_unused, unique_rows, weld
 from meshes.processing_log import Change, change, measure
@@ -32,45 +32,50 @@ class Bounds:
     inertia_rel: float = 2e-3
 
 
-def decimate(mesh: RawMesh, max_faces: int, keep_below_m: float, bounds: Bounds) -> tuple[RawMesh, Change | None, str]:
+def decimate(
+    mesh: RawMesh, max_faces: int, keep_below_m: float, bounds: Bounds
+) -> tuple[RawMesh, Change | None, Doubt | None]:
     """A closed mesh with about `max_faces` triangles, or with as few as the bounds allow; unchanged if that is not
-    fewer. The third is why more were kept than asked, empty where they were not.
+    fewer. The third is why more were kept than asked, None where they were not.
 
     Faces with a vertex up to `keep_below_m` over the lowest point are kept as they are.
     """
     height = float(np.ptp(mesh.vertices[:, 2]))
     before = measure(mesh)
-    target, why = max_faces, ""
+    target, why = max_faces, dict[str, object]()
+
+    def kept(faces: int) -> Doubt | None:
+        return Doubt("scan_faces_kept", {"faces": faces, "asked": max_faces, **why}) if why else None
+
     while target < 0.9 * len(mesh.faces):
         fewer = simplified(mesh, target, keep_below_m)
-        if isinstance(fewer, str):
+        if isinstance(fewer, dict):
             broken = fewer
         else:
             what = f"{len(mesh.faces)} triangles reduced to {len(fewer.faces)}, the base kept"
             made = change("decimation", what, len(mesh.faces) - len(fewer.faces), before, measure(fewer))
             broken = _beyond(made, bounds, height)
             if not broken:
-                return fewer, made, why and f"{len(fewer.faces)} triangles, not {max_faces}: {why}"
-        why = why or f"with so few {broken}"
+                return fewer, made, kept(len(fewer.faces))
+        why = why or broken
         target *= 2
-    return mesh, None, why and f"all {len(mesh.faces)} triangles, not {max_faces}: {why}"
+    return mesh, None, kept(len(mesh.faces))
 
 
-def _beyond(made: Change, bounds: Bounds, height_m: float) -> str:
+def _beyond(made: Change, bounds: Bounds, height_m: float) -> dict[str, object]:
     """Which bound a decimation broke, and by how much; empty for none."""
     if made.volume_rel is None or made.centroid_m is None or made.inertia_rel is None:
-        return "the surface would enclose no volume"
+        return {"cause": "encloses_nothing"}
     if abs(made.volume_rel) > bounds.volume_rel:
-        return f"the volume would change by {100 * made.volume_rel:+.2f} % (at most {100 * bounds.volume_rel:g} %)"
+        return {"cause": "volume", "change": made.volume_rel, "limit": bounds.volume_rel}
     if made.centroid_m > bounds.centroid_share * height_m:
-        most = 1e3 * bounds.centroid_share * height_m
-        return f"the centroid would move by {1e3 * made.centroid_m:.2f} mm (at most {most:.2g} mm)"
+        return {"cause": "centroid", "moved_m": made.centroid_m, "limit_m": bounds.centroid_share * height_m}
     if abs(made.inertia_rel) > bounds.inertia_rel:
-        return f"the inertia would change by {100 * made.inertia_rel:+.2f} % (at most {100 * bounds.inertia_rel:g} %)"
-    return ""
+        return {"cause": "inertia", "change": made.inertia_rel, "limit": bounds.inertia_rel}
+    return {}
 
 
-def simplified(mesh: RawMesh, max_faces: int, keep_below_m: float) -> RawMesh | str:
+def simplified(mesh: RawMesh, max_faces: int, keep_below_m: float) -> RawMesh | dict[str, object]:
     """The mesh with its faces above the base simplified by quadric error, or why that cannot be."""
     from fast_simplification import simplify
 
@@ -78,11 +83,11 @@ def simplified(mesh: RawMesh, max_faces: int, keep_below_m: float) -> RawMesh | 
     low = (mesh.vertices[:, 2] <= level)[mesh.faces].any(axis=1)
     target = max_faces - int(low.sum())
     if target < FEWEST or not (~low).any():
-        return f"the base, which is kept, has {int(low.sum())} and fewer than {FEWEST} would be left for all above it"
+        return {"cause": "base", "base": int(low.sum()), "fewest": FEWEST}
     vertices, faces = drop_unused(mesh.vertices, mesh.faces[~low])
     reduction = 1.0 - target / len(faces)
     if reduction <= 0.0:
-        return "nothing would be left out above the base"
+        return {"cause": "nothing_to_leave_out"}
     points, triangles = simplify(vertices, faces.astype(np.int32), reduction, preserve_border=True)[:2]
     base_vertices, base_faces = drop_unused(mesh.vertices, mesh.faces[low])
     joined = weld(
@@ -93,7 +98,7 @@ def simplified(mesh: RawMesh, max_faces: int, keep_below_m: float) -> RawMesh | 
         )
     )
     sound = _sound(joined)
-    return "the closed surface would break" if sound is None else sound
+    return {"cause": "breaks"} if sound is None else sound
 
 
 def _sound(mesh: RawMesh) -> RawMesh | None:

@@ -96,7 +96,7 @@ def decompose(
     if not 0.01 <= concavity <= 1.0:
         raise MeshError("a concavity between 0.01 and 1", f"{concavity:g}")
     coarse = simplified(RawMesh(solid.vertices_m, solid.faces, "solid"), COARSE_FACES, solid.contact_tolerance_m)
-    vertices, faces = (solid.vertices_m, solid.faces) if isinstance(coarse, str) else (coarse.vertices, coarse.faces)
+    vertices, faces = (solid.vertices_m, solid.faces) if isinstance(coarse, dict) else (coarse.vertices, coarse.faces)
     raw = _searched(vertices, faces, (concavity, max_parts, seed))
     hull = Manifold.hull_points(np.array(solid.vertices_m))
     inside = [Manifold.hull_points(points) ^ hull for points in raw]

@@ -8,7 +8,7 @@ import numpy as np
 
 from meshes.attached import Floor, attached_floor
 from meshes.beside import attached_beside
-from meshes.errors import MeshError
+from meshes.errors import Doubt, MeshError
 from meshes.mesh import Array, Faces, RawMesh
 from meshes.orientation import up_doubted
 from meshes.self_intersection import crossings, pinched, wrongly_sided
@@ -27,10 +27,11 @@ def not_one_body(vertices: Array, faces: Faces) -> MeshError | None:
     advice = "look at it there, and remesh (Blender: Voxel Remesh) or cut it in two"
     if share > MOST_PINCHED:
         got = f"one with {100 * share:.0f} % of its area beyond a neck that crosses itself or is a single point"
-        return MeshError("one solid body", got, advice)
+        return MeshError("one solid body", got, advice, doubt=Doubt("scan_pinched", {"share": share}))
     if wrong > MOST_WRONG:
         got = f"one with {100 * wrong:.0f} % of its area inside out or buried in itself"
-        return MeshError("a surface that does not pass through itself", got, advice)
+        doubt = Doubt("scan_wrongly_sided", {"share": wrong})
+        return MeshError("a surface that does not pass through itself", got, advice, doubt=doubt)
     return None
 
 
@@ -41,7 +42,9 @@ def floor_refused(floor: Floor | None, how: str) -> MeshError | None:
     """
     if floor is None or not floor.certain:
         return None
-    return _not_alone(f"of which {floor}", how, f"--cut-below {floor.cut_m:.3g}", "--cut-below 0")
+    cut = f"--cut-below {floor.cut_m:.3g}"
+    doubt = Doubt("scan_floor", {"cut_m": floor.cut_m, "times": floor.times, "command": f"{how} {cut}"})
+    return _not_alone(f"of which {floor}", how, cut, "--cut-below 0", doubt)
 
 
 def other_attached(vertices: Array, faces: Faces, how: str) -> MeshError | None:
@@ -55,21 +58,18 @@ def other_attached(vertices: Array, faces: Faces, how: str) -> MeshError | None:
         return None
     cut = f"--cut-beyond {other.azimuth_deg:.5g},{other.distance_m:.3g}"
     lies = "; a figure that lies looks so too: then another up axis makes it a statue that stands"
-    return _not_alone(f"with {other}", how, cut, "--cut-beyond none", lies)
+    doubt = Doubt(other.doubt.code, {**other.doubt.values, "azimuth_deg": other.azimuth_deg, "command": f"{how} {cut}"})
+    return _not_alone(f"with {other}", how, cut, "--cut-beyond none", doubt, lies)
 
 
-def _not_alone(what: str, how: str, cut: str, keep: str, more: str = "") -> MeshError:
+def _not_alone(what: str, how: str, cut: str, keep: str, doubt: Doubt, more: str = "") -> MeshError:
     advice = f"cut it off: {f'{how} {cut}'.strip()} ({keep} says that it is the statue's own){more}"
-    return MeshError("a statue alone", f"one {what}", advice)
+    return MeshError("a statue alone", f"one {what}", advice, doubt=doubt)
 
 
-def doubts(vertices: Array, faces: Faces, how: str) -> tuple[str, ...]:
-    """All of this and what passes through itself elsewhere, in sentences (`how` as for `floor_refused`)."""
-    pairs = crossings(vertices, faces)
+def doubts(vertices: Array, faces: Faces, how: str) -> tuple[Doubt, ...]:
+    """All of this and what passes through itself elsewhere (`how` as for `floor_refused`)."""
     attached = floor_refused(attached_floor(vertices, faces), how) or other_attached(vertices, faces, how)
     refusals = attached, not_one_body(vertices, faces)
-    said = [str(each) for each in refusals if each is not None]
-    said.extend(up_doubted(RawMesh(vertices, faces, "")))
-    if pairs.faces:
-        said.append(str(pairs))
-    return tuple(said)
+    told = [each.doubt for each in refusals if each is not None and each.doubt is not None]
+    return (*told, *up_doubted(RawMesh(vertices, faces, "")), *crossings(vertices, faces).doubts)

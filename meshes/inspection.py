@@ -69,21 +69,22 @@ class Inspection:
         return {
             "schema_version": 1,
             "raw": asdict(self.raw),
-            "account": self.prepared.log.as_dict(),
             "refusal": None if self.refusal is None else str(self.refusal),
             "solid": None if self.solid is None else _numbers(self.solid),
             "rose": self.rose(10),
         }
 
-    def __str__(self) -> str:
-        lines = [str(self.prepared.log), f"as read: {self.raw}"]
-        if self.solid is None:
-            return "\n".join([*lines, f"no solid: {self.refusal}"])
-        return "\n".join(
-            [*lines, *_sentences(self.solid), "slenderness (degrees) towards each azimuth:", *self._rose_lines()]
-        )
+    def facts(self) -> list[str]:
+        """The file as read, and the solid in words, or why there is none."""
+        return [
+            f"as read: {self.raw}",
+            *(["no solid: " + str(self.refusal)] if self.solid is None else _sentences(self.solid)),
+        ]
 
-    def _rose_lines(self) -> list[str]:
+    def rose_lines(self) -> list[str]:
+        """Slenderness in degrees towards every 30°; nothing without a solid."""
+        if self.solid is None:
+            return []
         return [
             "  "
             + "  ".join(

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.errors import MeshError
+from meshes.errors import Doubt, MeshError
 from meshes.mesh import Array, RawMesh, double_areas
 from meshes.processing_log import measure
 from meshes.topology import rims
@@ -69,7 +69,7 @@ class Orientation:
     axis: str
     tilt_rad: float
     why: str
-    doubts: tuple[str, ...] = ()
+    doubts: tuple[Doubt, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -132,14 +132,12 @@ def find_orientation(mesh: RawMesh) -> Orientation:
     if other is not None:
         if not _is_column(best, other):
             raise _unclear("one end that is the base", [best, other], hull, mesh)
-        doubts.append(f"a column that may stand on its other end as well, --up {other}; taken was {best}")
+        taken = name_direction(best.up)
+        doubts.append(Doubt("scan_column", {"up": name_direction(other.up), "taken": taken}))
     orientation = _levelled(best)
     if orientation.tilt_rad > SAME_RAD:
-        doubts.append(
-            f"{best} is {np.rad2deg(orientation.tilt_rad):.1f}° from the nearest axis of the file: the scan lies askew in its"
-            " axes, or this is not its base"
-        )
-    return replace(orientation, doubts=tuple(f"which way is up is in doubt: {doubt}; {_LOOK}" for doubt in doubts))
+        doubts.append(Doubt("scan_askew", {"up": name_direction(best.up), "tilt_rad": orientation.tilt_rad}))
+    return replace(orientation, doubts=tuple(doubts))
 
 
 def _other_end(best: _Base, bases: list[_Base], hull: _Hull) -> _Base | None:
@@ -177,8 +175,8 @@ def _unclear(wanted: str, candidates: list[_Base], hull: _Hull, mesh: RawMesh) -
     return MeshError(wanted, got, _LOOK, place=mesh.source)
 
 
-def up_doubted(mesh: RawMesh) -> tuple[str, ...]:
-    """What speaks against z as the up axis of a mesh, in sentences."""
+def up_doubted(mesh: RawMesh) -> tuple[Doubt, ...]:
+    """What speaks against z as the up axis of a mesh."""
     hull = _Hull.of(mesh)
     bases = _bases(mesh, hull)
     standing = [base for base in bases if base.up[2] > np.cos(SAME_RAD)]
@@ -190,7 +188,7 @@ def up_doubted(mesh: RawMesh) -> tuple[str, ...]:
         other = max(bases, key=lambda base: base.area, default=None)
         if other is None:
             return ()
-    return (f"which way is up is in doubt: z was taken, and its base may be that of up {other}",)
+    return (Doubt("scan_up", {"up": name_direction(other.up), "area": other.area, "height": other.height}),)
 
 
 def _levelled(base: _Base) -> Orientation:

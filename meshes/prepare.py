@@ -13,7 +13,7 @@ from meshes.attached import attached_floor, cut_below
 from meshes.beside import cut_beyond
 from meshes.decimation import Bounds, decimate
 from meshes.doubts import floor_refused, not_one_body, other_attached
-from meshes.errors import MeshError
+from meshes.errors import Doubt, MeshError
 from meshes.hole_filling import base_rim, close_base, close_holes
 from meshes.intake import (
     SHORTEST_M,
@@ -121,8 +121,8 @@ def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     state = _checked(state, wanted)
     fewer, made, why = decimate(state.mesh, wanted.max_faces, CONTACT_TOLERANCE_M, wanted.bounds)
     state = state.after(fewer, made)
-    if why:
-        state = Prepared(state.mesh, state.log.with_finding(why))
+    if why is not None:
+        state = Prepared(state.mesh, state.log.with_doubts(why))
     wrong = not_one_body(state.mesh.vertices, state.mesh.faces)
     if wrong is not None:
         raise wrong.at(state.mesh.source)
@@ -158,9 +158,8 @@ def _stood_up(state: Prepared, wanted: Wanted) -> Prepared:
     what = tilt if orientation.axis == "z" else f"{orientation.axis} of the file turned to z, {tilt}"
     if orientation.axis != "z" or orientation.tilt_rad > 1e-6:
         log = log.and_changed(Change("up axis", what, 1))
-    for doubt in orientation.doubts:
-        log = log.with_finding(doubt)
-    return Prepared(mesh.moved(mesh.vertices @ orientation.rotation.T), log, orientation.rotation)
+    turned = mesh.moved(mesh.vertices @ orientation.rotation.T)
+    return Prepared(turned, log.with_doubts(*orientation.doubts), orientation.rotation)
 
 
 def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
@@ -208,8 +207,8 @@ def _cut(state: Prepared, wanted: Wanted) -> Prepared:
     if attached is not None:
         raise attached.at(state.mesh.source)
     if floor is not None:
-        said = f"{floor} (kept; --cut-below {floor.cut_m:.3g} cuts it off)"
-        state = Prepared(state.mesh, state.log.with_finding(said))
+        kept = Doubt("scan_layer_kept", {"cut_m": floor.cut_m, "times": floor.times})
+        state = Prepared(state.mesh, state.log.with_doubts(kept))
     return state
 
 
@@ -275,5 +274,4 @@ def _checked(state: Prepared, wanted: Wanted) -> Prepared:
             f"too much would be invented; scan again what is missing\n{log}",
             place=mesh.source,
         )
-    pairs = crossings(mesh.vertices, mesh.faces)
-    return Prepared(mesh, log.with_finding(str(pairs)) if pairs.faces else log)
+    return Prepared(mesh, log.with_doubts(*crossings(mesh.vertices, mesh.faces).doubts))

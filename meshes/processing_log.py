@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
+from meshes.errors import Doubt
 from meshes.mesh import RawMesh
 from meshes.solid import MassProperties
 from meshes.topology import rims
@@ -42,11 +43,11 @@ class ProcessingLog:
 
     source: str
     changes: tuple[Change, ...] = ()
-    found: tuple[str, ...] = ()
+    found: tuple[Doubt, ...] = ()
 
-    def with_finding(self, sentence: str) -> ProcessingLog:
-        """The log with one more finding."""
-        return replace(self, found=(*self.found, sentence))
+    def with_doubts(self, *doubts: Doubt) -> ProcessingLog:
+        """The log with what was found more."""
+        return replace(self, found=(*self.found, *doubts))
 
     def and_changed(self, change: Change) -> ProcessingLog:
         """The log with one more change."""
@@ -74,7 +75,6 @@ class ProcessingLog:
     def __str__(self) -> str:
         lines = [f"{self.source}", "changed:"]
         lines += [f"  {number}. {change}" for number, change in enumerate(self.changes, 1)] or ["  nothing"]
-        lines += ["found and left as it is:", *(f"  - {sentence}" for sentence in self.found)] if self.found else []
         return "\n".join(lines)
 
 

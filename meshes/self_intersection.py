@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from meshes.errors import Doubt
 from meshes.mesh import Array, Faces, double_areas
 from meshes.topology import Edges, parts
 
@@ -33,8 +34,11 @@ class Crossings:
         """Share of the faces looked at."""
         return self.faces / self.looked_at
 
-    def __str__(self) -> str:
-        return f"{self.faces} of {self.looked_at} faces looked at pass through another one ({100 * self.share:.3f} %)"
+    @property
+    def doubts(self) -> tuple[Doubt, ...]:
+        """That there are some."""
+        values = {"faces": self.faces, "looked_at": self.looked_at, "share": self.share}
+        return (Doubt("scan_crosses_itself", values),) if self.faces else ()
 
 
 def crossings(vertices: Array, faces: Faces, most: int = 50_000) -> Crossings:

@@ -97,7 +97,6 @@ def adjusted(
     return with_mass(changed, solid.mass_kg, centroid, inertia)
 
 
-def agreement(name: str, survey: float, mesh: float) -> str:
-    """A survey's number against the mesh's, in words."""
-    word = "agrees with" if abs(survey / mesh - 1.0) <= AGREES_REL else "differs from"
-    return f"{name} = {survey:.6g} {word} {mesh:.6g} of the mesh ({100.0 * (survey / mesh - 1.0):+.2f} %)"
+def agrees(survey: float, mesh: float) -> bool:
+    """Whether a survey's number is the mesh's within `AGREES_REL`."""
+    return abs(survey / mesh - 1.0) <= AGREES_REL

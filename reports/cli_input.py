@@ -13,8 +13,9 @@ from harness.model.terminal import printable
 from reports.cli_result import OUT
 
 if TYPE_CHECKING:
-    from harness.input.motions.inspect import Inspection
+    from harness.input.motions.inspect import Inspection as MotionInspection
     from harness.input.motions.recordfile import Layout
+    from meshes.inspection import Inspection
 
 Scan = Annotated[Path, typer.Argument(metavar="SCAN", help="A scan: PLY, OBJ, STL, GLB or glTF.", show_default=False)]
 
@@ -51,7 +52,7 @@ def mesh_inspect(
         _check_picture(picture)
     inspection = inspect(scan, known)
     if picture is None:
-        saying.say(inspection.as_dict(), str(inspection))
+        _say_scan(inspection, saying)
         return
     from harness.input.mesh_statue import mesh_mistake
     from harness.model.errors import InputError
@@ -62,7 +63,16 @@ def mesh_inspect(
         raise InputError(mesh_mistake(inspection.refusal, str(scan)))
     assert inspection.solid is not None  # without a refusal there is one
     write_picture(scan_picture(inspection.solid, inspection.prepared.rotation, scan.name), picture, dpi=150)
-    saying.say(inspection.as_dict(), f"{inspection}\npicture: {picture}")
+    _say_scan(inspection, saying, f"picture: {picture}")
+
+
+def _say_scan(inspection: Inspection, saying: OutputOptions, *last: str) -> None:
+    from harness.mesh_cli import record_of
+    from reports.messages import ENGLISH
+    from reports.terminal import scan_lines
+
+    lines = scan_lines(inspection, len(last), verbose=saying.verbose)
+    saying.say(record_of(inspection, ENGLISH.say), "\n".join([*lines, *last]))
 
 
 def _check_picture(picture: Path) -> None:
@@ -88,9 +98,10 @@ def mesh_prepare(
 ) -> None:
     """Write a scan as a closed mesh in metres, z up, with a log of every change beside it."""
     from harness.mesh_cli import prepare
+    from reports.messages import ENGLISH
 
-    inspection, log = prepare(scan, out, known)
-    saying.say(inspection.as_dict(), f"{inspection}\nmesh: {out}\nprocessing log: {log}")
+    inspection, log = prepare(scan, out, known, ENGLISH.say)
+    _say_scan(inspection, saying, f"mesh: {out}", f"processing log: {log}")
 
 
 def new(
@@ -107,11 +118,17 @@ def new(
     """Write a first, commented scene from a scan and a record; it runs as it is."""
     from harness.input.motions.recordfile import Layout
     from harness.mesh_cli import new as write_scene
+    from harness.model.finding import texted, weighed
+    from harness.model.run import to_plain
+    from reports.messages import ENGLISH
+    from reports.terminal import found_lines
 
     path = out or Path(f"{scan.stem}.toml")
-    written, found = write_scene(scan, motion_file, path, known, around, Layout(**vars(text)))
-    lines = [*(f"found: {sentence}" for sentence in found), f"scene: {written}", f"run it: rockcheck run {written}"]
-    saying.say({"scene": str(written), "found": list(found)}, "\n".join(lines))
+    written, found = write_scene(scan, motion_file, path, known, around, Layout(**vars(text)), ENGLISH.say)
+    findings = texted(weighed(found), ENGLISH.say)
+    lines = [f"scene: {written}", *found_lines(findings, 2, verbose=saying.verbose), f"run it: rockcheck run {written}"]
+    texts = [each.text for each in findings if each.code.startswith("scan_")]
+    saying.say({"scene": str(written), "found": texts, "findings": to_plain(findings)}, "\n".join(lines))
 
 
 @command(
@@ -155,7 +172,7 @@ def motion_inspect(
     saying.say(plain(shown), "\n".join([*lines, printable(f"picture: {picture}")]))
 
 
-def _inspected(file: Path, unit: str | None, axis: str, layout: Layout) -> Inspection:
+def _inspected(file: Path, unit: str | None, axis: str, layout: Layout) -> MotionInspection:
     """The record in a file, or the named component of a scene."""
     from harness.input.motions import SceneMotion
     from harness.input.motions.inspect import inspect_component, inspect_file

@@ -7,10 +7,11 @@ import textwrap
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
+from harness.input.mesh_statue import findings_of
 from harness.input.motions.inspect import Inspection
-from harness.model.finding import Finding, Severity, weighed
+from harness.model.finding import Finding, Severity, texted, weighed
 from harness.model.run import to_plain
 from harness.model.terminal import printable
 from harness.records.assess import Assessment, AssessRecord
@@ -29,6 +30,9 @@ from reports.messages.numbers import digits, length
 from reports.pages.measured_page import heads, keyed
 from reports.pages.tosses_page import means_rows
 from reports.text.study_rows import family
+
+if TYPE_CHECKING:
+    from meshes.inspection import Inspection as Scan
 
 LINES: Final = 16
 COLUMNS: Final = 100
@@ -249,9 +253,25 @@ def motion_lines(found: Inspection, findings: Sequence[Finding], *, verbose: boo
     """A motion: where it came from, its measures, what to beware of (`findings` with their sentences)."""
     source = printable("; ".join(f"{key}: {said}" for key, said in found.source.items() if said))
     rows = table([[printable(cell) for cell in row] for row in found.table()])
+    return [source if verbose else _cut(source), *rows, *found_lines(findings, len(rows) + 2, verbose=verbose)]
+
+
+def found_lines(findings: Sequence[Finding], beside: int, *, verbose: bool = False) -> list[str]:
+    """Findings with their sentences under `beside` other lines: the heaviest, all of them where `verbose`."""
+    ordered = weighed(findings)
+    return finding_lines(ordered) if verbose else beware_lines(ordered, len(ordered), LINES - beside)
+
+
+def scan_lines(found: Scan, beside: int, *, verbose: bool = False) -> list[str]:
+    """A scan: what it is, what was changed in it, what to beware of, above `beside` further lines."""
+    log, facts = found.prepared.log, [printable(fact) for fact in found.facts()]
+    findings = texted(findings_of(log.found), ENGLISH.say)
     if verbose:
-        return [source, *rows, *finding_lines(weighed(findings))]
-    return [_cut(source), *rows, *beware_lines(weighed(findings), len(findings), LINES - len(rows) - 2)]
+        return [*facts, *found.rose_lines(), *map(printable, str(log).splitlines()), *finding_lines(findings)]
+    lines = [line for fact in facts for line in wrapped(fact, 2, "  ")]
+    steps = ENGLISH.listed(dict.fromkeys(change.step for change in log.changes)) or "nothing"
+    lines += wrapped(f"changed: {steps}", 1)
+    return [*lines, *found_lines(findings, len(lines) + beside)]
 
 
 def explained(steps: Sequence[Step]) -> tuple[list[object], str]:

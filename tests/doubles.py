@@ -12,18 +12,12 @@ import numpy as np
 from harness.model.finding import Finding
 from harness.model.history import Array, History, Outcome
 from harness.model.run import Run
-from harness.model.scene import Scene
 from harness.records.study import CaseRun
 
 
 def codes(findings: Iterable[Finding]) -> list[str]:
     """What findings say, by code."""
     return [each.code for each in findings]
-
-
-def notes(scene: Scene) -> list[str]:
-    """What meshes and motions say of a scene."""
-    return [each.values["text"] for each in scene.findings if "text" in each.values]
 
 
 def rocking(

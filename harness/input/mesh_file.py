@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from harness.input.mesh_statue import mesh_mistake
+from harness.input.mesh_statue import findings_of, mesh_mistake
 from harness.model.errors import InputError, Mistake
+from harness.model.finding import Finding, caution, info
 from harness.model.history import Array
 from harness.model.shown import Shown, new_axes
 
@@ -27,8 +28,8 @@ MARBLE_KG_M3: Final = 2700.0
 class Mesh(Shown):
     """A surface in metres, z up, as its file places it, and its mass properties; holes count as closed, each by a cone.
 
-    `vertices_m` (n, 3), `faces` (m, 3), `centroid_m` (3,), `inertia_kg_m2` (3, 3) about the centroid. `doubts` are sentences on
-    what makes these uncertain, none for a clean scan; `solid` is the statue that stands on its base, None where there is none.
+    `vertices_m` (n, 3), `faces` (m, 3), `centroid_m` (3,), `inertia_kg_m2` (3, 3) about the centroid. `doubts` are what makes
+    these uncertain, by code, none for a clean scan; `solid` is the statue that stands on its base, None where there is none.
     """
 
     file: str
@@ -38,7 +39,7 @@ class Mesh(Shown):
     volume_m3: float
     centroid_m: Array
     inertia_kg_m2: Array
-    doubts: tuple[str, ...]
+    doubts: tuple[Finding, ...]
     solid: Solid | None
 
     @property
@@ -59,7 +60,7 @@ class Mesh(Shown):
             "size": " × ".join(f"{extent:.4g}" for extent in self.size_m) + " m",
             "mass": f"{self.mass_kg:.5g} kg at {self.density_kg_m3:g} kg/m³",
             "centroid": f"({x:.4g}, {y:.4g}, {z:.4g}) m",
-            "doubts": "; ".join(self.doubts) or "none",
+            "doubts": ", ".join(each.code for each in self.doubts) or "none",
         }
 
     def columns(self) -> dict[str, Array]:
@@ -117,7 +118,7 @@ def read_mesh(path: Path | str, unit: str | float = "m", *, up: str = "z", densi
     )
 
 
-def _stood(mesh: RawMesh, density_kg_m3: float) -> tuple[Solid | None, tuple[str, ...]]:
+def _stood(mesh: RawMesh, density_kg_m3: float) -> tuple[Solid | None, tuple[Finding, ...]]:
     """The statue that stands on its base, where the surface is closed and whole, and what is doubtful of it."""
     from meshes import MeshError, solid_from_mesh
     from meshes.doubts import doubts
@@ -128,11 +129,12 @@ def _stood(mesh: RawMesh, density_kg_m3: float) -> tuple[Solid | None, tuple[str
         must_be_one(mesh)
         solid = solid_from_mesh(mesh.vertices, mesh.faces, density_kg_m3=density_kg_m3)
     except MeshError as error:
-        return None, (str(error),)
-    return solid, doubts(mesh.vertices, mesh.faces, f"rockcheck mesh prepare {mesh.source} --out statue.ply")
+        return None, (caution("mesh_not_solid", message=str(error)),)
+    how = f"rockcheck mesh prepare {mesh.source} --out statue.ply"
+    return solid, tuple(findings_of(doubts(mesh.vertices, mesh.faces, how)))
 
 
-def _wound_alike(mesh: RawMesh) -> tuple[RawMesh, tuple[str, ...]]:
+def _wound_alike(mesh: RawMesh) -> tuple[RawMesh, tuple[Finding, ...]]:
     """The surface without what is there twice, its faces outward as far as they hang together, and what was changed for it."""
     from meshes import MeshError, repair
 
@@ -141,8 +143,8 @@ def _wound_alike(mesh: RawMesh) -> tuple[RawMesh, tuple[str, ...]]:
         try:
             mesh, made = step(mesh)
         except MeshError as error:
-            done.append(str(error))
+            done.append(caution("mesh_not_solid", message=str(error)))
             continue
         if made is not None:
-            done.append(str(made))
+            done.append(info("mesh_repaired", message=str(made)))
     return mesh, tuple(done)

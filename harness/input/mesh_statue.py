@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -15,10 +16,12 @@ import numpy as np
 from harness.input import paths
 from harness.input.tables import InnerTable, MeshTable, StatueTable
 from harness.model.errors import InputError, Mistake
+from harness.model.finding import Finding, caution, info
 from harness.model.scene import Statue
 
 if TYPE_CHECKING:
     from meshes import MeshError, Solid
+    from meshes.errors import Doubt
 
 SURVEYED: Final[Mapping[str, str]] = {
     "centroid_height_m": "centroid_height_m",
@@ -31,8 +34,8 @@ SURVEYED: Final[Mapping[str, str]] = {
 """Keys of `[statue]` that are a survey's beside a mesh, and what a solid calls them."""
 
 
-def statue_from_mesh(table: StatueTable, mesh: MeshTable, path: Path, notes: list[str]) -> Statue:
-    """The statue of a table with its mesh; what was reconciled, hollowed or adjusted is added to `notes`. Raises `InputError`."""
+def statue_from_mesh(table: StatueTable, mesh: MeshTable, path: Path, found: list[Finding]) -> Statue:
+    """The statue of a table with its mesh; what was reconciled, hollowed or adjusted is added to `found`. Raises `InputError`."""
     import meshes
 
     if mesh.density_kg_m3 is None and table.mass_kg is None:
@@ -46,13 +49,18 @@ def statue_from_mesh(table: StatueTable, mesh: MeshTable, path: Path, notes: lis
     changed = tuple(item.stat().st_mtime_ns for item in (file, inner) if item is not None)
     try:
         solid = _solid(file, inner, changed, mesh, table.mass_kg)
-        notes.extend(f"statue.mesh: {doubt}" for doubt in _doubts(file, changed, mesh.unit, mesh.up))
+        found.extend(findings_of(_doubts(file, changed, mesh.unit, mesh.up)))
         if mesh.inner is not None:
-            notes.append(_hollowed(solid, mesh.inner, table.mass_kg))
-        solid = _reconciled(solid, table, mesh, notes)
-        return statue_of(_adjusted(solid, mesh, notes))
+            found.append(_hollowed(solid, mesh.inner, table.mass_kg))
+        solid = _reconciled(solid, table, mesh, found)
+        return statue_of(_adjusted(solid, mesh, found))
     except meshes.MeshError as error:
         raise InputError(mesh_mistake(error, f"{path}: {file.name}", "statue.mesh")) from error
+
+
+def findings_of(doubts: Iterable[Doubt]) -> list[Finding]:
+    """What is doubtful of a scan."""
+    return [caution(each.code, **each.values) for each in doubts]
 
 
 def mesh_mistake(error: MeshError, where: str, key: str = "") -> Mistake:
@@ -76,47 +84,58 @@ def _solid(
 
 
 @lru_cache(maxsize=8)
-def _doubts(file: Path, changed_ns: tuple[int, ...], unit: str | float, up: str) -> tuple[str, ...]:
+def _doubts(file: Path, changed_ns: tuple[int, ...], unit: str | float, up: str) -> tuple[Doubt, ...]:
     """What makes the surface of a mesh file doubtful as a single statue: looked at once for its content, and kept."""
     import meshes
     from meshes.array_cache import made_once
     from meshes.doubts import doubts
+    from meshes.errors import Doubt
     from meshes.intake import read_mesh, to_metres_z_up
 
     how = f"rockcheck mesh prepare {file} --unit {unit} --up {up} --out statue.ply"
 
     def looked_at() -> str:
         mesh = to_metres_z_up(read_mesh(file), unit, up)
-        return json.dumps(doubts(mesh.vertices, mesh.faces, how))
+        return json.dumps([asdict(each) for each in doubts(mesh.vertices, mesh.faces, how)])
 
     code = b"".join(each.read_bytes() for each in sorted(Path(meshes.__file__).parent.glob("*.py")))
     digests = [hashlib.sha256(each).hexdigest() for each in (file.read_bytes(), code, os.fsencode(how))]
-    return tuple(json.loads(made_once("doubts", " ".join(digests).encode(), looked_at)))
+    return tuple(Doubt(**each) for each in json.loads(made_once("doubts", " ".join(digests).encode(), looked_at)))
 
 
-def _hollowed(solid: Solid, inner: InnerTable, weighed_kg: float | None) -> str:
-    what = f"filled at {inner.density_kg_m3:g} kg/m³" if inner.density_kg_m3 else "left empty"
-    sentence = f"statue.mesh.inner: the space in {inner.file} is {what}: {solid.mass_kg:.6g} kg"
-    if weighed_kg is not None:
-        sentence += " as weighed, which sets the density around it"
-    return f"{sentence}; {solid.density_kg_m3:.5g} kg/m³ in the mean, centroid at {solid.centroid_height_m:.4g} m"
+def _hollowed(solid: Solid, inner: InnerTable, weighed_kg: float | None) -> Finding:
+    return info(
+        "mesh_hollow",
+        file=inner.file,
+        inside_kg_m3=inner.density_kg_m3,
+        mass_kg=solid.mass_kg,
+        weighed_kg=weighed_kg,
+        mean_kg_m3=solid.density_kg_m3,
+        centroid_height_m=solid.centroid_height_m,
+    )
 
 
-def _reconciled(solid: Solid, table: StatueTable, mesh: MeshTable, notes: list[str]) -> Solid:
+def _surveyed(key: str, survey: float, mesh: float, used: str) -> Finding:
+    from meshes.survey import agrees
+
+    values = {"key": f"statue.{key}", "survey": survey, "mesh": mesh, "change": survey / mesh - 1.0, "used": used}
+    return info("mesh_agrees", **values) if agrees(survey, mesh) else caution("mesh_differs", **values)
+
+
+def _reconciled(solid: Solid, table: StatueTable, mesh: MeshTable, found: list[Finding]) -> Solid:
     """The survey's numbers set against the mesh, and those named in `use_survey` taken from it."""
-    from meshes.survey import agreement, with_mass
+    from meshes.survey import with_mass
 
     if table.mass_kg is not None and mesh.density_kg_m3 is not None and mesh.inner is None:
-        sentence = agreement("density_kg_m3", mesh.density_kg_m3, solid.density_kg_m3)
-        notes.append(f"statue.mesh.{sentence} as weighed; used: the weighed mass")
+        found.append(_surveyed("mesh.density_kg_m3", mesh.density_kg_m3, solid.density_kg_m3, "weighed_mass"))
     given = {key: value for key in SURVEYED if (value := getattr(table, key)) is not None}
     missing = [key for key in mesh.use_survey if key not in given]
     if missing:
         wanted = f"statue.{missing[0]}, which is to be used"
         raise InputError(Mistake("scene", "statue.mesh.use_survey", wanted, "no such number"))
     for key, value in given.items():
-        used = "the survey" if key in mesh.use_survey else "the weighed mass" if key == "mass_kg" else "the mesh"
-        notes.append(f"statue.{agreement(key, value, float(getattr(solid, SURVEYED[key])))}; used: {used}")
+        used = "survey" if key in mesh.use_survey else "mesh"
+        found.append(_surveyed(key, value, float(getattr(solid, SURVEYED[key])), used))
     if not mesh.use_survey:
         return solid
     height = given["centroid_height_m"] if "centroid_height_m" in mesh.use_survey else solid.centroid_height_m
@@ -126,18 +145,19 @@ def _reconciled(solid: Solid, table: StatueTable, mesh: MeshTable, notes: list[s
     return with_mass(solid, solid.mass_kg, np.array([0.0, 0.0, height]), tensor)
 
 
-def _adjusted(solid: Solid, mesh: MeshTable, notes: list[str]) -> Solid:
+def _adjusted(solid: Solid, mesh: MeshTable, found: list[Finding]) -> Solid:
     from meshes.survey import adjusted
 
     wanted = mesh.adjust
     if wanted is None:
         return solid
     shares = {"centroid": wanted.centroid_rel, "base": wanted.base_rel, "inertia": wanted.inertia_rel}
-    parts = [f"{name} {100.0 * share:+.3g} %" for name, share in shares.items() if share]
-    parts += ["base planed flat"] if wanted.flat_base else []
-    parts += [] if wanted.products else ["products of inertia left out"]
-    if parts:
-        notes.append(f"statue.mesh.adjust: {', '.join(parts)} against the mesh")
+    if changes := {name: share for name, share in shares.items() if share}:
+        found.append(info("mesh_adjusted", changes=changes))
+    if wanted.flat_base:
+        found.append(info("mesh_base_planed"))
+    if not wanted.products:
+        found.append(info("mesh_products_left_out"))
     return adjusted(solid, **dict(wanted))
 
 

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from harness.input.mesh_statue import findings_of
 from harness.input.motions.recordfile import Channel, Layout, RecordFile
+from harness.model.finding import Finding, Say, caution, info
 
 if TYPE_CHECKING:
     from meshes.inspection import Inspection
@@ -20,8 +22,8 @@ QUIET_AFTER_S = 5.0
 STONE_ON_STONE = 0.6
 """Friction assumed where nothing is said: stone on stone, dry."""
 
-Part = tuple[Sequence[str], Mapping[str, object]]
-"""Comments, and the keys that stand under them."""
+Part = tuple[Sequence[str | Finding], Mapping[str, object]]
+"""Comments, what is assumed among them, and the keys that stand under them."""
 
 
 @dataclass(frozen=True)
@@ -37,11 +39,12 @@ class UserInput:
     layout: Layout | None = None
 
 
-def scene_text(
-    inspection: Inspection, scan: Path, mesh: Path, shaking: RecordFile, motion: Path, user_input: UserInput
-) -> str:
-    """A commented scene (TOML): the weakest direction towards +x, the strongest horizontal channel along x, the
-    others kept."""
+def first_scene(
+    inspection: Inspection, scan: Path, mesh: Path, shaking: RecordFile, motion: Path, user_input: UserInput, say: Say
+) -> tuple[str, list[Finding]]:
+    """A commented scene (TOML), and what it assumes: the weakest direction towards +x, the strongest horizontal channel along x,
+    the others kept.
+    """
     import tomli_w
 
     channels = _by_axis(shaking)
@@ -52,54 +55,62 @@ def scene_text(
             [
                 f"{scan.stem} under {motion.name}: a first scene, to be read and corrected.",
                 "Lines marked ASSUMED are choices made for you.",
-                f"The record lasts {end:.4g} s; {QUIET_AFTER_S:g} s more let the statue come to rest.",
+                info("assumed_duration", record_s=end, after_s=QUIET_AFTER_S),
             ],
             top,
         ),
-        _statue(inspection, scan, mesh, user_input),
+        _statue(inspection, scan, mesh, user_input, say),
         *_support(user_input),
         *_motion(channels, shaking, motion, mesh.parent, user_input),
     ]
-    return "\n".join("".join(f"# {line}\n" for line in comments) + tomli_w.dumps(keys) for comments, keys in parts)
+
+    def line(comment: str | Finding) -> str:
+        return f"# {comment if isinstance(comment, str) else f'ASSUMED: {say(comment)}'}\n"
+
+    text = "\n".join("".join(map(line, comments)) + tomli_w.dumps(keys) for comments, keys in parts)
+    return text, [each for comments, _ in parts for each in comments if isinstance(each, Finding)]
 
 
-def _statue(inspection: Inspection, scan: Path, mesh: Path, user_input: UserInput) -> Part:
+def _statue(inspection: Inspection, scan: Path, mesh: Path, user_input: UserInput, say: Say) -> Part:
     from meshes import footprint as base
 
     solid = inspection.solid
     if solid is None:
         raise ValueError("a scene needs a statue that stands")
     weakest = base.weakest_azimuth_deg(solid.footprint_m)
-    slender = float(np.rad2deg(base.slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, weakest)[0]))
-    density = f"ASSUMED: marble, {solid.density_kg_m3:g} kg/m³; give --density or --mass for another"
-    if user_input.density_kg_m3 is not None:
-        density = f"{user_input.density_kg_m3:g} kg/m³, as given"
+    slender = float(base.slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, weakest)[0])
+    assumed = [info("assumed_placing", slenderness_rad=slender)]
+    density = f"{solid.density_kg_m3:g} kg/m³"
+    if user_input.density_kg_m3 is None and user_input.mass_kg is None:
+        assumed = [caution("assumed_density", density_kg_m3=solid.density_kg_m3), *assumed]
     placing = {"file": mesh.name, "unit": "m", "up": "z", "azimuth_deg": round(-weakest, 2) + 0.0}
     keys: dict[str, object] = {"mesh": placing | {"density_kg_m3": solid.density_kg_m3}}
     if user_input.mass_kg is not None:
         density, keys = f"from the weighed {user_input.mass_kg:g} kg", {"mass_kg": user_input.mass_kg, "mesh": placing}
-    comments = [
+    comments: list[str | Finding] = [
         f"Prepared from {scan.name}; what was changed stands in {mesh.with_suffix('.account.json').name}.",
         *(f"  {change}" for change in inspection.prepared.log.changes),
-        *(f"  FOUND: {sentence}" for sentence in inspection.prepared.log.found),
+        *(f"  FOUND: {say(each)}" for each in findings_of(inspection.prepared.log.found)),
         f"{solid.mass_kg:.5g} kg, {solid.height_m:.4g} m high, centroid at {solid.centroid_height_m:.4g} m;"
         f" density: {density}.",
-        f"ASSUMED: turned so that its weakest direction ({slender:.1f}°) lies along +x: the least favourable placing.",
+        *assumed,
     ]
     return comments, {"statue": keys}
 
 
 def _support(user_input: UserInput) -> Iterator[Part]:
     """What the statue stands on, and the friction there."""
-    said = "As given." if user_input.friction is not None else "ASSUMED: stone on stone, dry."
-    statue = f"{said} The analytic model takes the statue not to slip and reports what friction that needed."
     mu = STONE_ON_STONE if user_input.friction is None else user_input.friction
+    comments: list[str | Finding] = [
+        "The analytic model takes the statue not to slip and reports what friction that needed.",
+        caution("assumed_friction", friction=mu) if user_input.friction is None else "As given.",
+    ]
     contact = {"statue": mu}
     if user_input.pedestal is not None:
         yield ["As given."], {"pedestal": dict(user_input.pedestal)}
-        statue += " ASSUMED: the pedestal on the floor has the same, at rest and sliding."
+        comments.append(caution("assumed_floor_friction", friction=mu))
         contact |= {"floor_static": mu, "floor_kinetic": mu}
-    yield [statue], {"contact": contact}
+    yield comments, {"contact": contact}
 
 
 def _by_axis(shaking: RecordFile) -> dict[str, Channel]:
@@ -119,23 +130,21 @@ def _motion(
     channels: Mapping[str, Channel], shaking: RecordFile, motion: Path, folder: Path, user_input: UserInput
 ) -> Iterator[Part]:
     """The components of the floor's motion, and which channels of the record make them."""
-    comments = []
+    comments: list[str | Finding] = []
     unused = [channel.name for channel in shaking.channels if channel not in channels.values()]
     if unused:
-        comments.append(
-            f"LEFT OUT of {motion.name}: {', '.join(unused)}; give a channel as [motion.z] if it is the vertical one."
-        )
+        comments.append(caution("assumed_not_needed", file=motion.name, channels=unused))
     unknown = [c.name for c in channels.values() if c.orientation.azimuth_deg is None and not c.orientation.vertical]
     if len(shaking.channels) > 1 and unknown:
-        comments.append(f"ASSUMED: level, for the file does not say where they point: {', '.join(unknown)}.")
+        comments.append(caution("assumed_level", channels=unknown))
     if user_input.scale is not None:
         yield (
             [*comments, "As given: every component is this many times the record."],
             {"motion": {"scale": user_input.scale}},
         )
         comments = []
-    why = {
-        "x": "ASSUMED: the strongest horizontal channel in the rocking plane",
+    why: Mapping[str, str | Finding] = {
+        "x": info("assumed_strongest", channel=channels["x"].name),
         "y": "The other horizontal channel across it (3D engines only)",
         "z": "The vertical channel",
     }
@@ -145,7 +154,7 @@ def _motion(
         keys = {"kind": "record", "file": file, "column": channel.name}
         keys |= {key: value for key, value in said.items() if value is not None}
         peak = float(np.abs(channel.accel_m_s2).max())
-        yield [*comments, f"{why[axis]}; peak {peak:.3g} m/s²."], {"motion": {axis: keys}}
+        yield [*comments, why[axis], f"Peak {peak:.3g} m/s²."], {"motion": {axis: keys}}
         comments = []
         if any(each.code == "record_drifts" and each.values["channel"] == channel.name for each in shaking.findings):
             # A key to be uncommented stands after the others of its table.

@@ -22,7 +22,7 @@ from harness.input.overrides import Overrides, plain, replacements
 from harness.input.tables import ContactTable, InitialTable, ModelTable, PedestalTable, SceneFile, StatueTable
 from harness.input.uncertain import uncertain_inputs
 from harness.model.errors import InputError, Mistake
-from harness.model.finding import Finding, caution, info
+from harness.model.finding import Finding, info
 from harness.model.history import Array
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
 from harness.model.two_block import block_of, pedestal_of, wall_of
@@ -249,10 +249,7 @@ def _statue_once(table: StatueTable, path: Path, found: list[Finding], statues: 
 
 def _statue(table: StatueTable, path: Path, found: list[Finding]) -> Statue:
     if table.mesh is not None:
-        notes: list[str] = []
-        statue = statue_from_mesh(table, table.mesh, path, notes)
-        found.extend(caution("mesh_note", text=note) for note in notes)
-        return statue
+        return statue_from_mesh(table, table.mesh, path, found)
     mass, height_c = table.mass_kg, table.centroid_height_m
     left, right, inertia = table.corner_left_m, table.corner_right_m, table.inertia_kg_m2
     if mass is None or height_c is None or left is None or right is None or inertia is None:

@@ -142,6 +142,10 @@ def _named_key(say: Language, key: str) -> str:
     return printable(key) if words is None else f"{words} ({key})"
 
 
+def _change(say: Language, share: float) -> str:
+    return say._written(f"{100.0 * share:+.3g}\u00a0%")
+
+
 FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
     "plain": lambda say, value: say.word(value) if isinstance(value, str) else say.short(float(value)),
     "count": lambda say, value: str(value),
@@ -160,6 +164,10 @@ FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
     "groups": _grouped,
     "choices": lambda say, value: "; ".join(f"{say.word(name)}: {say.word(end)}" for name, end in value.items()),
     "without": _shares,
+    "change": _change,
+    "adjusted": lambda say, shares: say.listed(
+        f"{say.word(what)} {_change(say, each)}" for what, each in shares.items()
+    ),
     "factors": _factors,
     "counts": lambda say, value: say.listed(
         f"{say.word(name)}: {say.short(float(each))}" for name, each in value.items()

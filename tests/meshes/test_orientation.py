@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from meshes import MeshError, Solid
+from meshes.errors import Doubt
 from meshes.mesh import Array, RawMesh
 from meshes.orientation import find_orientation, turn_axis, up_doubted
 from meshes.prepare import Wanted, prepare_mesh
@@ -91,7 +92,7 @@ REFUSED: dict[str, Callable[[], Part]] = {
 TURNS = [np.eye(3), turn_axis("y").T, *Rotation.random(3, random_state=4).as_matrix()]
 
 
-def off_rad(part: Part, turn: Array) -> tuple[float, tuple[str, ...]]:
+def off_rad(part: Part, turn: Array) -> tuple[float, tuple[Doubt, ...]]:
     found = find_orientation(RawMesh(part[0] @ turn.T, part[1], "body"))
     up = turn.T @ found.rotation[2]
     return float(np.arctan2(np.hypot(up[0], up[1]), up[2])), found.doubts
@@ -121,8 +122,7 @@ def test_what_may_stand_otherwise_is_refused_and_the_right_way_named(name: str) 
 def test_an_inverted_taper_is_said() -> None:
     off, doubts = off_rad(column(0.25, 0.3), TURNS[0])
     assert off == pytest.approx(np.pi)
-    assert len(doubts) == 1
-    assert "--up z " in doubts[0]
+    assert [(each.code, each.values["up"]) for each in doubts] == [("scan_column", "z")]
 
 
 def test_a_figure_on_its_back_does_not_lie_there_silently() -> None:

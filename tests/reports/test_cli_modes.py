@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from harness.command import EngineOptions, OutputOptions, spread
 from reports.cli import app
+from reports.terminal import COLUMNS, LINES
 from tests.meshes import togatus
 
 COMMANDS = {
@@ -73,6 +74,21 @@ def test_json_is_a_record_and_nothing_else(folder: Path, name: str, wanted: dict
     found = json.loads(done.output)
     assert {key: found[key] for key in wanted} == wanted
     assert (folder / file).exists()
+
+
+@pytest.mark.parametrize("name", ["inspect", "new"])
+def test_it_fits_a_terminal_and_all_is_told_where_asked(folder: Path, name: str) -> None:
+    def printed(*more: str) -> str:
+        for made in folder.glob("new*"):
+            made.unlink()
+        return CliRunner().invoke(app, [*COMMANDS[name][0].split(), *more]).output
+
+    short = printed().splitlines()
+    assert len(short) <= LINES
+    assert max(map(len, short)) <= COLUMNS
+    findings, whole = json.loads(printed("--json"))["findings"], " ".join(printed("--verbose").split())
+    assert findings
+    assert all(" ".join(each["text"].split()) in whole for each in findings)
 
 
 def test_the_version_is_said() -> None:

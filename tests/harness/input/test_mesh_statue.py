@@ -11,9 +11,10 @@ import harness
 from harness.input import mesh_statue
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
+from harness.model.finding import Severity
 from meshes import doubts
+from meshes.errors import Doubt
 from meshes.mesh import RawMesh
-from tests import doubles
 from tests.budgets_meshes import ROUND_OFF_REL
 from tests.meshes.scanner import write
 from tests.meshes.shapes import box
@@ -45,7 +46,8 @@ def test_a_hollow_statue_is_lighter_and_says_so(folder: Path) -> None:
     assert whole.statue.mass_kg == pytest.approx(2000.0 * 0.42, rel=1e-6)
     assert hollow.statue.mass_kg == pytest.approx(2000.0 * 0.39, rel=1e-6)
     assert hollow.statue.centroid_height_m == pytest.approx((0.42 * 0.75 - 0.03 * 0.7) / 0.39, rel=1e-6)
-    assert any("inner.ply is left empty: 780" in note for note in doubles.notes(hollow))
+    (told,) = [each.values for each in hollow.findings if each.code == "mesh_hollow"]
+    assert (told["inside_kg_m3"], told["mass_kg"], told["weighed_kg"]) == (0.0, pytest.approx(780.0), None)
 
 
 def test_a_core_and_a_weighed_mass_give_the_density_around_it(folder: Path) -> None:
@@ -55,7 +57,7 @@ def test_a_core_and_a_weighed_mass_give_the_density_around_it(folder: Path) -> N
     around = (1100.0 - 7850.0 * 0.03) / 0.39
     height = (around * 0.42 * 0.75 + (7850.0 - around) * 0.03 * 0.7) / 1100.0
     assert cored.statue.centroid_height_m == pytest.approx(height, rel=1e-6)
-    assert any("as weighed, which sets the density around it" in note for note in doubles.notes(cored))
+    assert [each.values["weighed_kg"] for each in cored.findings if each.code == "mesh_hollow"] == [1100.0]
     with pytest.raises(InputError, match="above that of the core"):
         load_scene(folder, [*given, "statue.mass_kg=200.0", "statue.mesh.density_kg_m3=none"])
 
@@ -85,10 +87,11 @@ def test_the_survey_is_used_where_asked(folder: Path) -> None:
     assert survey.statue.centroid_height_m == 0.8
     assert survey.statue.inertia_kg_m2 == pytest.approx(mesh.statue.inertia_kg_m2, rel=ROUND_OFF_REL)
     assert both.statue.inertia_kg_m2 == pytest.approx(180.0, rel=ROUND_OFF_REL)
-    told = [note for note in doubles.notes(survey) if note.startswith("statue.")]
-    assert "centroid_height_m = 0.8 differs from 0.75 of the mesh" in told[0]
-    assert told[0].endswith("used: the survey")
-    assert told[1].endswith("used: the mesh")
+    told = {each.values["key"]: each for each in survey.findings if each.code == "mesh_differs"}
+    height, inertia = told["statue.centroid_height_m"], told["statue.inertia_kg_m2"]
+    assert (height.values["survey"], height.values["mesh"]) == (0.8, pytest.approx(0.75, rel=1e-6))
+    assert (height.values["used"], inertia.values["used"]) == ("survey", "mesh")
+    assert height.severity is Severity.CAUTION
     with pytest.raises(InputError, match="which is to be used"):
         load_scene(folder, ['statue.mesh.use_survey=["centroid_height_m"]'])
 
@@ -98,7 +101,10 @@ def test_adjusted_by_shares_and_said(folder: Path) -> None:
     scene = load_scene(folder, ["statue.mesh.adjust.centroid_rel=0.03", "statue.mesh.adjust.base_rel=-0.02"])
     assert scene.statue.centroid_height_m == pytest.approx(1.03 * plain.centroid_height_m, rel=ROUND_OFF_REL)
     assert scene.statue.corner_right_m == pytest.approx(0.98 * plain.corner_right_m, rel=ROUND_OFF_REL)
-    assert any("adjust: centroid +3 %, base -2 % against the mesh" in note for note in doubles.notes(scene))
+    assert [each.values for each in scene.findings] == [
+        {"changes": {"centroid": 0.03, "base": -0.02}},
+        {"keys": ["contact.floor_static", "contact.floor_kinetic"]},
+    ]
     with pytest.raises(InputError, match=r"adjust.centroid_rel.*wanted a number"):
         load_scene(folder, ["statue.mesh.adjust.centroid_rel=0.9"])
 
@@ -135,27 +141,27 @@ def test_the_checks_of_a_scan_are_made_once_for_its_content(folder: Path, monkey
     monkeypatch.setenv("XDG_CACHE_HOME", str(folder.parent / "cache"))
     asked: list[int] = []
 
-    def counted(vertices: np.ndarray, faces: np.ndarray, how: str) -> tuple[str, ...]:
+    def counted(vertices: np.ndarray, faces: np.ndarray, how: str) -> tuple[Doubt, ...]:
         asked.append(len(faces))
-        return (f"looked at {len(asked)} times",)
+        return (Doubt("scan_pinched", {"share": len(asked)}),)
 
-    def notes() -> list[str]:
+    def looked() -> list[int]:
         mesh_statue._doubts.cache_clear()  # another process
-        return [note for note in load_scene(folder).notes if "looked at" in note]
+        return [each.values["share"] for each in load_scene(folder).findings if each.code == "scan_pinched"]
 
     monkeypatch.setattr(doubts, "doubts", counted)
-    assert notes() == notes() == ["statue.mesh: looked at 1 times"]
+    assert looked() == looked() == [1]
     (kept,) = (folder.parent / "cache" / "rockcheck" / "meshes").glob("doubts-*.txt")
     for damage in (b"", b"[]", b'word\n["looked at, said another"]', b"\xff"):
         before = len(asked)
         kept.write_bytes(damage)
-        assert notes() == notes() == [f"statue.mesh: looked at {before + 1} times"]
+        assert looked() == looked() == [before + 1]
     before = len(asked)
     outer = folder.parent / "outer.ply"
     write(RawMesh(box(0.4, 0.7, 1.6)[0], box(0.4, 0.7, 1.6)[1], "outer"), outer)
-    assert notes() == [f"statue.mesh: looked at {before + 1} times"]
+    assert looked() == [before + 1]
     kept.parent.chmod(0o777)  # where others may write nothing is taken
-    assert notes() == [f"statue.mesh: looked at {before + 2} times"]
+    assert looked() == [before + 2]
     mesh_statue._doubts.cache_clear()
 
 

@@ -16,12 +16,13 @@ from harness.records.scores import Verdict
 from reports.messages import FIELD, FORMATS, LANGUAGES, OPTIONAL, language
 
 PACKAGES = ("analytic", "meshes", "harness", "reports")
-MAKERS = {"info", "caution", "changes_answer"}
+MAKERS = {"info", "caution", "changes_answer", "Doubt"}
 SAMPLES = {
     "plain": "pymunk", "count": 3, "number": 0.25, "s": 1.25, "rad": 1e-4, "angle": 0.1, "angles": [0.1, 0.2], "m": 0.012,
     "lengths": [0.01, 0.02], "g": 0.3, "j": 2.0, "share": 0.123, "names": ["analytic", "pymunk"], "vector": [1.0, 0.0, 0.0],
     "choices": {"kinetic": "stands", "static": "overturned_right"},
     "groups": {"stands": ["analytic"], "overturned": ["pymunk"]}, "without": {"products_of_inertia": 0.03},
+    "change": -0.02, "adjusted": {"centroid": 0.03},
     "factors": {"0.05": [1.02, 1.1, None]}, "key": "contact.floor", "points": 0.012,
     "classes": {"confirmed": 0.3, "refuted": 0.01}, "hz": 2.5,
     "counts": {"statue_tips": 3}, "parts": {"rocking": [2, 5]}, "interval": [1.0, 0.9, 1.1],
