@@ -13,7 +13,7 @@ from pydantic import JsonValue
 
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
-from harness.statics.rest import limit_of_rest_m_s2
+from harness.statics.rest import LimitsOfRest, limit_of_rest_m_s2, resting_polygon_m
 from harness.studies.cases import Base
 from harness.studies.file import Value
 
@@ -89,11 +89,16 @@ class Plane:
         return self.base.scene(self.setting(point))
 
     def at_rest(self, point: Point) -> bool:
-        """Whether nothing can move there: the floor's peak is below the limits of rest of a statue at rest."""
+        """Whether nothing can move there: the floor's peaks, all at once, are below the limits of a statue at rest."""
         scene = self.at(point)
-        peaks = [item.peak_m_s2 for item in (scene.base_excitation.x, scene.base_excitation.y)]
-        level = scene.base_excitation.z.peak_m_s2 == 0.0
-        return level and scene.initial.still and math.hypot(*peaks) < limit_of_rest_m_s2(scene)
+        polygon = resting_polygon_m(scene.statue) if scene.initial.still else None
+        if polygon is None:
+            return False
+        floor = scene.base_excitation
+        x, y, z = floor.x.peak_m_s2, floor.y.peak_m_s2, floor.z.peak_m_s2
+        peaks = np.array([[a, b, z] for a in (x, -x) for b in (y, -y)])
+        times = np.linspace(0.0, 0.5 * scene.duration_s, len(peaks))
+        return LimitsOfRest(scene, polygon, times, peaks).until_s(0.0) >= scene.duration_s
 
     def without_dimension(self, point: Point) -> tuple[float, float | None]:
         """Strength over g tan α of the weaker side, frequency over p of that side, 1/s."""

@@ -10,6 +10,7 @@ from typing import Any, Final
 
 from harness.accuracy.horizon import TOLERANCE_RAD
 from harness.campaign.task import Answer
+from harness.model.history import Outcome
 from harness.model.run import Run, to_plain
 from harness.model.scene import Scene
 from harness.probability.by_model import assess_models
@@ -140,12 +141,9 @@ def class_of(result: Result, code: str, others: Sequence[str]) -> tuple[TrustCla
         return "left_domain", list(dict.fromkeys(filter(None, reasons)))
     if MODEL not in known and _left(model):
         return "left_domain", [_left(model)]
-    if MODEL not in known and not model.outcome.failed:
-        return "probability", [model.outcome.value]
-    if MODEL not in known:
-        return "no_answer", [model.outcome.value]
-    if len(known) < 2:
-        return "no_answer", [name for name in result.runs if name not in known]
+    if len(known) < 2 or MODEL not in known:
+        ends = {run.outcome for name, run in result.runs.items() if name not in known}
+        return "probability" if Outcome.UNDECIDED in ends else "no_answer", sorted(end.value for end in ends)
     if others or code in ("unpredictable", "outcome_differs"):
         return "probability", sorted({*others, *(outcome_family(run.outcome) for run in known.values())})
     if code == "agree":
@@ -161,7 +159,7 @@ def _still(run: Run) -> bool:
 def _left(run: Run) -> str:
     """By what the model left its domain; empty: it did not."""
     by = run.validity.get("left_domain_by")
-    return str(by) if by else run.outcome.value if run.outcome.value in ("lift_off", "friction_paradox") else ""
+    return str(by) if by else run.outcome.value if run.outcome in (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX) else ""
 
 
 def interval_of(plain: Plain | None) -> Interval | None:

@@ -75,3 +75,15 @@ def test_a_scene_without_a_motion_has_none_to_make_stronger() -> None:
         Plane.of(still, "scene", coarse=True)
     assert caught.value.mistakes[0].key == "motion.x"
     assert Plane.of(still, "sine", coarse=True).amplitudes_g
+
+
+def test_a_pedestal_that_would_tip_is_not_at_rest() -> None:
+    """Friction and the statue's own base bear 0.2 g; the pedestal, b over the centroid's height of both, less."""
+    pedestal = {"mass_kg": 10.0, "width_m": 0.4, "depth_m": 0.4, "height_m": 2.0}
+    contact = {"floor_static": 0.9, "floor_kinetic": 0.9, "statue": 1.0}
+    scene = harness.scene({**BLOCK, "pedestal": pedestal, "contact": contact, "uncertainty": {}})
+    plane = Plane.of(scene, "sine", coarse=True)
+    alone = Plane.of(harness.scene({**BLOCK, "uncertainty": {}}), "sine", coarse=True)
+    strengths = [amplitude for j, amplitude in enumerate(plane.amplitudes_g) if plane.at_rest((0, j))]
+    assert 0.0 < strengths[-1] < 0.2 / 2.4
+    assert alone.at_rest((0, alone.amplitudes_g.index(max(a for a in alone.amplitudes_g if a < 0.19))))

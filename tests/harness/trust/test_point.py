@@ -48,6 +48,7 @@ PLANE = {"motion_axes": ("x",), "history": doubles.parted(doubles.rocking(), 2.0
         ("outcome_confirmed", {"history": PARTED, "reliable_until_s": 5.0}, {}),
         ("probability", {"history": PARTED, "reliable_until_s": 5.0} | FELL, {}),
         ("probability", {"outcome": Outcome.UNDECIDED}, {}),
+        ("probability", {}, {"outcome": Outcome.UNDECIDED}),
         ("left_domain", {"history": PARTED} | LEFT, {}),
         ("left_domain", TIPS, {}),
         ("plane_left_out", PLANE, {"motion_axes": ("x", "y")}),
