@@ -12,6 +12,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from harness.model.errors import InputError, Mistake
 
 MOST_BYTES: Final = 64 * 2**20
@@ -46,6 +49,17 @@ def decimals(texts: Sequence[str]) -> list[float]:
     if FOREIGN.search(" ".join(texts)):
         return [decimal(text) for text in texts]
     return [float(text) for text in texts]
+
+
+def numbers_at_once(lines: Sequence[str], mark: str | None) -> NDArray[np.float64] | None:
+    """The numbers (n, k) of lines of one width whose cells `mark` parts (None: blanks); None where a cell is anything else."""
+    if not lines or FOREIGN.search(" ".join(lines).replace(mark or " ", " ")):
+        return None
+    try:
+        table = np.loadtxt(lines, delimiter=mark, comments=None, ndmin=2)
+    except ValueError:
+        return None
+    return table if len(table) == len(lines) and np.isfinite(table).all() else None
 
 
 def is_decimal(text: str) -> bool:

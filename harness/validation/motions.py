@@ -71,8 +71,13 @@ def _columns(path: Path, time_column: str, column: str | None) -> dict[str, int 
     around it.
     """
     text = decoded(read_bytes(path, "a motion"), str(path), "a table with a header")
-    rows = [_cells(line) for line in text.splitlines()]
-    first = next((place for place, row in enumerate(rows) if _numeric(row)), None)
+    rows: list[list[str]] = []
+    first = None
+    for place, line in enumerate(text.splitlines()):
+        rows.append(_cells(line))
+        if _numeric(rows[-1]):
+            first = place
+            break
     if first is None:
         advice = "leave out columns of words"
         raise InputError(Mistake(str(path), f"line {len(rows)}", "numbers in all columns", ", ".join(rows[-1]), advice))

@@ -6,9 +6,7 @@ from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
 
-import numpy as np
-
-from harness.input.text_file import decimals, decoded, read_bytes
+from harness.input.text_file import decimals, decoded, numbers_at_once, read_bytes
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Array
 
@@ -48,11 +46,8 @@ def read_groups(path: Path, columns: Sequence[str]) -> list[tuple[str, Array]]:
 def _numbers(path: Path, lines: Sequence[tuple[int, str]], width: int) -> Array:
     """All cells but the first of each line, at once; line by line only where something is wrong."""
     bare = [line.partition(",")[2] for _, line in lines]
-    try:
-        table = np.loadtxt(bare, delimiter=",", comments=None, ndmin=2)
-    except ValueError:
-        table = np.empty((0, 0))
-    if table.shape == (len(lines), width - 1) and np.isfinite(table).all():
+    table = numbers_at_once(bare, ",")
+    if table is not None and table.shape[1] == width - 1:
         return table
     mistakes = []
     for number, line in lines:

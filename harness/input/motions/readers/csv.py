@@ -16,7 +16,7 @@ from harness.input.motions.clock import clock_of
 from harness.input.motions.readers.table import LABEL, NO_COMPONENT, heading, likely_unit
 from harness.input.motions.recordfile import UNIT_NAMES, Channel, RecordFile, unit_named
 from harness.input.motions.text import mistake
-from harness.input.text_file import decimals, is_decimal
+from harness.input.text_file import decimals, is_decimal, numbers_at_once
 from harness.model.finding import info
 
 _WORD = re.compile(r"\b(?!nan|inf|null)[^\W\d_]{3}", re.IGNORECASE)
@@ -153,6 +153,11 @@ def _table(text: str, where: str) -> _Table:
         raise mistake(where, f"line {rows[0][0]}", "column headers that differ", ", ".join(headers))
     if len(body) < 2:
         raise mistake(where, "", "two samples or more", str(len(body)), "the file holds no motion")
+    numbers = tuple(number for number, _ in body)
+    mark = next((each for each in (";", "\t", "|", *(() if comma else ",")) if each in body[0][1]), None)
+    plain = [line.replace(",", ".") if comma else line for _, line in body]
+    if not trailing and (bulk := numbers_at_once(plain, mark)) is not None and bulk.shape[1] == len(headers):
+        return _Table(headers, frozenset(), bulk, numbers)
     values = np.empty((len(body), len(headers)))
     split = [cells(line)[:-1] if trailing else cells(line) for _, line in body]
     words = _of_words(split, len(headers))
@@ -179,7 +184,7 @@ def _table(text: str, where: str) -> _Table:
         raise mistake(
             where, f"line {body[row][0]}, {headers[column]}", "a finite number", str(values[row, column]), advice
         )
-    return _Table(headers, frozenset(headers[column] for column in words), values, tuple(number for number, _ in body))
+    return _Table(headers, frozenset(headers[column] for column in words), values, numbers)
 
 
 def _alike(first: Sequence[str], second: Sequence[str]) -> bool:

@@ -25,7 +25,7 @@ from harness.input.motions.recordfile import (
 )
 from harness.input.motions.series import Floats
 from harness.input.motions.text import free_format, mistake
-from harness.input.text_file import fortran
+from harness.input.text_file import fortran, numbers_at_once
 from harness.model.errors import InputError
 from harness.model.finding import Finding
 
@@ -182,6 +182,13 @@ def _rows(lines: Sequence[str], skip: int, where: str, *, other: bool) -> tuple[
     used = [
         (i + 1, line) for i, line in enumerate(lines) if i >= skip and line.strip() and line.lstrip()[0] not in "#%"
     ]
+    plain = [line.strip().strip(";,") for _, line in used]
+    mark = "," if plain and "," in plain[0] else None
+    # A comma may be a decimal one where no point stands.
+    if mark is None or all("." in line for line in plain):
+        bulk = numbers_at_once(plain, mark)
+        if bulk is not None and bulk.size > 1:
+            return list(bulk), [number for number, _ in used]
     rows = [_numbers(line, where, number, dates=other, words=other) for number, line in used]
     if sum(row.size for row in rows) < 2:
         raise mistake(where, "skip_lines", "numbers below the lines skipped", f"{len(lines)} lines in all")
