@@ -11,6 +11,7 @@ from typing import Final
 
 import numpy as np
 
+from harness import engines
 from harness.campaign.progress import progress
 from harness.campaign.runner import LocalPool
 from harness.input.paths import read_files
@@ -45,7 +46,7 @@ MOST_SAMPLES: Final = 1000
 TOLD: Final = 2.0
 """A gain of this many standard errors is told from none."""
 SCORES: Final = (
-    "model", "log_score", "crps_quarter_turns", "gain_over_all_drops", "its_error", "gain_over_first_face", "its_error_2",
+    "model", "log_score", "crps_turns", "gain_all_drops", "error_all", "gain_first_face", "error_face",
     "restitution", "restitution_sd", "friction", "friction_sd", "background", "draws_without_end",
 )  # fmt: skip
 ROWS: Final = ("drop", "model", "seen_quarter_turn", "probability", "log_score", "crps_quarter_turns")
@@ -91,6 +92,8 @@ def validate_drops(
                 failed.append(caution("model_not_run", model=model.name, reason=answers))
                 continue
             row, one = sets.scored(model.name, answers, coefficients(count, seed))
+            if model.engine in engines.PLASTIC_THROWN:
+                row = [None if key.startswith("restitution") else cell for key, cell in zip(SCORES, row, strict=True)]
             rows.append(row)
             each += one
     rows += sets.bare_rows()

@@ -128,6 +128,7 @@ def turns(task: DropTask) -> list[int | None] | str:
     """The final quarter turn of each draw, None of one that comes to no end; or why the model computes none."""
     engine, random = engines.load(task.model.engine), np.random.default_rng(task.seed)
     found: list[int | None] = []
+    failed = ""
     for restitution, friction in coefficients(task.samples, task.seed).tolist():
         noise = random.standard_normal((3, 2))
         start = task.drop.start + np.einsum("kij,kj->ki", task.drop.scatter, noise)
@@ -137,11 +138,13 @@ def turns(task: DropTask) -> list[int | None] | str:
         target = RunTarget(task.model.accuracy_rad) if engine.capabilities.certifies else step
         run = simulate_with(engine, scene, replace(target, options=RunOptions(stated=False)))
         if run.history is None:
-            return run.message or run.outcome.value
+            failed = run.message or run.outcome.value
+            found.append(None)
+            continue
         theta = np.unwrap(run.history.theta_rad)
         ended = run.history.t_s[-1] >= scene.duration_s - FRAME_S
         found.append(round((start[2, 0] - (theta[-1] - theta[0])) / QUARTER_RAD) if ended else None)
-    return found
+    return failed if failed and not any(turn is not None for turn in found) else found
 
 
 def scene_of(base: Scene, drop: Drop, start: Array, contact: Contact) -> Scene:
@@ -236,7 +239,7 @@ def crps(probabilities: Array, seen: Sequence[int]) -> Array:
 
 
 def computed(pool: Pool, tasks: Sequence[DropTask], told: Callable[[int], None]) -> dict[str, list[int | None]] | str:
-    """The answers by drop, or why the model gives none; `told` hears how many are there."""
+    """The answers by drop, or why the model gives none of any; `told` hears how many are there."""
     answers: dict[str, Any] = {}
 
     def done(task: DropTask, result: Any) -> None:
@@ -244,5 +247,10 @@ def computed(pool: Pool, tasks: Sequence[DropTask], told: Callable[[int], None])
         told(len(answers))
 
     pool.run(turns, tasks, done)
-    wrong = next((str(each) for each in answers.values() if not isinstance(each, list)), None)
-    return wrong or {task.drop.name: answers[task.drop.name] for task in tasks}
+    wrong = [str(each) for each in answers.values() if not isinstance(each, list)]
+    if len(wrong) == len(answers):
+        return wrong[0]
+    return {
+        task.drop.name: found if isinstance(found := answers[task.drop.name], list) else [None] * task.samples
+        for task in tasks
+    }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -133,6 +134,29 @@ def test_a_draw_at_the_coefficients_that_threw_ends_as_it_did(
     ends = [drops.turns(DropTask(square, drop, parse_model(name), 1, 0))[0] for drop in read]
     assert sum(end == drop.turn for end, drop in zip(ends, read, strict=True)) >= len(read) - 1
     assert len({drop.turn for drop in read}) > 2
+
+
+def test_a_draw_that_fails_costs_itself_and_a_model_is_lost_with_all_alone(square: Scene) -> None:
+    class Pool:
+        workers = 1
+
+        def run(self, work: object, tasks: Sequence[DropTask], done: Callable[[DropTask, object], None]) -> None:
+            for task in tasks:
+                done(task, "no" if task.drop.name in self.lost else [1, None])
+
+        def close(self) -> None:
+            """Nothing to give back."""
+
+        lost: tuple[str, ...] = ()
+
+    pool, told = Pool(), list[int]()
+    drop = Drop("a", np.zeros((3, 2)), np.zeros((3, 2, 2)), 9.81, 0.1, 0, 0)
+    tasks = [DropTask(square, replace(drop, name=name), parse_model("spatial"), 2, 0) for name in "ab"]
+    pool.lost = ("b",)
+    assert drops.computed(pool, tasks, told.append) == {"a": [1, None], "b": [None, None]}
+    assert told == [1, 2]
+    pool.lost = ("a", "b")
+    assert drops.computed(pool, tasks, told.append) == "no"
 
 
 def test_a_set_of_drops_is_scored_and_told(tmp_path: Path, root: Path, square: Scene) -> None:

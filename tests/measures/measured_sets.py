@@ -1,0 +1,65 @@
+"""The models beside measured drops, tosses and impact ratios: `python -m tests.measures.measured_sets [drops|tosses|ratios]`.
+
+It wants the data folder, and some ten minutes of processor.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from pathlib import Path
+from typing import Final
+
+from harness.records.measured import MeasuredRecord
+from harness.records.tosses import TossesRecord
+from harness.validation.drop_run import validate_drops
+from harness.validation.impact_ratios import validate_ratios
+from harness.validation.toss_run import validate_tosses
+from reports.messages import ENGLISH
+from reports.pages.measured_page import heads, keyed
+from reports.pages.tosses_page import means_rows
+from tests.measures.pages import DOCS, renew_tables, table
+
+MODULE: Final = "tests.measures.measured_sets"
+PAGE: Final = "measured/measured_sets.md"
+SCENES: Final = DOCS.parent / "scenes"
+DATA: Final = Path(os.environ.get("ROCKCHECK_DATA", DOCS.parents[1] / "shared" / "data"))
+TOSS_MODELS: Final = ("spatial", "pybullet:plain")
+
+
+def told(record: MeasuredRecord | TossesRecord) -> str:
+    """The answer, and the table to read first."""
+    said = "" if record.answer is None else record.texted(ENGLISH.say).answer.text  # type: ignore[union-attr]
+    if isinstance(record, TossesRecord):
+        first, *rows = means_rows(record)
+        return f"{said}\n\n{table(first, rows)}"
+    return f"{said}\n\n" + "\n\n".join(
+        table(heads(each), ([key, *cells] for key, cells in keyed(each)))
+        for each in record.tables
+        if each.name != "drops"
+    )
+
+
+def drops() -> str:
+    """Planar drops of a square."""
+    with tempfile.TemporaryDirectory() as folder:
+        square = SCENES / "square_drop.toml"
+        return told(validate_drops(DATA / "squares" / "square_drops.csv.gz", Path(folder) / "out", square))
+
+
+def tosses() -> str:
+    """Tosses of a cube."""
+    with tempfile.TemporaryDirectory() as folder:
+        cube, measured = SCENES / "cube_toss.toml", DATA / "tosses" / "cube_tosses.csv.gz"
+        return told(validate_tosses(measured, Path(folder) / "out", cube, models=TOSS_MODELS))
+
+
+def ratios() -> str:
+    """First impacts of limestone blocks."""
+    with tempfile.TemporaryDirectory() as folder:
+        return told(validate_ratios(DATA / "impacts" / "limestone_first_impacts.csv", Path(folder) / "out"))
+
+
+if __name__ == "__main__":
+    renew_tables(PAGE, MODULE, {"drops": drops, "tosses": tosses, "ratios": ratios}, sys.argv[1:])
