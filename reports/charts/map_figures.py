@@ -127,7 +127,7 @@ def _map(grid: Grid, axes: tuple[str, str], xs: Sequence[float], ys: Sequence[fl
         "hovertemplate": f"{heading(axes[0])} %{{x:.4g}}<br>{heading(axes[1])} %{{y:.4g}}<br>%{{text}}<extra></extra>",
     }  # fmt: skip
     return figure(
-        [trace], 380, _map_axis(heading(axes[0]), xs), _map_axis(heading(axes[1]), ys), showlegend=False, margin_top=12
+        [trace], 380, map_axis(heading(axes[0]), xs), map_axis(heading(axes[1]), ys), showlegend=False, margin_top=12
     )
 
 

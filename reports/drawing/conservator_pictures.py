@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, Final
 
@@ -25,19 +26,32 @@ SIDE: Final = 420
 MARGIN: Final = 46.0
 MOST_RINGS: Final = 4
 """As many circles as a reader can tell apart by their numbers."""
+GAUGE_ENDS: Final = 1.2
+"""The bar of a lean ends at this many times the lean at which the statue balances."""
 SAFE: Final = "#0b6e4f"
 SHAKING: Final = "#c2185b"
 
 
-def reach_svg(source: RunSource, extremes: Sequence[tuple[float, float]], title: str, say: Language) -> Markup:
-    """The statue at rest, at its farthest leans (rotation in rad, slip in m) as outlines, on its pedestal, before its wall."""
+def reach_svg(
+    source: RunSource,
+    extremes: Sequence[tuple[float, float]],
+    balance_rad: Sequence[float],
+    gauge_rad: tuple[float, float] | None,
+    title: str,
+    say: Language,
+) -> Markup:
+    """The statue at rest, at its farthest leans (rotation in rad, slip in m), where it balances, on its pedestal, at its wall.
+
+    `gauge_rad`: the largest lean and the one at which it balances, as a bar below the floor.
+    """
     scene, shape = source.scene, section(source.scene)
     outline = silhouette_m(scene, source.mesh)
     pedestal, wall = scene.pedestal, scene.wall
     lift = 0.0 if pedestal is None else pedestal.height_m
     leans = [shape.posed_m(outline, theta, slip)[0] for theta, slip in extremes]
+    balances = [shape.posed_m(outline, theta, 0.0)[0] for theta in balance_rad]
     centre = 0.5 * (shape.corner_right_m - shape.corner_left_m)
-    xs = [*outline[:, 0], *(x for lean in leans for x in lean[:, 0])]
+    xs = [*outline[:, 0], *(x for lean in [*leans, *balances] for x in lean[:, 0])]
     half = 0.0 if pedestal is None else 0.5 * pedestal.width_m
     stand = (centre + (0.0 if pedestal is None else pedestal.offset_m) - half, 2 * half)
     at_wall = None
@@ -46,7 +60,7 @@ def reach_svg(source: RunSource, extremes: Sequence[tuple[float, float]], title:
         at_wall = (shape.corner_right_m if right else -shape.corner_left_m) + (1 if right else -1) * wall.distance_m
         xs.append(at_wall)
     low, high = min(*xs, stand[0]), max(*xs, stand[0] + stand[1])
-    top = lift + max(float(outline[:, 1].max()), *(float(lean[:, 1].max()) for lean in leans), 0.0)
+    top = lift + max(float(each[:, 1].max()) for each in (outline, *leans, *balances))
     scale = min((SIDE - 2 * MARGIN) / (high - low), (SIDE - 2 * MARGIN) / top)
 
     def place(points: Array) -> Array:
@@ -59,12 +73,29 @@ def reach_svg(source: RunSource, extremes: Sequence[tuple[float, float]], title:
         x, y = place(np.array([[stand[0], 0.0]]))[0].tolist()
         shapes.append(box(x, y, scale * stand[1], scale * lift, "#c3c8cf", stroke="#59636f"))
     shapes.append(area(place(outline), "#dfd8cb", "#6d6353", 1.5))
+    shapes += [Path(place(lean), INK, 1.6, "2 4", closed=True) for lean in balances]
     shapes += [Path(place(lean), SHAKING, 1.6, "5 4", closed=True) for lean in leans]
+    if gauge_rad is not None:
+        shapes += _gauge(*gauge_rad, say)
     if at_wall is not None and wall is not None:
         x = float(place(np.array([[at_wall, 0.0]]))[0, 0])
         inwards = 0.0 if wall.side == "right" else -12.0
         shapes += [box(x + inwards, 20, 12, ground - 20, "#8a94a3"), Text(x, 14, say("reach.wall"), colour=INK)]
     return _picture([*shapes, *_top_shift(outline, leans, place, say)]).svg(title, "plain")
+
+
+def _gauge(lean_rad: float, balance_rad: float, say: Language) -> list[Shape]:
+    """A bar as long as the lean, in a frame on which a line marks the lean at which the statue balances."""
+    left, whole, y = 150.0, 140.0, SIDE - 28.0
+    lean, balance = (f"{say.digits(math.degrees(value), 2)}°" for value in (lean_rad, balance_rad))
+    end = left + whole
+    return [
+        box(left, y, GAUGE_ENDS * whole, 12, "none", stroke="#8a94a3"),
+        box(left, y, min(lean_rad / balance_rad, GAUGE_ENDS) * whole, 12, SHAKING),
+        line([(end, y - 6), (end, y + 18)], INK, 2.0, "2 2"),
+        Text(left - 8, y + 11, say("reach.lean", degrees=lean), "end", SHAKING),
+        Text(left + GAUGE_ENDS * whole + 8, y + 11, say("reach.of", degrees=balance), "start", INK),
+    ]
 
 
 def _picture(shapes: Sequence[Shape], height: float = SIDE) -> Picture:
@@ -133,11 +164,11 @@ def push_svg(
 
 
 def _compass(say: Language) -> list[Shape]:
-    """The names of the four sides at the rims of a picture seen from above."""
+    """The names of the four sides around a picture seen from above, left and right in its corners: no circle reaches there."""
     middle = SIDE / 2
     return [
-        Text(SIDE - 4, middle - 6, say("side.right"), "end", INK),
-        Text(4, middle - 6, say("side.left"), "start", INK),
+        Text(SIDE - 4, SIDE - 8, say("side.right"), "end", INK),
+        Text(4, SIDE - 8, say("side.left"), "start", INK),
         Text(middle, 16, say("side.back"), colour=INK),
         Text(middle, SIDE - 8, say("side.front"), colour=INK),
     ]

@@ -15,20 +15,26 @@ from harness.records.assess import Assessment, worst
 from harness.records.run import EngineRunRecord, RunRecord, has_answer, tips_s
 from reports.drawing.conservator_pictures import plan_svg, reach_svg
 from reports.drawing.display_mesh import silhouette_m
-from reports.drawing.floor_plan import floor_plan
+from reports.drawing.floor_plan import Plan, floor_plan
 from reports.drawing.kinematics import Array, section
 from reports.messages import ENGLISH, Language, probability_text
 from reports.pages.conservator_parts import Picture, end_words, order_picture, page, push_picture
 from reports.source import RunSource, source_of
-from reports.text.chance import worse_tone
 from reports.text.giving_way import support_of
 from reports.text.limits import TIPS_RAD, tilt_rad
-from reports.text.wording import AT_REST_RAD, horizon_s, prediction_s, unlike_motions
+from reports.text.wording import AT_REST_RAD, horizon_s, prediction_s, tone, unlike_motions
 
-VISIBLE_M: Final = 1e-4
-"""Less than a tenth of a millimetre is no movement to the eye."""
+VISIBLE_M: Final = 1e-3
+"""Less than a millimetre is no movement that anyone keeps room for."""
 NEXT_TO_NONE: Final = 0.01
 """Shares whose intervals stay within this of none, or of all, are told as fewer than 1, or more than 99, of 100."""
+SLOW_HZ: Final = 1.05
+"""Swings that are not faster are told by how long one takes."""
+SIDEWAYS: Final = (Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT)
+WIDE: Final = 0.05
+"""A wider interval is told beside the share, which is rounded to whole cases of 100."""
+STRONG: Final = 0.05
+"""From the first to the last instant at which it has this share of its strongest push the shaking lasts."""
 
 
 def context(folder: Path, record: RunRecord, say: Language = ENGLISH) -> dict[str, object]:
@@ -37,40 +43,91 @@ def context(folder: Path, record: RunRecord, say: Language = ENGLISH) -> dict[st
 
 
 def of_run(source: RunSource, say: Language = ENGLISH) -> dict[str, object]:
-    """Headline, points and pictures of one run."""
+    """Headline, first points, what to do, pictures, and what the answer rests on, of one run."""
     answered = {name: run for name, run in source.runs.items() if has_answer(run)}
-    headline, tone, points = _answer(source, *_nominal(source, answered, say), say)
-    scene, motion = source.scene, source.record.motion
-    support = support_of(scene)
-    said = [*_who(source.runs, answered, say), *_lean(source, say), *_pedestal_slip(source, answered, say)]
-    pictures = [reach_picture(source, say), plan_picture(source, say), push_picture(scene, support, say, motion)]
+    nominal = _nominal(source, answered, say)
+    headline, basis = _answer(source, nominal, say)
+    given = [] if headline == nominal else [say("chance.given", what=nominal[0].lower() + nominal[1:])]
+    support, motion = support_of(source.scene), source.record.motion
+    plan = floor_plan(source, _standing(source))
     return {
         "headline": headline,
-        "tone": tone,
-        "points": [*points, *said, *_trust(source, say)],
-        "pictures": [*pictures, order_picture(scene, support, say, motion)],
+        "tone": tone(source),
+        "points": [*_shaking(source, say), *given, *_lean(source, say)],
+        "todo": _todo(source, answered, plan, say),
+        "basis": [*basis, *_who(source.runs, answered, say), *_trust(source, say)],
+        "pictures": [
+            reach_picture(source, say),
+            plan_picture(source, plan, _pedestal_slip(source, answered, say), say),
+            push_picture(source.scene, support, say, motion),
+            order_picture(source.scene, support, say, motion),
+        ],
     }
 
 
-def _answer(source: RunSource, nominal: str, colour: str, say: Language) -> tuple[str, str, list[str]]:
-    """Headline, colour and first points: how probable a fall is where the record says so, then the run as given."""
+def _shaking(source: RunSource, say: Language) -> list[str]:
+    """How strong the shaking is, along what, how fast it swings where its scene says so, and how long it is strong."""
+    motion, asked = source.record.motion, source.scene.toml.get("motion")
+    axes = motion.accel_m_s2
+    if not axes:
+        return []
+    push, g_m_s2 = motion.push, source.scene.gravity_m_s2
+    peak = max(map(motion.peak_m_s2, axes)) / g_m_s2 if push is None else push.peak
+    where = "_".join(["level"] if {"x", "y"} <= axes.keys() else [axis for axis in ("x", "y") if axis in axes])
+    ways = [say(f"shaking.{name}") for name in (where, "z" if "z" in axes else "") if name]
+    specs = [asked.get(axis) for axis in axes] if isinstance(asked, dict) else []
+    kinds = {spec.get("kind") if isinstance(spec, dict) else None for spec in specs}
+    rates = {spec["frequency_hz"] for spec in specs if isinstance(spec, dict) and kinds == {"harmonic"}}
+    pace = say("shaking.record") if kinds == {"record"} else ""
+    if len(rates) == 1 and isinstance(rate := rates.pop(), int | float):
+        fast = rate > SLOW_HZ
+        pace = say("shaking.fast" if fast else "shaking.slow", count=say.short(rate if fast else 1.0 / rate, 2))
+    strong = np.zeros(len(motion.t_s), dtype=bool)
+    for values in axes.values():
+        size = np.abs(values)
+        strong |= size >= STRONG * size.max()
+    at = np.asarray(motion.t_s)[strong]
+    lasts = say.short(float(at[-1] - at[0]), 2)
+    return [say("shaking.of", push=say.percent(peak), ways=say.listed(ways), pace=pace, time=lasts)]
+
+
+def _todo(source: RunSource, answered: Mapping[str, EngineRunRecord], plan: Plan, say: Language) -> list[str]:
+    """What the record gives reason to do: room to keep free, a fall to reckon with, remedies to have compared."""
+    rooms = _rooms(plan, say)
+    said = [say("todo.free", rooms=rooms)] if rooms else []
+    if any(run.outcome is Outcome.TOUCHES_WALL for run in answered.values()):
+        said.append(say("todo.wall"))
+    slip_m = max((run.peak_slip_m for run in answered.values()), default=0.0)
+    if source.scene.pedestal is not None and slip_m > VISIBLE_M:
+        said.append(say("todo.slide", length=say.length(slip_m)))
+    if tone(source) != "agree":
+        if _may_fall(source, answered):
+            said.append(say("todo.fall", height=say.length(source.scene.statue.height_m)))
+        said.append(say("todo.ask"))
+    return said or [say("todo.nothing")]
+
+
+def _may_fall(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> bool:
+    """Whether a fall is to be reckoned with: in a run, among the draws, or because neither tells."""
+    chances = (source.record.assessment or {}).values()
+    falls = any(run.outcome.overturned for run in answered.values())
+    return falls or not (answered and chances) or any(item.high >= NEXT_TO_NONE for item in chances)
+
+
+def _answer(source: RunSource, nominal: str, say: Language) -> tuple[str, list[str]]:
+    """The headline, and what it rests on: how probable a fall is where the record says so, else the run as given."""
     if not source.record.assessment:
-        # One run is one draw: a shaking that it stands is no reason for green.
-        unknown = colour == "agree" and bool(source.record.motion.accel_m_s2)
-        return nominal, "differ" if unknown else colour, [say("chance.unknown")] if unknown else []
-    item, tone = source.record.assessment[worst(source.record.assessment)], worse_tone(source.record.assessment, colour)
-    given = say("chance.given", what=nominal[0].lower() + nominal[1:])
+        # One run is one draw: what it stands says nothing of how probable a fall is.
+        shaken = bool(source.record.motion.accel_m_s2)
+        return nominal, [say("chance.unknown")] if shaken else []
+    item = source.record.assessment[worst(source.record.assessment)]
     if item.undecided >= 1.0:
-        return say("chance.open"), tone, [given]
+        return say("chance.open"), []
     open_ = [say("chance.undecided", share=_share(item.undecided, say))] if item.undecided else []
     known = any(not each.plane_only for each in source.record.assessment.values())
     plane = [say("chance.plane"), *([] if known else [say("chance.plane_open")])] if item.plane_only else []
-    points = [say("chance.cases"), *open_, *([" ".join(plane)] if plane else []), given]
-    if not item.tells:
-        share = _share(item.low, say)
-        least = [say("chance.mostly_open", share=share)] if item.low > 0.0 else []
-        return say("chance.open"), tone, [*least, *points]
-    return _falls(item, say), tone, points
+    basis = [say("chance.cases"), *open_, *([" ".join(plane)] if plane else [])]
+    return _falls(item, say) if item.tells else say("chance.open"), basis
 
 
 def _falls(item: Assessment, say: Language) -> str:
@@ -79,26 +136,26 @@ def _falls(item: Assessment, say: Language) -> str:
         return say("chance.rarely")
     if item.low > 1.0 - NEXT_TO_NONE:
         return say("chance.mostly")
-    share, low, high = (_share(value, say) for value in (item.probability_overturned, item.low, item.high))
-    return say("chance.falls", share=share, low=low, high=high)
+    share, low, high = (f"{100.0 * value:.0f}" for value in (item.probability_overturned, item.low, item.high))
+    wide = item.high - item.low > WIDE or item.probability_overturned < NEXT_TO_NONE
+    return say("chance.between", share=share, low=low, high=high) if wide else say("chance.falls", share=share)
 
 
 def _share(value: float, say: Language) -> str:
     return probability_text(value).replace(".", say.strings["decimal"])
 
 
-def _nominal(source: RunSource, answered: Mapping[str, EngineRunRecord], say: Language) -> tuple[str, str]:
-    """What happens with the values as given, and its colour."""
+def _nominal(source: RunSource, answered: Mapping[str, EngineRunRecord], say: Language) -> str:
+    """What happens with the values as given."""
     ends = {end_words(run.outcome, say) for run in answered.values()}
     begins = _begins(source, say)
     if not ends:
-        return say("run.none"), "failed"
+        return say("run.none")
     if len(ends) == 1:
-        end = ends.pop()
-        return say("run.one_end", begins=begins, end=end), "agree" if end == say("end.stands") else "failed"
+        return say("run.one_end", begins=begins, end=ends.pop())
     if say("end.falls") in ends:
-        return say("run.may_fall", begins=begins), "differ"
-    return say("run.disagree"), "differ"
+        return say("run.may_fall", begins=begins)
+    return say("run.disagree")
 
 
 def _begins(source: RunSource, say: Language) -> str:
@@ -143,28 +200,46 @@ def _begun(word: str) -> str:
     return word[0].upper() + word[1:]
 
 
+def _answering(source: RunSource) -> list[str]:
+    """The models that answered and left a history."""
+    return [name for name in source.histories if has_answer(source.runs[name])]
+
+
 def _standing(source: RunSource) -> list[str]:
-    known = (name for name in source.histories if has_answer(source.runs[name]))
-    return [name for name in known if source.runs[name].outcome == Outcome.STANDS]
+    return [name for name in _answering(source) if source.runs[name].outcome == Outcome.STANDS]
+
+
+def _worst_lean(source: RunSource) -> tuple[float, float, int]:
+    """The largest lean of the models in which it stands as a share of its side's balance angle, in rad, and the side."""
+    leans = [(0.0, 0.0, 1)]
+    for name in _standing(source):
+        for side in (1, -1):
+            peak = float((side * source.histories[name].theta_rad).max())
+            leans.append((peak / source.scene.statue.slenderness_rad(side), peak, side))
+    return max(leans)
 
 
 def _lean(source: RunSource, say: Language) -> list[str]:
-    """The greatest lean of the models in which it stands, as a share of the lean from which it does not come back."""
-    statue, standing = source.scene.statue, _standing(source)
-    worst_share, degrees = 0.0, 0.0
-    for name in standing:
-        theta = source.histories[name].theta_rad
-        for side in (1, -1):
-            peak = float((side * theta).max())
-            if peak / statue.slenderness_rad(side) > worst_share:
-                worst_share, degrees = peak / statue.slenderness_rad(side), math.degrees(peak)
+    """The largest lean against the one at which it balances, of the models in which it stands; past it, what brought it back."""
+    standing = _standing(source)
     if not standing:
         return []
-    where = [] if len(standing) == len(source.runs) else [say("run.of_standing")]
-    if degrees < math.degrees(AT_REST_RAD):
+    share, lean_rad, side = _worst_lean(source)
+    where = (
+        []
+        if all(source.runs[name].outcome == Outcome.STANDS for name in _answering(source))
+        else [say("run.of_standing")]
+    )
+    if lean_rad < AT_REST_RAD:
         return [" ".join([*where, say("run.no_rocking")])]
-    key = "run.leans" if worst_share < 1.0 else "run.leans_past"
-    leans = say(key, degrees=say.digits(degrees, 2), share=f"{100.0 * worst_share:.0f}")
+    degrees, balance = (
+        say.digits(math.degrees(value), 2) for value in (lean_rad, source.scene.statue.slenderness_rad(side))
+    )
+    if share < 1.0:
+        leans = say("run.leans", degrees=degrees, share=f"{100.0 * share:.0f}", balance=balance)
+    else:
+        back = "run.floor_back" if source.record.motion.accel_m_s2 else "run.swing_back"
+        leans = f"{say('run.leans_past', degrees=degrees, balance=balance)} {say(back)}"
     return [" ".join([*where, leans])]
 
 
@@ -208,16 +283,12 @@ def _extremes(source: RunSource) -> list[tuple[float, float]]:
 
 
 def reach_picture(source: RunSource, say: Language, heading: str = "reach.heading") -> Picture:
-    """How far the statue moves, against its wall; where it moves in no model but falls, its lean of no return."""
-    extremes, title = _extremes(source), say(heading)
-    words = []
+    """Its farthest positions against the lean at which it balances, and its wall; of a statue that falls, the latter alone."""
+    extremes, title, standing = _extremes(source), say(heading), _standing(source)
     outline, shape = silhouette_m(source.scene, source.mesh), section(source.scene)
-    if extremes:
-        words.append(say("reach.dashed"))
-    elif _standing(source):
-        words.append(say("reach.still"))
+    words = [say("reach.dashed") if extremes else say("reach.still")] if standing else []
     wall = source.scene.wall
-    if wall is not None and _standing(source):
+    if wall is not None and standing:
         sign = 1.0 if wall.side == "right" else -1.0
         rest = _farthest(outline, shape, (0.0, 0.0), sign)
         edge = shape.corner_right_m if sign > 0 else shape.corner_left_m
@@ -225,43 +296,42 @@ def reach_picture(source: RunSource, say: Language, heading: str = "reach.headin
         left = gap - _beyond(outline, shape, extremes, sign)
         remains = say("reach.remain", left=say.length(left)) if left > 0 else say("reach.strikes")
         words.append(f"{say('reach.free', gap=say.length(gap))} {remains}")
-    fell = [name for name, run in source.runs.items() if run.outcome.overturned]
+    ends = [run.outcome for run in source.runs.values() if has_answer(run)]
+    fell = [end for end in ends if end.overturned]
     if fell:
-        total = len(source.runs)
-        key = "reach.fell_all" if len(fell) == total else "reach.fell_one" if len(fell) == 1 else "reach.fell"
-        words.append(say(key, count=say.count(len(fell)), total=say.count(total)))
-    last = _no_return(source, fell) if not extremes else []
-    if last:
-        words.append(say("reach.no_return"))
-    return Picture(title, reach_svg(source, extremes or last, f"{title} {' '.join(words)}", say), words)
+        key = "reach.fell_all" if len(fell) == len(ends) else "reach.fell_one" if len(fell) == 1 else "reach.fell"
+        words.append(say(key, count=say.count(len(fell)), total=say.count(len(ends))))
+    statue, (_, lean_rad, side) = source.scene.statue, _worst_lean(source)
+    sides = {1 if end is Outcome.OVERTURNED_RIGHT else -1 for end in fell if end in SIDEWAYS and not standing}
+    if not sides:
+        sides = {side if lean_rad >= AT_REST_RAD else min((1, -1), key=statue.slenderness_rad)}
+    balance = [side * statue.slenderness_rad(side) for side in sorted(sides)]
+    words.append(say("reach.balance"))
+    lean = lean_rad if lean_rad >= AT_REST_RAD else 0.0
+    gauge = (lean, statue.slenderness_rad(max(sides))) if standing else None
+    return Picture(title, reach_svg(source, extremes, balance, gauge, f"{title} {' '.join(words)}", say), words)
 
 
-def plan_picture(source: RunSource, say: Language) -> Picture:
-    """The space that the statue needs while it rocks, all round where a model follows it in space."""
+def _rooms(plan: Plan, say: Language) -> str:
+    """The room needed beyond the outline at rest, by side; what nobody sees is not told."""
+    return say.listed(
+        say(f"plan.{side}", length=say.length(room)) for side, room in plan.room_m.items() if room > VISIBLE_M
+    )
+
+
+def plan_picture(source: RunSource, plan: Plan, slip: Sequence[str], say: Language) -> Picture:
+    """The space that the statue needs while it rocks, all round where a model follows it in space, and its pedestal's slip."""
     heading, standing = say("plan.heading"), _standing(source)
-    plan = floor_plan(source, standing)
-    words = [say("plan.seen")]
-    moves = {side: room for side, room in plan.room_m.items() if room > VISIBLE_M}
+    rooms = _rooms(plan, say)
+    words = [say("plan.seen"), *([say("plan.stone")] if source.scene.pedestal is not None else [])]
+    words.append(say("plan.room", rooms=rooms) if rooms else say("plan.still"))
     if not standing:
         words = [say("plan.none")]
-    elif moves:
-        words.append(
-            say("plan.room", rooms=say.listed(say(f"plan.{s}", length=say.length(r)) for s, r in moves.items()))
-        )
-    else:
-        words.append(say("plan.still"))
-    if standing and "front" not in plan.room_m:
+    elif "front" not in plan.room_m:
         words.append(say("plan.planar"))
-    words.append(say("plan.fall", height=say.length(source.scene.statue.height_m)))
-    return Picture(heading, plan_svg(source.scene, plan, f"{heading} {' '.join(words)}", say), words)
-
-
-def _no_return(source: RunSource, fell: Sequence[str]) -> list[tuple[float, float]]:
-    """The leans from which the statue does not come back, to the sides to which it falls in these models."""
-    statue, ends = source.scene.statue, {source.runs[name].outcome for name in fell}
-    right = [statue.slenderness_right_rad] if Outcome.OVERTURNED_RIGHT in ends else []
-    left = [-statue.slenderness_left_rad] if Outcome.OVERTURNED_LEFT in ends else []
-    return [(lean, 0.0) for lean in right + left]
+    words += slip
+    shown = Plan(plan.rest_m, plan.moved_m, {side: room for side, room in plan.room_m.items() if room > VISIBLE_M})
+    return Picture(heading, plan_svg(source.scene, shown, f"{heading} {' '.join(words)}", say), words)
 
 
 def _farthest(outline: Array, shape: Any, pose: tuple[float, float], sign: float) -> float:

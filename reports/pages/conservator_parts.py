@@ -14,7 +14,6 @@ from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import SupportRecord
 from reports.drawing.conservator_pictures import order_svg, push_svg
 from reports.messages import Language
-from reports.messages.numbers import heading as label_of
 from reports.text.giving_way import compass, levels, order_words, slips, weakest_words
 
 LIMITS: Final = ("hard", "steady", "friction", "next")
@@ -40,7 +39,7 @@ class Picture:
 def page(title: str, versions: Mapping[str, str], said: Mapping[str, object], say: Language) -> dict[str, object]:
     """Everything that the template shows: what a record says, and what every page says."""
     limits = [say(f"limit.{key}") for key in LIMITS]
-    return {**said, "title": title, "limits": limits, "versions": versions, "say": say}
+    return {"basis": [], **said, "title": title, "limits": limits, "versions": versions, "say": say}
 
 
 def end_words(outcome: str, say: Language) -> str:
@@ -60,7 +59,7 @@ def push_picture(
     heading = say("push.heading")
     words = [say("push.seen"), f"{weakest_words(scene, say)} {say('push.tipping')}"]
     if support.statue_keys:
-        varied = say.listed(dict.fromkeys(label_of(key).partition(" [")[0] for key in support.statue_keys))
+        varied = say.listed(dict.fromkeys(say.key(key) or say("key.other") for key in support.statue_keys))
         words.append(say("push.varied", keys=varied))
     # A push of the statue's own weight is none of an earthquake's: no circle is drawn for it.
     sliding = [(push, what) for push, what in slips(support) if push < 1.0]

@@ -10,18 +10,18 @@ from typing import Final
 
 from harness.model.history import Outcome
 from harness.records.effects3d import EffectsRecord
-from harness.records.study import StudyRecord
+from harness.records.study import StudyRecord, StudyRow, Value
 from reports.charts import Json
+from reports.charts.map_figures import map_axes, map_figures
 from reports.charts.static_svg import still
 from reports.messages import ENGLISH, Language
-from reports.messages.numbers import heading
 from reports.pages.conservator import reach_picture
 from reports.pages.conservator_parts import ENDS, Picture, order_picture, page, push_picture
 from reports.source import run_source
 from reports.text.chance import tone_of_study
 from reports.text.giving_way import compass, scan_turn_deg, support_of
 from reports.text.pedestal_effect import pedestal_effect
-from reports.text.study_rows import Condition, agreement, conditions, family, runs_of
+from reports.text.study_rows import Condition, agreement, conditions, family, runs_of, varying_keys
 
 WIDTH: Final = 480
 """Width of the charts among the page's pictures."""
@@ -34,6 +34,10 @@ CHART: Final[Mapping[str, str]] = {
     "wall": "chart.wall",
 }
 """What stands in the engineer's charts, by the key of its plain words."""
+AXES: Final = {"frequency_hz": "chart.frequency", "amplitude_g": "chart.strength", "pga_g": "chart.strength"}
+"""The words of a map's axis with their unit, by the last part of its key; others have the key's own."""
+SEVERE: Final = ("stands", "failed", "other", "wall", "overturns")
+"""Families of outcomes, the worst for the statue last."""
 STRENGTHS: Final = (
     "motion.scale",
     *(f"motion.{axis}.{name}" for axis in "xy" for name in ("amplitude_g", "scale", "pga_g")),
@@ -52,13 +56,14 @@ def of_study(record: StudyRecord, say: Language = ENGLISH) -> dict[str, object]:
     models, cases = conditions(record.rows)
     ends = {model: [run.outcome for _, run in runs_of(cases, model)] for model in models}
     ends = {model: outcomes for model, outcomes in ends.items() if outcomes}
-    said = [*_asked(record, models, say), *_by_variant(ends, say), *_bore(cases, say), *_agree(models, cases, say)]
-    said.append(say("chance.unknown"))
+    said = [*_asked(record, models, say), *_by_variant(ends, say), *_bore(cases, say)]
     return {
         "headline": _headline(ends, say),
         "tone": tone_of_study(family(outcome) for outcomes in ends.values() for outcome in outcomes),
         "points": said,
-        "pictures": _pictures(record, models, cases, say),
+        "todo": [say("todo.ask")],
+        "basis": [*_agree(models, cases, say), say("chance.unknown")],
+        "pictures": [*_map(record, cases, say), *_pictures(record, models, cases, say)],
     }
 
 
@@ -159,7 +164,7 @@ def _level(key: str, value: float, say: Language) -> str:
         return say("study.level_weight", push=say.percent(value))
     if key.endswith("scale"):
         return say("study.level_record", factor=say.short(value))
-    return say("study.level_other", key=heading(key), value=say.short(value))
+    return say("study.level_other", key=say.key(key) or say("key.other"), value=say.short(value))
 
 
 def _by_direction(record: StudyRecord, cases: Sequence[Condition]) -> dict[float, float]:
@@ -208,6 +213,37 @@ def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condit
     ]
 
 
+def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list[Picture]:
+    """Where it falls, over the two keys of the study's own map: at each place the worst that any answer there says."""
+    axes = map_axes(cases, [key for key in record.vary if key in varying_keys(cases)])
+    if axes is None or record.panels:
+        return []
+    worst: dict[tuple[Value, ...], StudyRow] = {}
+    for item in cases:
+        place = tuple(item.varied[key] for key in axes)
+        for row in item.answers.values():
+            if place not in worst or _severity(row) > _severity(worst[place]):
+                worst[place] = row
+    places = [Condition(dict(zip(axes, place, strict=True)), {"": row}) for place, row in worst.items()]
+    figures = map_figures([""], places, axes)
+    if not figures:
+        return []
+    _, figure = figures[0]
+    layout = dict(figure["layout"])
+    for side, key in zip(("xaxis", "yaxis"), axes, strict=True):
+        last = key.rsplit(".", 1)[-1]
+        named = say(AXES[last]) if last in AXES else say.key(key) or say("key.other")
+        layout[side] = layout[side] | {"title": {"text": named}}
+    seen = sorted({_severity(row) for row in worst.values()} - {-1}, reverse=True)
+    words = [say("map.seen"), " ".join(say(f"map.{SEVERE[k]}") for k in seen)]
+    return [Picture(say("map.heading"), still({"data": figure["data"], "layout": layout}, WIDTH), words)]
+
+
+def _severity(row: StudyRow) -> int:
+    """Place of what a row says among `SEVERE`; nothing computed is the least."""
+    return -1 if row.run is None else SEVERE.index(family(row.run.outcome))
+
+
 def _plainly(figure: Json, say: Language) -> Json:
     """The figure with everything that stands in it in plain words."""
 
@@ -237,6 +273,7 @@ def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> 
         "headline": say("study.effects", push=say.percent(borne[weak])),
         # What shaking is borne says nothing of how probable a fall is: never green.
         "tone": "differ",
+        "todo": [say("todo.ask")],
         "points": [
             say("study.effects_least", weak=compass(weak, say), strong=compass(strong, say), push=strongest),
             say("study.effects_directions", count=len(borne), variants=variants),

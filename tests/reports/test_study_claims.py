@@ -156,5 +156,5 @@ def test_no_warning_of_a_study_leaves_numbers_out(study: tuple[Path, Path]) -> N
 
 
 def test_a_study_is_read_as_it_was_written(study: tuple[Path, Path]) -> None:
-    path = study[1] / "result.json"
-    assert as_file(study_record(study[1])) == json.loads(path.read_text(encoding="utf-8"))
+    content = json.loads((study[1] / "result.json").read_text(encoding="utf-8"))
+    assert as_file(study_record(study[1])) == {key: value for key, value in content.items() if key != "seal"}

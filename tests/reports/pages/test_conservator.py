@@ -22,6 +22,7 @@ from harness.scene_run.scene_run import run_scene, write_result
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import floor_plan
 from reports.drawing.kinematics import section
+from reports.messages import ENGLISH
 from reports.pages import conservator_study
 from reports.pages.conservator import context, of_run
 from reports.pages.page import write_report
@@ -48,7 +49,7 @@ JARGON = ("rad", "kHz", "μ", "horizon", "integrat", "slenderness", "restitution
 
 def spoken(told: dict[str, Any]) -> str:
     words = [text for picture in told["pictures"] for text in (picture.heading, *picture.words)]
-    return " ".join([told["headline"], *told["points"], *words])
+    return " ".join([told["headline"], *told["points"], *told["todo"], *told.get("basis", ()), *words])
 
 
 def test_what_gives_way_first_is_ordered(tmp_path: Path) -> None:
@@ -268,31 +269,32 @@ def test_a_shaking_whose_danger_was_not_computed_is_not_green(tmp_path: Path) ->
     source = run_source(write_invented(tmp_path))
     page = of_run(replace(source, record=replace(source.record, assessment=None)))
     assert page["tone"] == "differ"
-    assert "How probable a fall is was not computed." in page["points"]
+    assert ENGLISH("chance.unknown") in page["basis"]
 
 
 def test_the_few_draws_that_ended_are_no_headline(tmp_path: Path) -> None:
     source = run_source(write_invented(tmp_path))
     few = Assessment(0.0026, 0.0019, 1.0, 0.9, 1000, 1000, 0.9974, plane_only=True)
     page = of_run(replace(source, record=replace(source.record, assessment={"analytic": few})))
-    assert page["headline"] == "No answer was reached: the statue may fall or stand"
+    assert page["headline"] == ENGLISH("chance.open")
     assert page["tone"] == "differ"
-    assert "The statue falls in at least 0.19 of 100 possible cases." in page["points"]
-    none = of_run(replace(source, record=replace(source.record, assessment={"analytic": replace(few, low=0.0)})))
-    assert "at least" not in " ".join(none["points"])
-    assert not re.search("analytic|pymunk|pybullet|rockcheck", spoken(page)), "an engineer's command"
+    assert not re.search("0[.]0026|0[.]26|0[.]19", spoken(page)), "a share of the few draws that ended"
+    assert not re.search("analytic|pymunk|pybullet", spoken(page)), "an engine"
 
 
 def test_next_to_none_and_next_to_all_have_no_digits(tmp_path: Path) -> None:
     source = run_source(write_invented(tmp_path))
-    for p, low, high, undecided, said in (
-        (0.0, 0.0, 0.00027, 0.0, "falls in fewer than 1 of 100 possible cases"),
-        (0.0, 0.0, 0.02, 0.02, "falls in 0 of 100 possible cases (0 to 2)"),
-        (0.9983, 0.9975, 0.9989, 0.0, "falls in more than 99 of 100 possible cases"),
-        (0.4, 0.39, 0.41, 0.0, "falls in 40 of 100 possible cases (39 to 41)"),
+    for p, low, high, undecided, key, values in (
+        (0.0, 0.0, 0.00027, 0.0, "rarely", ()),
+        (0.0, 0.0, 0.02, 0.02, "between", (0, 0, 2)),
+        (0.9983, 0.9975, 0.9989, 0.0, "mostly", ()),
+        (0.434, 0.426, 0.441, 0.0, "falls", (43,)),
+        (0.4, 0.3, 0.5, 0.0, "between", (40, 30, 50)),
     ):
         answers = {"analytic": Assessment(p, low, high, 0.9, 10_000, 10_000, undecided)}
-        assert of_run(replace(source, record=replace(source.record, assessment=answers)))["headline"].endswith(said)
+        page = of_run(replace(source, record=replace(source.record, assessment=answers)))
+        said = dict(zip(("share", "low", "high"), values, strict=False))
+        assert page["headline"] == ENGLISH(f"chance.{key}", **said)
 
 
 def test_shaking_that_the_plane_leaves_out_is_told_only_of_a_number_without_it(tmp_path: Path) -> None:
@@ -344,7 +346,7 @@ def test_a_model_that_holds_upright_a_pedestal_that_tips_gives_no_answer(tmp_pat
         answer = run_source(tmp_path / name).record.answer
         assert answer is not None
         assert answer.code == ("one_model" if models[1:] else "no_answer")
-    alone, beside = (" ".join([str(each["headline"]), *each["points"]]) for each in said.values())
+    alone, beside = map(spoken, said.values())
     assert alone.startswith("No model could compute what happens")
     assert "does not rock" not in alone
     assert "stays put" not in alone + beside
