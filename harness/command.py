@@ -30,11 +30,10 @@ NO_SUCH_PLACE: Final = frozenset(
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (TOML).", show_default=False)]
 Accuracy = Annotated[
-    float | None, typer.Option("--accuracy", metavar="RAD", help="Wanted accuracy of the rotation. Default: 1e-3.")
+    float | None,
+    typer.Option("--accuracy", metavar="RAD", help="Target of the rotation's numerical error. Default: 1e-3."),
 ]
-Step = Annotated[
-    float | None, typer.Option("--dt", metavar="S", help="The expert's own time step, instead of --accuracy.")
-]
+Step = Annotated[float | None, typer.Option("--dt", metavar="S", help="Fixed time step, instead of --accuracy.")]
 JsonOnly = Annotated[
     bool,
     typer.Option("--json", help="Print the record as JSON and nothing else; `rockcheck report DIR` writes its pages."),
@@ -117,7 +116,7 @@ class ScanOptions:
 
     unit: Annotated[str | None, typer.Option("--unit", help="The scan's unit of length: m, dm, cm, mm, in, ft.")] = None
     height_m: Annotated[
-        float | None, typer.Option("--height", metavar="M", help="The statue's known height, to scale by.")
+        float | None, typer.Option("--height", metavar="M", help="The statue's true height, which sets the scale.")
     ] = None
     up: Annotated[
         str | None,
@@ -133,12 +132,15 @@ class ScanOptions:
     ] = None
     max_faces: Annotated[int, typer.Option("--max-faces", help="Faces to keep, the base untouched.")] = 50_000
     contact_tolerance_m: Annotated[
-        float, typer.Option("--contact-tolerance", metavar="M", help="How near to the floor touches it.")
+        float,
+        typer.Option(
+            "--contact-tolerance", metavar="M", help="Vertices within this height of the lowest are in contact."
+        ),
     ] = 1e-3
     cut_below_m: Annotated[
         float | None,
         typer.Option(
-            "--cut-below", metavar="M", help="Height to cut a scanned floor off at; 0: it is the statue's own."
+            "--cut-below", metavar="M", help="Cut off a scanned floor at this height; 0: keep it as part of the statue."
         ),
     ] = None
     cut_beyond: Annotated[
@@ -146,7 +148,7 @@ class ScanOptions:
         typer.Option(
             "--cut-beyond",
             metavar="AZIMUTH,M",
-            help="Cut a scanned wall or second body off, farther than M along AZIMUTH (degrees); none: it is the statue's own.",
+            help="Cut off a scanned wall or second body, beyond M along AZIMUTH (degrees); none: keep it as part of the statue.",
         ),
     ] = None
 
@@ -164,7 +166,7 @@ class SupportOptions:
     friction: Annotated[
         float | None,
         typer.Option(
-            "--friction", metavar="MU", help="Friction of the statue on its support, and of a pedestal's on the floor."
+            "--friction", metavar="MU", help="Coefficient of friction under the statue, and under a pedestal."
         ),
     ] = None
     scale: Annotated[
@@ -192,19 +194,20 @@ class TextLayout:
     """How the numbers of a record stand in a text that no reader knows (`harness.input.motions.recordfile.Layout`)."""
 
     dt_s: Annotated[
-        float | None, typer.Option("--dt", metavar="S", help="Of a text no reader knows: the step between samples.")
+        float | None, typer.Option("--dt", metavar="S", help="Unknown text format: time step between samples.")
     ] = None
     skip_lines: Annotated[
-        int | None, typer.Option("--skip-lines", metavar="N", help="Likewise: lines above the numbers.")
+        int | None, typer.Option("--skip-lines", metavar="N", help="Unknown text format: header lines to skip.")
     ] = None
     columns: Annotated[
         str | None,
         typer.Option(
-            "--columns", help="Likewise: columns of accelerations, `2,3` or `2:N,3:E`; `all`: one that runs on."
+            "--columns",
+            help="Unknown text format: acceleration columns, `2,3` or `2:N,3:E`; `all`: numbers that run on.",
         ),
     ] = None
     time_column: Annotated[
-        int | None, typer.Option("--time-column", metavar="N", help="Likewise: the column of times, from 1.")
+        int | None, typer.Option("--time-column", metavar="N", help="Unknown text format: time column, counted from 1.")
     ] = None
 
 

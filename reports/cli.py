@@ -144,7 +144,7 @@ def _version(asked: bool) -> None:
 @app.callback()
 def top(
     version: Annotated[
-        bool, typer.Option("--version", help="Say the version and end.", callback=_version, is_eager=True)
+        bool, typer.Option("--version", help="Print the version and exit.", callback=_version, is_eager=True)
     ] = False,
 ) -> None:
     """How far can an analytic rocking model be trusted? One scene, several models, one report."""
@@ -160,13 +160,15 @@ def run(
     target: Target,
     saying: OutputOptions,
     out: Out = None,
-    explain: Annotated[bool, typer.Option("--explain", help="Say what would be skipped and why; run nothing.")] = False,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Print what would be skipped and why, without a run.")
+    ] = False,
     no_skip: Annotated[
         list[str] | None,
         typer.Option("--no-skip", metavar="NAME", help="Switch one skip off (see --explain), or `all`."),
     ] = None,
     witness: Annotated[
-        bool, typer.Option("--witness", help="Hold the runs against unmodified engines: at most once their own time.")
+        bool, typer.Option("--witness", help="Compare the runs with unmodified engines (up to twice the time).")
     ] = False,
     no_assess: Annotated[bool, typer.Option("--no-assess", help="Skip the overturning probability.")] = False,
     language: InLanguage = "en",
@@ -239,7 +241,7 @@ def assess(
     dask: Dask = None,
     out: Out = None,
 ) -> None:
-    """Find how probable it is that the statue falls, by each model, from what is not known of the scene."""
+    """Compute the overturning probability by each model from the uncertain inputs of the scene."""
     from harness import assess_cli
     from harness.records.base import plain
     from harness.records.result_folder import named_after
@@ -267,12 +269,12 @@ def study(
     ] = None,
     large: Annotated[bool, typer.Option("--large", help="Run it though it may take more than a day.")] = False,
     witness: Annotated[
-        bool, typer.Option("--witness", help="Hold a tenth of the scenes against unmodified engines.")
+        bool, typer.Option("--witness", help="Compare a tenth of the scenes with unmodified engines.")
     ] = False,
     language: InLanguage = "en",
     out: Out = None,
 ) -> None:
-    """Run many scenes with several engines; what is finished is kept, and never computed again."""
+    """Run many scenes with several engines; results are cached."""
     from harness import study_cli
     from harness.records.base import as_file
     from harness.records.result_folder import named_after

@@ -41,11 +41,13 @@ def mesh_inspect(
     picture: Annotated[
         Path | None,
         typer.Option(
-            "--picture", metavar="FILE", help="Draw it with base, weakest direction and axes (.png, .svg, .pdf, .html)."
+            "--picture",
+            metavar="FILE",
+            help="Draw the scan with base, weakest direction and axes (.png, .svg, .pdf, .html).",
         ),
     ] = None,
 ) -> None:
-    """Say what a scan is, what would be repaired, and what statue comes out; write nothing but the picture asked for."""
+    """Print a scan's size, mass properties, repairs and doubts; write nothing but --picture."""
     from harness.mesh_cli import inspect
 
     if picture is not None:
@@ -146,7 +148,7 @@ def motion_inspect(
         str | None,
         typer.Option("--unit", "--motion-unit", help="A record's unit, where the file does not say: m/s2, cm/s2, g."),
     ] = None,
-    axis: Annotated[str, typer.Option("--axis", help="Of a scene: the component to show (x, y or z).")] = "x",
+    axis: Annotated[str, typer.Option("--axis", help="Component of a scene to show: x, y or z.")] = "x",
     out: Annotated[Path | None, typer.Option("--out", help="Folder of picture and record. Default: out/NAME.")] = None,
 ) -> None:
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
@@ -203,7 +205,8 @@ def compare(
     saying: OutputOptions,
     iso: Annotated[bool, typer.Option("--iso", help="Also rate by ISO/TS 18571 (extra [iso]).")] = False,
     horizon: Annotated[
-        bool, typer.Option("--horizon", help="Also find each model's own horizon (some twenty runs of each).")
+        bool,
+        typer.Option("--horizon", help="Also measure each model's horizon of prediction (about twenty runs each)."),
     ] = False,
     uncertainty: Annotated[
         float | None,
