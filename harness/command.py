@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import inspect
+import shlex
 import signal
 import sys
 import threading
@@ -281,7 +282,8 @@ def _guarded(action: Any) -> int:
         # Typer turns an interrupt into this exit code and says nothing.
         if isinstance(ending, SystemExit) and ending.code != INTERRUPTED:
             raise
-        print("interrupted: what a study has finished is kept in its store", file=sys.stderr)
+        again = shlex.join(["rockcheck", *sys.argv[1:]])
+        print(f"interrupted: what a study has finished is kept in its store; this goes on: {again}", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
         sys.stderr.close()

@@ -68,7 +68,8 @@ class Campaign:
     """The tasks of one call; `run` may be called again with what the results of the last call ask for.
 
     `sizes` are the tasks of a group that a worker takes at a time. `reused` are keys that the store held; `latest` is the task
-    that finished last. Tasks without a key, of a group of their own, are not counted: their answers are `aside`.
+    that finished last. `free` are groups that cost next to nothing beside the others: progress does not count them, so that its
+    rate tells the time that is left. Tasks without a key, of a group of their own, are not counted: their answers are `aside`.
     """
 
     def __init__(
@@ -78,12 +79,14 @@ class Campaign:
         on_progress: OnProgress = silent,
         sizes: Mapping[str, int] | None = None,
         otherwise: int = 1,
+        free: Sequence[str] = (),
     ) -> None:
         self._store, self._pool, self._on_progress = store, pool, on_progress
         self._sizes, self._otherwise = sizes or {}, otherwise
         self._stored = store.keys()
         self._seen: set[str] = set()
-        self._expected = 0
+        self._expected = self._told = 0
+        self._free = free
         self._clock_s = time.perf_counter()
         self.reused: set[str] = set()
         self.computed = self.failed = 0
@@ -136,7 +139,7 @@ class Campaign:
                 yield task
                 continue
             # What costs nothing is not counted: the rate at which the others finish tells the time that is left.
-            self._expected -= task.runs
+            self._expected -= task.runs * (task.group not in self._free)
 
     def _keep(self, batch: Sequence[Task], result: Finished) -> None:
         if not batch[0].key:
@@ -150,13 +153,14 @@ class Campaign:
         self.latest = batch[-1]
         runs = sum(task.runs for task in batch)
         self.computed += runs
+        self._told += runs * (batch[0].group not in self._free)
         self.failed += result.failed
         outside_s = [seconds / task.runs for task, seconds in zip(batch, result.outside_s, strict=False)]
         self.usage.note(runs, result.busy_s, outside_s)
         self._say_progress()
 
     def _say_progress(self) -> None:
-        self._on_progress(self.computed, max(self._expected, self.computed))
+        self._on_progress(self._told, max(self._expected, self._told))
 
 
 def _lost(task: Task, crash: Crash) -> Finished:

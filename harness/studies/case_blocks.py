@@ -134,7 +134,7 @@ class SweptRuns:
         self._gathered, self._samples = [], 0
 
     def _run_single(self, place: int, setting: Mapping[str, Value]) -> None:
-        run = CaseRun(selection.REFERENCE, self._base, tuple(setting.items()), self._asked, False, False)
+        run = CaseRun(selection.REFERENCE, self._base, tuple(setting.items()), self._asked, False)
         answer = run_case(run)
         self.failed += answer.failed
         self._parts.append({"place": np.array([place]), **columns_of_record(answer.record)})

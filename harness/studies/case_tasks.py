@@ -28,7 +28,6 @@ class CaseRun:
     setting: tuple[tuple[str, Value], ...]
     accuracy_rad: float
     histories: bool
-    pedestal: bool
 
 
 def run_case(case: CaseRun) -> Answer:
@@ -58,7 +57,7 @@ class CaseTasks:
         histories = self._study.ask.histories
         key = run_key(self._loaded[engine], scene, accuracy, histories)
         setting = tuple(case.setting.items())
-        run = CaseRun(engine, self._base, setting, accuracy, histories, scene.pedestal is not None)
+        run = CaseRun(engine, self._base, setting, accuracy, histories)
         return Task(key, run_case, run, engine, lost_answer)
 
 

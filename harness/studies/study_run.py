@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import hashlib
 import itertools
+import random
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -27,10 +28,6 @@ from harness.studies.file import StudyFile, Value
 
 BATCH: Final = {"analytic": 64}
 """Runs handed to a worker at a time: a run of a fraction of a millisecond is not worth a message of its own."""
-DEAREST_FIRST: Final = ("pybullet:plain", "pymunk:plain", "pybullet", "pymunk", "spatial", "analytic")
-COST_ORDER: Final = {name: place for place, name in enumerate(DEAREST_FIRST)}
-"""Longest first keeps all workers busy to the end."""
-
 PlanRow = tuple[int, str, str | None, str, Mapping[str, Value]]
 
 
@@ -82,8 +79,8 @@ def run_study(
     result is in the store as soon as it is finished. Raises `InputError` for a case that is no scene.
     """
     plan = Plan(study, base_of(study, path))
-    campaign = Campaign(store, pool, on_progress, BATCH)
-    for expected, tasks in plan.rounds():
+    campaign = Campaign(store, pool, on_progress, BATCH, free=plan.free)
+    for expected, tasks in plan.rounds(store.keys()):
         campaign.run(tasks if beside is None else beside.around(tasks), expected)
         plan.learn(store)
     if beside is not None:
@@ -125,34 +122,50 @@ class Plan:
         self._answers: dict[tuple[str, str], dict[selection.Place, selection.Answer]] = {}
         self._fresh: list[tuple[Case, str, str]] = []
         named = {name for variant in study.variant for name in variant.engines}
-        self._engines = sorted(named, key=lambda name: COST_ORDER[name])
+        self._others = sorted(named - {selection.REFERENCE})
+        self.free = (selection.REFERENCE,) if self._others else ()
+        """What costs next to nothing beside the others."""
 
-    def rounds(self) -> Iterator[tuple[int, Iterator[Task]]]:
-        """How many tasks, and the tasks, longest first; the next round rests on the answers of the last (see `learn`)."""
+    def rounds(self, stored: Container[str] = ()) -> Iterator[tuple[int, Iterator[Task]]]:
+        """How many tasks that cost something, and the tasks; the next round rests on the answers of the last (see `learn`).
+
+        Contact engines' are in a seeded order, what is `stored` first: the rate at which they finish tells the time that is left.
+        """
         if self._study.ask.cases == "all":
-            yield self._study.runs, self._all()
+            tasks = self._of_others()
+            yield (len(tasks) if self.free else self._study.runs), self._all(self._ordered(tasks, stored))
             return
         cases = list(expand(self._study, self._base))
-        others = [name for name in self._engines if name != selection.REFERENCE]
-        for names in (self._engines[len(others) :], others):
+        for names in ([selection.REFERENCE], self._others):
             while fresh := self._asked(cases, names):
-                yield len(fresh), iter(fresh)
+                counted = sum(task.group not in self.free for task in fresh)
+                yield counted, iter(fresh if names == [selection.REFERENCE] else self._ordered(fresh, stored))
 
-    def _all(self) -> Iterator[Task]:
-        """Every case: those of contact engines sorted, the others as they come."""
-        others = [name for name in self._engines if name != selection.REFERENCE]
-        tasks = []
-        for case in expand(self._study, self._base) if others else ():
-            tasks += [self._planned(case, name, selection.EVERY) for name in others if name in case.engines]
+    def _of_others(self) -> list[Task]:
+        """Every case by contact engines, what is the same by its physics once."""
+        tasks = {}
+        for case in expand(self._study, self._base) if self._others else ():
+            for name in self._others:
+                if name in case.engines:
+                    task = self._planned(case, name, selection.EVERY)
+                    tasks[task.key] = task
+        return list(tasks.values())
+
+    def _ordered(self, tasks: Sequence[Task], stored: Container[str]) -> list[Task]:
+        """Tasks in a seeded order, those that are stored first."""
+        order = random.Random(self._study.seed).sample(tasks, len(tasks))
+        return sorted(order, key=lambda task: task.key not in stored)
+
+    def _all(self, tasks: Sequence[Task]) -> Iterator[Task]:
+        """Every case: those of contact engines, the others as they come."""
         rest = self._of_reference()
         # One of the compiled model's first: should it have to be compiled, the other workers need not wait for it.
         yield from itertools.islice(rest, 1)
-        # Two bodies in contact take several times as long as one.
-        yield from sorted(tasks, key=lambda task: (COST_ORDER[task.group], not task.argument.pedestal))
+        yield from tasks
         yield from rest
 
     def _of_reference(self) -> Iterator[Task]:
-        for case in expand(self._study, self._base) if selection.REFERENCE in self._engines else ():
+        for case in expand(self._study, self._base):
             if selection.REFERENCE in case.engines:
                 yield self._planned(case, selection.REFERENCE, selection.EVERY)
 

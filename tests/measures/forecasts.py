@@ -48,7 +48,7 @@ COMMANDS: Final[Mapping[str, Sequence[str]]] = {
     "pedestal": ("run", PEDESTAL, "--set", "duration_s=20", "--set", "motion.x.amplitude_g=0.2"),
     "pedestal outgrown": ("run", PEDESTAL),
     "witness": ("run", PEDESTAL, "--witness"),
-    "wall": ("run", FLOOR, "--set", "wall.side=right", "--set", "wall.distance_m=0.05"),
+    "wall": ("run", FLOOR, "--set", "wall.side=right", "--set", "wall.distance_m=0.6"),
     "mesh and record in space": ("run", "scenes/maria.toml"),
     "space": ("run", "scenes/3d_effects_base.toml"),
     "thrown": ("run", "scenes/cube_toss.toml"),
@@ -86,6 +86,9 @@ def main(kinds: Sequence[str]) -> None:
                 continue
             given = [item.format(study=study) for item in arguments]
             words, spent_s = taken([*given, "--out", str(Path(folder) / str(number))])
+            if "of processor time" not in words:
+                print(f"{kind}: nothing told: {words}", flush=True)
+                continue
             least_s, most_s = told_s(words)
             print(f"{kind}: told {least_s:.3g} to {most_s:.3g} s, taken {spent_s:.3g} s: ", end="")
             print(f"{least_s / spent_s:.2f} to {most_s / spent_s:.2f} times", flush=True)

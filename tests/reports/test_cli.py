@@ -203,12 +203,16 @@ def test_a_wrong_study_leaves_no_store(scene: Path, tmp_path: Path, key: str, sc
     assert not (tmp_path / "made").exists()
 
 
-def test_an_interrupt_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_interrupt_is_told_with_the_command_that_goes_on(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["/bin/rockcheck", "study", "my study.toml", "--jobs", "2"])
+
     def interrupted() -> None:
         raise SystemExit(INTERRUPTED)
 
     assert guarded(interrupted) == INTERRUPTED
-    assert "interrupted" in capsys.readouterr().err
+    assert "rockcheck study 'my study.toml' --jobs 2" in capsys.readouterr().err
     with pytest.raises(SystemExit):
         guarded(lambda: sys.exit(1))
 

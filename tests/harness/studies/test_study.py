@@ -173,3 +173,16 @@ def test_a_forecast_counts_what_is_the_same_by_its_physics_once(tmp_path: Path) 
     base = base_of(study, path)
     counted = sum(1.0 / estimate.alike(study, base, case, "analytic") for case in expand(study, base))
     assert counted == pytest.approx(compute(path, tmp_path / "s.sqlite").distinct)
+
+
+def test_the_time_that_is_left_counts_runs_that_cost_something_once(tmp_path: Path) -> None:
+    """Not the model's, which take next to nothing, nor what is the same by its physics: their rate would tell too little."""
+    text = STUDY.replace('engines = ["analytic"]', 'engines = ["analytic", "pymunk"]').replace("count = 6", "count = 2")
+    path = written(tmp_path, text.replace("count = 5", "count = 2"))
+    study, heard = load_study(path), list[tuple[int, int]]()
+    with Store(tmp_path / "s.sqlite") as store:
+        done = run_study(study, path, store, LocalPool(1), lambda *each: heard.append(each))
+        distinct = len({row.key for row in store.rows(study_name(study)) if row.engine == "pymunk"})
+    assert heard[0] == (0, distinct)
+    assert heard[-1] == (distinct, distinct)
+    assert done.computed > distinct
