@@ -62,6 +62,8 @@ SPACE_STEPS: Final = 1_000_000
 """Steps that the exact body may take in all, where it is asked beside the others: three times those beside a single run."""
 ALL_TIMES: Final = 4.2
 """What the models take for all that is asked of them over what the draws take: clearance, options, fragility, indices."""
+RESULT_S: Final = 3.0
+"""To begin, and to write the record and its page."""
 BATCH: Final = 16
 """Runs between two looks at the interval."""
 
@@ -195,7 +197,7 @@ def _forecast(
     ).engine_runs
     runs = Range(agreed, min(3 * agreed, most_runs))
     each_s = sum(step_s(name, scene) * moving_s(scene)[0] / first_settings(name, scene).dt_s for name in names)
-    spent = Range(models_s, models_s).and_also(runs.times(each_s), START_S * workers * bool(names))
+    spent = Range(models_s, models_s).and_also(runs.times(each_s), RESULT_S, START_S * workers * bool(names))
     clock = forecast_words(*spent.times(1.0 / workers))
     return f"this takes {forecast_words(*spent)} of processor time, {clock} by the clock on {workers} cores"
 
