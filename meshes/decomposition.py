@@ -27,11 +27,11 @@ from meshes.solid import Solid
 COARSE_FACES: Final = 3000
 """Triangles given to the search: its time grows with them, its parts hardly change (20-fold slower at 21 000)."""
 CONCAVITY: Final = 0.05
-"""Where the parts' error stops falling on generated and scanned statues alike (docs/meshes.md)."""
+"""Where the parts' error stops falling on generated and scanned statues alike (`python -m tests.measures.exact_shapes`)."""
 MAX_PARTS: Final = 32
 MAX_VERTICES: Final = 64
 LONGEST_S: Final = 300.0
-"""Longest wait for a decomposition: twenty times the costliest of the table (docs/meshes.md)."""
+"""Longest wait for a decomposition: twenty times the costliest of the table (`python -m tests.measures.exact_shapes`)."""
 FORM: Final = 1
 """Number of what `decompose` does: raised when the same mesh would give other parts, so that kept ones are not taken."""
 

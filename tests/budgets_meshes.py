@@ -40,13 +40,13 @@ OUTLINE_NOISE_SHARE = 1.5
 """A side fitted to n >= 40 points is off by 2σ/√n at its ends, 0.3 σ; two sides and a joined bump of 4σ stay below 1.5 σ."""
 
 SAME_PLANE_RAD = 4e-4
-"""pybullet's own error at 0.25 ms over the first second, from spheres at the base's corners (docs/engines.md)."""
+"""pybullet's own error at 0.25 ms over the first second, from spheres at the base's corners (measured/pybullet_settings.md)."""
 
 WITHIN_HULL_M = 1e-9
 """Corners of a part against the planes of the statue's hull: rounding of the exact cut and of the hull's own planes."""
 
 PARTS_MISSING_REL = 0.02
-"""Twice the 1 % of a scan's volume that coarsening to 3000 triangles and 64 corners a part leave out (docs/meshes.md)."""
+"""Twice the 1 % of a scan's volume that 3000 triangles and 64 corners a part leave out (`tests.measures.pybullet_shapes`)."""
 
 BOXES_REL = 2e-3
 """Three boxes are three convex parts; CoACD cuts within a hundredth of the body's size of their seams: 1.4e-3 measured."""

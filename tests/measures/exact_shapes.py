@@ -1,6 +1,7 @@
 """What hull and convex parts of a statue are, and where they touch, by exact geometry.
 
-`python -m tests.measures.exact_shapes` prints docs/meshes.md's table of budgets; `tests.measures.pybullet_shapes` the others.
+`python -m tests.measures.exact_shapes` prints what they leave out or add, `tests.measures.pybullet_shapes`
+what they change.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Hull against convex parts in pybullet: what they are, cost and change; `python -m tests.measures.pybullet_shapes`.
 
-It prints the tables of docs/meshes.md: the generated statues, and the scans of the data folder where it is present.
+It prints tables of the generated statues, and the scans of the data folder where it is present.
 """
 
 from __future__ import annotations

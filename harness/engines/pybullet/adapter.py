@@ -86,7 +86,7 @@ class Bullet3D(Engine):
         return None
 
     def refinement_levels(self, scene: Scene) -> tuple[Settings, ...]:
-        """Levels from coarse to fine; measured in docs/engines.md."""
+        """Levels from coarse to fine; measured in docs/measured/pybullet_levels.md."""
         return _levels(scene)
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
