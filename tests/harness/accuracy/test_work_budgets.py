@@ -95,8 +95,8 @@ def test_an_outcome_allocates_no_history(forced: Scene, name: str, duration_s: f
 
 HEAVY = {"pybullet", "pymunk", "numba", "llvmlite", "trimesh", "scipy", "matplotlib", "plotly", "jinja2"}
 """Libraries that cost a tenth of a second or more to import."""
-NEEDED = {"pymunk": {"pymunk"}, "pybullet": {"pybullet", "scipy"}, "analytic": {"llvmlite"}}
-"""Those of them that a run of one engine needs."""
+NEEDED = {"pymunk": {"pymunk", "llvmlite"}, "pybullet": {"pybullet", "scipy", "llvmlite"}, "analytic": {"llvmlite"}}
+"""Those of them that a run of one engine needs: over still ground its end is asked of the model's own rule."""
 RUN = """
 from harness.accuracy.simulation import simulate
 from harness.bench.standard_scenes import COLUMN, harmonic, scene_of
