@@ -22,15 +22,13 @@ from harness.model.files import check_own, checksum, is_sealed
 from harness.model.finding import Say
 from harness.records.effects3d import EffectsRecord
 from harness.records.result_folder import RECORD, check_folder, read_own, write_whole
-from harness.records.rocking_spectrum import RockingSpectrumRecord
-from harness.records.study import ExportRecord, StudyRecord
+from harness.records.study import ExportRecord, RockingSpectrumRecord, StudyRecord
 from harness.studies import estimate, rocking_spectrum
 from harness.studies.case_blocks import columns_name, in_columns
 from harness.studies.cases import base_of
 from harness.studies.column_rows import ColumnRows, thinned
-from harness.studies.export import export_csv, export_parquet
 from harness.studies.file import StudyFile, load_study
-from harness.studies.study_record import study_record
+from harness.studies.study_record import export_csv, export_parquet, study_record
 from harness.studies.study_run import Beside, run_in_columns, run_study, study_name
 from harness.studies.witnessed import witness_study
 

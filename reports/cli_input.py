@@ -59,7 +59,7 @@ def mesh_inspect(
     from harness.input.mesh_statue import mesh_mistake
     from harness.model.errors import InputError
     from reports.drawing.scan_picture import scan_picture
-    from reports.export.paper import write_picture
+    from reports.export.figures import write_picture
 
     if inspection.refusal is not None:
         raise InputError(mesh_mistake(inspection.refusal, str(scan)))
@@ -157,8 +157,8 @@ def motion_inspect(
     from harness.records.base import plain
     from harness.records.inspection import InspectionRecord
     from harness.records.result_folder import INSPECTED, check_folder, listing, named_after
+    from reports.export.figures import write_picture
     from reports.export.motion_figure import motion_picture
-    from reports.export.paper import write_picture
     from reports.messages import ENGLISH
     from reports.terminal import motion_lines
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final, NamedTuple
 
-from harness.accuracy.outlook import MODEL, last_s, outgrows
+from harness.accuracy.horizon import MODEL, last_s, outgrows
 from harness.accuracy.refinement import LONG_STEPS, START_SHARE, first_level, second_level
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.engines import load

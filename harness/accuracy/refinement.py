@@ -14,8 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from harness.accuracy.horizon import shaken
-from harness.accuracy.outlook import MOST_ORDER, beyond, hopeless, last_s, outgrows
+from harness.accuracy.horizon import MOST_ORDER, beyond, hopeless, last_s, outgrows, shaken
 from harness.accuracy.spread import CLEAR, NONE, Error, Spread, factor, plain_from_s, plain_share, spread, target_of
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
 from harness.model.finding import Finding, caution, info

@@ -11,8 +11,8 @@ from typing import Final
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.bench import programs
+from harness.bench.programs import Cost, costs, timed
 from harness.bench.standard_scenes import Standard, standard_set
-from harness.bench.timing import Cost, costs, timed
 from harness.campaign.parts import Row
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, EngineFailure, Settings

@@ -15,8 +15,8 @@ from typing import Final
 
 import numpy as np
 
+from harness.bench.programs import children_cpu_s, cost, largest_child_mb, peak_memory_mb
 from harness.bench.standard_scenes import COLUMN, harmonic, scene_of
-from harness.bench.timing import children_cpu_s, cost, largest_child_mb, peak_memory_mb
 from harness.campaign.parts import Row
 from harness.model.finding import Finding, info
 from harness.model.scene import Scene

@@ -15,6 +15,7 @@ import tomli_w
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
+from harness.bench.programs import cost, costs, timed
 from harness.bench.skips import (
     ALL,
     RECORDS,
@@ -28,7 +29,6 @@ from harness.bench.skips import (
     simulate,
 )
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, record, resolved, scene_of, standard_set
-from harness.bench.timing import cost, costs, timed
 from harness.campaign.parts import Row
 from harness.engines.base import Engine
 from harness.model.errors import InputError

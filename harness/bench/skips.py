@@ -9,8 +9,8 @@ from typing import Final
 
 from harness import engines
 from harness.accuracy.refinement import first_level, run_to_accuracy
+from harness.bench.programs import cost
 from harness.bench.standard_scenes import COLUMN, PAESTUM, record, scene_of
-from harness.bench.timing import cost
 from harness.campaign.parts import Row
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, Settings

@@ -9,14 +9,13 @@ from typing import Final
 import numpy as np
 
 from harness.comparison.scores import events, pointwise
-from harness.comparison.scores.beyond import after_horizon
+from harness.comparison.scores.events import after_horizon
 from harness.comparison.scores.iso import rate as rate_by_iso
 from harness.comparison.scores.matched import RockingInertia, event_scores, numerical_uncertainty
 from harness.comparison.side import Side, side_of
 from harness.comparison.verdict import judge
 from harness.model.errors import InputError, Mistake
-from harness.model.history import History, Outcome
-from harness.model.history_pair import Pair, pair
+from harness.model.history import History, Outcome, Pair, pair
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.scores import Outcomes, Peaks, Pointwise, Residuals, Scores, SpragueGeers

@@ -13,9 +13,8 @@ from harness.input.history_file import UNIFORM, between_samples, gaps, read_hist
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import caution
 from harness.model.run import machine, versions
-from harness.records.compare import FILES, CompareRecord
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
-from harness.records.scores import Scores
+from harness.records.scores import FILES, CompareRecord, Scores
 
 
 def compare_files(

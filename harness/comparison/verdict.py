@@ -16,8 +16,7 @@ import numpy as np
 from harness.comparison.scores.pointwise import Peak
 from harness.comparison.side import Side
 from harness.model.finding import Finding, caution, changes_answer, info
-from harness.model.history import Array
-from harness.model.history_pair import Pair, first_beyond_s
+from harness.model.history import Array, Pair, first_beyond_s
 from harness.records.scores import Evidence, Verdict
 
 COVERAGE: Final = 2.0

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from harness.engines.base import MOVING_TABLE, RELIABLE_RAD, Engine, EngineFailure, Settings, own_settings, refuse
 from harness.engines.stepping import frame
+from harness.engines.stepping.columns import Trajectory
+from harness.engines.stepping.frame import planar, statue_columns
 from harness.engines.stepping.reduce import Report, reduce_trajectory
-from harness.engines.stepping.spatial import planar, statue_columns
-from harness.engines.stepping.trajectory import Trajectory
 from harness.model.finding import Finding, caution, changes_answer
 from harness.model.history import Outcome
 from harness.model.options import Capabilities, RunOptions

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, ZeroExcitation
-from harness.model.assumed import assumption
+from harness.input.uncertain import assumption
 from harness.model.scene import Scene, Uncertain, written
 from harness.probability.variation import IMPACT, file_scale
 

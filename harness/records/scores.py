@@ -12,9 +12,30 @@ from harness.model.finding import Finding, Say, texted
 from harness.model.history import Outcome
 from harness.model.run import OMITTED
 from harness.model.shown import Shown, new_axes
+from harness.records.base import Record
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+
+# The record of two histories from files, compared; both lie beside it in the contract's units.
+
+
+FILES: Final = ("history_a.csv", "history_b.csv")
+"""The two histories beside the record, the reference second."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CompareRecord(Record):
+    """`result.json` of `rockcheck compare A.csv B.csv --out DIR`."""
+
+    kind: Literal["compare"] = "compare"
+    scores: Scores
+
+    def texted(self, say: Say) -> CompareRecord:
+        """The record with its sentences."""
+        return replace(super().texted(say), scores=self.scores.texted(say))
+
 
 CONFIDENCE: Final = 0.95
 """Probability of the intervals that are stated beside scores and statistics."""
@@ -101,7 +122,7 @@ class PeaksApart:
 
 @dataclass(frozen=True, kw_only=True)
 class AfterHorizon:
-    """Two histories beyond the horizon, where only distributions compare (`harness.comparison.scores.beyond`)."""
+    """Two histories beyond the horizon, where only distributions compare (`harness.comparison.scores.events`)."""
 
     from_s: float
     until_s: float

@@ -7,14 +7,13 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
 
-from harness.comparison.scores.beyond import LEAST_VALUES
+from harness.comparison.scores.events import LEAST_VALUES
 from harness.comparison.scores.pointwise import Peak
 from harness.comparison.side import side_of
 from harness.comparison.statistics.distributions import RESAMPLES, compare_distributions, compare_logarithms
 from harness.comparison.statistics.outcomes import Case, score_outcomes
 from harness.comparison.verdict import judge, shares
-from harness.model.history import History, Outcome
-from harness.model.history_pair import Pair, pair
+from harness.model.history import History, Outcome, Pair, pair
 from harness.records.scores import Verdict
 from harness.records.sets import SetScores
 from harness.records.study import CaseRun, Value

@@ -1,7 +1,7 @@
 """A picture as lines, areas, discs and texts in pixels from its upper left corner; every still picture is made of them.
 
-A page carries it as SVG, written here. `reports.export.paper` writes the same shapes for print and `reports.export.animation` as
-frames of pixels.
+A page carries it as SVG, written here. `reports.export.figures` writes the same shapes for print and `reports.export.animation`
+as frames of pixels.
 """
 
 from __future__ import annotations

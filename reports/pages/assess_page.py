@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from harness.model.assumed import assumption
+from harness.input.uncertain import assumption
 from harness.model.scene import Uncertain
 from harness.probability.answer import CLEAR, clearance
 from harness.probability.by_model import MODEL

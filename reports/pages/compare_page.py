@@ -10,11 +10,10 @@ import numpy as np
 
 from harness.input.history_file import read_history
 from harness.model.errors import InputError, Mistake
-from harness.model.history import Array, History
-from harness.model.history_pair import pair
+from harness.model.history import Array, History, pair
 from harness.records.base import REWRITE
-from harness.records.compare import FILES, CompareRecord
 from harness.records.result_folder import as_written
+from harness.records.scores import FILES, CompareRecord
 from reports.charts.figure import axis, curve, figure, stroke
 from reports.charts.palette import MUTED, look
 from reports.charts.samples import packed_array, shown_samples

@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.records.study import StudyRecord
-from reports.charts.design_figures import best_designs, design_figures
 from reports.charts.map_figures import map_axes, map_figures
 from reports.charts.static_svg import WIDE
 from reports.charts.study_figures import (
     PANEL_POINTS,
+    best_designs,
     curve_figures,
+    design_figures,
     fragility_figure,
     panel_data,
     panel_groups,

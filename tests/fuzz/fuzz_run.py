@@ -18,7 +18,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, Final
 
-from harness.bench.stress.mutated_files import COUNTS, EXAMPLES
+from harness.bench.stress.stress_run import COUNTS, EXAMPLES
 from harness.model.errors import InputError
 from meshes import MeshError
 from tests.fuzz.mutate import mutated

@@ -15,8 +15,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from harness.bench.stress.mutated_files import summed
 from harness.bench.stress.stress_run import INPUTS as WHOLE
+from harness.bench.stress.stress_run import summed
 from harness.input.motions.recordfile import RecordFile
 from harness.model.errors import InputError, Mistake
 from tests.fuzz.fuzz_run import Tried, attempt, rows

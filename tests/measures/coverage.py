@@ -19,7 +19,7 @@ from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
-from harness.bench.coverage import FIRST_SEED, SCENES
+from harness.bench.bench_run import FIRST_SEED, SCENES
 from harness.bench.precision import TARGET_RAD
 from harness.comparison.scores.pointwise import error_rad, errors
 from harness.engines.base import Engine, EngineFailure

@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from harness import engines
 from harness.bench.precision import BUDGET_S, REPEATS, costing
+from harness.bench.programs import costs, timed
 from harness.bench.standard_scenes import Standard, scene_of, standard_set
 from harness.bench.stress.checks import holds_until_s
 from harness.bench.stress.hard_scenes import solution
 from harness.bench.stress.stability import difficulties
-from harness.bench.timing import costs, timed
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene

@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.comparison.comparator import compare
 from harness.comparison.side import left_domain
-from harness.model.history_pair import pair
+from harness.model.history import pair
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.scores import Verdict

@@ -18,8 +18,8 @@ from harness.input.motions.records import aligned
 from harness.input.motions.series import displacement_m, velocity_m_s
 from harness.input.motions.spec import SpectrumSpec
 from harness.input.motions.spectra import DesignSpectrum, design_spectrum
+from reports.export.figures import write_picture
 from reports.export.motion_figure import motion_picture
-from reports.export.paper import write_picture
 
 DURATION_S: Final = 60.0
 RATE_HZ: Final = 200.0

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from harness import engines
-from harness.accuracy import outlook
+from harness.accuracy import horizon
 from harness.accuracy.horizon import horizon_of
 from harness.accuracy.simulation import simulate
 from harness.comparison.scores.pointwise import error_rad
@@ -107,10 +107,10 @@ def _beside(scene: Scene, name: str) -> tuple[dict[str, Statement], Beside]:
 
 def _known_s(scene: Scene, located: Run, plain: Run, until_s: float) -> float:
     """Until when the scene can be predicted at all; not looked for where it is bounded to the end, or past all return."""
-    last_s = outlook.last_s(located)
+    last_s = horizon.last_s(located)
     if plain.outcome is located.outcome:
         # Nothing is stated of a fall past its instant of no return, which each knows but for its error: the earlier ends both.
-        last_s = min(last_s, outlook.last_s(plain))
+        last_s = min(last_s, horizon.last_s(plain))
     if until_s >= last_s - LEAST_S:
         return last_s
     engine = engines.load(located.engine)

@@ -22,13 +22,12 @@ from harness.engines.pybullet import run_phases, shapes
 from harness.engines.pybullet.backend import BulletBackend, reader
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
-from harness.engines.stepping.columns import trajectory
+from harness.engines.stepping.columns import Trajectory, trajectory
 from harness.engines.stepping.loop import integrate
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import StepState
 from harness.engines.stepping.stepper import Stepper
-from harness.engines.stepping.trajectory import Trajectory
 from harness.engines.stepping.watch import Watch
 from harness.model.history import History
 from harness.model.options import RunOptions

@@ -12,8 +12,7 @@ import numpy as np
 
 from harness.comparison.comparator import compare
 from harness.comparison.scores import iso
-from harness.model.history import History
-from harness.model.history_pair import pair
+from harness.model.history import History, pair
 
 PAIRS: Final = 1000
 REPEATS: Final = 3

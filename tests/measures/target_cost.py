@@ -7,8 +7,8 @@ from typing import Final
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
+from harness.bench.programs import timed
 from harness.bench.standard_scenes import PAESTUM, PEDESTAL, TWO, record, scene_of
-from harness.bench.timing import timed
 from harness.model.options import RunOptions
 
 DURATION_S: Final = 31.18

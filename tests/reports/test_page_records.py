@@ -19,7 +19,7 @@ from harness.records.stress import findings_of as stress_findings
 from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import ValidationRecord
 from harness.studies.answer import answer_of, findings_of
-from harness.validation.answer import answer_of as validation_answer
+from harness.validation.validation_run import answer_of as validation_answer
 from reports.charts.study_figures import rose_picture
 from reports.drawing.shapes import Disc
 from reports.messages import ENGLISH

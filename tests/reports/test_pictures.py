@@ -22,8 +22,7 @@ from reports.charts.study_figures import panels_figure
 from reports.drawing.shapes import Path as Line
 from reports.drawing.shapes import Text
 from reports.export.animation import FRAMES_PER_S, write_gif
-from reports.export.figures import histories_picture, write_figures
-from reports.export.paper import pixels_across
+from reports.export.figures import histories_picture, pixels_across, write_figures
 from reports.pages.study_page import context as study_context
 from reports.source import run_source
 from tests.budgets_reports import DRAWN_SHARE, STILL_PX

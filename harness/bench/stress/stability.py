@@ -13,8 +13,7 @@ from harness.bench import programs
 from harness.bench.standard_scenes import COLUMN, EQUAL, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.bench.stress import checks
 from harness.bench.stress.catalogue import SHAKEN, body, leaning
-from harness.bench.stress.explained import converged, explained, iterations
-from harness.bench.stress.hard_scenes import solution
+from harness.bench.stress.hard_scenes import converged, explained, iterations, solution
 from harness.campaign.parts import Row
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.options import RunOptions

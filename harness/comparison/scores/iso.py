@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.errors import InputError, Mistake
-from harness.model.history_pair import Pair
+from harness.model.history import Pair
 from harness.records.scores import IsoRating
 
 SAMPLES: Final = 1001

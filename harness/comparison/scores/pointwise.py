@@ -8,8 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.model.history import Array, History
-from harness.model.history_pair import Pair, first_beyond_s
+from harness.model.history import Array, History, Pair, first_beyond_s
 from harness.model.run import Run
 from harness.records.scores import SpragueGeers
 

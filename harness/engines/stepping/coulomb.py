@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.base import LayerFault
+from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.forces import Impulses
-from harness.engines.stepping.trajectory import Trajectory
 from harness.model.run import Intervention
 from harness.model.scene import Scene
 

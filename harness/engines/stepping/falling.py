@@ -13,8 +13,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.stepping.spatial import OVERTURN_COS
-from harness.engines.stepping.trajectory import Trajectory
+from harness.engines.stepping.columns import Trajectory
+from harness.engines.stepping.frame import OVERTURN_COS
 from harness.model.history import Outcome
 from harness.model.scene import OVERTURN_RAD, Scene, Statue
 from meshes.footprint import outward_sides

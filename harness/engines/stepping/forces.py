@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.stepping.trajectory import Trajectory
+from harness.engines.stepping.columns import Trajectory
 from harness.model.scene import Pedestal, Scene
 
 Array = NDArray[np.float64]

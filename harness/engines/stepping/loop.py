@@ -7,11 +7,10 @@ from collections.abc import Callable
 from typing import Final
 
 from harness.engines.stepping.contact_gaps import ContactGaps
-from harness.engines.stepping.frame import greatest_pull_m_s2
+from harness.engines.stepping.frame import fallen, greatest_pull_m_s2
 from harness.engines.stepping.impact import impact
 from harness.engines.stepping.rows import ALONE, Row, advanced, axis_of, bodies
 from harness.engines.stepping.schedule import SAME_INSTANT, Schedule
-from harness.engines.stepping.spatial import fallen
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import ContactTime, HalfCycle, StepState
 from harness.engines.stepping.stepper import Stepper

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.stepping import forces, support
+from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.coulomb import check_friction, friction_is_known, friction_used
 from harness.engines.stepping.falling import Fall, fall, side_of
 from harness.engines.stepping.support import Corners, PlainSpells, plain_spells
-from harness.engines.stepping.trajectory import Trajectory
 from harness.model.finding import Finding, caution
 from harness.model.history import History, Outcome, hermites, output_grid
 from harness.model.run import Intervention, Pattern, Run

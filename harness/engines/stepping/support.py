@@ -9,7 +9,7 @@ from typing import Final, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.stepping.trajectory import Trajectory
+from harness.engines.stepping.columns import Trajectory
 from harness.model.scene import Pedestal, Scene
 
 # Where the contact is the one that events are located for: a statue that turns about a corner at rest on an

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from harness.engines.stepping.frame import matrices
 from harness.engines.stepping.rows import Row, Vector, axis_of
-from harness.engines.stepping.spatial import matrices
 from harness.engines.stepping.step_state import StepState
 from harness.statics.rest import LimitsOfRest
 

@@ -10,7 +10,7 @@ import pytest
 
 from harness import engines
 from harness.accuracy import refinement
-from harness.accuracy.outlook import hopeless, outgrows
+from harness.accuracy.horizon import hopeless, outgrows
 from harness.accuracy.refinement import run_to_accuracy
 from harness.accuracy.simulation import simulate
 from harness.accuracy.spread import NONE, SAFETY, Error, Spread, spread, target_of

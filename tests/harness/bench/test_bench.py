@@ -14,8 +14,8 @@ import pytest
 
 from harness import engines
 from harness.bench import findings, other_integrators, precision, scaling, skip_savings, skips
+from harness.bench.programs import children_cpu_s, cost, costs, largest_child_mb
 from harness.bench.standard_scenes import COLUMN, Standard, resolved, scene_of, standard_set
-from harness.bench.timing import children_cpu_s, cost, costs, largest_child_mb
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import EngineFailure
 from harness.model.history import History

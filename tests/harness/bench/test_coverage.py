@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from harness.bench import coverage, findings
+from harness.bench import bench_run, findings
 from harness.records.bench import Coverage, Covered, Level, Statement
 from tests.measures.coverage import met_whole
 
@@ -17,8 +17,8 @@ def stated(error_rad: float) -> Statement:
 
 def test_coverage_counts_what_was_missed_and_what_died() -> None:
     kept = [Coverage("pymunk", 1, 1e-3, stated(1e-5)), Coverage("pymunk", 2, 1e-3, stated(1e-3))]
-    died = [coverage.read(row) for row in coverage.died("pymunk: seeds 3 to 4")]
-    assert coverage.counted([*kept, *died]) == {"pymunk": Covered(1, 4, [2, 3, 4])}
+    died = [bench_run.read(row) for row in bench_run.died("pymunk: seeds 3 to 4")]
+    assert bench_run.counted([*kept, *died]) == {"pymunk": Covered(1, 4, [2, 3, 4])}
 
 
 def seeded(seed: int, coarse_rad: float, fine_rad: float, cpu_s: float) -> Coverage:
@@ -30,7 +30,7 @@ def seeded(seed: int, coarse_rad: float, fine_rad: float, cpu_s: float) -> Cover
 def test_seeded_scenes_that_meet_the_target_are_compared_with_their_levels() -> None:
     unmet, died = Coverage("pymunk", 4, 1e-3, stated(1e-5), 1.0), Coverage("pymunk", 5, 1e-3)
     rows = [seeded(1, 1e-4, 1e-5, 2e-3), seeded(2, 1e-2, 1e-5, 5e-3), unmet, died]
-    (found,) = findings.choice(coverage.choice_rows(rows), 1e-3)
+    (found,) = findings.choice(bench_run.choice_rows(rows), 1e-3)
     assert (found.scenes, found.worst_scene) == (2, "seed 1")
     assert found.fixed_s == pytest.approx(8e-3)
     assert found.share == pytest.approx(7e-3 / 8e-3)
@@ -41,8 +41,8 @@ def test_seeded_scenes_that_meet_the_target_are_compared_with_their_levels() -> 
 
 
 def test_the_levels_of_a_seeded_scene_are_judged_by_its_finer_run() -> None:
-    (plain,) = coverage.compute("tests.measures.coverage", "pymunk: seeds 20703 to 20703")
-    row = coverage.read(json.loads(json.dumps(plain)))
+    (plain,) = bench_run.compute("tests.measures.coverage", "pymunk: seeds 20703 to 20703")
+    row = bench_run.read(json.loads(json.dumps(plain)))
     assert met_whole(row)
     assert row.covered
     assert [level.dt_s for level in row.levels] == [4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4]

@@ -18,7 +18,7 @@ from harness.model.errors import InputError
 from harness.model.history import History, Outcome
 from harness.model.run import Run
 from harness.records.result_folder import STORE_NUMBER
-from harness.studies.export import export_csv
+from harness.studies.study_record import export_csv
 from tests.stores_for_tests import is_sound, put
 
 

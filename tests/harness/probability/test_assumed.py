@@ -10,7 +10,7 @@ import pytest
 
 from analytic import Record
 from harness.input.scene_file import load_scene
-from harness.model.assumed import ASSUMPTIONS, assumption
+from harness.input.uncertain import ASSUMPTIONS, assumption
 from harness.model.errors import InputError
 from harness.model.scene import BaseExcitation
 from harness.probability.inputs import draw, uncertain_inputs

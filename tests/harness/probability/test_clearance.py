@@ -10,7 +10,7 @@ import pytest
 
 from analytic import Pulse
 from harness.campaign.runner import InlinePool
-from harness.engines.stepping.spatial import statue_columns
+from harness.engines.stepping.frame import statue_columns
 from harness.model.scene import BaseExcitation, Scene, Statue
 from harness.probability.answer import CLEAR, without_clearance
 from harness.probability.answer import clearance as clearance_finding

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from harness import study_cli
-from harness.studies.export import cell
+from harness.studies.study_record import cell
 from tests.harness.studies.small_study import STUDY, written
 
 

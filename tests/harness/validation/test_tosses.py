@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from analytic.rotation import rotation_matrices
 from harness.accuracy.simulation import simulate
-from harness.engines.stepping.spatial import statue_columns
+from harness.engines.stepping.frame import statue_columns
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.history import History

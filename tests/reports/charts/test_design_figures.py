@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from reports.charts.design_figures import best_designs, design_figures
+from reports.charts.study_figures import best_designs, design_figures
 from reports.text.study_rows import Condition
 from tests.reports.invented_study import case_row, case_run
 

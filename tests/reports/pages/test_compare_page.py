@@ -12,9 +12,8 @@ from typer.testing import CliRunner
 
 from harness.command import WRONG_INPUT, guarded
 from harness.input.history_file import read_history
-from harness.records.compare import CompareRecord
 from harness.records.kinds import read_result
-from harness.records.scores import Verdict
+from harness.records.scores import CompareRecord, Verdict
 from reports.cli import app
 from tests import doubles
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from harness.bench.stress.mutated_files import compute, died, summed, tasks
 from harness.bench.stress.stress_run import INPUTS as WHOLE
-from harness.bench.stress.stress_run import stress
+from harness.bench.stress.stress_run import compute, died, stress, summed, tasks
 from tests.fuzz.fuzz_run import rows
 from tests.fuzz.originals import kinds
 

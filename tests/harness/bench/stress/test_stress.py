@@ -11,10 +11,10 @@ import pytest
 
 from harness import engines
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
-from harness.bench.stress import checks, explained, stability
+from harness.bench.stress import checks, hard_scenes, stability
 from harness.bench.stress import hard_scenes as scenes
 from harness.bench.stress.catalogue import catalogue, leaning
-from harness.bench.stress.explained import converged
+from harness.bench.stress.hard_scenes import converged
 from harness.engines.base import Settings
 from harness.model.history import History, Outcome
 from harness.model.options import RunOptions
@@ -218,7 +218,7 @@ def cell(setting: str, category: str, **more: Any) -> Cell:
 
 
 def why(*row: Cell, converged: Cell | None = None) -> list[str]:
-    return [item.explained for item in explained.explained(row, lambda: converged)]
+    return [item.explained for item in hard_scenes.explained(row, lambda: converged)]
 
 
 def test_only_a_finer_stable_whole_run_explains_by_the_step() -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from harness import InputError, compare
 from harness.comparison.scores import iso
-from harness.model.history_pair import pair
+from harness.model.history import pair
 from tests import doubles
 
 pytest.importorskip("objective_rating_metrics", reason="the extra `iso` is not installed")

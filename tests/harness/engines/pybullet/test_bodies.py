@@ -15,8 +15,8 @@ from analytic.excitation import Harmonic
 from harness.engines import load
 from harness.engines.pybullet import feet, pose, run_phases, shapes
 from harness.engines.pybullet.edge import EdgeWatch
+from harness.engines.stepping.frame import matrices
 from harness.engines.stepping.rows import Body
-from harness.engines.stepping.spatial import matrices
 from harness.input.mesh_statue import statue_of
 from harness.model.history import Outcome
 from harness.model.options import RunOptions

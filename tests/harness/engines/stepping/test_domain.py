@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.support import LEFT_M, LEFT_RAD, Corners, plain_spells
-from harness.engines.stepping.trajectory import Trajectory
 from harness.model.scene import Pedestal
 
 TIMES = np.linspace(0.0, 1.0, 11)

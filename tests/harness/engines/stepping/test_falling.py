@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic
+from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.reduce import Report, reduce_trajectory
-from harness.engines.stepping.trajectory import Trajectory
 from harness.model.history import Outcome
 from harness.model.run import Run
 from harness.model.scene import BaseExcitation, Pedestal, Scene, Statue, Wall

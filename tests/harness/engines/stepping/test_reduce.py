@@ -13,9 +13,9 @@ from analytic.excitation import Harmonic, Pulse
 from harness.engines import load
 from harness.engines.base import LayerFault
 from harness.engines.stepping import forces, frame, reduce
+from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.falling import last_outward
 from harness.engines.stepping.reduce import Report, reduce_trajectory, rocking
-from harness.engines.stepping.trajectory import Trajectory
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run
