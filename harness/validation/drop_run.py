@@ -15,7 +15,6 @@ from harness import engines
 from harness.campaign.progress import progress
 from harness.campaign.runner import LocalPool
 from harness.input.paths import read_files
-from harness.input.scene_file import load_scene
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Answer, Finding, Say, caution, info
@@ -36,6 +35,7 @@ from harness.validation.drops import (
     smoothed,
 )
 from harness.validation.jobs import parse_model
+from harness.validation.kinds import thrown_body
 
 ENGINES: Final = ("spatial", "pymunk", "pymunk:plain", "pybullet:plain")
 """pybullet, which locates plastic impacts alone, takes as long as the others together: who wants it names it."""
@@ -72,7 +72,7 @@ def validate_drops(
     start_s = time.perf_counter()
     if not 0 <= samples <= MOST_SAMPLES:
         raise InputError(Mistake("--samples", "", f"a whole number from 0 to {MOST_SAMPLES}", str(samples)))
-    base, count = load_scene(body), samples or SAMPLES
+    base, count = thrown_body(body), samples or SAMPLES
     names = [RECORD, COMING, *PAGES]
     check_folder(folder, ("measured",), names)
     check_inputs(folder, names, [table, *read_files(base.given, base.source)])

@@ -15,7 +15,6 @@ from scipy.optimize import minimize
 
 from harness.campaign.runner import Crash, LocalPool
 from harness.input.paths import read_files
-from harness.input.scene_file import load_scene
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Answer, Finding, Say, caution, info
@@ -24,6 +23,7 @@ from harness.model.scene import Scene
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.records.tosses import Clock, Missed, PoseErrors, TossesRecord, TossFit, TossModel, TossRow, TrajectoryMeans
 from harness.validation.jobs import Model, parse_model
+from harness.validation.kinds import thrown_body
 from harness.validation.toss_scores import Coefficients, Errors, TossTask, quartiles, scored
 from harness.validation.tosses import Toss, read_tosses
 
@@ -70,7 +70,7 @@ def validate_tosses(
     for a wrong table, scene, model or number.
     """
     start = time.perf_counter()
-    base = load_scene(body)
+    base = thrown_body(body)
     names = [RECORD, COMING, *PAGES, SCORES]
     check_folder(folder, ("tosses",), names)
     check_inputs(folder, names, [table, *read_files(base.given, base.source)])

@@ -233,6 +233,13 @@ def test_a_table_is_known_by_its_columns_and_takes_its_own_options(tmp_path: Pat
         kind_of(table, body=body)
 
 
+def test_a_body_beside_something_is_refused(tmp_path: Path, root: Path) -> None:
+    table = written(tmp_path, {"a": np.zeros((9, 7))})
+    with pytest.raises(InputError, match="pedestal: wanted a body alone over the floor"):
+        validate_drops(table, tmp_path / "out", root / "scenes" / "paestum_block.toml")
+    assert not (tmp_path / "out").exists()
+
+
 def test_real_drops_and_ratios_read(data_dir: Path, square: Scene, tmp_path: Path) -> None:
     drops_table, table = (
         data_dir / "squares" / "square_drops.csv.gz",
