@@ -58,6 +58,8 @@ PIXEL: Final = 1e-6
 SENTENCE_WORDS_MEAN: Final = 12.0
 """Plain-language guides (Cutts; the European Commission's) ask for 15 to 20 words a sentence on average; here less."""
 
+PAGE_WORDS = 1200
+"""Words of a run's page beside its tables, lists of values and drawings: five minutes of a reader at 240 words a minute."""
 SENTENCE_WORDS_MOST: Final = 30
 """The same guides count a sentence of more than 30 words as one that is read twice."""
 

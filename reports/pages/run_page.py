@@ -23,6 +23,7 @@ from reports.text.wording import run_verdict
 def context(folder: Path, record: RunRecord) -> dict[str, object]:
     """Everything that the run template shows."""
     source = source_of(folder, record)
+    answered = [] if record.answer is None else [each.text for each in record.answer.findings]
     names, asked = list(source.runs), record.scene.toml.get("motion")
     return {
         "kind": "run",
@@ -43,7 +44,9 @@ def context(folder: Path, record: RunRecord) -> dict[str, object]:
         "fall": fall_times(source),
         "plan": plan_rows(record.plan),
         "skipped": skipped_rows(source.runs),
-        "notes": by_severity(each for each in record.findings if not each.code.startswith("pair_")),
+        "notes": by_severity(
+            each for each in record.findings if not each.code.startswith("pair_") and each.text not in answered
+        ),
         "toml": toml_text(source.scene.toml) if source.scene.toml else None,
         "command": command(source),
     }

@@ -107,6 +107,15 @@ def test_long_tables_are_folded_on_a_telephone_and_open_at_a_desk(visit: Callabl
     assert phone.evaluate(closed) == folds
 
 
+def test_answer_leans_and_replay_are_on_the_first_screen(visit: Callable[[str, str], Visit]) -> None:
+    page = visit("run", "desk").page
+    page.set_viewport_size({"width": 1280, "height": 800})
+    for selector in ("#verdict-title", ".lean", "[data-replay=play]"):
+        box = page.locator(selector).first.bounding_box()
+        assert box is not None
+        assert box["y"] + box["height"] <= 800, selector
+
+
 def test_the_replay_plays_and_moves_only_a_transform(visit: Callable[[str, str], Visit]) -> None:
     page = visit("run", "desk").page
     page.evaluate("Object.assign(rockcheck.replay.stats, { frames: 0, script_ms: 0, worst_ms: 0 })")

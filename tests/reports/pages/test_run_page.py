@@ -28,7 +28,7 @@ from reports.pages.conservator import of_run
 from reports.pages.page import write_report
 from reports.source import run_source
 from reports.text.wording import run_verdict
-from tests.budgets_reports import DRAWN_RAD, PAGE_BYTES
+from tests.budgets_reports import DRAWN_RAD, PAGE_BYTES, PAGE_WORDS
 from tests.reports.invented_run import write_invented
 from tests.reports.unpacking import unpacked
 from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
@@ -75,6 +75,21 @@ def test_the_verdict_comes_first(html: str) -> None:
         for name in ("verdict", "replay", "histories", "outcomes", "scene", "details", "repeat")
     ]
     assert places == sorted(places)
+
+
+def words_beside_tables(html: str) -> list[str]:
+    """The words that a page shows beside tables, lists of values, drawings, code and the choices of its replay."""
+    for tag in ("style", "script", "noscript", "table", "dl", "svg", "pre", "select"):
+        html = re.sub(rf"<{tag}\b.*?</{tag}>", " ", html, flags=re.S)
+    return re.sub(r"<[^>]+>", " ", html[html.index("<body") :]).split()
+
+
+def test_a_page_is_read_in_five_minutes_and_its_scores_are_folded(html: str) -> None:
+    assert len(words_beside_tables(html)) <= PAGE_WORDS
+    scores = html.partition('<details id="scores">')[2].partition("</details>")[0]
+    assert scores.count("<tr") > 5
+    for name in ("limits", "skips", "repeat"):
+        assert f'<details id="{name}">' in html
 
 
 def test_names_from_the_record_are_text_and_not_markup(html: str) -> None:
@@ -176,11 +191,11 @@ def test_a_run_alone_is_never_green_and_a_page_without_shaking_may_be(tmp_path: 
 def test_a_missed_target_is_no_horizon_of_prediction(tmp_path: Path) -> None:
     folder = write_invented(tmp_path)
     source = changed(folder, pymunk={"reliable_until_s": 6.0}, pybullet={"reliable_until_s": 4.6})
-    assert "nobody can follow" not in " ".join(of_run(source)["points"])
+    assert "nobody can follow" not in " ".join(of_run(source)["basis"])
     record = plain(read_result(folder))
     write_json(folder / "result.json", record | {"horizons": {"analytic": plain(HORIZON)}})
     source = run_source(folder)
-    assert "from second 5" in " ".join(of_run(source)["points"])
+    assert "from second 5" in " ".join(of_run(source)["basis"]).lower()
 
 
 def test_a_scene_without_pedestal_has_no_slip(tmp_path: Path) -> None:
