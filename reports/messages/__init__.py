@@ -143,7 +143,7 @@ def _named_key(say: Language, key: str) -> str:
 
 
 def _change(say: Language, share: float) -> str:
-    return say._written(f"{100.0 * share:+.3g}\u00a0%")
+    return say._written(f"{round(100.0 * share, 2) + 0.0:+g}\u00a0%")
 
 
 FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
