@@ -129,7 +129,7 @@ def _answered(work: Callable[[], Run]) -> Run | str:
         run = work()
     except EngineFailure as failure:
         return str(failure)
-    return (run.message or run.outcome.sentence) if run.outcome.failed or run.history is None else run
+    return (run.message or run.outcome.value) if run.outcome.failed or run.history is None else run
 
 
 def _chosen(row: PrecisionRow, run: Run | str, judge: Run, spent: Cost | None) -> PrecisionRow:

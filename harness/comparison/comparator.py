@@ -94,7 +94,7 @@ def _history(answer: Run | History) -> History | None:
 
 def _check(answer: Run | History, name: str) -> None:
     if isinstance(answer, Run) and answer.outcome.failed:
-        raise InputError(Mistake(name, "", "a run with an answer", f"{answer.outcome.sentence} ({answer.message})"))
+        raise InputError(Mistake(name, "", "a run with an answer", f"{answer.outcome.value} ({answer.message})"))
     if isinstance(answer, Run) and not np.isfinite(answer.peak_theta_rad):
         raise InputError(Mistake(name, "peak_theta_rad", "a finite rotation", repr(answer.peak_theta_rad)))
 

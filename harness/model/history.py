@@ -136,7 +136,7 @@ COLUMNS: Final = ("t_s", "theta_rad", "theta_rate_rad_s", "slip_m", "slip_rate_m
 
 
 class Outcome(StrEnum):
-    """How a run ended; the value stands in every record, `sentence` on every page."""
+    """How a run ended; the value stands in every record, its words in the catalogue of messages."""
 
     STANDS = "stands"
     OVERTURNED_LEFT = "overturned_left"
@@ -152,11 +152,6 @@ class Outcome(StrEnum):
     CRASHED = "crashed"
     TIMED_OUT = "timed_out"
     UNAVAILABLE = "unavailable"
-
-    @property
-    def sentence(self) -> str:
-        """The outcome in plain words."""
-        return _SENTENCES[self]
 
     @property
     def overturned(self) -> bool:
@@ -178,22 +173,6 @@ class Outcome(StrEnum):
         return self in _FAILURES
 
 
-_SENTENCES: Final[Mapping[Outcome, str]] = {
-    Outcome.STANDS: "the statue stands",
-    Outcome.OVERTURNED_LEFT: "the statue overturns to the left",
-    Outcome.OVERTURNED_RIGHT: "the statue overturns to the right",
-    Outcome.OVERTURNED_FRONT: "the statue overturns towards the front (−y), across the rocking plane",
-    Outcome.OVERTURNED_BACK: "the statue overturns towards the back (+y), across the rocking plane",
-    Outcome.TOUCHES_WALL: "the statue touches the wall",
-    Outcome.LEFT_PEDESTAL: "the statue slides off its support",
-    Outcome.LIFT_OFF: "contact is lost (the statue or the pedestal lifts off): outside the model",
-    Outcome.FRICTION_PARADOX: "the sliding equations have no solution (friction paradox): outside the model",
-    Outcome.UNDECIDED: "the run ends while the statue leans beyond its balance point: undecided",
-    Outcome.DIVERGED: "the engine's numbers diverged",
-    Outcome.CRASHED: "the engine gave no answer",
-    Outcome.TIMED_OUT: "the engine did not finish in its time",
-    Outcome.UNAVAILABLE: "the engine is not installed here",
-}
 _FAILURES: Final = frozenset({Outcome.DIVERGED, Outcome.CRASHED, Outcome.TIMED_OUT, Outcome.UNAVAILABLE})
 
 

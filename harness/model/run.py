@@ -118,7 +118,7 @@ class Run(Shown):
     def facts(self) -> dict[str, str]:
         """Engine, outcome, peak with its numerical error, slip."""
         error = "" if self.numerical_uncertainty_rad is None else f" ± {self.numerical_uncertainty_rad:.1g}"
-        facts = {"engine": self.engine, "outcome": self.outcome.sentence}
+        facts = {"engine": self.engine, "outcome": self.outcome.value}
         if self.outcome.failed:
             return facts | {"because": self.message}
         facts["largest rotation"] = f"{self.peak_theta_rad:+.4g}{error} rad at {self.peak_time_s:.4g} s"

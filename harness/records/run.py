@@ -102,14 +102,13 @@ class EngineRunRecord:
     labels: Sequence[str]
     message: str
     motion_axes: Sequence[str] | None = None
-    outcome_sentence: str
     interventions: Mapping[str, Intervention] = field(default_factory=dict)
 
     @classmethod
     def of(cls, run: Run) -> EngineRunRecord:
         """The record of a run."""
         own = {"patterns": [Stretch(item.start_s, item.end_s, cast(PatternName, item.name)) for item in run.patterns]}
-        return cls(**same_fields(cls, run) | own, outcome_sentence=run.outcome.sentence)
+        return cls(**same_fields(cls, run) | own)
 
     def run(self, history: History | None) -> Run:
         """The run again, with its history."""

@@ -195,7 +195,6 @@ def _record(row: Plain, settings: Plain) -> Plain:
         "labels": [],
         "message": "",
         "motion_axes": list(str(row["motion_axes"])),
-        "outcome_sentence": Outcome(str(row["outcome"])).sentence,
         "patterns": [],
         "settings": settings,
         "uplift_times_s": [],

@@ -72,7 +72,7 @@ def _one(task: TossTask, item: Coefficients) -> Errors | str:
         target = RunTarget(dt_s=task.toss.frame_s / STEPS_A_FRAME)
     run = simulate_with(engine, scene, target)
     if run.history is None:
-        return run.message or run.outcome.sentence
+        return run.message or run.outcome.value
     if not began_as_asked(task.toss, scene.statue, run.history):
         return "its start did not take: its first pose is another one"
     return errors(task.toss, scene.statue, run.history)

@@ -14,11 +14,12 @@ from harness.model.history import Array, History, pair
 from harness.records.base import REWRITE
 from harness.records.result_folder import as_written
 from harness.records.scores import FILES, CompareRecord
+from harness.records.scores import Verdict as ScoredVerdict
 from reports.charts.figure import axis, curve, figure, stroke
 from reports.charts.palette import MUTED, look
 from reports.charts.samples import packed_array, shown_samples
 from reports.source import MOVED_SHARE, event_s
-from reports.text.glossary import score_rows, verdict_words
+from reports.text.glossary import score_rows
 from reports.text.wording import Verdict
 
 DIFFERENCE: Final = "difference, first less second"
@@ -38,9 +39,9 @@ def context(folder: Path, record: CompareRecord) -> dict[str, object]:
     names = (scores.a, scores.b) if scores.a != scores.b else (f"{scores.a} (first)", f"{scores.b} (second)")
     return {
         "verdict": Verdict(
-            f"{scores.a} and {scores.b} {verdict_words(scores)}",
-            "agree" if scores.verdict.startswith("agree") else "differ",
-            [each.text for each in scores.findings],
+            scores.verdict_sentence,
+            "agree" if scores.verdict is ScoredVerdict.AGREE else "differ",
+            [each.text for each in scores.findings[1:]],
         ),
         "figure": compare_figure(names, a, b),
         "rows": [(words, [meaning, *cells]) for words, meaning, cells in score_rows({record.title: scores})],

@@ -9,6 +9,7 @@ from typing import Final
 from harness.records.effects3d import BASELINE, EffectsRecord
 from reports.drawing.effects_figures import changes, curves, directions, rose
 from reports.drawing.scene_picture import scene_svg
+from reports.messages import ENGLISH
 from reports.pages.run_page import chip, replay_values
 from reports.source import run_source
 from reports.text.limits import by_severity
@@ -48,7 +49,8 @@ def context(folder: Path, record: EffectsRecord) -> dict[str, object]:
         "solid": record.solid_engine,
         "replay": replay,
         "chosen": record.replay,
-        "replay_ends": record.replay and [f"{end.sentence} ({name})" for name, end in record.replay.outcomes.items()],
+        "replay_ends": record.replay
+        and [f"{ENGLISH.word(end)} ({name})" for name, end in record.replay.outcomes.items()],
         "command": f"rockcheck study {shlex.quote(record.file)}",
     }
 

@@ -8,7 +8,7 @@ from typing import Final
 
 from harness.model.finding import info
 from harness.records.base import Table
-from harness.records.scores import AfterHorizon, Scores, Verdict
+from harness.records.scores import AfterHorizon, Scores
 from reports.messages import ENGLISH
 from reports.messages.numbers import digits, label, plain, split_unit
 
@@ -105,18 +105,9 @@ def score_rows(scores: Mapping[str, Scores]) -> list[tuple[str, str, list[str]]]
     return rows
 
 
-def verdict_words(scores: Scores) -> str:
-    """The verdict as a headline; where neither answer states its error a difference is not said to be the models'."""
-    evidence = scores.evidence
-    if scores.verdict is Verdict.MODEL and evidence.uncertainty_a_rad is None and evidence.uncertainty_b_rad is None:
-        return "differ by more than rounding"
-    return str(scores.verdict.value)
-
-
 def scores_text(pair: str, scores: Scores) -> str:
-    """One pair's scores as lines for a terminal: the verdict, what is to be said beside it, a table in words."""
-    lines = [f"{pair.replace('_vs_', ' against ')}: {verdict_words(scores)}"]
-    lines += [f"  {ENGLISH.say(each)}" for each in scores.findings]
+    """One pair's scores as lines for a terminal: the verdict and what is to be said beside it, a table in words."""
+    lines = [f"{pair.replace('_vs_', ' against ')}:", *(f"  {ENGLISH.say(each)}" for each in scores.findings)]
     rows = [(words, _short(cells[0])) for words, _, cells in score_rows({pair: scores})]
     if scores.iso is not None:
         rows.append(("rating by ISO/TS 18571 (1 is perfect)", digits(scores.iso.overall, 4)))

@@ -141,7 +141,7 @@ def test_a_history_that_a_result_names_and_lacks_is_seen(every: dict[str, Kind],
 
 def test_a_damaged_result_in_a_whole_store_is_refused(every: dict[str, Kind], folder: Path) -> None:
     kind = every["store"]
-    damaged = kind.content.replace(b'"outcome_sentence"', b'"outcome\x00sentence"')
+    damaged = kind.content.replace(b'"outcome"', b'"outcome\x00"')
     assert damaged != kind.content
     assert attempt(kind, damaged, folder).refusal
 

@@ -341,7 +341,7 @@ def test_all_show_themselves_shortly_and_without_markup_of_their_own(scene: harn
         assert page.count("<tr>") == len(each.facts()) >= 2
         assert "<cases>" not in page
     assert "four &lt;cases&gt;" in study()._repr_html_()
-    assert run.outcome.sentence in repr(run)
+    assert run.outcome.value in repr(run)
     assert study().facts()["analytic"] == "overturns in 1 of 4"
 
 

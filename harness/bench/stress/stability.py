@@ -125,7 +125,7 @@ def _judged(cell: Cell, scene: Scene, run: Run, exact: Run, row: Difficulty) -> 
 def judge(scene: Scene, run: Run, exact: Run, at_rest: bool) -> tuple[str, str]:
     """Category and evidence of one run against the exact solution."""
     if run.outcome.failed or run.history is None or exact.history is None:
-        return "diverged", run.message or run.outcome.sentence
+        return "diverged", run.message or run.outcome.value
     right = checks.agrees(scene, run, exact)
     if not math.isfinite(checks.error_rad(run, exact)):
         return "diverged", "its numbers are not finite"

@@ -72,8 +72,7 @@ def test_the_output_grid_ends_at_the_last_instant() -> None:
     assert output_grid(0.3, 0.1).size == 4
 
 
-def test_every_outcome_has_a_sentence() -> None:
-    assert len({outcome.sentence for outcome in Outcome}) == len(Outcome)
+def test_an_outcome_knows_a_fall_and_a_failure() -> None:
     assert Outcome.OVERTURNED_FRONT.overturned
     assert not Outcome.STANDS.overturned
     assert Outcome.CRASHED.failed

@@ -208,7 +208,7 @@ def test_a_scene_without_pedestal_has_no_slip(tmp_path: Path) -> None:
 def test_an_engine_that_failed_is_named_with_its_reason(tmp_path: Path) -> None:
     folder = write_invented(tmp_path)
     record = plain(read_result(folder))
-    failed = dict(record["runs"]["pybullet"], outcome="unavailable", outcome_sentence="not here", message="no wheels")
+    failed = dict(record["runs"]["pybullet"], outcome="unavailable", message="no wheels")
     record["runs"]["pybullet"] = failed | {"numerical_uncertainty_rad": None, "reliable_until_s": None}
     record["histories"].remove("pybullet")
     (folder / "history_pybullet.csv").unlink()
