@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from harness.engines import load
 from harness.engines.pybullet import run_phases, shapes
-from harness.engines.pybullet.backend import BulletBackend, reader
+from harness.engines.pybullet.backend import BulletBackend
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
 from harness.engines.stepping.columns import Trajectory, trajectory
@@ -109,24 +109,6 @@ def measure(scene: Scene, level: BulletSettings, build: Build = _ours, *, half: 
     return record, 1e6 * spent / (len(record.t_s) - 1)
 
 
-def bare_us(scene: Scene, level: BulletSettings, *, half: bool) -> float:
-    """Processor time per whole step, µs, of nothing but gravity, step and read-outs kept in a list, with the same bodies."""
-    setup = run_phases.prepare(scene).halved if half else run_phases.prepare(scene)
-    schedule = Schedule(scene, level.dt_s, 0, round(scene.duration_s / level.dt_s))
-    rows = []
-    set_gravity, step = pybullet.setGravity, pybullet.stepSimulation
-    with World(level, mirrored=half) as world:
-        _ours(world, scene, setup)
-        read, client = reader(world), world.client
-        pulls = schedule.coarse
-        start = time.process_time()
-        for gravity in pulls:
-            set_gravity(*gravity, client)
-            step(client)
-            rows.append(read())
-        return 1e6 * (time.process_time() - start) / len(pulls)
-
-
 def errors(scene: Scene, path: Trajectory | History) -> tuple[float, float, float]:
     """Largest error of rotation, rad, and of slip, m, and largest rotation out of the plane, rad."""
     engine = load("analytic")
@@ -197,22 +179,10 @@ def variations() -> Iterator[Cells]:
         yield row(name, replace(CHOSEN, **change))
 
 
-def overhead() -> Iterator[Cells]:
-    """Whole loop against a bare one, in turns; the least of many samples, as other work disturbs each."""
-    plain = replace(CHOSEN, events=False)
-    for pedestal, half in ((False, False), (False, True), (True, False), (True, True)):
-        scene = paper_scene(0.334, 2.0, pedestal=pedestal)
-        pairs = [(bare_us(scene, CHOSEN, half=half), measure(scene, plain, half=half)[1]) for _ in range(15)]
-        bare, whole = (min(column) for column in zip(*pairs, strict=True))
-        where = ("on the pedestal" if pedestal else "on the floor") + (", half of it" if half else "")
-        yield [where, f"{bare:.1f}", f"{whole:.1f}", f"{whole / bare - 1.0:+.1%}"]
-
-
 HEAD: Final = ("contact or setting", "error of rotation, rad (four cases)", "slip, m", "out of plane, rad", "µs/step")
 TABLES: Final[Mapping[str, tuple[Sequence[str], Callable[[], Iterator[Cells]]]]] = {
     "bodies": (HEAD, contacts),
     "settings": (HEAD, variations),
-    "overhead": (("", "bare", "whole loop", "more"), overhead),
 }
 
 
