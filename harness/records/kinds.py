@@ -13,8 +13,8 @@ from harness.records.result_folder import KINDS, RECORD
 
 
 def class_of(kind: str) -> type[Record]:
-    """The class of a kind's record, in the module of that name."""
-    module = import_module(f"harness.records.{kind}")
+    """The class of a kind's record, in the module of that name; a comparison is its scores."""
+    module = import_module(f"harness.records.{'scores' if kind == 'compare' else kind}")
     return next(
         each for each in vars(module).values() if isinstance(each, type) and getattr(each, "kind", None) == kind
     )
