@@ -5,16 +5,20 @@ from __future__ import annotations
 import json
 from importlib import import_module
 from pathlib import Path
+from typing import Final
 
 from harness.model.errors import InputError, Mistake
 from harness.model.run import SCHEMA_VERSION
 from harness.records.base import REWRITE, Record, validated
 from harness.records.result_folder import KINDS, RECORD
 
+IN: Final = {"compare": "scores", "rocking_spectrum": "study"}
+"""The module of a kind's record that is in none of its own name."""
+
 
 def class_of(kind: str) -> type[Record]:
-    """The class of a kind's record, in the module of that name; a comparison is its scores."""
-    module = import_module(f"harness.records.{'scores' if kind == 'compare' else kind}")
+    """The class of a kind's record, in the module of that name or of `IN`."""
+    module = import_module(f"harness.records.{IN.get(kind, kind)}")
     return next(
         each for each in vars(module).values() if isinstance(each, type) and getattr(each, "kind", None) == kind
     )
