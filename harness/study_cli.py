@@ -22,7 +22,8 @@ from harness.model.files import check_own, checksum, is_sealed
 from harness.model.finding import Say
 from harness.records.effects3d import EffectsRecord
 from harness.records.result_folder import RECORD, check_folder, read_own, write_whole
-from harness.records.study import ExportRecord, RockingSpectrumRecord, StudyRecord
+from harness.records.rocking_spectrum import RockingSpectrumRecord
+from harness.records.study import ExportRecord, StudyRecord
 from harness.studies import estimate, rocking_spectrum
 from harness.studies.case_blocks import columns_name, in_columns
 from harness.studies.cases import base_of

@@ -29,7 +29,7 @@ from harness.model.finding import Answer, Say, info
 from harness.model.history import Array
 from harness.model.run import machine, versions
 from harness.records.result_folder import write_whole
-from harness.records.study import RockingSpectrumRecord, SpectrumMotion, SpectrumSummary
+from harness.records.rocking_spectrum import RockingSpectrumRecord, SpectrumMotion, SpectrumSummary
 
 KIND: Final = "rocking_spectrum"
 MAP_NAME: Final = "spectrum.csv"

@@ -8,7 +8,7 @@ from typing import Final
 
 from harness.comparison.statistics.distributions import wilson
 from harness.probability.stratified import LEVEL
-from harness.records.study import RockingSpectrumRecord
+from harness.records.rocking_spectrum import RockingSpectrumRecord
 from reports.charts.figure import figure
 from reports.text.chance import SAFE, SAFE_HIGH
 from reports.text.wording import Verdict

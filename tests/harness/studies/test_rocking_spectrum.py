@@ -16,7 +16,7 @@ from harness.comparison.statistics.distributions import wilson
 from harness.input.tables import read_model
 from harness.model.errors import InputError
 from harness.records.kinds import read_result
-from harness.records.study import RockingSpectrumRecord
+from harness.records.rocking_spectrum import RockingSpectrumRecord
 from harness.studies.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of
 from reports.cli import app
 from reports.pages.rocking_spectrum_page import verdict
