@@ -89,6 +89,7 @@ class SupportVertex:
         self.near_rad, self.walled = REST_STEPS * settings.dt_s, scene.wall is not None
         # Whether the vertices beside the standing one are off the support.
         self.clear_rad, self.clear = CLEAR_STEPS * settings.dt_s, False
+        self.stood = False
         self.step_s, self.most_friction = settings.dt_s, MOST_FRICTION * scene.contact.statue
 
     def held(
@@ -102,7 +103,7 @@ class SupportVertex:
         under = STILL if below is None else below
         lean, leaning = state[2] - under[2], state[5] - under[5]
         if not (-STEEPEST_RAD < lean < STEEPEST_RAD and -TIPPED_RAD <= under[2] <= TIPPED_RAD):
-            self.clear = False
+            self.clear = self.stood = False
             return state
         facet = bisect_left(self.between_rad, lean)
         off = lean - self.level_rad[facet]
@@ -124,6 +125,7 @@ class SupportVertex:
         turned = angle - off if down else angle
         # Flat, either end is as high; else the higher one must be down.
         _, _, excess = self._over(x, z, turned, under, facet + (not down and off <= 0.0))
+        self.stood = abs(excess) <= self.slop_m
         if (not down and abs(excess) < 0.5 * self.depth_m) or abs(excess) > self.slop_m:
             return state
         change_j = -self.mass_kg * self.gravity_m_s2 * excess
@@ -137,7 +139,10 @@ class SupportVertex:
         x, z, angle, rate_x, rate_z, spin = state
         arm_x, arm_z, excess = self._over(x, z, angle, under, vertex)
         turn = spin * since_s
-        if abs(excess) > RISES * self.height_m * turn * turn + self.lifted_m:
+        most = RISES * self.height_m * turn * turn + self.lifted_m
+        # What stood goes on to where the solver's slop leaves it; what lands is not lifted out of the support.
+        self.stood = -(max(self.slop_m, most) if self.stood else most) < excess < most
+        if not self.stood:
             return state
         owed_x, owed_z = velocity_owed(spin, gained, turn, lags_s, arm_x, arm_z)
         ahead = 0.0
