@@ -100,5 +100,5 @@ def tip(cell: TrustCell) -> str:
     chance = cell["probability"]
     if chance is not None:
         low, high = ENGLISH.percent(chance.low), ENGLISH.percent(chance.high)
-        lines.append(f"falls in {ENGLISH.percent(chance.value)} of what may be true ({low} to {high})")
+        lines.append(f"overturning probability {ENGLISH.percent(chance.value)} ({low} to {high})")
     return "<br>".join(lines)
