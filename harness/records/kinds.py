@@ -12,7 +12,7 @@ from harness.model.run import SCHEMA_VERSION
 from harness.records.base import REWRITE, Record, validated
 from harness.records.result_folder import KINDS, RECORD
 
-IN: Final = {"compare": "scores", "rocking_spectrum": "study"}
+IN: Final = {"compare": "scores"}
 """The module of a kind's record that is in none of its own name."""
 
 

@@ -78,7 +78,6 @@ def bootstrap(
     *,
     seed: int = 0,
     resamples: int = RESAMPLES,
-    confidence: float = CONFIDENCE,
 ) -> Interval | None:
     """Percentile bootstrap of a score of `size` cases, given their indices; None when it is nowhere defined.
 
@@ -92,9 +91,9 @@ def bootstrap(
     scores = scores[np.isfinite(scores)]
     if not np.isfinite(value) or scores.size == 0:
         return None
-    tail = 0.5 * (1.0 - confidence)
+    tail = 0.5 * (1.0 - CONFIDENCE)
     low, high = np.quantile(scores, (tail, 1.0 - tail))
-    return Interval(float(value), float(low), float(high), confidence)
+    return Interval(float(value), float(low), float(high), CONFIDENCE)
 
 
 def compare_logarithms(a: ArrayLike, b: ArrayLike, *, seed: int = 0, resamples: int = RESAMPLES) -> LogPeaks | None:

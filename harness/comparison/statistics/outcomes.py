@@ -50,7 +50,7 @@ class Case:
         return self.predicted in DECIDED and (self.observed in DECIDED or self.observed == FELL)
 
 
-def score_outcomes(cases: Sequence[Case], *, seed: int = 0) -> OutcomeScores:
+def score_outcomes(cases: Sequence[Case]) -> OutcomeScores:
     """Score predicted outcomes against observed ones."""
     decided = [case for case in cases if case.decided]
     sure = [case for case in decided if not case.within_uncertainty]
@@ -72,17 +72,17 @@ def score_outcomes(cases: Sequence[Case], *, seed: int = 0) -> OutcomeScores:
         side_accuracy=wilson(sum(case.predicted is case.observed for case in sided), len(sided)),
         precision=wilson(hits, int(predicted.sum())),
         recall=wilson(hits, int(observed.sum())),
-        f1=bootstrap(lambda index: f1(predicted[index], observed[index]), size, seed=seed),
-        matthews=bootstrap(lambda index: matthews(predicted[index], observed[index]), size, seed=seed),
-        no_return_difference_s=_no_return(sure, seed),
+        f1=bootstrap(lambda index: f1(predicted[index], observed[index]), size),
+        matthews=bootstrap(lambda index: matthews(predicted[index], observed[index]), size),
+        no_return_difference_s=_no_return(sure),
     )
 
 
-def _no_return(cases: Sequence[Case], seed: int) -> Interval | None:
+def _no_return(cases: Sequence[Case]) -> Interval | None:
     """Mean difference of the no-return times over cases that overturn in both."""
     both = [case.no_return_s for case in cases if None not in case.no_return_s]
     differences = np.array([(a or 0.0) - (b or 0.0) for a, b in both])
-    return bootstrap(lambda index: float(np.mean(differences[index])), differences.size, seed=seed)
+    return bootstrap(lambda index: float(np.mean(differences[index])), differences.size)
 
 
 def f1(predicted: Flags, observed: Flags) -> float:
@@ -122,7 +122,7 @@ def brier_skill(probability: ArrayLike, observed: ArrayLike) -> float:
     return 1.0 - brier(probability, o) / base if base > 0.0 else float("nan")
 
 
-def area_under_curve(probability: ArrayLike, observed: ArrayLike, *, seed: int = 0) -> Interval | None:
+def area_under_curve(probability: ArrayLike, observed: ArrayLike) -> Interval | None:
     """The chance that a case that fell was given a higher probability than one that stood (ties count half); None of one class.
 
     Mann and Whitney's statistic, which is the area under the receiver operating characteristic (Hanley and McNeil 1982), with its
@@ -140,7 +140,7 @@ def area_under_curve(probability: ArrayLike, observed: ArrayLike, *, seed: int =
         ranks = rankdata(p[index])
         return float((ranks[fell].sum() - 0.5 * first * (first + 1)) / (first * second))
 
-    return bootstrap(area, p.size, seed=seed)
+    return bootstrap(area, p.size)
 
 
 def reliability(
