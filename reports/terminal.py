@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 LINES: Final = 16
 COLUMNS: Final = 100
-ANSWER_LINES: Final = 4
+ANSWER_LINES: Final = 5
 LONG_ANSWER_LINES: Final = 7
 PAIR_LINES: Final = 3
 MODEL_LINES: Final = 6

@@ -62,16 +62,16 @@ _M, _B = "harness.engines.pymunk.", "harness.engines.pybullet."
 _E: Final = "harness.engines.stepping."
 LAYER: Final[Mapping[str, Change]] = {
     "nothing (noise of the measurement)": {},
-    "micro-rocking": {_E + "micro_rocking:after_impact": _always(None)},
+    "micro-rocking": {_E + "loop:after_impact": _always(None)},
     "stick onset located": {_E + "loop:_stick_onset": _always(16)},
-    "uniform acceleration to contact": {_E + "contact_time:ContactTimeEstimate._gathers": _always(0.0)},
+    "uniform acceleration to contact": {_E + "loop:ContactTimeEstimate._gathers": _always(0.0)},
     "velocities of the instant at contact": {
-        _E + "contact_time:ContactTimeEstimate.speeds": lambda _: lambda self: (self(), 1.0)
+        _E + "loop:ContactTimeEstimate.speeds": lambda _: lambda self: (self(), 1.0)
     },
     "velocities turned on": {_E + "step_state:StepState.turn": _always(None)},
     "lowered before a short step": {_E + "step_state:StepState.lower": _always(None)},
     "slip onset at its share of the step": {
-        _E + "slip_onset:coefficient": lambda _: lambda stepper, *__: stepper.kinetic
+        _E + "step_state:coefficient": lambda _: lambda stepper, *__: stepper.kinetic
     },
     "the step after a reversal solved again": {_E + "stepper:Stepper._reversed": _always(False)},
 }

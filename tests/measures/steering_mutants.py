@@ -147,9 +147,9 @@ def _heavier(own: Any) -> Any:
 
 _E: Final = "harness.engines.stepping."
 LAYER: Final[Mapping[str, Change]] = {
-    **_turns(_E + "writing:RowWriter.write", Columns(7, 9, 11, 20)),
+    **_turns(_E + "stepper:RowWriter.write", Columns(7, 9, 11, 20)),
     **{
-        f"{what} written at an impact × {share}": {_E + "writing:RowWriter.write": _at_impact(*columns, share)}
+        f"{what} written at an impact × {share}": {_E + "stepper:RowWriter.write": _at_impact(*columns, share)}
         for what, columns in {"velocity": (7, 10), "rate": (10, 13), "pedestal's velocity": (20, 23)}.items()
         for share in (1.0 + ARM, 1.0 - ARM)
     },
