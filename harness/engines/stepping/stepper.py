@@ -45,9 +45,12 @@ class Balance:
     def __init__(self, scene: Scene, axes: Array | None) -> None:
         """`axes` (3, 3) holds the statue's principal axes as columns (None: a planar engine)."""
         self.scene, self.planar, self.next = scene, axes is None, 0
-        axes = np.eye(3) if axes is None else axes
-        # In the frame of a row's quaternion.
-        self.inertia = (axes.T @ scene.statue.inertia_tensor_kg_m2 @ axes).tolist()
+        statue = scene.statue
+        # In the frame of a row's quaternion; a planar body has one number, that of its scene.
+        inside = (
+            np.diag([0.0, statue.inertia_kg_m2, 0.0]) if axes is None else axes.T @ statue.inertia_tensor_kg_m2 @ axes
+        )
+        self.inertia = inside.tolist()
         self.arm_m = scene.statue.centroid_height_m
         pedestal = scene.pedestal
         self.masses = [scene.statue.mass_kg, *([] if pedestal is None else [pedestal.mass_kg])]
