@@ -65,8 +65,8 @@ def test_the_time_left_is_that_of_the_clock(
         "",
         "",
         ", about 7 s left",
-        ", about 2 h left",
-        ", about 2 days left",
+        ", about 1.5 h left",
+        ", about 2.3 days left",
     ]
 
 
