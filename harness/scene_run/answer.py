@@ -118,7 +118,10 @@ def _until(known: Mapping[str, Run], scores: Sequence[Scores], code: Code) -> li
         if bounded < end:
             return [info("histories_known_until", until_s=bounded)]
         return [info("histories_agree")]
-    first = min(parted, key=_agree_until_s)
+    # The pair that the answer rests on, before one that parts sooner for another reason.
+    deciding = [each for verdict in (Verdict.MODEL, Verdict.PLANE) for each in parted if each.verdict is verdict]
+    weight = deciding[0].verdict if deciding else None
+    first = min([each for each in parted if weight in (None, each.verdict)], key=_agree_until_s)
     return [
         info(
             "histories_agree_until", until_s=_agree_until_s(first), why=first.verdict.name.lower(), a=first.a, b=first.b

@@ -56,6 +56,15 @@ def test_a_difference_of_models_is_the_answer_even_where_the_outcome_is_one() ->
     assert said["histories_agree_until"].values["why"] == "model"
 
 
+def test_the_headline_tells_of_the_pair_that_its_code_rests_on() -> None:
+    raised = doubles.parted(doubles.rocking(), 6.0, 0.02)
+    late = run("c", doubles.parted(doubles.rocking(), 2.0, 0.01), reliable_until_s=1.0)
+    code, said = told(run("a", raised), run("b"), late)
+    assert code == "differ_by_model"
+    assert said["histories_agree_until"].values["why"] == "model"
+    assert {said["histories_agree_until"].values[key] for key in "ab"} == {"a", "b"}
+
+
 def test_what_the_plane_leaves_out_is_no_difference_of_models() -> None:
     flat = run("flat", doubles.parted(doubles.rocking(), 2.0, 0.01), motion_axes=("x",))
     assert told(flat, run("space", motion_axes=("x", "y")))[0] == "plane_left_out"
