@@ -43,13 +43,14 @@ LEAN_TOLD: Final = 0.051
 LEAST_MOVES: Final = 2e-3
 """The least amplitude that moves a statue is rounded up in its fourth digit, 1e-3 of 1.000; twice that below it it rests."""
 
-CALLS_TO_A_STEP: Final = 12
-"""From the command to a step: command, scene, all engines, one engine, its accuracy, one run; an engine's own parts as many."""
+CALLS_TO_A_STEP: Final = 13
+"""From the command to a step: command, scene, all engines (a function of their own: what has finished outlives an interrupt), one
+engine, its accuracy, one run; an engine's own parts as many."""
 
-CALLS_TO_A_VERIFYING_STEP: Final = 13
+CALLS_TO_A_VERIFYING_STEP: Final = 14
 """A run that only asks how a slightly stronger motion would move the statue passes one call more."""
 
-CALLS_AROUND_AN_EVENT: Final = 18
+CALLS_AROUND_AN_EVENT: Final = 19
 """Where an event is sought between two whole steps: what is due, its search, a step's two clocks and its friction are between."""
 
 PIXEL: Final = 1e-6

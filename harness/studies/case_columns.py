@@ -188,6 +188,8 @@ def _record(row: Plain, settings: Plain) -> Plain:
     validity: Plain = {name: row[name] for name in OF_VALIDITY}
     if row["on_pedestal"]:
         validity |= {name: row[name] for name in TIPPING}
+    if row["outcome"] == Outcome.TOUCHES_WALL.value:
+        validity["wall_touch_time_s"] = row["end_s"]
     return {
         "engine": twoblock.TwoBlock.name,
         "impact_times_s": [],

@@ -9,7 +9,7 @@ import pytest
 
 import harness
 from analytic.excitation import Pulse, SampledAcceleration
-from harness.effects3d import BASELINE, search
+from harness.effects3d import BASELINE, departure
 from harness.effects3d.conditions import changed_scene, with_solid
 from harness.engines import load
 from harness.model.history import Array
@@ -92,10 +92,10 @@ def test_the_quiet_start_of_oblique_shaking_ends_where_the_base_is_left(scene: S
 @needs_pybullet
 def test_oblique_shaking_leaves_the_plane_on_one_corner(scene: Scene) -> None:
     """Shaken at 110° the statue turns about a corner and yaws; along its own axis of symmetry it does neither."""
-    straight, oblique = (search(scene, azimuth, "pybullet", 0.22, 1e-3) for azimuth in (0.0, 30.0))
+    straight, oblique = (departure(scene, azimuth, "pybullet", 0.22, 1e-3) for azimuth in (0.0, 30.0))
     assert straight.out_of_plane_rad < 1e-3
     assert straight.corner_share == 0.0
     assert oblique.out_of_plane_rad > 10.0 * straight.out_of_plane_rad
-    turning = search(scene, 110.0, "pybullet", 0.8, 1e-3)
+    turning = departure(scene, 110.0, "pybullet", 0.8, 1e-3)
     assert turning.corner_share > 0.2
     assert turning.yaw_rad > 0.02
