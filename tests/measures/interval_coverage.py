@@ -13,12 +13,11 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.input.scene_file import load_scene
 from harness.probability.inputs import draw, uncertain_inputs
 from harness.probability.model_draws import ModelDraws, model_draws
 from harness.probability.stratified import estimate
 from harness.records.assess import Assessment
-from tests.harness.probability.measure_own_runs import ENGINES, RUNS, SCENE, SEED, own_runs
+from tests.harness.probability.measure_own_runs import ENGINES, RUNS, SEED, own_runs, scene_of_runs
 from tests.measures.pages import renew, table
 
 MODULE: Final = "tests.measures.interval_coverage"
@@ -88,7 +87,7 @@ def populations(low: float, high: float) -> Iterator[Population]:
 
 def thousand(name: str) -> Population:
     """An engine's own thousand runs on the shipped pedestal scene, and what the model says of the same draws."""
-    scene = load_scene(SCENE)
+    scene = scene_of_runs()
     model = model_draws(scene, draw(uncertain_inputs(scene), RUNS, SEED))
     return Population(model, np.array([mark == "1" for mark in own_runs()[name]]))
 

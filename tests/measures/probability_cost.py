@@ -24,7 +24,7 @@ from harness.probability.options import options_of
 from harness.probability.variation import varied
 from harness.studies.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of
 from reports.messages import probability_text
-from tests.harness.probability.measure_own_runs import own_runs
+from tests.harness.probability.measure_own_runs import own_runs, scene_of_runs
 from tests.measures.pages import renew, table
 
 SCENES: Final = Path(__file__).parents[2] / "scenes"
@@ -82,7 +82,7 @@ def of_options() -> str:
 
 def of_engine(name: str) -> str:
     """An engine's own probability, to ± 0.05, against its thousand own runs."""
-    answer = assess(shipped(), [name], more_options=None).record.answers[name]
+    answer = assess(scene_of_runs(), [name], more_options=None).record.answers[name]
     truth = own_runs()[name].count("1") / len(own_runs()[name])
     held = "hold" if answer.low <= truth <= answer.high else "do not hold"
     interval = f"{100.0 * answer.low:.1f} to {100.0 * answer.high:.1f} %"

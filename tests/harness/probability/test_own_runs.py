@@ -7,14 +7,13 @@ import itertools
 import numpy as np
 import pytest
 
-from harness.input.scene_file import load_scene
 from harness.probability.assessment import assess
 from harness.probability.engine_runs import DrawnRun, overturns
 from harness.probability.inputs import draw, row, uncertain_inputs
 from harness.probability.variation import varied
 from tests import budgets_assess as budget
 from tests.engines_for_tests import ready
-from tests.harness.probability.measure_own_runs import ENGINES, RUNS, SCENE, SEED, own_runs
+from tests.harness.probability.measure_own_runs import ENGINES, RUNS, SEED, own_runs, scene_of_runs
 from tests.measures.interval_coverage import CORRELATIONS, coverage, populations, thousand
 
 
@@ -44,7 +43,7 @@ def test_intervals_cover_what_is_invented_however_wrong_the_model(low: float, hi
 
 def test_the_thousand_runs_are_the_engines_of_now() -> None:
     """The first of the kept outcomes, computed again: a change of the engine makes the truth stale."""
-    scene = load_scene(SCENE)
+    scene = scene_of_runs()
     values = draw(uncertain_inputs(scene), RUNS, SEED)
     answers = [overturns(DrawnRun("pymunk", varied(scene, row(values, k)))).record["overturned"] for k in range(20)]
     assert "".join("x" if fell is None else str(int(fell)) for fell in answers) == own_runs()["pymunk"][:20]
@@ -55,8 +54,9 @@ def test_the_thousand_runs_are_the_engines_of_now() -> None:
 def test_an_assessment_s_interval_holds_the_thousand_runs(name: str) -> None:
     """As `rockcheck assess` makes it, with draws of its own; the thousand runs err by 1.5 % themselves, which is left out."""
     ready(name)
-    answer = assess(load_scene(SCENE), [name], more_options=None).record.answers[name]
+    answer = assess(scene_of_runs(), [name], more_options=None).record.answers[name]
     truth = own_runs()[name].count("1") / RUNS
     assert answer.low <= truth <= answer.high
-    assert answer.high - answer.low <= 2 * 0.05
+    # Runs without an end count either way: they widen what the others leave, 1 − 0.1 of their share.
+    assert answer.high - answer.low <= 2 * 0.05 + (1.0 - 2 * 0.05) * answer.undecided
     assert answer.engine_runs <= budget.RUNS_OF_ESTIMATE + 40
