@@ -20,6 +20,7 @@ SCENES = {
     "comes to rest": random_scene(977_003, 15.0),
     "falls early": wide_scene(977_004, 15.0),
     "the pedestal tips": tipping_scene(977_000, 4.0),
+    "the pedestal tips, and runs part soon": tipping_scene(977_002, 4.0),
 }
 
 
