@@ -12,7 +12,7 @@ from pydantic import JsonValue
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Finding, Say, Severity
 from harness.model.history import Outcome
-from harness.model.run import OMITTED
+from harness.model.run import OMITTED, to_plain
 from harness.model.shown import Shown, new_axes
 from harness.records.base import Plain, Record, Table, plain
 from harness.records.scene import SceneRecord
@@ -251,10 +251,12 @@ class StudyRecord(Record, Shown):
     def plain(self) -> Plain:
         """The record as plain JSON values.
 
-        There may be a million rows: what came from a store is plain already, and is not looked at value by value.
+        There may be a million rows: what came from a store is plain already but for its findings, and is not looked at value
+        by value.
         """
         rows: list[JsonValue] = [
-            {name: getattr(row, name) for name in ROW[:-1]} | {"run": None if row.run is None else vars(row.run)}
+            {name: getattr(row, name) for name in ROW[:-1]}
+            | {"run": None if row.run is None else {**vars(row.run), "findings": to_plain(row.run.findings)}}
             for row in self.rows
         ]
         return {**plain(replace(self, rows=())), "rows": rows}
