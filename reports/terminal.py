@@ -38,6 +38,8 @@ LINES: Final = 16
 COLUMNS: Final = 100
 ANSWER_LINES: Final = 5
 LONG_ANSWER_LINES: Final = 7
+SHORT_ANSWER_LINES: Final = 3
+"""Beside a table that leaves no more."""
 PAIR_LINES: Final = 3
 MODEL_LINES: Final = 6
 """Lines of a study's table of models, its heading among them."""
@@ -119,8 +121,9 @@ def rate(item: Interval | None) -> str:
 
 
 def _headed(record: Record, rows: Sequence[str], *, verbose: bool) -> list[str]:
-    """Title, answer and rows, then what to beware of, in what room is left."""
-    lines = [_cut(record.title), *_answer(record, LONG_ANSWER_LINES), *rows]
+    """Title, answer and rows, then what to beware of, in what room is left; an answer leaves room to rows and last lines."""
+    room = max(LINES - LAST_LINES - 1 - len(rows), SHORT_ANSWER_LINES)
+    lines = [_cut(record.title), *_answer(record, min(room, LONG_ANSWER_LINES)), *rows]
     if verbose:
         return [*lines, *finding_lines(record.findings)]
     said = [each for each in record.findings if each.severity is not Severity.INFO]
@@ -130,13 +133,7 @@ def _headed(record: Record, rows: Sequence[str], *, verbose: bool) -> list[str]:
 def trust_lines(record: TrustRecord, *, verbose: bool = False) -> list[str]:
     """A trust map: title, answer, the share of each class, what it rests on."""
     rows = [[ENGLISH.word(kind), f"{ENGLISH.percent(share)}"] for kind, share in record.shares.items() if share]
-    lines = [_cut(record.title), *_answer(record), *table([["class", "share"], *rows])]
-    found = (
-        finding_lines(record.findings)
-        if verbose
-        else beware_lines(record.findings, len(record.findings), LINES - len(lines) - 1)
-    )
-    return [*lines, *found]
+    return _headed(record, table([["class", "share"], *rows]), verbose=verbose)
 
 
 def measured_lines(record: MeasuredRecord | TossesRecord, *, verbose: bool = False) -> list[str]:
