@@ -119,9 +119,10 @@ def _until(known: Mapping[str, Run], scores: Sequence[Scores], code: Code) -> li
             return [info("histories_known_until", until_s=bounded)]
         return [info("histories_agree")]
     # The pair that the answer rests on, before one that parts sooner for another reason.
-    deciding = [each for verdict in (Verdict.MODEL, Verdict.PLANE) for each in parted if each.verdict is verdict]
-    weight = deciding[0].verdict if deciding else None
-    first = min([each for each in parted if weight in (None, each.verdict)], key=_agree_until_s)
+    first = min(
+        parted,
+        key=lambda each: (each.verdict is not Verdict.MODEL, each.verdict is not Verdict.PLANE, _agree_until_s(each)),
+    )
     return [
         info(
             "histories_agree_until", until_s=_agree_until_s(first), why=first.verdict.name.lower(), a=first.a, b=first.b

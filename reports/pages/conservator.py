@@ -13,6 +13,7 @@ from harness.model.history import Outcome
 from harness.model.in_space import support_m
 from harness.records.assess import Assessment, worst
 from harness.records.run import EngineRunRecord, RunRecord, has_answer, tips_s
+from harness.scene_run.answer import STILL_RAD
 from reports.drawing.conservator_pictures import plan_svg, reach_svg
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import Plan, floor_plan
@@ -22,7 +23,7 @@ from reports.pages.conservator_parts import Picture, end_words, order_picture, p
 from reports.source import RunSource, source_of
 from reports.text.giving_way import support_of
 from reports.text.limits import TIPS_RAD, tilt_rad
-from reports.text.wording import AT_REST_RAD, horizon_s, prediction_s, tone, unlike_motions
+from reports.text.wording import horizon_s, prediction_s, tone, unlike_motions
 
 VISIBLE_M: Final = 1e-3
 """Less than a millimetre is no movement that anyone keeps room for."""
@@ -230,7 +231,7 @@ def _lean(source: RunSource, say: Language) -> list[str]:
         if all(source.runs[name].outcome == Outcome.STANDS for name in _answering(source))
         else [say("run.of_standing")]
     )
-    if lean_rad < AT_REST_RAD:
+    if lean_rad < STILL_RAD:
         return [" ".join([*where, say("run.no_rocking")])]
     degrees, balance = (
         say.digits(math.degrees(value), 2) for value in (lean_rad, source.scene.statue.slenderness_rad(side))
@@ -304,10 +305,10 @@ def reach_picture(source: RunSource, say: Language, heading: str = "reach.headin
     statue, (_, lean_rad, side) = source.scene.statue, _worst_lean(source)
     sides = {1 if end is Outcome.OVERTURNED_RIGHT else -1 for end in fell if end in SIDEWAYS and not standing}
     if not sides:
-        sides = {side if lean_rad >= AT_REST_RAD else min((1, -1), key=statue.slenderness_rad)}
+        sides = {side if lean_rad >= STILL_RAD else min((1, -1), key=statue.slenderness_rad)}
     balance = [side * statue.slenderness_rad(side) for side in sorted(sides)]
     words.append(say("reach.balance"))
-    lean = lean_rad if lean_rad >= AT_REST_RAD else 0.0
+    lean = lean_rad if lean_rad >= STILL_RAD else 0.0
     gauge = (lean, statue.slenderness_rad(max(sides))) if standing else None
     return Picture(title, reach_svg(source, extremes, balance, gauge, f"{title} {' '.join(words)}", say), words)
 

@@ -19,10 +19,8 @@ from reports.text.chance import Tone, tone_of_outcomes, worse_tone
 from reports.text.limits import TIPS_RAD, tilt_rad
 from reports.text.study_rows import family
 
-AT_REST_RAD: Final = 1e-5
-"""Rotations below this are the give of a contact engine at rest (some 0.01 mm at the top of a statue of one metre)."""
 STUCK_M: Final = 1e-5
-"""The same for the slip of a pedestal, and the way of a top."""
+"""Slips of a pedestal, and ways of a top, below this are the give of a contact engine at rest."""
 
 
 @dataclass(frozen=True)
