@@ -10,11 +10,9 @@ from contextlib import closing
 from pathlib import Path
 from typing import Final
 
-from harness import study_cli
 from harness.campaign.runner import Crash, LocalPool, Pool
 from harness.campaign.store import STORE_NAME, Store
 from harness.campaign.task import Answer, Task
-from harness.command import guarded
 from harness.input.paths import data_folder
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
@@ -25,6 +23,8 @@ from harness.scene_run.scene_run import run_scene, write_result
 from harness.studies.case_tasks import stored_runs
 from harness.studies.study_run import Beside
 from harness.trust.trust_run import run_trust
+from reports.cli import studies
+from reports.cli.ending import guarded
 from reports.messages import ENGLISH
 from reports.pages.page import write_report
 from reports.terminal import run_lines, study_lines, trust_lines
@@ -91,7 +91,7 @@ def main() -> int:
         print(f"left out: {', '.join(WITH_DATA)} (real data absent: set ROCKCHECK_DATA)", file=sys.stderr)
     beside = Beside(examples({name: {} for name in names}), of_study)
     with closing(LocalPool()) as pool:
-        record = study_cli.run(SCENES / f"{STUDY}.toml", OUT / STUDY, pool=pool, beside=beside, say=ENGLISH.say)
+        record = studies.run(SCENES / f"{STUDY}.toml", OUT / STUDY, pool=pool, beside=beside, say=ENGLISH.say)
         mapped = trust_map(pool)
     assert isinstance(record, StudyRecord)
     assert record.usage is not None

@@ -6,7 +6,7 @@ import sys
 from typing import Final
 
 INTERRUPTED: Final = 130
-"""As `harness.command` has it, which may not have been read yet."""
+"""As `reports.cli.ending` has it, which may not have been read yet."""
 
 
 def main() -> None:

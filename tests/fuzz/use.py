@@ -268,8 +268,8 @@ def _asked(path: Path, first: tuple[str, ...], last: tuple[str, ...]) -> None:
     """Run a command in the file's folder with its words as options between these; what it refuses is an `InputError`."""
     from typer.testing import CliRunner
 
-    from harness.command import WRONG_INPUT
     from reports.cli import app
+    from reports.cli.ending import WRONG_INPUT
 
     try:
         words = shlex.split(path.read_bytes().decode("utf-8", "surrogateescape"))

@@ -18,8 +18,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from harness.command import FAILED, OK, guarded
 from reports.charts.library import chart_library, reduced, whole_library
+from reports.cli.ending import FAILED, OK, guarded
 from reports.pages.assets import pack_text
 from reports.pages.page import write_report
 

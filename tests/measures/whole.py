@@ -12,9 +12,10 @@ import typer
 
 from harness.bench import bench_run
 from harness.bench.stress import stress_run
-from harness.command import FAILED, OK, OutputOptions, command, guarded
-from reports.cli_bench import Parts, Quick, measured
-from reports.cli_result import Out
+from reports.cli.app import command
+from reports.cli.ending import FAILED, OK, guarded
+from reports.cli.measures import Parts, Quick, measured
+from reports.cli.options import Out, OutputOptions
 
 SOURCES: Final = ("tests/fuzz", "tests/measures")
 BENCH: Final = bench_run.bench(

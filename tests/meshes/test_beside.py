@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness import mesh_cli
-from harness.command import ScanOptions
 from harness.model.errors import InputError
 from meshes import MeshError, Solid
 from meshes.beside import attached_beside
 from meshes.mesh import RawMesh
 from meshes.prepare import Wanted, prepare_mesh
 from meshes.repair import Part
+from reports.cli import scans
+from reports.cli.options import ScanOptions
 from tests.budgets_meshes import CUT_VOLUME_REL
 from tests.meshes.loft import loft
 from tests.meshes.scanner import write
@@ -52,10 +52,10 @@ def test_what_hangs_on_a_statue_is_refused_with_the_cut_that_takes_it_off(
     file = write(bodies[name], tmp_path / "scan.ply")
     what = "a second body" if name == "a column" else "a wall"
     with pytest.raises(InputError, match=what) as caught:
-        mesh_cli.inspect(file, ScanOptions(unit="m", up="z"))
+        scans.inspect(file, ScanOptions(unit="m", up="z"))
     told = re.search(r"--cut-beyond (\S+) \(--cut-beyond none says", str(caught.value))
     assert told is not None
-    found = mesh_cli.inspect(file, ScanOptions(unit="m", up="z", cut_beyond=told.group(1)))
+    found = scans.inspect(file, ScanOptions(unit="m", up="z", cut_beyond=told.group(1)))
     assert found.solid is not None
     assert found.solid.mass_kg == pytest.approx(statue.mass_kg, rel=CUT_VOLUME_REL)
     assert found.solid.height_m == pytest.approx(statue.height_m, rel=CUT_VOLUME_REL)
@@ -68,7 +68,7 @@ def test_what_is_the_statue_s_own_is_kept_when_told(bodies: dict[str, RawMesh]) 
     with pytest.raises(MeshError, match="a cut between"):
         prepare_mesh(bodies["a column"], Wanted(unit="m", up="z", cut_beyond=(0.0, 9.0)))
     with pytest.raises(InputError, match=r"--cut-beyond: wanted an azimuth in degrees and a distance"):
-        mesh_cli.inspect(Path("any.ply"), ScanOptions(cut_beyond="north"))
+        scans.inspect(Path("any.ply"), ScanOptions(cut_beyond="north"))
 
 
 def test_a_statue_alone_raises_no_alarm(statue: Solid) -> None:

@@ -26,7 +26,7 @@ def calls(frame: FrameType | None) -> list[str]:
         if file.startswith(ROOMS):
             names.insert(0, f"{Path(file).relative_to(ROOT)}:{frame.f_code.co_name}")
         frame = frame.f_back
-    return names[names.index("reports/cli.py:run") :]
+    return names[names.index("reports/cli/scenes.py:run") :]
 
 
 def ways_to(steps: Callable[[FrameType, str, Any], bool], line: list[str]) -> set[tuple[str, ...]]:

@@ -15,12 +15,12 @@ from typing import Any
 
 import pytest
 
-from harness.command import INTERRUPTED, guarded
 from harness.engines.base import Engine
 from harness.model.errors import InputError
 from harness.model.run import Run
 from harness.scene_run import scene_run
 from reports.cli import app
+from reports.cli.ending import INTERRUPTED, guarded
 from reports.pages.page import write_report
 from tests.reports.invented_run import write_invented
 

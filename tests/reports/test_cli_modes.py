@@ -11,8 +11,9 @@ import pytest
 from typer.main import get_command
 from typer.testing import CliRunner
 
-from harness.command import EngineOptions, OutputOptions, spread
 from reports.cli import app
+from reports.cli.app import spread
+from reports.cli.options import EngineOptions, OutputOptions
 from reports.terminal import COLUMNS, LINES
 from tests.meshes import togatus
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
-from harness import study_cli
 from harness.records.base import as_file
 from harness.studies.cases import base_of, expand
 from harness.studies.file import load_study
+from reports.cli import studies
 from reports.pages.conservator_study import context
 from reports.pages.page import write_report
 from reports.pages.study_page import study_verdict
@@ -69,7 +69,7 @@ def study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     write_scene(folder, content(0) | standing())
     path = folder / "study.toml"
     path.write_text(VARIED.format(key=key, values=values, also=also) + variants, encoding="utf-8")
-    study_cli.run(path, folder / "out", jobs=1, quiet=True)
+    studies.run(path, folder / "out", jobs=1, quiet=True)
     write_report(folder / "out")
     return path, folder / "out"
 

@@ -9,12 +9,12 @@ import pytest
 from typer.testing import CliRunner
 
 from harness.campaign.progress import ProgressMessages, progress
-from harness.command import guarded
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
 from harness.model.terminal import CONTROL, json_text, printable, printable_lines
 from harness.scene_run.scene_run import run_scene
 from reports.cli import app
+from reports.cli.ending import guarded
 from reports.messages import ENGLISH
 from reports.terminal import run_lines
 from tests.reports.claim_scenes import HOSTILE, content, write_scene

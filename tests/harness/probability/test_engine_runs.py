@@ -10,15 +10,15 @@ from typing import Any
 import pytest
 import trimesh
 
-from harness import assess_cli
 from harness.campaign.runner import InlinePool
 from harness.campaign.store import Store
 from harness.campaign.task import Answer
-from harness.command import EngineOptions, Sampling, ScanOptions, SupportOptions
 from harness.model.errors import InputError
 from harness.model.scene import Wall
 from harness.probability.assessment import assess
 from harness.probability.engine_runs import DrawnRun, overturns
+from reports.cli import assessments
+from reports.cli.options import EngineOptions, Sampling, ScanOptions, SupportOptions
 from tests.scenes_for_tests import paestum
 
 FEW = {"draws": 200, "most_runs": 32, "more_options": None}
@@ -75,7 +75,7 @@ SAMPLING = Sampling(draws=100, seed=0, half_width=0.05, most_runs=30)
 
 def test_draws_are_written_with_every_outcome(tmp_path: Path) -> None:
     asked, folder = EngineOptions(["pymunk"], ["duration_s=1.0"]), tmp_path / "out"
-    record = assess_cli.run(SCENE, folder, asked, SAMPLING, no_options=True, csv=True, jobs=1, quiet=True)
+    record = assessments.run(SCENE, folder, asked, SAMPLING, no_options=True, csv=True, jobs=1, quiet=True)
     assert record.options is None
     assert record.files is not None
     assert "draws.csv" in record.files
@@ -90,7 +90,7 @@ def test_draws_are_written_with_every_outcome(tmp_path: Path) -> None:
     assert sum(row["pymunk_overturned"] != "" for row in rows) == pytest.approx(record.runs.wanted - undecided)
     assert all(float(row["contact.floor"]) > 0.0 for row in rows)
     # With the store of the first, a second call runs nothing, and takes away what it is not asked for.
-    again = assess_cli.run(SCENE, folder, asked, SAMPLING, no_options=True, jobs=1, resume=True, quiet=True)
+    again = assessments.run(SCENE, folder, asked, SAMPLING, no_options=True, jobs=1, resume=True, quiet=True)
     assert again.runs is not None
     assert again.runs.computed == 0
     assert not (folder / "draws.csv").exists()
@@ -105,7 +105,7 @@ def test_wrong_options_of_the_command_are_told_and_leave_nothing(tmp_path: Path)
     ]
     for more in (*wrong, {"options": tmp_path / "none.toml"}, {"dask": "tcp://127.0.0.1:1"}):
         with pytest.raises(InputError):
-            assess_cli.run(SCENE, folder, asked, SAMPLING, quiet=True, **more)
+            assessments.run(SCENE, folder, asked, SAMPLING, quiet=True, **more)
     assert not folder.exists()
 
 
@@ -115,20 +115,20 @@ def test_a_scan_and_a_record_are_assessed_and_their_scene_is_kept(tmp_path: Path
     box = trimesh.creation.box((0.3, 0.5, 1.4))
     box.export(scan)
     motion.write_text("t_s,x [m/s2]\n" + "".join(f"{0.02 * k:.2f},{(-3.0) ** (k % 2)}\n" for k in range(60)))
-    scanned = assess_cli.Scanned(motion, ScanOptions(unit="m", up="z"), SupportOptions(friction=0.5))
+    scanned = assessments.Scanned(motion, ScanOptions(unit="m", up="z"), SupportOptions(friction=0.5))
     asked, more = EngineOptions(["analytic"]), {"no_options": True, "quiet": True}
-    record = assess_cli.run(scan, folder, asked, SAMPLING, scanned=scanned, **more)
-    again = assess_cli.run(folder / "scene.toml", tmp_path / "again", asked, SAMPLING, **more)
+    record = assessments.run(scan, folder, asked, SAMPLING, scanned=scanned, **more)
+    again = assessments.run(folder / "scene.toml", tmp_path / "again", asked, SAMPLING, **more)
     assert record.assessment == again.assessment
     assert {"scene.toml", "scene_statue.ply"} <= set(record.files or ())
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "again", "block.ply", "quake.csv"]
     wrong = [
-        (scan, assess_cli.Scanned()),
+        (scan, assessments.Scanned()),
         (SCENE, scanned),
-        (SCENE, assess_cli.Scanned(known=ScanOptions(height_m=2.0))),
+        (SCENE, assessments.Scanned(known=ScanOptions(height_m=2.0))),
     ]
     for path, given in wrong:
         with pytest.raises(InputError, match="--motion"):
-            assess_cli.run(path, tmp_path / "none", asked, SAMPLING, scanned=given, **more)
+            assessments.run(path, tmp_path / "none", asked, SAMPLING, scanned=given, **more)
     with pytest.raises(InputError, match="another folder"):
-        assess_cli.run(folder / "scene.toml", folder, asked, SAMPLING, **more)
+        assessments.run(folder / "scene.toml", folder, asked, SAMPLING, **more)

@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from analytic.errors import AnalyticInputError
-from harness import study_cli
 from harness.campaign.column_store import COLUMNS_NAME, ColumnStore
 from harness.campaign.runner import InlinePool
 from harness.campaign.store import STORE_NAME, PlannedRow, Store
@@ -22,6 +21,7 @@ from harness.studies.case_scenes import CaseScenes
 from harness.studies.column_rows import ColumnRows, table, thinned
 from harness.studies.file import load_study
 from harness.studies.study_run import run_in_columns, run_study, study_name
+from reports.cli import studies
 from tests.harness.studies.small_study import BLOCK, STUDY, written
 
 pytest.importorskip("pyarrow", reason="columns need the extra [parquet]")
@@ -149,8 +149,8 @@ def test_an_export_is_the_same_file(tmp_path: Path) -> None:
             (tmp_path / name).mkdir()
             with Store(tmp_path / name / store):
                 pass
-        study_cli.run(path, tmp_path / name, pool=InlinePool(), quiet=True, export=tmp_path / f"{name}.csv")
-        study_cli.run(path, tmp_path / name, pool=InlinePool(), quiet=True, export=tmp_path / f"{name}.parquet")
+        studies.run(path, tmp_path / name, pool=InlinePool(), quiet=True, export=tmp_path / f"{name}.csv")
+        studies.run(path, tmp_path / name, pool=InlinePool(), quiet=True, export=tmp_path / f"{name}.parquet")
     assert (tmp_path / "columns" / COLUMNS_NAME).is_dir()
     assert not (tmp_path / "rows" / COLUMNS_NAME).exists()
     assert (tmp_path / "columns.csv").read_bytes() == (tmp_path / "rows.csv").read_bytes()
@@ -168,7 +168,7 @@ def test_a_record_holds_a_coarser_grid_and_counts_all(tmp_path: Path) -> None:
     assert all(parts(row) == every[row.number] for row in shown)
     counted = table(rows.store, rows.study, len(shown))
     assert (counted.rows, sum(counted.outcomes.values()), counted.shown) == (60, 60, len(shown))
-    record = study_cli.run(path, tmp_path / "out", pool=InlinePool(), quiet=True)
+    record = studies.run(path, tmp_path / "out", pool=InlinePool(), quiet=True)
     assert isinstance(record, StudyRecord)
     assert record.table is not None
     assert record.table.outcomes == counted.outcomes
@@ -177,11 +177,11 @@ def test_a_record_holds_a_coarser_grid_and_counts_all(tmp_path: Path) -> None:
 SCRIPT = """
 import sys
 from pathlib import Path
-from harness import study_cli
+from reports.cli import studies
 from harness.campaign.runner import InlinePool
 from harness.studies import case_blocks
 case_blocks.LEAST_RUNS, case_blocks.BLOCK = 1, 3
-study_cli.run(Path(sys.argv[1]), Path(sys.argv[2]), pool=InlinePool(), quiet=True)
+studies.run(Path(sys.argv[1]), Path(sys.argv[2]), pool=InlinePool(), quiet=True)
 """
 
 
@@ -199,7 +199,7 @@ def test_what_was_finished_outlives_a_kill(tmp_path: Path, monkeypatch: pytest.M
     torn.write_bytes(torn.read_bytes()[:-40])
     (torn.parent / ".writing-half.parquet").write_bytes(torn.read_bytes()[:100])
     monkeypatch.setattr(case_blocks, "BLOCK", 3)
-    study_cli.run(path, out, pool=InlinePool(), quiet=True, resume=True)
+    studies.run(path, out, pool=InlinePool(), quiet=True, resume=True)
     assert all(part.stat().st_mtime_ns == at for part, at in before.items() if part != torn), "what was whole is kept"
     study = load_study(path)
     rows = list(ColumnRows(ColumnStore(next((out / COLUMNS_NAME).iterdir())), study).rows(""))

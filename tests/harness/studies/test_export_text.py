@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from harness import study_cli
 from harness.studies.study_record import cell
+from reports.cli import studies
 from tests.harness.studies.small_study import STUDY, written
 
 
@@ -26,7 +26,7 @@ def test_an_exported_study_holds_no_formula(tmp_path: Path) -> None:
     hostile = '=HYPERLINK("http://a","b")'
     small = STUDY.replace('"own"', f"'{hostile}'").replace("count = 6", "count = 2").replace("count = 5", "count = 2")
     path = written(tmp_path, small)
-    study_cli.run(path, tmp_path / "out", jobs=1, quiet=True, export=tmp_path / "rows.csv")
+    studies.run(path, tmp_path / "out", jobs=1, quiet=True, export=tmp_path / "rows.csv")
     with (tmp_path / "rows.csv").open(newline="", encoding="utf-8") as stream:
         rows = list(csv.reader(stream))
     assert rows[0][0] == "number"

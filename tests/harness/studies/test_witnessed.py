@@ -11,7 +11,6 @@ from typing import Any
 
 import pytest
 
-from harness import study_cli
 from harness.accuracy.simulation import simulate
 from harness.campaign.runner import InlinePool
 from harness.model.run import Run
@@ -21,11 +20,12 @@ from harness.records.study import StudyRecord
 from harness.scene_run import witness
 from harness.studies import witnessed
 from harness.studies.witnessed import drawn
+from reports.cli import studies
 from tests.harness.studies.small_study import CONTACT, STUDY, written
 
 
 def ran(folder: Path, text: str = CONTACT, **more: Any) -> StudyRecord:
-    study_cli.run(written(folder, text), folder / "out", jobs=1, quiet=True, **more)
+    studies.run(written(folder, text), folder / "out", jobs=1, quiet=True, **more)
     record = read_result(folder / "out")
     assert isinstance(record, StudyRecord)
     return record

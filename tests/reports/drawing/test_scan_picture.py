@@ -9,11 +9,11 @@ import pytest
 import trimesh
 from typer.testing import CliRunner
 
-from harness.command import WRONG_INPUT, guarded
 from meshes.orientation import turn_axis
 from meshes.prepare import Wanted, prepare
 from meshes.solid import Solid, solid_from_mesh
 from reports.cli import app
+from reports.cli.ending import WRONG_INPUT, guarded
 from reports.drawing.scan_picture import BASE, SIDE, WEAKEST, scan_picture
 from reports.drawing.shapes import Path as Line
 from reports.drawing.shapes import Text

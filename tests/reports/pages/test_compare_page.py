@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from harness.command import WRONG_INPUT, guarded
 from harness.input.history_file import read_history
 from harness.records.kinds import read_result
 from harness.records.scores import CompareRecord, Verdict
 from reports.cli import app
+from reports.cli.ending import WRONG_INPUT, guarded
 from tests import doubles
 
 

@@ -1,33 +1,16 @@
-"""What every command shares: options that come in groups, how much is said, exit codes, mistakes told without a traceback."""
+"""What commands share: options, alone and in groups, and how much is said."""
 
 from __future__ import annotations
 
-import errno
-import inspect
-import shlex
-import signal
-import sys
-import threading
-import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, fields, is_dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 import typer
 
 from harness.model.errors import InputError, Mistake
-from harness.model.terminal import json_text, printable, printable_lines
-
-OK: Final = 0
-FAILED: Final = 1
-WRONG_INPUT: Final = 2
-INTERRUPTED: Final = 130
-NO_SUCH_PLACE: Final = frozenset(
-    {errno.ENAMETOOLONG, errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.ELOOP, errno.EEXIST}
-)
-"""What the system says of a path that is wrong, not of one that cannot be written or read just now."""
+from harness.model.terminal import json_text, printable_lines
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (TOML).", show_default=False)]
 Accuracy = Annotated[
@@ -38,6 +21,20 @@ Step = Annotated[float | None, typer.Option("--dt", metavar="S", help="Fixed tim
 JsonOnly = Annotated[
     bool,
     typer.Option("--json", help="Print the record as JSON and nothing else; `rockcheck report DIR` writes its pages."),
+]
+
+
+OUT: Final = Path("out")
+
+Out = Annotated[Path | None, typer.Option("--out", help="Folder of the result. Default: out/NAME.", show_default=False)]
+Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes. Default: one for each core.", min=1)]
+Seed = Annotated[int, typer.Option("--seed", help="Seed of the draws.", min=0)]
+Dask = Annotated[
+    str | None, typer.Option("--dask", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
+]
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with what was begun in this folder.")]
+InLanguage = Annotated[
+    str, typer.Option("--language", help="Language of the conservator's page: en or it.", show_default=True)
 ]
 
 
@@ -210,90 +207,3 @@ class TextLayout:
     time_column: Annotated[
         int | None, typer.Option("--time-column", metavar="N", help="Unknown text format: time column, counted from 1.")
     ] = None
-
-
-def command(app: typer.Typer, name: str | None = None, *examples: str) -> Callable[[Callable[..., None]], None]:
-    """Add a function as a command: its parameters that are groups of options are spread into these, its examples shown."""
-
-    def add(function: Callable[..., None]) -> None:
-        words = f"Example{'s' if len(examples) > 1 else ''}:  " + "  ·  ".join(f"`{line}`" for line in examples)
-        app.command(name, epilog=words)(spread(function))
-
-    return add
-
-
-def spread(function: Callable[..., None]) -> Callable[..., None]:
-    """A function of options alone, for one whose parameters may be dataclasses of options."""
-    parameters: list[inspect.Parameter] = []
-    groups = {}
-    for name, given in inspect.signature(function, eval_str=True).parameters.items():
-        if isinstance(given.annotation, type) and is_dataclass(given.annotation):
-            groups[name] = given.annotation
-            own = list(inspect.signature(given.annotation, eval_str=True).parameters.values())
-        else:
-            own = [given]
-        parameters += [item.replace(kind=inspect.Parameter.KEYWORD_ONLY) for item in own]
-
-    def called(**values: Any) -> None:
-        parts = {
-            name: group(**{item.name: values.pop(item.name) for item in fields(group)})
-            for name, group in groups.items()
-        }
-        function(**values, **parts)
-
-    described: Any = called
-    described.__name__, described.__doc__ = function.__name__, function.__doc__
-    described.__signature__ = inspect.Signature(parameters)
-    described.__annotations__ = {item.name: item.annotation for item in parameters}
-    return called
-
-
-def guarded(action: Any) -> int:
-    """Run a command; a user's mistake becomes a message on stderr and exit code 2, never a traceback.
-
-    A request to end (SIGTERM) does what an interrupt does: workers are stopped, a store is closed, what is kept is said. A
-    warning of Python's is said where progress is, on one line, or not at all.
-    """
-    with _ending_cleanly(), warnings.catch_warnings():
-        warnings.showwarning = lambda *_: None
-        return _guarded(action)
-
-
-@contextmanager
-def _ending_cleanly() -> Iterator[None]:
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
-
-
-def _guarded(action: Any) -> int:
-    try:
-        code = action()
-    except InputError as error:
-        for mistake in error.mistakes:
-            print(f"error: {mistake}", file=sys.stderr)
-        return WRONG_INPUT
-    except (KeyboardInterrupt, SystemExit) as ending:
-        # Typer turns an interrupt into this exit code and says nothing.
-        if isinstance(ending, SystemExit) and ending.code != INTERRUPTED:
-            raise
-        again = shlex.join(["rockcheck", *sys.argv[1:]])
-        print(f"interrupted: what a study has finished is kept in its store; this goes on: {again}", file=sys.stderr)
-        return INTERRUPTED
-    except BrokenPipeError:
-        sys.stderr.close()
-        return FAILED
-    except OSError as error:
-        what = (
-            f"{printable(repr(str(error.filename)))} could not be read or"
-            if error.filename
-            else "the output could not be"
-        )
-        print(f"error: {what} written: {error.strerror or error}", file=sys.stderr)
-        return WRONG_INPUT if error.errno in NO_SUCH_PLACE else FAILED
-    return int(code or OK)

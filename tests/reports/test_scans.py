@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.command import ScanOptions, SupportOptions
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Layout
 from harness.input.scene_file import load_scene
-from harness.mesh_cli import MARBLE_KG_M3, inspect, new, prepare
 from harness.model.errors import InputError
+from reports.cli.options import ScanOptions, SupportOptions
+from reports.cli.scans import MARBLE_KG_M3, inspect, new, prepare
 from tests.doubles import codes
 from tests.meshes import togatus
 

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Final
 
 import typer
 
-from harness.command import FAILED, OutputOptions
 from harness.model.errors import InputError
 from harness.model.terminal import printable
-
-OUT: Final = Path("out")
-
-Out = Annotated[Path | None, typer.Option("--out", help="Folder of the result. Default: out/NAME.", show_default=False)]
+from reports.cli.ending import FAILED
+from reports.cli.options import OutputOptions
 
 
 def say_result(
@@ -47,3 +43,10 @@ def say_result(
         raise typer.Exit(FAILED) from fault
     if not saying.silent:
         typer.echo(printable(f"report: {page}"))
+
+
+def check_language(code: str) -> None:
+    """Raise `InputError` for a language that the conservator's page does not speak, before anything is computed."""
+    from reports.messages import language
+
+    language(code)

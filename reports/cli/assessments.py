@@ -14,7 +14,6 @@ from harness.campaign.dask_pool import DaskPool
 from harness.campaign.progress import ProgressMessages
 from harness.campaign.runner import LocalPool
 from harness.campaign.store import STORE_NAME, Store, check_begun
-from harness.command import EngineOptions, Sampling, ScanOptions, SupportOptions, TextLayout
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
@@ -25,7 +24,8 @@ from harness.probability.by_model import MODEL
 from harness.probability.options import read_options
 from harness.records.assess import AssessRecord
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
-from harness.study_cli import unbegun
+from reports.cli.options import EngineOptions, Sampling, ScanOptions, SupportOptions, TextLayout
+from reports.cli.studies import unbegun
 
 DRAWS_NAME, CLEARANCE_NAME = "draws.csv", "clearance.csv"
 SCENE_NAME, MESH_NAME, LOG_NAME = "scene.toml", "scene_statue.ply", "scene_statue.account.json"
@@ -56,7 +56,7 @@ class Scanned:
         if path.suffix.lower() == ".toml":
             raise InputError(Mistake("--motion", "", "a scan beside it: a scene has its own [motion]", str(path)))
         from harness.input.motions.recordfile import Layout
-        from harness.mesh_cli import new
+        from reports.cli.scans import new
 
         folder.parent.mkdir(parents=True, exist_ok=True)
         # At the depth of the result's folder: the scene's relative path to the record is then the same in both.

@@ -1,4 +1,4 @@
-"""The commands that compute: run, compare, engines; pages and pictures are added in `reports/cli.py`."""
+"""One scene by several engines, and histories held against each other: run, compare; what engines and records there are."""
 
 from __future__ import annotations
 
@@ -11,8 +11,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.campaign.progress import ProgressMessages
-from harness.command import EngineOptions, JsonOnly, OutputOptions, Target, command
 from harness.model.errors import InputError, Mistake, nearest
+from harness.model.terminal import printable
+from reports.cli.app import app, command
+from reports.cli.ending import FAILED, OK
+from reports.cli.options import OUT, EngineOptions, InLanguage, JsonOnly, Out, OutputOptions, SceneFile, Target
+from reports.cli.result import check_language, say_result
 
 if TYPE_CHECKING:
     from harness.model.options import RunOptions
@@ -31,12 +35,7 @@ class Compared:
     over_all: dict[str, SetScores] = field(default_factory=dict)
 
 
-def add_commands(app: typer.Typer) -> None:
-    """Mount the computing commands on the application."""
-    command(app, "engines", "rockcheck engines")(engines)
-    command(app, "schema", "rockcheck schema run > run.schema.json")(schema)
-
-
+@command(app, None, "rockcheck engines")
 def engines(as_json: JsonOnly = False) -> None:
     """List the engines: what each computes, and whether it runs here."""
     from harness.engines import REGISTRY, load
@@ -55,6 +54,7 @@ def engines(as_json: JsonOnly = False) -> None:
     OutputOptions(as_json).say(rows, "\n".join(lines))
 
 
+@command(app, None, "rockcheck schema run > run.schema.json")
 def schema(
     kind: Annotated[str, typer.Argument(metavar="KIND", help="The record's `kind`: run, study, …", show_default=False)],
 ) -> None:
@@ -69,7 +69,124 @@ def schema(
     OutputOptions(as_json=True).say(schema_of(class_of(kind)), "")
 
 
+@command(
+    app, None, "rockcheck run scenes/paestum_floor.toml",
+    "rockcheck run scenes/paestum_floor.toml -e analytic -e pymunk --set motion.x.frequency_hz=2 --accuracy 1e-4",
+)  # fmt: skip
+def run(
+    scene: SceneFile,
+    asked: EngineOptions,
+    target: Target,
+    saying: OutputOptions,
+    out: Out = None,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Print what would be skipped and why, without a run.")
+    ] = False,
+    no_skip: Annotated[
+        list[str] | None,
+        typer.Option("--no-skip", metavar="NAME", help="Switch one skip off (see --explain), or `all`."),
+    ] = None,
+    witness: Annotated[
+        bool, typer.Option("--witness", help="Compare the runs with unmodified engines (up to twice the time).")
+    ] = False,
+    no_assess: Annotated[bool, typer.Option("--no-assess", help="Skip the overturning probability.")] = False,
+    language: InLanguage = "en",
+) -> None:
+    """Run one scene with several engines; write histories, scores and a report."""
+    from harness.accuracy.simulation import check_target
+    from harness.records.base import plain
+    from harness.records.result_folder import check_folder, named_after
+    from harness.scene_run.scene_run import Ended, write_result
+    from reports.messages import ENGLISH
+    from reports.terminal import explained, run_lines
+
+    folder = out or OUT / named_after(scene)
+    check_folder(folder, ("run",))
+    check_language(language)
+    if explain:
+        from harness.input.scene_file import load_scene
+
+        check_target(target.accuracy, target.dt)
+        steps = plan_of(load_scene(scene, asked.overrides or ()), asked.engine, no_skip)
+        saying.say(*explained(steps))
+        return
+    try:
+        result = compute(
+            scene, asked, target, no_skip, quiet=saying.silent, out=folder, assess=not no_assess, witness=witness
+        )
+    except Ended as ending:
+        write_result(ending.result, folder, ENGLISH.say)
+        typer.echo(
+            printable(f"{folder} holds what had finished; `rockcheck report {folder}` writes its pages"), err=True
+        )
+        raise
+    write_result(result, folder, ENGLISH.say)
+    record = result.record().texted(ENGLISH.say)
+    lines = run_lines(record, verbose=saying.verbose)
+    say_result(plain(record), "\n".join(lines), folder, saying, language)
+    # An engine that nobody named and that has no wheels here is said, and no failure.
+    failed = result.failed_but(() if asked.engine else tuple(result.runs))
+    raise typer.Exit(FAILED if failed else OK)
+
+
+@command(app, None, "rockcheck compare scenes/free_rocking.toml", "rockcheck compare A.csv B.csv --out out/ab")
 def compare(
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="SCENE... | A.csv B.csv", help="Scenes, or two histories (B is the reference).", show_default=False
+        ),
+    ],
+    asked: EngineOptions,
+    target: Target,
+    saying: OutputOptions,
+    iso: Annotated[bool, typer.Option("--iso", help="Also rate by ISO/TS 18571 (extra [iso]).")] = False,
+    horizon: Annotated[
+        bool,
+        typer.Option("--horizon", help="Also measure each model's horizon of prediction (about twenty runs each)."),
+    ] = False,
+    uncertainty: Annotated[
+        float | None,
+        typer.Option("--uncertainty", metavar="RAD", help="Numerical error of the rotation in two histories."),
+    ] = None,
+    slip_uncertainty: Annotated[
+        float | None,
+        typer.Option("--slip-uncertainty", metavar="M", help="Numerical error of the slip in two histories."),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Of two histories: the folder of a page with their chart.")
+    ] = None,
+) -> None:
+    """Score histories against each other: of engines on a scene, or of any software from two CSV files."""
+    from harness.model.finding import info
+    from harness.model.run import to_plain
+    from reports.messages import ENGLISH
+    from reports.text.glossary import scores_text
+
+    compared = compared_of(
+        files,
+        asked,
+        target,
+        quiet=saying.silent,
+        iso=iso,
+        horizon=horizon,
+        uncertainty=uncertainty,
+        slip_uncertainty=slip_uncertainty,
+        out=out,
+    )
+    lines = [scores_text(pair, scores) for pair, scores in compared.pairs.items()]
+    for name, scores in compared.over_all.items():
+        same = info("same_outcome", model=name, reference=scores.reference, same=scores.same, cases=scores.cases)
+        lines += [ENGLISH.say(each) for each in (same, *scores.findings(name))]
+    if out is not None:
+        from reports.pages.page import write_report
+
+        lines.append(f"report: {write_report(out)}")
+    over_all = {"over_all_scenes": compared.over_all} if compared.over_all else {}
+    saying.say(to_plain(compared.pairs | over_all), "\n".join(lines))
+
+
+def compared_of(
     files: Sequence[Path],
     asked: EngineOptions,
     target: Target,
@@ -180,7 +297,7 @@ def compute(
         )
 
 
-def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None) -> Sequence[Step]:
+def plan_of(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None) -> Sequence[Step]:
     """The plan of a scene."""
     from harness.engines import REGISTRY, default_engines, load
     from harness.statics.plan import plan

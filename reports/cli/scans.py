@@ -8,7 +8,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.command import ScanOptions, SupportOptions
 from harness.input import paths
 from harness.input.mesh_file import MARBLE_KG_M3
 from harness.input.mesh_statue import findings_of, mesh_mistake
@@ -17,6 +16,7 @@ from harness.model.errors import InputError, Mistake
 from harness.model.files import check_own, checksum, write_text, writing
 from harness.model.finding import Finding, Say, texted
 from harness.records.result_folder import listed
+from reports.cli.options import ScanOptions, SupportOptions
 
 if TYPE_CHECKING:
     from harness.input.motions.recordfile import Layout

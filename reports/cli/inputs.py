@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.command import EngineOptions, OutputOptions, ScanOptions, SupportOptions, Target, TextLayout, command
 from harness.model.terminal import printable
-from reports.cli_result import OUT
+from reports.cli.app import app, command
+from reports.cli.options import OUT, OutputOptions, ScanOptions, SupportOptions, TextLayout
 
 if TYPE_CHECKING:
     from harness.input.motions.inspect import Inspection as MotionInspection
@@ -21,16 +21,8 @@ Scan = Annotated[Path, typer.Argument(metavar="SCAN", help="A scan: PLY, OBJ, ST
 
 mesh = typer.Typer(no_args_is_help=True, help="Inspect and prepare scans.")
 motion = typer.Typer(no_args_is_help=True, help="Inspect motions.")
-
-
-def add_commands(app: typer.Typer) -> None:
-    """Mount the commands on the application."""
-    app.add_typer(mesh, name="mesh")
-    app.add_typer(motion, name="motion")
-    command(app, "new", "rockcheck new statue.obj --motion quake.AT2 --height 1.62")(new)
-    command(app, "compare", "rockcheck compare scenes/free_rocking.toml", "rockcheck compare A.csv B.csv --out out/ab")(
-        compare
-    )
+app.add_typer(mesh, name="mesh")
+app.add_typer(motion, name="motion")
 
 
 @command(mesh, "inspect", "rockcheck mesh inspect statue.obj --unit mm --picture statue.png")
@@ -48,7 +40,7 @@ def mesh_inspect(
     ] = None,
 ) -> None:
     """Print a scan's size, mass properties, repairs and doubts; write nothing but --picture."""
-    from harness.mesh_cli import inspect
+    from reports.cli.scans import inspect
 
     if picture is not None:
         _check_picture(picture)
@@ -69,7 +61,7 @@ def mesh_inspect(
 
 
 def _say_scan(inspection: Inspection, saying: OutputOptions, *last: str) -> None:
-    from harness.mesh_cli import record_of
+    from reports.cli.scans import record_of
     from reports.messages import ENGLISH
     from reports.terminal import scan_lines
 
@@ -99,13 +91,14 @@ def mesh_prepare(
     out: Annotated[Path, typer.Option("--out", help="The mesh to write (.ply, .obj, .stl, .glb).", show_default=False)],
 ) -> None:
     """Write a scan as a closed mesh in metres, z up, with a log of every change beside it."""
-    from harness.mesh_cli import prepare
+    from reports.cli.scans import prepare
     from reports.messages import ENGLISH
 
     inspection, log = prepare(scan, out, known, ENGLISH.say)
     _say_scan(inspection, saying, f"mesh: {out}", f"processing log: {log}")
 
 
+@command(app, None, "rockcheck new statue.obj --motion quake.AT2 --height 1.62")
 def new(
     scan: Scan,
     motion_file: Annotated[Path, typer.Option("--motion", metavar="FILE", help="A record.", show_default=False)],
@@ -119,9 +112,9 @@ def new(
 ) -> None:
     """Write a first, commented scene from a scan and a record; it runs as it is."""
     from harness.input.motions.recordfile import Layout
-    from harness.mesh_cli import new as write_scene
     from harness.model.finding import texted, weighed
     from harness.model.run import to_plain
+    from reports.cli.scans import new as write_scene
     from reports.messages import ENGLISH
     from reports.terminal import found_lines
 
@@ -191,60 +184,3 @@ def _inspected(file: Path, unit: str | None, axis: str, layout: Layout) -> Motio
         given = [name for name in ("x", "y", "z") if getattr(model.motion, name) is not None]
         raise InputError(Mistake("--axis", "", f"a component of the scene ({', '.join(given) or 'it has none'})", axis))
     return inspect_component(component)
-
-
-def compare(
-    files: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="SCENE... | A.csv B.csv", help="Scenes, or two histories (B is the reference).", show_default=False
-        ),
-    ],
-    asked: EngineOptions,
-    target: Target,
-    saying: OutputOptions,
-    iso: Annotated[bool, typer.Option("--iso", help="Also rate by ISO/TS 18571 (extra [iso]).")] = False,
-    horizon: Annotated[
-        bool,
-        typer.Option("--horizon", help="Also measure each model's horizon of prediction (about twenty runs each)."),
-    ] = False,
-    uncertainty: Annotated[
-        float | None,
-        typer.Option("--uncertainty", metavar="RAD", help="Numerical error of the rotation in two histories."),
-    ] = None,
-    slip_uncertainty: Annotated[
-        float | None,
-        typer.Option("--slip-uncertainty", metavar="M", help="Numerical error of the slip in two histories."),
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", help="Of two histories: the folder of a page with their chart.")
-    ] = None,
-) -> None:
-    """Score histories against each other: of engines on a scene, or of any software from two CSV files."""
-    from harness import cli
-    from harness.model.finding import info
-    from harness.model.run import to_plain
-    from reports.messages import ENGLISH
-    from reports.text.glossary import scores_text
-
-    compared = cli.compare(
-        files,
-        asked,
-        target,
-        quiet=saying.silent,
-        iso=iso,
-        horizon=horizon,
-        uncertainty=uncertainty,
-        slip_uncertainty=slip_uncertainty,
-        out=out,
-    )
-    lines = [scores_text(pair, scores) for pair, scores in compared.pairs.items()]
-    for name, scores in compared.over_all.items():
-        same = info("same_outcome", model=name, reference=scores.reference, same=scores.same, cases=scores.cases)
-        lines += [ENGLISH.say(each) for each in (same, *scores.findings(name))]
-    if out is not None:
-        from reports.pages.page import write_report
-
-        lines.append(f"report: {write_report(out)}")
-    over_all = {"over_all_scenes": compared.over_all} if compared.over_all else {}
-    saying.say(to_plain(compared.pairs | over_all), "\n".join(lines))

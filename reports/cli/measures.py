@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.campaign.progress import ProgressMessages
-from harness.command import FAILED, OK, OutputOptions, command
-from reports.cli_result import OUT, Out, say_result
+from reports.cli.app import app, command
+from reports.cli.ending import FAILED, OK
+from reports.cli.options import OUT, Out, OutputOptions
+from reports.cli.result import say_result
 
 if TYPE_CHECKING:
     from harness.campaign.parts import Measurement, R
@@ -23,12 +25,7 @@ Parts = Annotated[
 ]
 
 
-def add_commands(app: typer.Typer) -> None:
-    """Mount the commands on the application."""
-    command(app, "bench", "rockcheck bench --out out/bench", "rockcheck bench --parts precision,skips")(bench)
-    command(app, "stress", "rockcheck stress --out out/stress", "rockcheck stress --parts fuzz")(stress)
-
-
+@command(app, None, "rockcheck bench --out out/bench", "rockcheck bench --parts precision,skips")
 def bench(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
     """Measure run time against error for every engine and setting, what skips gain, and how cost grows."""
     from harness.bench import bench_run
@@ -36,6 +33,7 @@ def bench(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out:
     measured(bench_run.bench(), saying, quick, parts, out)
 
 
+@command(app, None, "rockcheck stress --out out/stress", "rockcheck stress --parts fuzz")
 def stress(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
     """Run hard scenes, map each engine's stability, and read thousands of mutated files."""
     from harness.bench.stress import stress_run

@@ -1,0 +1,28 @@
+"""The command `rockcheck`: the application, its options, what each command does, how it ends."""
+
+from __future__ import annotations
+
+import gc
+import sys
+from io import TextIOWrapper
+
+from reports.cli import inputs, measures, pages, questions, scenes  # each adds its commands
+from reports.cli.app import app
+from reports.cli.ending import guarded
+
+__all__ = ["app", "inputs", "main", "measures", "pages", "questions", "scenes"]
+
+
+def main() -> None:
+    """Entry point of the command."""
+    gc.set_threshold(
+        100_000
+    )  # what is imported lives to the end: to look through it every 700 objects takes a tenth of a start
+    if isinstance(sys.stdout, TextIOWrapper):
+        # The name of a file may be no text: what cannot be printed is printed as escapes.
+        sys.stdout.reconfigure(errors="backslashreplace")
+    sys.exit(guarded(app))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,76 @@
+"""How a command ends: exit codes, a user's mistake told without a traceback, an interrupt."""
+
+from __future__ import annotations
+
+import errno
+import shlex
+import signal
+import sys
+import threading
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, Final
+
+from harness.model.errors import InputError
+from harness.model.terminal import printable
+
+OK: Final = 0
+FAILED: Final = 1
+WRONG_INPUT: Final = 2
+INTERRUPTED: Final = 130
+NO_SUCH_PLACE: Final = frozenset(
+    {errno.ENAMETOOLONG, errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.ELOOP, errno.EEXIST}
+)
+"""What the system says of a path that is wrong, not of one that cannot be written or read just now."""
+
+
+def guarded(action: Any) -> int:
+    """Run a command; a user's mistake becomes a message on stderr and exit code 2, never a traceback.
+
+    A request to end (SIGTERM) does what an interrupt does: workers are stopped, a store is closed, what is kept is said. A
+    warning of Python's is said where progress is, on one line, or not at all.
+    """
+    with _ending_cleanly(), warnings.catch_warnings():
+        warnings.showwarning = lambda *_: None
+        return _guarded(action)
+
+
+@contextmanager
+def _ending_cleanly() -> Iterator[None]:
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _guarded(action: Any) -> int:
+    try:
+        code = action()
+    except InputError as error:
+        for mistake in error.mistakes:
+            print(f"error: {mistake}", file=sys.stderr)
+        return WRONG_INPUT
+    except (KeyboardInterrupt, SystemExit) as ending:
+        # Typer turns an interrupt into this exit code and says nothing.
+        if isinstance(ending, SystemExit) and ending.code != INTERRUPTED:
+            raise
+        again = shlex.join(["rockcheck", *sys.argv[1:]])
+        print(f"interrupted: what a study has finished is kept in its store; this goes on: {again}", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        sys.stderr.close()
+        return FAILED
+    except OSError as error:
+        what = (
+            f"{printable(repr(str(error.filename)))} could not be read or"
+            if error.filename
+            else "the output could not be"
+        )
+        print(f"error: {what} written: {error.strerror or error}", file=sys.stderr)
+        return WRONG_INPUT if error.errno in NO_SUCH_PLACE else FAILED
+    return int(code or OK)

@@ -1,0 +1,235 @@
+"""The questions over many runs: assess, study, trust, validate."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from reports.cli.app import app, command
+from reports.cli.ending import FAILED, OK
+from reports.cli.options import (
+    OUT,
+    Dask,
+    EngineOptions,
+    InLanguage,
+    Jobs,
+    Out,
+    OutputOptions,
+    Resume,
+    Sampling,
+    ScanOptions,
+    SceneFile,
+    Seed,
+    SupportOptions,
+    TextLayout,
+)
+from reports.cli.result import check_language, say_result
+
+if TYPE_CHECKING:
+    from harness.records.measured import MeasuredRecord
+    from harness.records.tosses import TossesRecord
+
+
+@command(
+    app, None, "rockcheck assess scenes/paestum_pedestal.toml",
+    "rockcheck assess scenes/paestum_pedestal.toml -e analytic -e pymunk --draws 20000 --seed 1",
+    "rockcheck assess scenes/paestum_pedestal.toml --options scenes/options/paestum.toml",
+    "rockcheck assess statue.obj --motion quake.AT2 --height 1.80",
+)  # fmt: skip
+def assess(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (TOML), or a scan.", show_default=False)],
+    asked: EngineOptions,
+    saying: OutputOptions,
+    sampling: Sampling,
+    known: ScanOptions,
+    around: SupportOptions,
+    text: TextLayout,
+    motion_file: Annotated[
+        Path | None, typer.Option("--motion", metavar="FILE", help="Of a scan: the record that shakes it.")
+    ] = None,
+    options: Annotated[
+        Path | None,
+        typer.Option("--options", metavar="FILE", help="Your own options (TOML), compared with the others."),
+    ] = None,
+    no_options: Annotated[bool, typer.Option("--no-options", help="Leave out what would help.")] = False,
+    csv: Annotated[
+        bool,
+        typer.Option("--csv", help="Also write draws.csv and clearance.csv."),
+    ] = False,
+    jobs: Jobs = None,
+    resume: Resume = False,
+    dask: Dask = None,
+    out: Out = None,
+) -> None:
+    """Compute the overturning probability by each model from the uncertain inputs of the scene."""
+    from harness.records.base import plain
+    from harness.records.result_folder import named_after
+    from reports.cli import assessments
+    from reports.messages import ENGLISH
+    from reports.terminal import assess_lines
+
+    folder = out or OUT / f"{named_after(scene)}-assess"
+    record = assessments.run(
+        scene, folder, asked, sampling, no_options=no_options, options=options,
+        csv=csv, jobs=jobs, resume=resume, dask=dask, quiet=saying.silent,
+        scanned=assessments.Scanned(motion_file, known, around, text), say=ENGLISH.say,
+    )  # fmt: skip
+    say_result(plain(record), "\n".join(assess_lines(record, verbose=saying.verbose)), folder, saying)
+
+
+@command(app, None, "rockcheck study scenes/paestum_table2.toml --jobs 2")
+def study(
+    study_file: Annotated[Path, typer.Argument(metavar="STUDY", help="A study file (TOML).", show_default=False)],
+    saying: OutputOptions,
+    jobs: Jobs = None,
+    resume: Resume = False,
+    dask: Dask = None,
+    export: Annotated[
+        Path | None, typer.Option("--export", help="Also write all rows to a .csv or .parquet file.")
+    ] = None,
+    large: Annotated[bool, typer.Option("--large", help="Run it though it may take more than a day.")] = False,
+    witness: Annotated[
+        bool, typer.Option("--witness", help="Compare a tenth of the scenes with unmodified engines.")
+    ] = False,
+    language: InLanguage = "en",
+    out: Out = None,
+) -> None:
+    """Run many scenes with several engines; results are cached."""
+    from harness.records.base import as_file
+    from harness.records.result_folder import named_after
+    from reports.cli import studies
+    from reports.messages import ENGLISH
+    from reports.terminal import study_lines
+
+    folder = out or OUT / named_after(study_file)
+    check_language(language)
+    record = studies.run(
+        study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent,
+        witness=witness, say=ENGLISH.say,
+    )  # fmt: skip
+    say_result(as_file(record), "\n".join(study_lines(record, verbose=saying.verbose)), folder, saying, language)
+    raise typer.Exit(FAILED if record.summary.failed else OK)
+
+
+@command(
+    app, None, "rockcheck trust scenes/paestum_floor.toml --coarse",
+    "rockcheck trust scenes/paestum_pedestal.toml -e pymunk -e pybullet --motion pulse --jobs 2",
+)  # fmt: skip
+def trust(
+    scene: SceneFile,
+    asked: EngineOptions,
+    saying: OutputOptions,
+    motion: Annotated[
+        str,
+        typer.Option(
+            "--motion", help="What shakes: sine, pulse (one sine), scene (its own motion, weaker or stronger)."
+        ),
+    ] = "sine",
+    coarse: Annotated[
+        bool, typer.Option("--coarse", help="Fewer points, and engines in the plane alone unless named.")
+    ] = False,
+    seed: Seed = 0,
+    jobs: Jobs = None,
+    resume: Resume = False,
+    dask: Dask = None,
+    out: Out = None,
+) -> None:
+    """Map over strength and frequency how far the analytic model is confirmed by the engines for this statue."""
+    from harness.records.base import plain
+    from harness.records.result_folder import named_after
+    from harness.trust.trust_run import run_trust
+    from reports.messages import ENGLISH
+    from reports.terminal import trust_lines
+
+    folder = out or OUT / f"{named_after(scene)}-trust"
+    record = run_trust(
+        scene, folder, asked.engine, asked.overrides or (), motion=motion, coarse=coarse, seed=seed, jobs=jobs,
+        resume=resume, dask=dask, quiet=saying.silent, say=ENGLISH.say,
+    )  # fmt: skip
+    say_result(plain(record), "\n".join(trust_lines(record, verbose=saying.verbose)), folder, saying)
+    raise typer.Exit(FAILED if record.summary.failed else OK)
+
+
+@command(app, None, "rockcheck validate tests.csv -e analytic -e pymunk@dt=5e-4 --samples 20")
+def validate(
+    experiments: Annotated[
+        Path, typer.Argument(metavar="EXPERIMENTS", help="A table (CSV) of measured tests.", show_default=False)
+    ],
+    saying: OutputOptions,
+    engine: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--engine", "-e", help="A model, with a setting where wanted: pymunk@dt=5e-4, pybullet@accuracy=1e-3."
+        ),
+    ] = None,
+    samples: Annotated[int, typer.Option("--samples", help="Draws of each test, for probabilities.")] = 0,
+    fit_share: Annotated[
+        str | None,
+        typer.Option("--fit-share", help="The share of the tests on which unknowns are fitted. Default: fit."),
+    ] = None,
+    seed: Seed = 0,
+    jobs: Jobs = None,
+    resume: Resume = False,
+    body: Annotated[
+        Path | None,
+        typer.Option("--body", metavar="SCENE", help="Whose statue is thrown, for measured tosses or drops."),
+    ] = None,
+    out: Out = None,
+) -> None:
+    """Run the models on measured tests, tosses or drops and score them against what was observed; or on impact ratios."""
+    from harness.records.base import as_file
+    from harness.records.result_folder import check_folder, named_after
+    from harness.validation.kinds import kind_of
+    from harness.validation.validation_run import run_validation
+    from reports.messages import ENGLISH
+    from reports.terminal import measured_lines, validation_lines
+
+    folder = out or OUT / named_after(experiments)
+    kind = kind_of(experiments, samples=samples, resume=resume, fit_share=fit_share, body=body, engine=engine)
+    if kind != "tests":
+        measured = _measured(kind, experiments, folder, body or Path(), engine, samples, seed, jobs, saying.silent)
+        say_result(as_file(measured), "\n".join(measured_lines(measured, verbose=saying.verbose)), folder, saying)
+        return
+    check_folder(folder, ("validation",))
+    record = run_validation(
+        experiments,
+        folder,
+        models=engine,
+        samples=samples,
+        fit_share=fit_share or "fit",
+        seed=seed,
+        jobs=jobs,
+        resume=resume,
+        quiet=saying.silent,
+        say=ENGLISH.say,
+    )
+    say_result(as_file(record), "\n".join(validation_lines(record, verbose=saying.verbose)), folder, saying)
+
+
+def _measured(
+    kind: str,
+    table: Path,
+    folder: Path,
+    body: Path,
+    models: list[str] | None,
+    samples: int,
+    seed: int,
+    jobs: int | None,
+    quiet: bool,
+) -> TossesRecord | MeasuredRecord:
+    """The record of a table of tosses, drops or impact ratios."""
+    from harness.validation.drop_run import validate_drops
+    from harness.validation.impact_ratios import validate_ratios
+    from harness.validation.toss_run import validate_tosses
+    from reports.messages import ENGLISH
+
+    say = ENGLISH.say
+    if kind == "tosses":
+        return validate_tosses(table, folder, body, models=models, seed=seed, jobs=jobs, say=say)
+    if kind == "impact_ratios":
+        return validate_ratios(table, folder, say)
+    return validate_drops(
+        table, folder, body, models=models, samples=samples, seed=seed, jobs=jobs, quiet=quiet, say=say
+    )
