@@ -6,7 +6,11 @@ import gc
 import sys
 from io import TextIOWrapper
 
-from reports.cli import inputs, measures, pages, questions, scenes  # each adds its commands
+# Each adds its commands, which the help lists in this order.
+# isort: off
+from reports.cli import scenes, questions, inputs, pages, measures
+# isort: on
+
 from reports.cli.app import app
 from reports.cli.ending import guarded
 

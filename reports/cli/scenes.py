@@ -35,40 +35,6 @@ class Compared:
     over_all: dict[str, SetScores] = field(default_factory=dict)
 
 
-@command(app, None, "rockcheck engines")
-def engines(as_json: JsonOnly = False) -> None:
-    """List the engines: what each computes, and whether it runs here."""
-    from harness.engines import REGISTRY, load
-    from harness.model.run import to_plain
-
-    rows = [
-        to_plain({"engine": name, "missing": engine.missing(), **asdict(engine.capabilities), "order": engine.order})
-        for name in REGISTRY
-        for engine in [load(name)]
-    ]
-    lines = []
-    for row in rows:
-        able = ", ".join(key.replace("_", " ") for key, value in row.items() if value is True)
-        state = f"not installed: {row['missing']}" if row["missing"] else "ready"
-        lines.append(f"{row['engine']:10} {row['dimensions']}D  {state}\n{'':10} {able}")
-    OutputOptions(as_json).say(rows, "\n".join(lines))
-
-
-@command(app, None, "rockcheck schema run > run.schema.json")
-def schema(
-    kind: Annotated[str, typer.Argument(metavar="KIND", help="The record's `kind`: run, study, …", show_default=False)],
-) -> None:
-    """Print the JSON Schema of a kind of `result.json`."""
-    from harness.records.base import schema_of
-    from harness.records.kinds import class_of
-    from harness.records.result_folder import KINDS
-
-    if kind not in KINDS:
-        wanted = f"one of {', '.join(KINDS)}"
-        raise InputError(Mistake("KIND", "", wanted, repr(kind), nearest(kind, KINDS)))
-    OutputOptions(as_json=True).say(schema_of(class_of(kind)), "")
-
-
 @command(
     app, None, "rockcheck run scenes/paestum_floor.toml",
     "rockcheck run scenes/paestum_floor.toml -e analytic -e pymunk --set motion.x.frequency_hz=2 --accuracy 1e-4",
@@ -184,6 +150,40 @@ def compare(
         lines.append(f"report: {write_report(out)}")
     over_all = {"over_all_scenes": compared.over_all} if compared.over_all else {}
     saying.say(to_plain(compared.pairs | over_all), "\n".join(lines))
+
+
+@command(app, None, "rockcheck engines")
+def engines(as_json: JsonOnly = False) -> None:
+    """List the engines: what each computes, and whether it runs here."""
+    from harness.engines import REGISTRY, load
+    from harness.model.run import to_plain
+
+    rows = [
+        to_plain({"engine": name, "missing": engine.missing(), **asdict(engine.capabilities), "order": engine.order})
+        for name in REGISTRY
+        for engine in [load(name)]
+    ]
+    lines = []
+    for row in rows:
+        able = ", ".join(key.replace("_", " ") for key, value in row.items() if value is True)
+        state = f"not installed: {row['missing']}" if row["missing"] else "ready"
+        lines.append(f"{row['engine']:10} {row['dimensions']}D  {state}\n{'':10} {able}")
+    OutputOptions(as_json).say(rows, "\n".join(lines))
+
+
+@command(app, None, "rockcheck schema run > run.schema.json")
+def schema(
+    kind: Annotated[str, typer.Argument(metavar="KIND", help="The record's `kind`: run, study, …", show_default=False)],
+) -> None:
+    """Print the JSON Schema of a kind of `result.json`."""
+    from harness.records.base import schema_of
+    from harness.records.kinds import class_of
+    from harness.records.result_folder import KINDS
+
+    if kind not in KINDS:
+        wanted = f"one of {', '.join(KINDS)}"
+        raise InputError(Mistake("KIND", "", wanted, repr(kind), nearest(kind, KINDS)))
+    OutputOptions(as_json=True).say(schema_of(class_of(kind)), "")
 
 
 def compared_of(
