@@ -10,15 +10,15 @@ from contextlib import closing
 from pathlib import Path
 from typing import Final
 
-from harness.campaign.runner import Crash, LocalPool, Pool
-from harness.campaign.store import STORE_NAME, Store
-from harness.campaign.task import Answer, Task
 from harness.input.paths import data_folder
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
 from harness.model.run import Run
 from harness.records.study import StudyRecord, StudyRow
 from harness.records.trust import TrustRecord
+from harness.runs.runner import Crash, LocalPool, Pool
+from harness.runs.store import STORE_NAME, Store
+from harness.runs.task import Answer, Task
 from harness.scene_run.scene_run import run_scene, write_result
 from harness.studies.case_tasks import stored_runs
 from harness.studies.study_run import Beside

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from harness.campaign.store import Store, packed
-from harness.campaign.task import answer_of
 from harness.model.run import Run
+from harness.runs.store import Store, packed
+from harness.runs.task import answer_of
 
 
 def put(store: Store, results: Sequence[tuple[str, Run]], histories: bool = False) -> None:

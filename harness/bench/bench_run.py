@@ -12,8 +12,6 @@ from harness import engines
 from harness.bench import findings, other_integrators, precision, programs, scaling, skip_savings, skips
 from harness.bench.precision import TARGET_RAD
 from harness.bench.standard_scenes import standard_set
-from harness.campaign import parts
-from harness.campaign.parts import Measured, Measurement, Part, Row
 from harness.model.finding import Answer, caution
 from harness.model.run import machine, versions
 from harness.records.bench import (
@@ -29,6 +27,8 @@ from harness.records.bench import (
     Statement,
     of_parts,
 )
+from harness.runs import parts
+from harness.runs.parts import Measured, Measurement, Part, Row
 
 # Is the stated numerical uncertainty honest, and what does a target take? Seeded scenes, each against a much
 # finer run. Measured by a program that is given; its rows are kept and counted here.

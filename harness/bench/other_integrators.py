@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from harness.bench import programs
-from harness.campaign.parts import Row
 from harness.model.finding import Finding, info
 from harness.records.bench import SolverRow, Start, Throughput
+from harness.runs.parts import Row
 
 COMPARED: Final = {
     ("analytic", "scipy DOP853"): (1e-6, 1e-9),

@@ -13,7 +13,6 @@ from harness.accuracy.refinement import run_to_accuracy
 from harness.bench import programs
 from harness.bench.programs import Cost, costs, timed
 from harness.bench.standard_scenes import Standard, standard_set
-from harness.campaign.parts import Row
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.errors import InputError
@@ -22,6 +21,7 @@ from harness.model.run import Run, number
 from harness.model.scene import Scene
 from harness.records.bench import LEVEL, TARGET, PrecisionRow
 from harness.records.run import PLAIN
+from harness.runs.parts import Row
 
 TARGET_RAD: Final = 1e-3
 LONG_S: Final = 1.0

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, TypeVar
 
-from harness.campaign.parts import Row
+from harness.runs.parts import Row
 
 # What a piece of work costs: best of several, after a warm-up, by the clock and by the processor.
 

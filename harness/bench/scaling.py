@@ -17,10 +17,10 @@ import numpy as np
 
 from harness.bench.programs import children_cpu_s, cost, largest_child_mb, peak_memory_mb
 from harness.bench.standard_scenes import COLUMN, harmonic, scene_of
-from harness.campaign.parts import Row
 from harness.model.finding import Finding, info
 from harness.model.scene import Scene
 from harness.records.bench import ScalingRow
+from harness.runs.parts import Row
 
 Point = tuple[str, str, float]
 
@@ -109,8 +109,8 @@ def _ensemble(runs: int) -> tuple[float, float, float]:
 
 def _workers(jobs: int) -> tuple[float, float, float]:
     from harness.bench.skip_savings import write_study
-    from harness.campaign.runner import LocalPool
-    from harness.campaign.store import Store
+    from harness.runs.runner import LocalPool
+    from harness.runs.store import Store
     from harness.studies.file import load_study
     from harness.studies.study_run import run_study
 

@@ -29,7 +29,6 @@ from harness.bench.skips import (
     simulate,
 )
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, record, resolved, scene_of, standard_set
-from harness.campaign.parts import Row
 from harness.engines.base import Engine
 from harness.model.errors import InputError
 from harness.model.finding import Finding, caution, info
@@ -37,6 +36,7 @@ from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.bench import SkipRow
+from harness.runs.parts import Row
 
 
 def _alone(skip: str, *beside: str, history: bool = True) -> tuple[RunOptions, RunOptions]:
@@ -193,8 +193,8 @@ def _fresh_s(code: str) -> float:
 
 def _cached() -> SkipRow:
     """A study of sixteen runs, then the same study again from its store."""
-    from harness.campaign.runner import LocalPool
-    from harness.campaign.store import Store
+    from harness.runs.runner import LocalPool
+    from harness.runs.store import Store
     from harness.studies.file import load_study
     from harness.studies.study_run import run_study
 

@@ -11,7 +11,6 @@ from harness import engines
 from harness.accuracy.refinement import first_level, run_to_accuracy
 from harness.bench.programs import cost
 from harness.bench.standard_scenes import COLUMN, PAESTUM, record, scene_of
-from harness.campaign.parts import Row
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, Settings
 from harness.model.errors import InputError
@@ -20,6 +19,7 @@ from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.bench import TOGETHER, SkipRow
+from harness.runs.parts import Row
 
 RECORDS: Final = {
     "elcentro1940": ("elcentro1940_NS.csv", "a_NS_ms2", 31.18),

@@ -13,11 +13,6 @@ from typing import Annotated, Any, Final, Literal, TypeVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from harness.campaign.cache_key import key_of, scene_key
-from harness.campaign.campaign import Campaign, OnProgress, silent
-from harness.campaign.runner import Pool
-from harness.campaign.store import STORE_NAME, Store, check_begun
-from harness.campaign.task import Answer, Task
 from harness.effects3d.answer import answer_of, findings_of
 from harness.effects3d.conditions import CONDITIONS, GEOMETRY_REL, amplified, changed_scene, solid_of, without_meaning
 from harness.effects3d.search import EXACT, STEPS, Search, departure, find, peak_g, start_factor
@@ -46,6 +41,11 @@ from harness.records.effects3d import (
 )
 from harness.records.result_folder import check_folder, write_whole
 from harness.records.scene import SceneRecord
+from harness.runs.cache_key import key_of, scene_key
+from harness.runs.execute import Campaign, OnProgress, silent
+from harness.runs.runner import Pool
+from harness.runs.store import STORE_NAME, Store, check_begun
+from harness.runs.task import Answer, Task
 from harness.scene_run.scene_run import run_scene, write_result
 from harness.statics.standstill import motion_sized
 from harness.studies.cases import Base, base_of_scene

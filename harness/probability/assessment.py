@@ -15,10 +15,6 @@ from numpy.typing import NDArray
 
 from harness import engines
 from harness.accuracy.forecast import START_S, Range, first_settings, moving_s, step_s
-from harness.campaign.campaign import Campaign
-from harness.campaign.progress import forecast_words
-from harness.campaign.runner import LocalPool, Pool
-from harness.campaign.store import Store
 from harness.model.errors import InputError, Mistake
 from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain
@@ -46,6 +42,10 @@ from harness.records.assess import (
 )
 from harness.records.base import RunCounts
 from harness.records.scene import SceneRecord
+from harness.runs.execute import Campaign
+from harness.runs.progress import forecast_words
+from harness.runs.runner import LocalPool, Pool
+from harness.runs.store import Store
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,10 +11,6 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.refinement import first_level
-from harness.campaign.cache_key import key_of, scene_key
-from harness.campaign.campaign import Campaign
-from harness.campaign.store import Store
-from harness.campaign.task import Answer, Task
 from harness.engines.base import Engine, EngineFailure
 from harness.model.options import RunOptions
 from harness.model.run import versions
@@ -22,6 +18,10 @@ from harness.model.scene import Scene
 from harness.probability.inputs import Array, row
 from harness.probability.plan import reach_m
 from harness.probability.variation import varied
+from harness.runs.cache_key import key_of, scene_key
+from harness.runs.execute import Campaign
+from harness.runs.store import Store
+from harness.runs.task import Answer, Task
 
 OUTCOME: Final = "end and reach"
 """Kind of a result that is whether a statue fell, and how far one that stands went on the plan."""

@@ -143,7 +143,7 @@ class StudySummary:
 
 @dataclass(frozen=True, kw_only=True)
 class UsageRecord:
-    """Where the seconds of a study went (`harness.campaign.campaign.Usage`)."""
+    """Where the seconds of a study went (`harness.runs.execute.Usage`)."""
 
     workers: int
     runs: int

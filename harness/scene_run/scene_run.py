@@ -247,14 +247,14 @@ def _beside(
 
 
 def _isolated(name: str, scene: Scene, target: RunTarget) -> Run:
-    from harness.campaign.task import simulate_isolated
+    from harness.runs.task import simulate_isolated
 
     return simulate_isolated(scene, name, target)
 
 
 def _give_up(waiting: Iterable[Future[Run]]) -> None:
     """End what runs beside after an interrupt: else its threads would wait for the answer of a long or a stopped process."""
-    from harness.campaign.runner import kill_workers
+    from harness.runs.runner import kill_workers
 
     while not all(future.cancel() or future.done() for future in waiting):
         kill_workers()

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Final
 
 from harness.accuracy.forecast import CERTIFIED_S, START_S, Range, first_settings, moving_s, run_s
-from harness.campaign.progress import duration_words, forecast_words
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
 from harness.probability.by_model import assessed_s
 from harness.records.run import PLAIN
+from harness.runs.progress import duration_words, forecast_words
 from harness.scene_run.witness import BUDGET, plain_names
 
 HORIZON_RUNS: Final = 17

@@ -15,11 +15,11 @@ from analytic.excitation import SampledAcceleration
 from harness import engines
 from harness.accuracy.refinement import first_level
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD
-from harness.campaign.cache_key import key_of
-from harness.campaign.column_store import as_bytes, installed
-from harness.campaign.task import Answer, Task
 from harness.engines import analytic as twoblock
 from harness.engines.base import RELIABLE_RAD
+from harness.runs.cache_key import key_of
+from harness.runs.column_store import as_bytes, installed
+from harness.runs.task import Answer, Task
 from harness.studies import case_selection as selection
 from harness.studies.case_columns import Columns, Shaken, Values, columns_of_record, swept, table_of, varied_column
 from harness.studies.case_scenes import CaseScenes

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
-from harness.campaign.cache_key import key_of, scene_key
-from harness.campaign.store import Store
-from harness.campaign.task import Answer, Task, answer_of, lost_answer
 from harness.engines.base import Engine
 from harness.model import run as record
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.runs.cache_key import key_of, scene_key
+from harness.runs.store import Store
+from harness.runs.task import Answer, Task, answer_of, lost_answer
 from harness.studies.cases import Base, Case
 from harness.studies.file import StudyFile, Value
 

@@ -11,10 +11,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.campaign.column_store import SECONDS, ColumnStore
-from harness.campaign.store import PlannedRow
 from harness.model.history import History
 from harness.records.study import TableRecord
+from harness.runs.column_store import SECONDS, ColumnStore
+from harness.runs.store import PlannedRow
 from harness.studies import case_selection as selection
 from harness.studies.case_columns import rows_of
 from harness.studies.file import StudyFile

@@ -11,10 +11,10 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.forecast import CERTIFIED_S, START_S, expected_steps, run_s, step_s
-from harness.campaign.cache_key import scene_key
-from harness.campaign.progress import duration_words
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
+from harness.runs.cache_key import scene_key
+from harness.runs.progress import duration_words
 from harness.scene_run.witness import BUDGET
 from harness.scene_run.workload import LONGEST_S
 from harness.studies.case_blocks import in_columns

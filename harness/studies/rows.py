@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 
-from harness.campaign.store import Store
 from harness.records.study import CaseRun, StudyRow
+from harness.runs.store import Store
 from harness.studies.column_rows import ColumnRows
 
 

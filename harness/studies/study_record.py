@@ -12,7 +12,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.campaign.store import PlannedRow, Store
 from harness.input.tables import ContactTable
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
@@ -21,6 +20,7 @@ from harness.model.history import Array
 from harness.model.scene import Scene
 from harness.records.scene import SceneRecord
 from harness.records.study import Curve, Panel, StudyRecord, StudyRow, StudyWitness, SupportRecord, Value, impacts
+from harness.runs.store import PlannedRow, Store
 from harness.studies import claims
 from harness.studies.answer import answer_of, findings_of
 from harness.studies.case_selection import REFERENCE, recheck

@@ -14,12 +14,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from harness.campaign.campaign import Campaign, OnProgress, Usage, silent
-from harness.campaign.column_store import ColumnStore
-from harness.campaign.runner import Pool
-from harness.campaign.store import Store
-from harness.campaign.task import Answer, Task
 from harness.records.study import CaseRun, StudySummary
+from harness.runs.column_store import ColumnStore
+from harness.runs.execute import Campaign, OnProgress, Usage, silent
+from harness.runs.runner import Pool
+from harness.runs.store import Store
+from harness.runs.task import Answer, Task
 from harness.studies import case_selection as selection
 from harness.studies.case_blocks import block_tasks
 from harness.studies.case_tasks import CaseTasks

@@ -12,11 +12,6 @@ from typing import Final
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
-from harness.campaign.cache_key import key_of
-from harness.campaign.campaign import Campaign, OnProgress, silent
-from harness.campaign.runner import Pool
-from harness.campaign.store import Store
-from harness.campaign.task import Answer, Task
 from harness.engines.base import EngineFailure
 from harness.engines.stepping.plain_steps import refuse_steering
 from harness.model.options import RunOptions
@@ -25,6 +20,11 @@ from harness.model.scene import Scene
 from harness.records.base import part
 from harness.records.run import PLAIN, Witness
 from harness.records.study import StudyWitness, WitnessCount
+from harness.runs.cache_key import key_of
+from harness.runs.execute import Campaign, OnProgress, silent
+from harness.runs.runner import Pool
+from harness.runs.store import Store
+from harness.runs.task import Answer, Task
 from harness.scene_run.witness import findings_of, plain_names, witnesses
 from harness.studies.cases import Base, base_of, expand
 from harness.studies.file import StudyFile, Value

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from harness.accuracy.horizon import TOLERANCE_RAD
-from harness.campaign.task import Answer
 from harness.model.history import Outcome
 from harness.model.run import Run, to_plain
 from harness.model.scene import Scene
@@ -18,6 +17,7 @@ from harness.records.base import Plain
 from harness.records.run import has_answer
 from harness.records.scores import Interval, Verdict
 from harness.records.trust import TrustClass
+from harness.runs.task import Answer
 from harness.scene_run.answer import STILL_RAD, outcome_family
 from harness.scene_run.scene_run import Result, run_scene
 

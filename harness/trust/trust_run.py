@@ -14,13 +14,6 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD
-from harness.campaign.cache_key import key_of, scene_key
-from harness.campaign.campaign import Campaign, OnProgress
-from harness.campaign.dask_pool import DaskPool
-from harness.campaign.progress import progress
-from harness.campaign.runner import LocalPool, Pool
-from harness.campaign.store import STORE_NAME, Store, check_begun
-from harness.campaign.task import Task
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
@@ -33,6 +26,13 @@ from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, c
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval
 from harness.records.trust import CLASSES, HELD, MOTIONS, Basis, TrustCell, TrustClass, TrustRecord, TrustSummary
+from harness.runs.cache_key import key_of, scene_key
+from harness.runs.dask_pool import DaskPool
+from harness.runs.execute import Campaign, OnProgress
+from harness.runs.progress import progress
+from harness.runs.runner import LocalPool, Pool
+from harness.runs.store import STORE_NAME, Store, check_begun
+from harness.runs.task import Task
 from harness.scene_run.workload import check as check_work
 from harness.trust.plane import Plane, Point, below, to_ask
 from harness.trust.point import DRAWS, MODEL, Question, Said, ask, interval_of

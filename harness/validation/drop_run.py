@@ -12,8 +12,6 @@ from typing import Final
 import numpy as np
 
 from harness import engines
-from harness.campaign.progress import progress
-from harness.campaign.runner import LocalPool
 from harness.input.paths import read_files
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
@@ -21,6 +19,8 @@ from harness.model.finding import Answer, Finding, Say, caution, info
 from harness.model.history import Array
 from harness.records.measured import Cell, MeasuredRecord, MeasuredTable
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
+from harness.runs.progress import progress
+from harness.runs.runner import LocalPool
 from harness.validation.drops import (
     Drop,
     DropTask,

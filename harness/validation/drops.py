@@ -22,11 +22,11 @@ from scipy.stats.qmc import LatinHypercube
 from analytic.excitation import ZeroExcitation
 from harness import engines
 from harness.accuracy.simulation import RunTarget, simulate_with
-from harness.campaign.runner import Pool
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Array
 from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation, Contact, Initial, Pose, Scene
+from harness.runs.runner import Pool
 from harness.validation.jobs import Model
 from harness.validation.number_table import read_groups
 

@@ -7,11 +7,11 @@ from typing import Final
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
-from harness.campaign.cache_key import key_of
-from harness.campaign.task import Answer, Task, answer_of, lost_answer
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.options import RunOptions
+from harness.runs.cache_key import key_of
+from harness.runs.task import Answer, Task, answer_of, lost_answer
 from harness.validation.scenes import INPUTS, Variant, digest_of, scene_of
 from harness.validation.table import UNKNOWN, Trial
 

@@ -15,13 +15,13 @@ import numpy as np
 
 import meshes
 from analytic.constants import GRAVITY_M_S2 as GRAVITY_M_S2
-from harness.campaign.cache_key import scene_key
 from harness.input import scene_file as load
 from harness.input.mesh_statue import statue_of
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Array
 from harness.model.options import Capabilities
 from harness.model.scene import Contact, Form, Scene, Statue
+from harness.runs.cache_key import scene_key
 from harness.studies.rocking_spectrum import RING_DOWN_S
 from harness.validation.motions import Intensity, intensity, shaking
 from harness.validation.table import UNKNOWN, Trial

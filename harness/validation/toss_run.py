@@ -13,7 +13,6 @@ from typing import Any, Final
 import numpy as np
 from scipy.optimize import minimize
 
-from harness.campaign.runner import Crash, LocalPool
 from harness.input.paths import read_files
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
@@ -22,6 +21,7 @@ from harness.model.history import Array
 from harness.model.scene import Scene
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.records.tosses import Clock, Missed, PoseErrors, TossesRecord, TossFit, TossModel, TossRow, TrajectoryMeans
+from harness.runs.runner import Crash, LocalPool
 from harness.validation.jobs import Model, parse_model
 from harness.validation.kinds import thrown_body
 from harness.validation.toss_scores import Coefficients, Errors, TossTask, quartiles, scored

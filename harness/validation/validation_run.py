@@ -11,10 +11,6 @@ from pathlib import Path
 from typing import Final
 
 from harness import engines
-from harness.campaign.campaign import Campaign
-from harness.campaign.progress import progress
-from harness.campaign.runner import LocalPool
-from harness.campaign.store import STORE_NAME, Store, check_begun
 from harness.comparison.comparator import compare
 from harness.input.history_file import read_history
 from harness.model import run as record
@@ -35,6 +31,10 @@ from harness.records.validation import (
     TestRow,
     ValidationRecord,
 )
+from harness.runs.execute import Campaign
+from harness.runs.progress import progress
+from harness.runs.runner import LocalPool
+from harness.runs.store import STORE_NAME, Store, check_begun
 from harness.validation.fit import Answers, choose
 from harness.validation.jobs import BATCH, BATCH_OTHERWISE, Model, parse_model, task_of
 from harness.validation.motions import Intensity

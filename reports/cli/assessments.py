@@ -10,10 +10,6 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from harness.campaign.dask_pool import DaskPool
-from harness.campaign.progress import ProgressMessages
-from harness.campaign.runner import LocalPool
-from harness.campaign.store import STORE_NAME, Store, check_begun
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
@@ -24,6 +20,10 @@ from harness.probability.by_model import MODEL
 from harness.probability.options import read_options
 from harness.records.assess import AssessRecord
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
+from harness.runs.dask_pool import DaskPool
+from harness.runs.progress import ProgressMessages
+from harness.runs.runner import LocalPool
+from harness.runs.store import STORE_NAME, Store, check_begun
 from reports.cli.options import EngineOptions, Sampling, ScanOptions, SupportOptions, TextLayout
 from reports.cli.studies import unbegun
 

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.campaign.progress import ProgressMessages
+from harness.runs.progress import ProgressMessages
 from reports.cli.app import app, command
 from reports.cli.ending import FAILED, OK
 from reports.cli.options import OUT, Out, OutputOptions
 from reports.cli.result import say_result
 
 if TYPE_CHECKING:
-    from harness.campaign.parts import Measurement, R
+    from harness.runs.parts import Measurement, R
 
 Quick = Annotated[bool, typer.Option("--quick", help="A few rows of each kind: to see that it works, not to judge.")]
 Parts = Annotated[

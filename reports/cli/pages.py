@@ -7,7 +7,7 @@ from typing import Annotated, Final
 
 import typer
 
-from harness.campaign.progress import ProgressMessages
+from harness.runs.progress import ProgressMessages
 from reports.cli.app import app, command
 from reports.cli.options import InLanguage, OutputOptions
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.campaign.progress import ProgressMessages
 from harness.model.errors import InputError, Mistake, nearest
 from harness.model.terminal import printable
+from harness.runs.progress import ProgressMessages
 from reports.cli.app import app, command
 from reports.cli.ending import FAILED, OK
 from reports.cli.options import OUT, EngineOptions, InLanguage, JsonOnly, Out, OutputOptions, SceneFile, Target
@@ -217,8 +217,8 @@ def compared_of(
         if out is not None:
             write_comparison(a, b, scores, out)
         return Compared({f"{a.name}_vs_{b.name}": scores})
-    from harness.campaign.task import answer_of
     from harness.records.study import CaseRun
+    from harness.runs.task import answer_of
     from harness.studies.ensembles import score_sets
     from harness.studies.rows import KeyedRow
 

@@ -9,11 +9,6 @@ from contextlib import ExitStack, closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from harness.campaign.column_store import COLUMNS_NAME, ColumnStore
-from harness.campaign.dask_pool import DaskPool
-from harness.campaign.progress import progress
-from harness.campaign.runner import LIMIT_S, LocalPool, Pool
-from harness.campaign.store import STORE_NAME, Store, check_begun
 from harness.effects3d.study import KIND as EFFECTS
 from harness.effects3d.study import run_effects
 from harness.input.tables import kind_of
@@ -24,6 +19,11 @@ from harness.records.effects3d import EffectsRecord
 from harness.records.result_folder import RECORD, check_folder, read_own, write_whole
 from harness.records.rocking_spectrum import RockingSpectrumRecord
 from harness.records.study import ExportRecord, StudyRecord
+from harness.runs.column_store import COLUMNS_NAME, ColumnStore
+from harness.runs.dask_pool import DaskPool
+from harness.runs.progress import progress
+from harness.runs.runner import LIMIT_S, LocalPool, Pool
+from harness.runs.store import STORE_NAME, Store, check_begun
 from harness.studies import estimate, rocking_spectrum
 from harness.studies.case_blocks import columns_name, in_columns
 from harness.studies.cases import base_of

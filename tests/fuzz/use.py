@@ -46,7 +46,7 @@ def scene(path: Path) -> None:
 def study(path: Path) -> None:
     """Read, run the first cases for a moment, and keep them in a store."""
     from harness.accuracy.simulation import simulate
-    from harness.campaign.store import Store
+    from harness.runs.store import Store
     from harness.studies.cases import base_of, expand
     from harness.studies.file import load_study
 
@@ -118,7 +118,7 @@ def store(path: Path) -> None:
     """Read what is in it, and put a result into it, which must be there afterwards with what was there before."""
     from harness.accuracy.simulation import simulate
     from harness.bench.standard_scenes import COLUMN, scene_of
-    from harness.campaign.store import Store
+    from harness.runs.store import Store
 
     still = scene_of("still", {"duration_s": 0.01, "statue": COLUMN})
     with Store(path) as found:
@@ -130,8 +130,8 @@ def store(path: Path) -> None:
 
 def title(path: Path) -> None:
     """Read, run, write, and tell: on a terminal nothing but text arrives, on as many lines as there are."""
-    from harness.campaign.progress import ProgressMessages, progress
     from harness.input.scene_file import load_scene
+    from harness.runs.progress import ProgressMessages, progress
     from harness.scene_run.scene_run import run_scene, write_result
     from reports.messages import ENGLISH
     from reports.terminal import run_lines

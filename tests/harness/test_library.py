@@ -23,10 +23,10 @@ import trimesh
 
 import harness
 from harness import engines
-from harness.campaign.cache_key import scene_key
 from harness.model.history import Outcome
 from harness.model.shown import Shown
 from harness.records.study import CaseRun, StudyRecord, StudyRow
+from harness.runs.cache_key import scene_key
 from harness.scene_run.scene_run import write_result
 from tests import budgets
 

@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
-from harness.campaign.column_store import COLUMNS_NAME, SUFFIX
+from harness.runs.column_store import COLUMNS_NAME, SUFFIX
 
 EVERY_S: Final = 1.0
 """Time between two looks at the processes."""

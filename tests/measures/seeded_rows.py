@@ -10,8 +10,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from harness.campaign.parts import source
 from harness.records.base import part
+from harness.runs.parts import source
 
 
 @dataclass(frozen=True)

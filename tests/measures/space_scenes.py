@@ -17,12 +17,12 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.simulation import simulate
-from harness.campaign.runner import Crash, Hung, LocalPool, Pool
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.bench import Statement
+from harness.runs.runner import Crash, Hung, LocalPool, Pool
 from harness.validation.toss_scores import poses
 from tests.measures.coverage import statement
 from tests.measures.pages import renew, table

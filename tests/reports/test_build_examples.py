@@ -11,14 +11,14 @@ import pytest
 
 from harness import engines, load_scene
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
-from harness.campaign.runner import Done, InlinePool, Work
-from harness.campaign.store import Store
-from harness.campaign.task import Answer, Task
 from harness.model.history import Outcome
 from harness.model.scene import Scene
 from harness.records.base import plain
 from harness.records.run import EngineRunRecord
 from harness.records.study import StudyRow
+from harness.runs.runner import Done, InlinePool, Work
+from harness.runs.store import Store
+from harness.runs.task import Answer, Task
 from harness.scene_run.scene_run import run_scene
 from harness.studies.case_tasks import stored_runs
 from harness.studies.file import load_study

@@ -14,12 +14,12 @@ from harness.bench.standard_scenes import scene_of
 from harness.bench.stress import checks
 from harness.bench.stress.catalogue import Hard, catalogue
 from harness.bench.stress.checks import Finding
-from harness.campaign.parts import Row
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.stress import Cell, HardRow
+from harness.runs.parts import Row
 
 # Why a cell of a stability map is not stable: the setting of the same row that is, or nothing.
 

@@ -14,12 +14,12 @@ from harness.bench.standard_scenes import COLUMN, EQUAL, PAESTUM, PEDESTAL, harm
 from harness.bench.stress import checks
 from harness.bench.stress.catalogue import SHAKEN, body, leaning
 from harness.bench.stress.hard_scenes import converged, explained, iterations, solution
-from harness.campaign.parts import Row
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.stress import Cell
+from harness.runs.parts import Row
 
 STEPS_S: Final = (1.0 / 60.0, 1.0 / 240.0, 1e-3, 2.5e-4, 1e-4, 1e-5)
 NONE: Final = RunOptions(skips=frozenset())

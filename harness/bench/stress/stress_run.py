@@ -13,10 +13,10 @@ from harness.bench import programs
 from harness.bench.stress import hard_scenes as scenes
 from harness.bench.stress import stability
 from harness.bench.stress.catalogue import ALL
-from harness.campaign import parts
-from harness.campaign.parts import Measured, Measurement, Part, Row
 from harness.model.run import machine, versions
 from harness.records.stress import Cell, HardRow, Harm, Mutated, StressRecord, answer_of, findings_of
+from harness.runs import parts
+from harness.runs.parts import Measured, Measurement, Part, Row
 
 # Mutated input files: a fuzz that is given, run in processes of its own; its rows summed by kind.
 

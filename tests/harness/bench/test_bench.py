@@ -267,7 +267,7 @@ def test_an_error_that_is_not_reached_is_told_with_the_smallest_one(theirs_rad: 
 
 
 def test_a_bench_with_parts_missing_is_a_record_that_says_so() -> None:
-    from harness.campaign.parts import Measured
+    from harness.runs.parts import Measured
     from tests.measures.whole import BENCH
 
     listed = BENCH.parts(False)
@@ -287,7 +287,7 @@ def test_a_bench_with_parts_missing_is_a_record_that_says_so() -> None:
 
 def test_a_bench_without_the_source_tree_s_programs_leaves_their_parts_out_and_says_so() -> None:
     from harness.bench.bench_run import bench
-    from harness.campaign.parts import Measured
+    from harness.runs.parts import Measured
 
     listed = bench().parts(False)
     assert [part.name for part in listed if not part.tasks] == ["coverage", "others", "speeds"]

@@ -14,11 +14,11 @@ import pytest
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
-from harness.campaign.store import Store
 from harness.engines.base import Engine
 from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.runs.store import Store
 from harness.statics.plan import plan
 from tests import budgets_bench as budgets
 from tests.engines_for_tests import ready

@@ -10,7 +10,7 @@ import numpy as np
 from harness.model.run import MANY, Pattern, write_json
 from harness.records.base import part, plain
 from harness.records.run import EngineRunRecord
-from tests.harness.campaign.test_store import run
+from tests.harness.runs.test_store import run
 
 
 def test_a_short_record_is_indented_throughout(tmp_path: Path) -> None:

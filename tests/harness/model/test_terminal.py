@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from harness.campaign.progress import ProgressMessages, progress
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
 from harness.model.terminal import CONTROL, json_text, printable, printable_lines
+from harness.runs.progress import ProgressMessages, progress
 from harness.scene_run.scene_run import run_scene
 from reports.cli import app
 from reports.cli.ending import guarded

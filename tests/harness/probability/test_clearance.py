@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from analytic import Pulse
-from harness.campaign.runner import InlinePool
 from harness.engines.stepping.frame import statue_columns
 from harness.model.scene import BaseExcitation, Scene, Statue
 from harness.probability.answer import CLEAR, without_clearance
@@ -20,6 +19,7 @@ from harness.probability.inputs import draw, uncertain_inputs
 from harness.probability.model_draws import model_draws
 from harness.probability.plan import AROUND_DEG, PARTS, PLANAR_DEG, reach_m, rest_outline_m
 from harness.records.assess import ClearanceRecord
+from harness.runs.runner import InlinePool
 from reports.drawing.floor_plan import probable_plan
 from tests import budgets_assess as budget
 from tests.engines_for_tests import ready

@@ -10,13 +10,13 @@ from typing import Any
 import pytest
 import trimesh
 
-from harness.campaign.runner import InlinePool
-from harness.campaign.store import Store
-from harness.campaign.task import Answer
 from harness.model.errors import InputError
 from harness.model.scene import Wall
 from harness.probability.assessment import assess
 from harness.probability.engine_runs import DrawnRun, overturns
+from harness.runs.runner import InlinePool
+from harness.runs.store import Store
+from harness.runs.task import Answer
 from reports.cli import assessments
 from reports.cli.options import EngineOptions, Sampling, ScanOptions, SupportOptions
 from tests.scenes_for_tests import paestum

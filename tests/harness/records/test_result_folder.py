@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from harness.campaign.store import Store
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.files import is_own, is_sealed, write_text, writing
@@ -30,6 +29,7 @@ from harness.records.result_folder import (
     owned,
     store_kind,
 )
+from harness.runs.store import Store
 from harness.scene_run.scene_run import Result, check_writing, run_scene, write_result
 from tests.scenes_for_tests import paestum
 

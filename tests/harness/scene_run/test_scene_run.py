@@ -15,7 +15,6 @@ from analytic.excitation import Harmonic
 from analytic.machine_code import Entry
 from harness import engines
 from harness.accuracy.simulation import RunTarget, check_target, simulate
-from harness.campaign import task
 from harness.engines.base import Engine, EngineFailure, Settings, own_failures
 from harness.model.errors import InputError
 from harness.model.history import Outcome
@@ -23,6 +22,7 @@ from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.scores import Verdict
+from harness.runs import task
 from harness.scene_run import scene_run as run
 from harness.scene_run import witness as confirm
 from harness.scene_run.scene_run import run_scene, write_result

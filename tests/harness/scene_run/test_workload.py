@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from harness.campaign.progress import duration_words
 from harness.engines import DEFAULT_ENGINES, load
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
+from harness.runs.progress import duration_words
 from harness.scene_run import workload
 from harness.scene_run.workload import check
 from tests.scenes_for_tests import paestum

@@ -8,8 +8,8 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from harness.campaign.runner import Crash
-from harness.campaign.task import Answer
+from harness.runs.runner import Crash
+from harness.runs.task import Answer
 
 BLOCK = """
 title = "a block"

@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from analytic.errors import AnalyticInputError
-from harness.campaign.column_store import COLUMNS_NAME, ColumnStore
-from harness.campaign.runner import InlinePool
-from harness.campaign.store import STORE_NAME, PlannedRow, Store
 from harness.model.errors import InputError
 from harness.records.study import StudyRecord
+from harness.runs.column_store import COLUMNS_NAME, ColumnStore
+from harness.runs.runner import InlinePool
+from harness.runs.store import STORE_NAME, PlannedRow, Store
 from harness.studies import case_blocks
 from harness.studies.case_scenes import CaseScenes
 from harness.studies.column_rows import ColumnRows, table, thinned
@@ -178,7 +178,7 @@ SCRIPT = """
 import sys
 from pathlib import Path
 from reports.cli import studies
-from harness.campaign.runner import InlinePool
+from harness.runs.runner import InlinePool
 from harness.studies import case_blocks
 case_blocks.LEAST_RUNS, case_blocks.BLOCK = 1, 3
 studies.run(Path(sys.argv[1]), Path(sys.argv[2]), pool=InlinePool(), quiet=True)

@@ -9,13 +9,13 @@ from typing import Any
 import pytest
 
 from harness.accuracy.simulation import simulate
-from harness.campaign.runner import Done, InlinePool, LocalPool, Work
-from harness.campaign.store import Packed, Store
 from harness.model.errors import InputError
 from harness.model.run import to_plain
 from harness.model.scene import Scene
 from harness.records.run import EngineRunRecord
 from harness.records.study import impacts
+from harness.runs.runner import Done, InlinePool, LocalPool, Work
+from harness.runs.store import Packed, Store
 from harness.studies import case_selection as selection
 from harness.studies import estimate
 from harness.studies.case_selection import recheck

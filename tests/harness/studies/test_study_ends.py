@@ -12,13 +12,13 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from harness.campaign.campaign import Campaign
-from harness.campaign.runner import LocalPool
-from harness.campaign.store import Store
-from harness.campaign.task import Task
+from harness.runs.execute import Campaign
+from harness.runs.runner import LocalPool
+from harness.runs.store import Store
+from harness.runs.task import Task
 from harness.studies.file import load_study
 from harness.studies.study_run import run_study
-from tests.harness.campaign.endings import ended
+from tests.harness.runs.endings import ended
 from tests.harness.studies.small_study import CONTACT, contents, lethal, lost, written
 
 KILLS = 10

@@ -12,11 +12,11 @@ from typing import Any
 import pytest
 
 from harness.accuracy.simulation import simulate
-from harness.campaign.runner import InlinePool
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.kinds import read_result
 from harness.records.study import StudyRecord
+from harness.runs.runner import InlinePool
 from harness.scene_run import witness
 from harness.studies import witnessed
 from harness.studies.witnessed import drawn

@@ -15,11 +15,11 @@ from typer.testing import CliRunner
 
 import harness
 from harness import engines
-from harness.campaign.runner import InlinePool
 from harness.model.errors import InputError
 from harness.model.finding import Severity
 from harness.records.kinds import read_result
 from harness.records.trust import CLASSES, TrustRecord
+from harness.runs.runner import InlinePool
 from harness.trust import plane, trust_run
 from harness.trust.plane import Plane
 from harness.trust.point import Said

@@ -15,10 +15,10 @@ from typing import Any
 
 import pytest
 
-from harness.campaign import runner
-from harness.campaign.runner import AHEAD, Crash, LocalPool
 from harness.model.errors import InputError
-from tests.harness.campaign.endings import ended
+from harness.runs import runner
+from harness.runs.runner import AHEAD, Crash, LocalPool
+from tests.harness.runs.endings import ended
 
 MAIN = threading.main_thread().ident or 0
 LIMIT_S = 5.0
@@ -95,7 +95,7 @@ def test_processes_are_started_once() -> None:
 
 def test_processes_end_with_a_parent_that_was_killed(tmp_path: Path) -> None:
     code = (
-        "import sys; from pathlib import Path; from harness.campaign.runner import LocalPool\n"
+        "import sys; from pathlib import Path; from harness.runs.runner import LocalPool\n"
         "BUSY = \"__import__('time').sleep(60.0)\"\n"
         "def told(task, pid): Path(sys.argv[1]).write_text(str(pid)); __import__('os').kill(__import__('os').getpid(), 9)\n"
         "if __name__ == '__main__': LocalPool(1).run(eval, [\"__import__('os').getpid()\", BUSY], told)\n"

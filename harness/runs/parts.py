@@ -10,17 +10,17 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar, cast
 
-from harness.campaign.cache_key import key_of
-from harness.campaign.campaign import Campaign
-from harness.campaign.runner import Crash, InlinePool, LocalPool
-from harness.campaign.store import STORE_NAME, Store
-from harness.campaign.task import Answer, Task
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Say
 from harness.records.bench import BenchRecord, PartRow
 from harness.records.result_folder import check_folder, full_kind, write_whole
 from harness.records.stress import StressRecord
+from harness.runs.cache_key import key_of
+from harness.runs.execute import Campaign
+from harness.runs.runner import Crash, InlinePool, LocalPool
+from harness.runs.store import STORE_NAME, Store
+from harness.runs.task import Answer, Task
 
 Row = dict[str, Any]
 Work = Callable[[str], list[Row]]

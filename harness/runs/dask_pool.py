@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from concurrent.futures import CancelledError
 from typing import Any, Final
 
-from harness.campaign.runner import AHEAD, LIMIT_S, LOOK_S, Crash, Done, Hung, Work
 from harness.model.errors import InputError, Mistake
+from harness.runs.runner import AHEAD, LIMIT_S, LOOK_S, Crash, Done, Hung, Work
 
 GONE_S: Final = 60.0
 """Time that a cluster without a worker is given to have one again."""

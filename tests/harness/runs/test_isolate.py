@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from harness.accuracy.simulation import RunTarget
-from harness.campaign.runner import Crash, Hung
-from harness.campaign.task import call, simulate_isolated
 from harness.engines.pymunk import Munk2D
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
+from harness.runs.runner import Crash, Hung
+from harness.runs.task import call, simulate_isolated
 from tests.scenes_for_tests import paestum
 
 HANG_S = 3.0

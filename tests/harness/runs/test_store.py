@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.campaign.store import Store
 from harness.model.errors import InputError
 from harness.model.history import History, Outcome
 from harness.model.run import Run
 from harness.records.result_folder import STORE_NUMBER
+from harness.runs.store import Store
 from harness.studies.study_record import export_csv
 from tests.stores_for_tests import is_sound, put
 
@@ -206,8 +206,8 @@ FULL = """
 import resource, sys
 from pathlib import Path
 from harness.model.errors import InputError
-from harness.campaign.store import Store
-from tests.harness.campaign.test_store import run
+from harness.runs.store import Store
+from tests.harness.runs.test_store import run
 from tests.stores_for_tests import put
 resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
 with Store(Path(sys.argv[1])) as store:

@@ -9,10 +9,10 @@ from dataclasses import dataclass, fields
 from itertools import groupby, islice
 from typing import Any, Protocol
 
-from harness.campaign.runner import Crash, Pool
-from harness.campaign.store import Packed, packed
-from harness.campaign.task import Answer, Task
 from harness.records.study import UsageRecord
+from harness.runs.runner import Crash, Pool
+from harness.runs.store import Packed, packed
+from harness.runs.task import Answer, Task
 
 OnProgress = Callable[[int, int], None]
 """Hears how many tasks are done, and how many there are to do."""

@@ -13,11 +13,11 @@ from typing import Any
 
 import pytest
 
-from harness.campaign import dask_pool
-from harness.campaign.dask_pool import DaskPool
-from harness.campaign.runner import AHEAD, Hung, LocalPool
-from harness.campaign.store import Packed, Store
 from harness.model.errors import InputError
+from harness.runs import dask_pool
+from harness.runs.dask_pool import DaskPool
+from harness.runs.runner import AHEAD, Hung, LocalPool
+from harness.runs.store import Packed, Store
 from harness.studies.file import load_study
 from harness.studies.study_run import run_study
 from tests.harness.studies.small_study import CONTACT, contents, written

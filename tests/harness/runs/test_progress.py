@@ -8,8 +8,8 @@ import warnings
 
 import pytest
 
-from harness.campaign import progress as telling
-from harness.campaign.progress import ProgressMessages, progress, time_left
+from harness.runs import progress as telling
+from harness.runs.progress import ProgressMessages, progress, time_left
 
 
 def test_a_long_wait_is_told_again_and_again(capsys: pytest.CaptureFixture[str]) -> None:

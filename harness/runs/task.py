@@ -12,12 +12,12 @@ from typing import Any, Final
 
 from harness import engines
 from harness.accuracy.simulation import RunTarget, failed, simulate_with
-from harness.campaign.runner import Crash, Hung, LocalPool
 from harness.model.history import History, Outcome
 from harness.model.run import Run, to_plain
 from harness.model.scene import Scene
 from harness.records.base import Plain
 from harness.records.run import EngineRunRecord
+from harness.runs.runner import Crash, Hung, LocalPool
 
 RUN = "run"
 """Kind of a result that is an engine's run."""

@@ -8,10 +8,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from harness.campaign.store import Packed
 from harness.model.errors import InputError, Mistake
 from harness.model.files import writing
 from harness.records.result_folder import COLUMNS
+from harness.runs.store import Packed
 
 if TYPE_CHECKING:
     import pyarrow

@@ -15,7 +15,6 @@ from typing import Final
 
 import numpy as np
 
-from harness.campaign.task import RUN, Answer
 from harness.model.errors import InputError, Mistake
 from harness.model.files import NO_ROOM, writing
 from harness.model.history import COLUMNS, Array, History
@@ -24,6 +23,7 @@ from harness.records.base import Plain, part
 from harness.records.result_folder import STORE, STORE_KINDS, STORE_NUMBER, store_kind
 from harness.records.run import EngineRunRecord
 from harness.records.study import Value
+from harness.runs.task import RUN, Answer
 
 # Results as a store takes them, and histories as bytes and back, exact to the last bit.
 

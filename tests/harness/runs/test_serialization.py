@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from harness.campaign.store import pack, unpack
+from harness.runs.store import pack, unpack
 
 SHAPES = st.tuples(st.integers(1, 4), st.integers(1, 30))
 
