@@ -175,7 +175,7 @@ def table(rows: Sequence[Sequence[str]]) -> list[str]:
 
 
 def _engine_rows(record: RunRecord) -> list[list[str]]:
-    heading = ["engine", "outcome", "peak lean", "slip", "error known until", "time"]
+    heading = ["engine", "outcome", "peak lean", "slip", "numerical error", "time"]
     return [heading, *([name, *_engine_cells(run)] for name, run in record.runs.items())]
 
 
@@ -218,7 +218,8 @@ def _when(scores: Scores) -> str:
     if scores.verdict is Verdict.AGREE:
         return f"within {seen.limit_rad:.0e} rad"
     times = [time for time in (seen.exceeded_s, seen.horizon_s) if time is not None]
-    return f"from {digits(min(times), 3)} s" if times else ""
+    since = "until" if scores.verdict in (Verdict.HORIZON, Verdict.UNBOUNDED) else "from"
+    return f"{since} {digits(min(times), 3)} s" if times else ""
 
 
 def beware_lines(findings: Sequence[Finding], total: int, room: int) -> list[str]:

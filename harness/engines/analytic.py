@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar, Final, final
 
 from analytic.excitation import ZeroExcitation
 from harness.engines.base import RELIABLE_RAD, Engine, EngineFailure, Settings
-from harness.model.finding import Finding, caution, changes_answer, info
+from harness.model.finding import Finding, Severity, caution, changes_answer, info
 from harness.model.history import History, Outcome
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Pattern, Run
@@ -209,7 +209,7 @@ def findings_of(certified: Certified) -> tuple[Finding, ...]:
     if until_s < run.end_s and run.t_s.size == 0 and until_s <= 0.0:
         found.append(caution("peak_not_bounded", uncertainty_rad=certified.uncertainty_rad))
     elif until_s < run.end_s:
-        found.append(caution("error_not_bounded", until_s=until_s, end_s=run.end_s))
+        found.append(_from(run, until_s, caution("error_not_bounded", until_s=until_s, end_s=run.end_s)))
     if doubts.gave_up:
         found.append(changes_answer("run_given_up", at_s=run.end_s, steps=run.work.steps))
     if doubts.near_tangent_steps:
@@ -223,8 +223,15 @@ def findings_of(certified: Certified) -> tuple[Finding, ...]:
     if run.energy_gained_j > 1e-9 * max(run.energy_lost_j, 1e-9):
         found.append(caution("impacts_gained_energy", energy_j=run.energy_gained_j))
     if limits is not None and limits.left_domain_s is not None:
-        found.append(changes_answer("left_domain", at_s=limits.left_domain_s, by=limits.left_domain_by))
+        left = changes_answer("left_domain", at_s=limits.left_domain_s, by=limits.left_domain_by)
+        found.append(_from(run, limits.left_domain_s, left))
     return tuple(found)
+
+
+def _from(run: Solution, time_s: float, found: Finding) -> Finding:
+    """What is found from then on: nothing to beware of where the statue had passed the point of no return."""
+    fell = run.no_return_time_s is not None and run.no_return_time_s <= time_s
+    return replace(found, severity=Severity.INFO) if fell else found
 
 
 def stated_settings(settings: TwoBlockSettings) -> Mapping[str, object]:

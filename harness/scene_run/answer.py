@@ -47,8 +47,8 @@ def answer_of(
         _what(scene, known, len(runs)),
         *probability(assessment),
         *_until(known, judged, code),
-        *decided,
         *_decides(scores),
+        *decided,
     ]
     return Answer(code, [*parts, *_unpredictable(horizons, known)])
 
@@ -84,7 +84,13 @@ def _what(scene: Scene, known: Mapping[str, Run], asked: int) -> Finding:
     family = next(iter(groups))
     lean = _lean(scene, known)
     still = family == "stands" and max(lean["lean_rad"]) < STILL_RAD
-    values = {"models": list(known), "asked": asked, "outcome": "still" if still else family, **lean}
+    values = {
+        "models": list(known),
+        "asked": asked,
+        "silent": asked - len(known),
+        "outcome": "still" if still else family,
+        **lean,
+    }
     sides = sorted({run.outcome.value for run in known.values()})
     if family == "overturned":
         times = [run.no_return_time_s for run in known.values() if run.no_return_time_s is not None]
@@ -115,6 +121,8 @@ def _until(known: Mapping[str, Run], scores: Sequence[Scores], code: Code) -> li
     if not parted:
         bounded = min((run.bounded_until_s for run in known.values()), default=0.0)
         end = max(run.end_s for run in known.values())
+        if _fell_by(known, bounded):
+            return [info("histories_agree_past_return", until_s=bounded)]
         if bounded < end:
             return [info("histories_known_until", until_s=bounded)]
         return [info("histories_agree")]
@@ -123,11 +131,15 @@ def _until(known: Mapping[str, Run], scores: Sequence[Scores], code: Code) -> li
         parted,
         key=lambda each: (each.verdict is not Verdict.MODEL, each.verdict is not Verdict.PLANE, _agree_until_s(each)),
     )
-    return [
-        info(
-            "histories_agree_until", until_s=_agree_until_s(first), why=first.verdict.name.lower(), a=first.a, b=first.b
-        )
-    ]
+    until_s, why = _agree_until_s(first), first.verdict
+    if why in LATE and _fell_by(known, until_s):
+        return [info("histories_agree_past_return", until_s=until_s)]
+    return [info("histories_agree_until", until_s=until_s, why=why.name.lower(), a=first.a, b=first.b)]
+
+
+def _fell_by(known: Mapping[str, Run], time_s: float) -> bool:
+    """Whether every model's statue had passed the point of no return by then."""
+    return all(run.no_return_time_s is not None and run.no_return_time_s <= time_s for run in known.values())
 
 
 def _agree_until_s(scores: Scores) -> float:

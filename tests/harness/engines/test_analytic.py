@@ -11,6 +11,7 @@ import analytic
 from analytic import Harmonic, Pulse, SampledAcceleration
 from harness.engines.analytic import ACCURACIES_RAD, TwoBlock, TwoBlockSettings, block_of, keywords
 from harness.engines.base import EngineFailure, Settings
+from harness.model.finding import Severity
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run
@@ -158,3 +159,13 @@ def test_what_the_library_refuses_is_an_engine_failure_in_its_words() -> None:
 def test_settings_of_another_engine_mean_the_finest() -> None:
     assert run(paestum(duration_s=0.3), settings=Settings(1e-3, 1e-9)).settings["accuracy_rad"] == ACCURACIES_RAD[-1]
     assert run(paestum(duration_s=0.3), settings=TwoBlockSettings(0.0, 1e-9, 1e-9)).settings["accuracy_rad"] == 1e-9
+
+
+def test_a_limit_that_is_passed_after_the_fall_changes_no_answer() -> None:
+    """The falling statue slides on its support after the point of no return; with too little friction it slides before."""
+    slow = Harmonic(0.429 * GRAVITY_M_S2, 1.0)
+    late, soon = (run(replace(scene(PAESTUM, slow, mu_statue=mu), duration_s=6.0)) for mu in (1.0, 0.4))
+    for fell, severity in ((late, Severity.INFO), (soon, Severity.CHANGES_ANSWER)):
+        assert fell.no_return_time_s is not None
+        assert (fell.no_return_time_s < fell.validity["left_domain_s"]) is (severity is Severity.INFO)
+        assert {found.severity for found in fell.findings if found.code == "left_domain"} == {severity}

@@ -79,6 +79,15 @@ def test_outcomes_that_numerical_error_flips_are_unpredictable_others_differ() -
     assert said["models_disagree"].values["groups"] == {"overturned": ["a", "c"], "stands": ["b"]}
 
 
+def test_histories_that_part_after_every_fall_agree_past_the_point_of_no_return() -> None:
+    fell = {"outcome": Outcome.OVERTURNED_LEFT, "no_return_time_s": 5.0}
+    parted = doubles.parted(doubles.rocking(), 6.0, 0.01)
+    _, said = told(run("a", parted, reliable_until_s=6.5, **fell), run("b", reliable_until_s=5.5, **fell))
+    assert said["histories_agree_past_return"].values["until_s"] >= 5.0
+    _, said = told(run("a", parted, reliable_until_s=4.0, **fell), run("b", reliable_until_s=4.0, **fell))
+    assert "histories_agree_past_return" not in said
+
+
 def test_falls_to_different_sides_are_one_outcome() -> None:
     left, right = Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT
     _, said = told(run("a", outcome=left, no_return_time_s=3.0), run("b", outcome=right, no_return_time_s=4.0))
