@@ -13,10 +13,11 @@ import numpy as np
 from harness.input.history_file import read_history
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History, history_file
+from harness.model.run import EngineRunRecord
 from harness.records.base import REWRITE
 from harness.records.kinds import read_result
 from harness.records.result_folder import RECORD, as_written
-from harness.records.run import EngineRunRecord, RunRecord
+from harness.records.run import RunRecord
 from harness.records.scene import SceneRecord
 
 MOVED_SHARE: Final = 0.01

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Final
 from harness.input.mesh_statue import findings_of
 from harness.input.motions.inspect import Inspection
 from harness.model.finding import Finding, Severity, texted, weighed
-from harness.model.run import to_plain
+from harness.model.run import EngineRunRecord, to_plain
 from harness.model.terminal import printable
 from harness.records.assess import Assessment, AssessRecord
 from harness.records.base import Record
 from harness.records.measured import MeasuredRecord
-from harness.records.run import EngineRunRecord, RunRecord
+from harness.records.run import RunRecord
 from harness.records.scores import Interval, Scores, Verdict
 from harness.records.study import StudyRecord, StudyRow
 from harness.records.tosses import TossesRecord

@@ -6,14 +6,14 @@ import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar, Final, final
+from typing import TYPE_CHECKING, ClassVar, Final, cast, final
 
 from analytic.excitation import ZeroExcitation
 from harness.engines.base import RELIABLE_RAD, Engine, EngineFailure, Settings
 from harness.model.finding import Finding, Severity, caution, changes_answer, info
 from harness.model.history import History, Outcome
 from harness.model.options import Capabilities, RunOptions
-from harness.model.run import Pattern, Run
+from harness.model.run import Pattern, PatternName, Run
 from harness.model.scene import BaseExcitation, Scene
 from harness.model.two_block import block_of as block_of
 from harness.model.two_block import keywords as keywords
@@ -260,7 +260,9 @@ def _run(scene: Scene, settings: TwoBlockSettings, solution: Solution, wall_s: f
         uplift_times_s=tuple(float(t) for t in solution.uplift_times_s),
         peak_slip_m=solution.peak_slip_m,
         residual_slip_m=solution.final_slip_m,
-        patterns=tuple(Pattern(item.start_s, item.end_s, item.pattern) for item in solution.patterns),
+        patterns=tuple(
+            Pattern(item.start_s, item.end_s, cast(PatternName, item.pattern)) for item in solution.patterns
+        ),
         validity=_validity(scene, solution),
         work={"taylor_coefficients": work.taylor_coefficients, "events": work.events, "impacts": work.impacts},
         skipped=skipped(solution, keep),

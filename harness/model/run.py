@@ -12,7 +12,7 @@ from enum import Enum
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 
 from harness.model.errors import InputError, Mistake
 from harness.model.files import write_text
@@ -48,6 +48,8 @@ class Intervention:
 SCHEMA_VERSION: Final = 1
 OMITTED: Final = {"omitted": True}
 """The metadata of a dataclass's field that is absent from the JSON while it is None."""
+APART: Final = {"apart": True}
+"""The metadata of a field that is never in the JSON."""
 MANY: Final = 1000
 """A longer list in a record is a table: one line an item."""
 DISTRIBUTIONS: Final = ("rockcheck", "numpy", "scipy", "numba", "pybullet", "pymunk", "trimesh")
@@ -60,55 +62,105 @@ PATTERN_NAMES: Final[Mapping[str, str]] = {
 }
 
 
-@dataclass(frozen=True)
-class Pattern:
+PatternName = Literal["rest", "rocking", "sliding", "both"]
+
+
+class Pattern(NamedTuple):
     """One stretch of one motion pattern: `name` is a key of `PATTERN_NAMES`."""
 
     start_s: float
     end_s: float
+    name: PatternName
+
+
+class Column(NamedTuple):
+    """What a run says under one name: what people call it, its unit, and whether it is one value, a column of tables."""
+
     name: str
+    label: str
+    unit: str
+    single: bool
+
+    @property
+    def head(self) -> str:
+        """The head of its column."""
+        return f"{self.label} [{self.unit}]" if self.unit else self.label
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Run(Shown):
-    """One engine's answer to one scene.
+def said(label: str, unit: str = "", *, single: bool = True) -> dict[str, Column]:
+    """The metadata of a run's field."""
+    return {"column": Column("", label, unit, single)}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class RunRow:
+    """What tables keep of one engine's answer to one scene. A field that is added here is in records, stores, tables and exports.
 
     `validity` holds the model's limits met in this run (docs/model.md, section 5) by name with unit; `numerical_uncertainty_rad`
     and `slip_uncertainty_m` bound the numerical errors of rotation and slip up to `reliable_until_s` (None: not estimated).
-    `history` is None when only the outcome was asked. `steps` counts integration steps; `work` further counts by name
-    (evaluations, iterations, ...). `skipped` is what was left out though the result is the same, by its name in
-    `options.SKIPS`, with the time that it saved, s (None: no stretch of time); `findings` are what to know of it.
-    `motion_axes` are the axes along which the floor moves in the motion that the engine was given (None: not stated).
-    `interventions` is what the harness wrote to the engine's bodies, by kind; empty for an unmodified engine.
+    `steps` counts integration steps; `findings` are what to know of it. `motion_axes` are the axes along which the floor moves in
+    the motion that the engine was given (None: not stated).
     """
 
-    engine: str
-    outcome: Outcome
-    history: History | None
-    settings: Mapping[str, object]
-    steps: int
-    wall_s: float
-    peak_theta_rad: float
-    peak_time_s: float
-    end_s: float
-    overturn_time_s: float | None = None
-    no_return_time_s: float | None = None
-    impact_times_s: Sequence[float] = ()
-    uplift_times_s: Sequence[float] = ()
-    peak_slip_m: float = 0.0
-    residual_slip_m: float = 0.0
-    patterns: Sequence[Pattern] = ()
-    validity: Mapping[str, object] = field(default_factory=dict)
-    numerical_uncertainty_rad: float | None = None
-    slip_uncertainty_m: float | None = None
-    reliable_until_s: float | None = None
-    work: Mapping[str, int] = field(default_factory=dict)
-    skipped: Mapping[str, float | None] = field(default_factory=dict)
-    findings: Sequence[Finding] = ()
-    labels: Sequence[str] = ()
-    message: str = ""
-    motion_axes: Sequence[str] | None = None
-    interventions: Mapping[str, Intervention] = field(default_factory=dict)
+    engine: str = field(metadata=said("engine"))
+    outcome: Outcome = field(metadata=said("outcome"))
+    peak_theta_rad: float = field(metadata=said("largest rotation", "rad"))
+    peak_time_s: float = field(metadata=said("at", "s"))
+    end_s: float = field(metadata=said("computed until", "s"))
+    overturn_time_s: float | None = field(default=None, metadata=said("counts as overturned", "s"))
+    no_return_time_s: float | None = field(default=None, metadata=said("passes its balance point for good", "s"))
+    peak_slip_m: float = field(default=0.0, metadata=said("largest slip of the pedestal", "m"))
+    residual_slip_m: float = field(default=0.0, metadata=said("slip that remains", "m"))
+    numerical_uncertainty_rad: float | None = field(
+        default=None, metadata=said("numerical error of the rotation ±", "rad")
+    )
+    slip_uncertainty_m: float | None = field(default=None, metadata=said("numerical error of the slip ±", "m"))
+    reliable_until_s: float | None = field(default=None, metadata=said("stated until", "s"))
+    steps: int = field(metadata=said("integration steps"))
+    validity: Mapping[str, Any] = field(default_factory=dict, metadata=said("limits met", single=False))
+    findings: Sequence[Finding] = field(default=(), metadata=said("findings", single=False))
+    labels: Sequence[str] = field(default=(), metadata=said("labels", single=False))
+    motion_axes: Sequence[str] | None = field(default=None, metadata=said("axes of the motion", single=False))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class EngineRunRecord(RunRow):
+    """One engine's answer as a record holds it: all but its history.
+
+    `work` counts by name (evaluations, iterations, ...). `skipped` is what was left out though the result is the same, by its
+    name in `options.SKIPS`, with the time that it saved, s (None: no stretch of time). `interventions` is what the harness wrote
+    to the engine's bodies, by kind; empty for an unmodified engine.
+    """
+
+    settings: Mapping[str, Any] = field(metadata=said("settings", single=False))
+    wall_s: float = field(metadata=said("time to compute", "s"))
+    impact_times_s: Sequence[float] = field(default=(), metadata=said("impacts", "s", single=False))
+    uplift_times_s: Sequence[float] = field(default=(), metadata=said("uplifts", "s", single=False))
+    patterns: Sequence[Pattern] = field(default=(), metadata=said("motion patterns", single=False))
+    work: Mapping[str, int] = field(default_factory=dict, metadata=said("work", single=False))
+    skipped: Mapping[str, float | None] = field(default_factory=dict, metadata=said("left out", single=False))
+    message: str = field(default="", metadata=said("why it failed"))
+    interventions: Mapping[str, Intervention] = field(
+        default_factory=dict, metadata=said("interventions", single=False)
+    )
+
+    @property
+    def impacts(self) -> int:
+        """Number of impacts; a run for the outcome alone counts them and lists none."""
+        return len(self.impact_times_s) or int(self.work.get("impacts", 0))
+
+
+RUN_FIELDS: Final = tuple(each.metadata["column"]._replace(name=each.name) for each in fields(EngineRunRecord))
+"""All that a run says beside its history: records, stores, tables and exports are made by it."""
+NUMBERS: Final = tuple(each.name for each in fields(RunRow) if each.metadata["column"].unit)
+"""What a table tells of each run in numbers with a unit, beside its outcome and counts."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Run(EngineRunRecord, Shown):
+    """One engine's answer to one scene; `history` is None when only the outcome was asked."""
+
+    history: History | None = field(default=None, metadata=APART)
 
     @property
     def bounded_until_s(self) -> float:
@@ -180,7 +232,7 @@ def to_plain(value: Any) -> Any:
     if isinstance(value, Enum):
         return value.value
     if is_dataclass(value):
-        own = [(each, getattr(value, each.name)) for each in fields(value)]
+        own = [(each, getattr(value, each.name)) for each in fields(value) if "apart" not in each.metadata]
         return {each.name: to_plain(item) for each, item in own if item is not None or "omitted" not in each.metadata}
     if hasattr(value, "tolist"):
         return to_plain(value.tolist())

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final, Literal, NamedTuple, cast
+from typing import Final, Literal
 
 from analytic.results import LEFT_BY
 from harness.input.mistakes import Contradiction
 from harness.model.finding import Finding, Say
-from harness.model.history import History, Outcome
-from harness.model.run import OMITTED, Intervention, Pattern, Run
+from harness.model.history import Outcome
+from harness.model.run import OMITTED, EngineRunRecord
 from harness.records.assess import Assessment
-from harness.records.base import Record, Table, same_fields
+from harness.records.base import Record
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.scores import Scores
 from harness.statics.plan import Step
@@ -62,66 +62,7 @@ class Witness:
     floor_impact: str = ""
 
 
-PatternName = Literal["rest", "rocking", "sliding", "both"]
-
-
-class Stretch(NamedTuple):
-    """One stretch of one motion pattern."""
-
-    start_s: float
-    end_s: float
-    name: PatternName
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class EngineRunRecord:
-    """One engine's answer as `harness.model.run.Run` states it, its history aside."""
-
-    engine: str
-    outcome: Outcome
-    settings: Table
-    steps: int
-    wall_s: float
-    peak_theta_rad: float
-    peak_time_s: float
-    end_s: float
-    overturn_time_s: float | None
-    no_return_time_s: float | None
-    impact_times_s: Sequence[float]
-    uplift_times_s: Sequence[float]
-    peak_slip_m: float
-    residual_slip_m: float
-    patterns: Sequence[Stretch]
-    validity: Table
-    numerical_uncertainty_rad: float | None
-    slip_uncertainty_m: float | None = None
-    reliable_until_s: float | None
-    work: Mapping[str, int | float]
-    skipped: Mapping[str, float | None]
-    findings: Sequence[Finding]
-    labels: Sequence[str]
-    message: str
-    motion_axes: Sequence[str] | None = None
-    interventions: Mapping[str, Intervention] = field(default_factory=dict)
-
-    @classmethod
-    def of(cls, run: Run) -> EngineRunRecord:
-        """The record of a run."""
-        own = {"patterns": [Stretch(item.start_s, item.end_s, cast(PatternName, item.name)) for item in run.patterns]}
-        return cls(**same_fields(cls, run) | own)
-
-    def run(self, history: History | None) -> Run:
-        """The run again, with its history."""
-        own = {"patterns": [Pattern(*item) for item in self.patterns], "history": history}
-        return Run(**same_fields(Run, self) | own)
-
-    @property
-    def impacts(self) -> int:
-        """Number of impacts; a run for the outcome alone counts them and lists none."""
-        return len(self.impact_times_s) or int(self.work.get("impacts", 0))
-
-
-def tips_s(run: Run | EngineRunRecord) -> float | None:
+def tips_s(run: EngineRunRecord) -> float | None:
     """When a model that holds the pedestal upright says that it tips, s; None where it does not say so."""
     left_s = run.validity.get("left_domain_s")
     return left_s if isinstance(left_s, float) and run.validity.get("left_domain_by") == LEFT_BY[-1] else None
@@ -131,7 +72,7 @@ UNKNOWN: Final = (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX, Outcome.UNDECIDED)
 """Outcomes that say what became of the run, not of the statue."""
 
 
-def has_answer(run: Run | EngineRunRecord) -> bool:
+def has_answer(run: EngineRunRecord) -> bool:
     """Whether a run tells what becomes of the statue: it ended, and held upright no pedestal that tips before that was decided.
 
     Every page and the terminal count by this the models that answered.

@@ -12,9 +12,9 @@ from pydantic import JsonValue
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Finding, Say, Severity
 from harness.model.history import Outcome
-from harness.model.run import OMITTED, to_plain
+from harness.model.run import OMITTED, RUN_FIELDS, RunRow, to_plain
 from harness.model.shown import Shown, new_axes
-from harness.records.base import Plain, Record, Table, plain
+from harness.records.base import Plain, Record, plain
 from harness.records.scene import SceneRecord
 from harness.records.sets import SetScores
 
@@ -52,33 +52,18 @@ ClaimAnswer = Literal["holds", "does not hold", "holds for some", "not tested"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class CaseRun:
-    """What a study keeps of one run (`harness.records.run.EngineRunRecord`); impacts are counted, and weighed for claims."""
+class CaseRun(RunRow):
+    """What a study keeps of one run (`harness.model.run.EngineRunRecord`); impacts are counted, and weighed for claims."""
 
-    engine: str
-    outcome: Outcome
-    peak_theta_rad: float
-    peak_time_s: float | None = None
-    end_s: float | None = None
-    no_return_time_s: float | None
-    overturn_time_s: float | None
-    peak_slip_m: float
-    residual_slip_m: float
-    numerical_uncertainty_rad: float | None
-    slip_uncertainty_m: float | None = None
-    reliable_until_s: float | None
-    steps: int
-    labels: Sequence[str]
-    findings: Sequence[Finding]
-    validity: Table
-    motion_axes: Sequence[str] | None = None
+    peak_time_s: float | None = None  # type: ignore[assignment]
+    end_s: float | None = None  # type: ignore[assignment]
     impacts: int
     last_impact_s: float | None = None
     impact_loss_j: float | None = None
 
     @classmethod
     def stored(cls, run: Mapping[str, Any]) -> CaseRun:
-        """From what a store holds of a run (`harness.records.run.EngineRunRecord`).
+        """From what a store holds of a run (`harness.model.run.EngineRunRecord`).
 
         Words that many runs share are one string, for there may be a million of them.
         """
@@ -274,11 +259,8 @@ class StudyRecord(Record, Shown):
     def columns(self) -> dict[str, list[object]]:
         """One row for each case and engine: what varied, and every single value of its run (None where there was none)."""
         keys = dict.fromkeys(key for row in self.rows for key in row.varied)
-        single = [
-            each.name
-            for each in fields(CaseRun)
-            if each.name not in {"engine", "labels", "findings", "validity", "motion_axes"}
-        ]
+        apart = {"engine", *(each.name for each in RUN_FIELDS if not each.single)}
+        single = [each.name for each in fields(CaseRun) if each.name not in apart]
         rows: list[dict[str, object]] = [
             {"row": k, "number": row.number, "engine": row.engine, "reason": row.reason}
             | {key: row.varied.get(key) for key in keys}

@@ -18,10 +18,9 @@ import numpy as np
 from harness.model.errors import InputError, Mistake
 from harness.model.files import NO_ROOM, writing
 from harness.model.history import COLUMNS, Array, History
-from harness.model.run import Run, to_plain
+from harness.model.run import EngineRunRecord, Run, to_plain
 from harness.records.base import Plain, part
 from harness.records.result_folder import STORE, STORE_KINDS, STORE_NUMBER, store_kind
-from harness.records.run import EngineRunRecord
 from harness.records.study import Value
 from harness.runs.task import RUN, Answer
 
@@ -287,7 +286,8 @@ class Store:
         record, history = self.get(key), self.history(key)
         if record is None or history is None:
             return None
-        return part(EngineRunRecord, {**record, "wall_s": self.seconds(key) or 0.0}, self.path).run(history)
+        found = part(EngineRunRecord, {**record, "wall_s": self.seconds(key) or 0.0}, self.path)
+        return Run(**vars(found), history=history)
 
     def write_plan(self, study: str, rows: Iterable[tuple[int, str, str | None, str, Mapping[str, Value]]]) -> None:
         """Replace the plan of a study: (number, engine, key or None, reason, what varies) in one transaction."""

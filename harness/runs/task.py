@@ -16,7 +16,6 @@ from harness.model.history import History, Outcome
 from harness.model.run import Run, to_plain
 from harness.model.scene import Scene
 from harness.records.base import Plain
-from harness.records.run import EngineRunRecord
 from harness.runs.runner import Crash, Hung, LocalPool
 
 RUN = "run"
@@ -61,7 +60,7 @@ def answer_of(run: Run, histories: bool, inside_s: float = 0.0) -> Answer:
 
     Times differ from run to run: they stand apart, so that two stores of one study are equal row for row.
     """
-    plain = to_plain(EngineRunRecord.of(run))
+    plain = to_plain(run)
     seconds = plain.pop("wall_s")
     return Answer(RUN, plain, seconds, run.history if histories else None, inside_s, run.outcome.failed)
 

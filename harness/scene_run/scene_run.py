@@ -22,7 +22,7 @@ from harness.model.run import Run, machine, versions
 from harness.model.scene import Scene
 from harness.records.assess import Assessment
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
-from harness.records.run import DecidedBy, EngineRunRecord, HorizonRecord, RunRecord, Witness
+from harness.records.run import DecidedBy, HorizonRecord, RunRecord, Witness
 from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores
 from harness.scene_run import floor_impact
@@ -95,7 +95,7 @@ class Result:
             answer=self.answer(),
             findings=self.findings(),
             motion=motion_of(self.scene),
-            runs={name: EngineRunRecord.of(run) for name, run in self.runs.items()},
+            runs=self.runs,
             histories=[name for name, run in self.runs.items() if run.history is not None],
             scores=self.scores,
             horizons=self.horizons,

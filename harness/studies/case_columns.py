@@ -16,7 +16,7 @@ from harness.engines import analytic as twoblock
 from harness.engines.base import RELIABLE_RAD
 from harness.model.finding import Finding
 from harness.model.history import Outcome
-from harness.model.run import to_plain
+from harness.model.run import NUMBERS, to_plain
 from harness.model.scene import BaseExcitation
 from harness.records.base import Plain
 from harness.studies.case_scenes import Still
@@ -43,10 +43,7 @@ TIPPING: Final = {
 }
 """Names of a run's record, and of what the kernel leaves behind; the last only where there is a pedestal."""
 WORK: Final = {"events": "events", "impacts": "impacts", "taylor_coefficients": "coefficients"}
-OF_RUN: Final = (
-    "end_s", "no_return_time_s", "numerical_uncertainty_rad", "outcome", "peak_theta_rad", "reliable_until_s",
-    "findings", "residual_slip_m", "skipped", "slip_uncertainty_m", "steps", *RUN,
-)  # fmt: skip
+OF_RUN: Final = (*NUMBERS, "outcome", "findings", "skipped", "steps")
 """Columns that stand in the record itself."""
 TABLES: Final = ("skipped", "findings")
 """Columns that hold JSON."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from harness.input.overrides import plain
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import NUMBERS, Run
 from harness.model.scene import Scene
 from harness.model.shown import Shown, new_axes
 from harness.studies.case_blocks import SweptRuns
@@ -26,11 +26,6 @@ from harness.studies.file import Value
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-ANSWERS: Final = (
-    "peak_theta_rad", "peak_time_s", "end_s", "overturn_time_s", "no_return_time_s", "peak_slip_m", "residual_slip_m",
-    "numerical_uncertainty_rad", "slip_uncertainty_m", "reliable_until_s",
-)  # fmt: skip
-"""What a table tells of each run in numbers, beside its outcome and counts."""
 Column = NDArray[Any]
 
 
@@ -139,7 +134,7 @@ def _swept(scene: Scene, settings: Sequence[Mapping[str, Any]], asked_rad: float
     for place, setting in enumerate(settings):
         runs.add(place, setting)
     columns = runs.columns()
-    return {name: columns[name] for name in ("outcome", *ANSWERS, "steps", "impacts")}
+    return {name: columns[name] for name in ("outcome", *NUMBERS, "steps", "impacts")}
 
 
 def _one_by_one(
@@ -148,7 +143,7 @@ def _one_by_one(
     """Any engine's runs, one after the other."""
     options = RunOptions(history=False)
     runs = [simulate(scene.replace(setting), engine, accuracy_rad=asked_rad, options=options) for setting in settings]
-    numbers = {name: np.array([getattr(run, name) for run in runs], dtype=np.float64) for name in ANSWERS}
+    numbers = {name: np.array([getattr(run, name) for run in runs], dtype=np.float64) for name in NUMBERS}
     numbers["peak_theta_rad"] = np.abs(numbers["peak_theta_rad"])
     outcomes = _column([run.outcome.value for run in runs])
     steps, impacts = (np.array([of(run) for run in runs]) for of in (_steps, _impacts))

@@ -9,8 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.history import History
-from harness.model.run import PATTERN_NAMES
-from harness.records.run import EngineRunRecord
+from harness.model.run import PATTERN_NAMES, EngineRunRecord
 from harness.records.scene import MotionRecord, SceneRecord
 from reports.charts import Json
 from reports.charts.figure import ABOVE, axis, band, curve, level, note, stroke

@@ -11,8 +11,9 @@ import numpy as np
 
 from harness.model.history import Outcome
 from harness.model.in_space import support_m
+from harness.model.run import EngineRunRecord
 from harness.records.assess import Assessment, worst
-from harness.records.run import EngineRunRecord, RunRecord, has_answer, tips_s
+from harness.records.run import RunRecord, has_answer, tips_s
 from harness.scene_run.answer import STILL_RAD
 from reports.drawing.conservator_pictures import plan_svg, reach_svg
 from reports.drawing.display_mesh import silhouette_m

@@ -6,8 +6,8 @@ import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from harness.model.run import MANY
-from harness.records.run import EngineRunRecord, RunRecord
+from harness.model.run import MANY, EngineRunRecord
+from harness.records.run import RunRecord
 from reports.charts.histories import histories_figure, pattern_words
 from reports.charts.palette import PATTERN_LOOKS, look
 from reports.drawing.replay import default_model, replay_payload

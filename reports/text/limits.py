@@ -9,9 +9,8 @@ import numpy as np
 
 from harness.model.finding import Finding, Severity, weighed
 from harness.model.history import History
-from harness.model.run import Intervention
+from harness.model.run import EngineRunRecord, Intervention
 from harness.records.base import Table
-from harness.records.run import EngineRunRecord
 from harness.statics.plan import Step
 from reports.messages import ENGLISH
 from reports.messages.numbers import digits, short, unit

@@ -11,7 +11,8 @@ import numpy as np
 from harness.model.finding import Finding, info
 from harness.model.history import Array, History, Outcome
 from harness.model.in_space import support_m
-from harness.records.run import EngineRunRecord, has_answer
+from harness.model.run import EngineRunRecord
+from harness.records.run import has_answer
 from reports.drawing.kinematics import section
 from reports.messages import ENGLISH
 from reports.source import RunSource

@@ -15,8 +15,9 @@ import pytest
 from analytic.excitation import ZeroExcitation
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
+from harness.model.run import EngineRunRecord
 from harness.model.scene import Scene
-from harness.records.run import EngineRunRecord, has_answer
+from harness.records.run import has_answer
 from harness.scene_run.scene_run import run_scene, write_result
 from reports.charts.histories import histories_figure
 from reports.pages.conservator import context

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from harness.engines.stepping.falling import Fall, fall, side_of
 from harness.engines.stepping.support import Corners, PlainSpells, plain_spells
 from harness.model.finding import Finding, caution
 from harness.model.history import History, Outcome, hermites, output_grid
-from harness.model.run import Intervention, Pattern, Run
+from harness.model.run import Intervention, Pattern, PatternName, Run
 from harness.model.scene import OVERTURN_RAD, Scene
 from harness.model.two_block import block_of, keywords
 
@@ -120,7 +120,7 @@ def patterns(
     """The stretches of rest, rocking, sliding and both."""
     code = (np.abs(theta_rad) > resolution_rad).astype(np.int64) + 2 * (np.abs(slip_rate_m_s) > stuck_below_m_s)
     # Passing upright is no rest: a short stay in the band between two sides of rocking is rocking.
-    names = ("rest", "rocking", "sliding", "both")
+    names = get_args(PatternName)
     edges = np.concatenate([[0], np.flatnonzero(np.diff(code)) + 1, [code.size - 1]])
     patterns: list[Pattern] = []
     for start, stop in pairwise(edges):

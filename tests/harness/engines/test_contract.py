@@ -24,7 +24,6 @@ from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.base import plain
-from harness.records.run import EngineRunRecord
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, scene
 
@@ -95,7 +94,7 @@ def test_record_is_plain_and_labelled(engine: Engine) -> None:
     assert found.patterns
     assert found.patterns[0].start_s == 0.0
     assert all(a.end_s == pytest.approx(b.start_s, abs=5e-3) for a, b in pairwise(found.patterns))
-    assert "engine" in plain(EngineRunRecord.of(found))
+    assert "engine" in plain(found)
 
 
 def test_only_the_outcome_leaves_no_history(engine: Engine) -> None:

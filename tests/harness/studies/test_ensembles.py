@@ -9,7 +9,6 @@ import pytest
 
 from harness.model.history import History, Outcome
 from harness.model.run import to_plain
-from harness.records.run import EngineRunRecord
 from harness.records.scores import Verdict
 from harness.records.study import CaseRun
 from harness.studies.ensembles import score_sets
@@ -21,7 +20,7 @@ CASES = 12
 
 def row(number: int, engine: str, history: History, **fields: Any) -> KeyedRow:
     known = {"numerical_uncertainty_rad": 1e-4, "reliable_until_s": 10.0}
-    run = CaseRun.stored(to_plain(EngineRunRecord.of(doubles.run_of(history, engine, **known | fields))))
+    run = CaseRun.stored(to_plain(doubles.run_of(history, engine, **known | fields)))
     key = f"{engine}{number}"
     return KeyedRow(number=number, engine=engine, reason="", varied={"variant": ""}, run=run, key=key)
 

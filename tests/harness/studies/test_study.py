@@ -12,7 +12,6 @@ from harness.accuracy.simulation import simulate
 from harness.model.errors import InputError
 from harness.model.run import to_plain
 from harness.model.scene import Scene
-from harness.records.run import EngineRunRecord
 from harness.records.study import impacts
 from harness.runs.runner import Done, InlinePool, LocalPool, Work
 from harness.runs.store import Packed, Store
@@ -135,7 +134,7 @@ def test_an_outcome_in_a_study_is_that_of_a_run_alone(tmp_path: Path) -> None:
         rows = {row.number: row.run for row in store.rows(study_name(study))}
     base = base_of(study, path)
     for case in list(expand(study, base))[::7]:
-        alone = to_plain(EngineRunRecord.of(simulate(base.scene(case.setting), "analytic")))
+        alone = to_plain(simulate(base.scene(case.setting), "analytic"))
         outcome = rows[case.number]
         assert outcome is not None
         # Only the list of events, the history and the check of the error differ.

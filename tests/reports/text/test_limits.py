@@ -10,8 +10,7 @@ import pytest
 
 from harness.model.finding import Severity, changes_answer, info, texted
 from harness.model.history import History, Outcome
-from harness.model.run import Intervention
-from harness.records.run import EngineRunRecord
+from harness.model.run import EngineRunRecord, Intervention
 from harness.statics.plan import Step
 from reports.messages import ENGLISH
 from reports.source import run_source
@@ -34,7 +33,7 @@ VALIDITY = {"yaw_rad": 0.9, "statue_slip_m": 0.02, "energy_gained_j": 9.6, "touc
 def fallen() -> tuple[EngineRunRecord, History]:
     """A run that falls; its turn and slip grow in the fall alone, and are small before."""
     history = invented_history(0.0, falls=True)
-    run = EngineRunRecord.of(invented_run("pybullet", history, Outcome.OVERTURNED_RIGHT, 1e-3))
+    run = invented_run("pybullet", history, Outcome.OVERTURNED_RIGHT, 1e-3)
     run = replace(run, validity=VALIDITY)
     late = history.t_s > run.no_return_time_s
     extra = {"yaw_rad": 1.0 + np.where(late, 0.9, 0.003), "statue_slip_m": np.where(late, 0.02, -0.001)}
@@ -83,7 +82,7 @@ def test_engines_of_one_reason_stand_together_in_plain_words() -> None:
 
 
 def test_a_skip_is_told_in_words_with_the_time_that_it_saved() -> None:
-    run = EngineRunRecord.of(invented_run("pybullet", invented_history(0.0), Outcome.STANDS, 1e-3))
+    run = invented_run("pybullet", invented_history(0.0), Outcome.STANDS, 1e-3)
     skipped = replace(run, skipped={"base_only": None, "quiet_start": 0.25})
     assert skipped_rows({"pybullet": skipped}) == [
         ("pybullet", "contact of parts other than the base"),

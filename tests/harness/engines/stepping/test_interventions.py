@@ -14,9 +14,9 @@ from harness.engines.base import LayerFault
 from harness.engines.stepping.step_log import Ledger
 from harness.engines.stepping.stepper import RowWriter
 from harness.model.options import RunOptions
+from harness.model.run import EngineRunRecord
 from harness.model.scene import Scene
 from harness.records import base
-from harness.records.run import EngineRunRecord
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready
 from tests.measures.coverage import random_scene
@@ -81,8 +81,8 @@ def test_the_record_tells_what_was_written(name: str) -> None:
     engine = ready(name)
     scene = paestum(0.429, 3.0, mu=(0.20, 0.15), pedestal=engine.capabilities.pedestal)
     run = engine.simulate(scene, engine.settings_for_dt(scene, 1e-3), RunOptions())
-    record = base.plain(EngineRunRecord.of(run))
-    assert base.part(EngineRunRecord, record, Path("store")).run(run.history).interventions == run.interventions
+    record = base.plain(run)
+    assert base.part(EngineRunRecord, record, Path("store")).interventions == run.interventions
     if name in ("analytic", "spatial") or name.endswith(":plain"):
         assert not run.interventions
         return
