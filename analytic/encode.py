@@ -10,7 +10,7 @@ import numpy as np
 from analytic.block import CHOICES, Friction
 from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
-from analytic.kernel.codes import COSINE, HARMONIC, NONE, RECTANGULAR, RICKER, SAMPLED, SINE
+from analytic.kernel.codes import HARMONIC, NONE, PULSES, SAMPLED
 from analytic.kernel.records import MAX_ORDER, Base, Floats, MotionParams, Params
 from analytic.problem import Options, Problem
 
@@ -29,7 +29,6 @@ FINEST: Final = 1e-17
 LEAST_ORDER: Final = 6
 """Least order of a step; reached only above an aimed error of 0.2 rad."""
 _EMPTY: Final = np.empty(0)
-_PULSES: Final = {"rectangular": RECTANGULAR, "one_sine": SINE, "one_cosine": COSINE, "ricker": RICKER}
 
 
 def _params(kind: int, peak: float, omega: float = 0.0, phase: float = 0.0, ramp: float = 0.0) -> MotionParams:
@@ -48,7 +47,7 @@ def encode_motion(motion: Excitation) -> tuple[MotionParams, Floats, Floats]:
         wave = motion.amplitude_m_s2, motion.omega_rad_s, motion.phase_rad, motion.ramp_s
         return _params(HARMONIC, *wave), _EMPTY, _EMPTY
     if isinstance(motion, Pulse):
-        params = _params(_PULSES[motion.shape], motion.amplitude_m_s2, motion.omega_rad_s)
+        params = _params(PULSES[motion.shape], motion.amplitude_m_s2, motion.omega_rad_s)
         params.start_s, params.end_s = motion.start_s, motion.end_s
         return params, _EMPTY, _EMPTY
     if isinstance(motion, SampledAcceleration):

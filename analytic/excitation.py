@@ -277,6 +277,8 @@ class Pulse(Excitation):
             return np.sin(w * tau), (1.0 - np.cos(w * tau)) / w, (tau - np.sin(w * tau) / w) / w
         if self.shape == "one_cosine":
             return np.cos(w * tau), np.sin(w * tau) / w, (1.0 - np.cos(w * tau)) / w**2
+        if self.shape != "ricker":
+            raise NotImplementedError(f"Pulse has no formula for {self.shape!r}")
         xi = tau - half
         bell, bell0 = np.exp(-0.5 * (w * xi) ** 2), math.exp(-0.5 * (w * half) ** 2)
         first = xi * bell + half * bell0

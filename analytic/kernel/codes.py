@@ -12,6 +12,7 @@ SINE: Final = 3
 COSINE: Final = 4
 RICKER: Final = 5
 SAMPLED: Final = 6
+PULSES: Final = {"rectangular": RECTANGULAR, "one_sine": SINE, "one_cosine": COSINE, "ricker": RICKER}
 
 # Outcomes.
 RUNNING: Final = 0

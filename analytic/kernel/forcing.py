@@ -1,7 +1,7 @@
 """The floor's acceleration: its breaks, and its exact Taylor coefficients between them, to any order.
 
 Between two breaks a motion is smooth, and a break ends every step (docs/model.md, section 2), so a step never mixes two pieces.
-To add a motion: a kind in `analytic.kernel.codes`, a branch in `analytic.encode`, in `next_break_s` and in `coefficients`.
+To add a pulse: its formula in `acceleration` and in `coefficients`; a kind without one is not a number, and no run survives it.
 """
 
 from __future__ import annotations
@@ -125,9 +125,37 @@ def coefficients(motion: Motion, row: Floats, time: float, n: int) -> int:
     sine, cosine = sine_cosine(params.omega_rad_s * since + params.phase_rad)
     if kind == codes.COSINE:
         sine, cosine = cosine, -sine
+    elif kind != codes.SINE and kind != codes.HARMONIC:
+        sine, cosine = math.nan, math.nan
     _oscillation(motion, row, n, sine, cosine)
     if kind == codes.HARMONIC and motion.breaks_passed == 0 and params.ramp_s > 0.0:  # times t/ramp
         for k in range(n, 0, -1):
             row[k] = (row[k] * since + row[k - 1]) / params.ramp_s
         row[0] = row[0] * since / params.ramp_s
     return n
+
+
+@jit
+def acceleration(motion: Motion, time: float) -> float:
+    """The acceleration itself at a time of the stretch between the breaks passed and to come, m/s²."""
+    params, kind = motion.params, motion.params.kind
+    if kind == codes.NONE:
+        return 0.0
+    if kind == codes.SAMPLED:
+        return sampled_at(motion, time)
+    if kind == codes.HARMONIC:
+        value = params.amplitude_m_s2 * math.sin(params.omega_rad_s * time + params.phase_rad)
+        return value * time / params.ramp_s if params.ramp_s > 0.0 and motion.breaks_passed == 0 else value
+    if motion.breaks_passed != 1:
+        return 0.0
+    since = time - params.start_s
+    if kind == codes.RECTANGULAR:
+        return params.amplitude_m_s2
+    if kind == codes.SINE:
+        return params.amplitude_m_s2 * math.sin(params.omega_rad_s * since)
+    if kind == codes.COSINE:
+        return params.amplitude_m_s2 * math.cos(params.omega_rad_s * since)
+    if kind == codes.RICKER:
+        w = (params.omega_rad_s * (since - 0.5 * (params.end_s - params.start_s))) ** 2
+        return params.amplitude_m_s2 * (1.0 - w) * math.exp(-0.5 * w)
+    return math.nan

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic.kernel.codes import FRICTION_PARADOX, LIFT_OFF, MOVING
+from analytic.kernel.codes import FRICTION_PARADOX, LIFT_OFF, MOVING, UNDECIDED
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.dynamics import expand, vertex
 from analytic.kernel.forcing import coefficients
@@ -37,6 +37,9 @@ def start_series(task: Task) -> None:
         task.motion_z.degree = coefficients(task.motion_z, series.gravity, state.time_s, params.order)
         series.gravity[0] += params.gravity_m_s2
         state.floor_loaded = True
+        if math.isnan(series.floor_accel[0] + series.gravity[0]):  # a kind of motion without a formula
+            state.outcome = UNDECIDED
+            task.counts.given_up = 1
 
 
 @inlined

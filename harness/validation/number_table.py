@@ -5,10 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
+from typing import Final
+
+import numpy as np
 
 from harness.input.text_file import decimals, decoded, numbers_at_once, read_bytes
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Array
+
+LARGEST: Final = 1e9
+"""No length, time, mass or rate in SI units that was measured is larger, and squares of larger ones may overflow."""
 
 
 def header(path: Path) -> tuple[str, ...]:
@@ -28,6 +34,10 @@ def read_groups(path: Path, columns: Sequence[str]) -> list[tuple[str, Array]]:
     if not numbered:
         raise InputError(Mistake(str(path), "", "at least one line of numbers", "none"))
     table = _numbers(path, numbered, len(columns))
+    if (large := np.argwhere(np.abs(table) > LARGEST)).size:
+        row, column = large[0].tolist()
+        where = f"line {numbered[row][0]}: {columns[column + 1]}"
+        raise InputError(Mistake(str(path), where, f"a number of at most {LARGEST:g}", f"{table[row, column]:g}"))
     names = [line.partition(",")[0].strip() for _, line in numbered]
     groups: list[tuple[str, Array]] = []
     seen: set[str] = set()

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
+from typing import get_args
 
 import numpy as np
 import pytest
 
 from analytic.errors import AnalyticInputError
-from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest
+from analytic.excitation import Excitation, Harmonic, Pulse, PulseShape, Record, Rest
 from tests.budgets_analytic import QUADRATURE_REL
 
 MOTIONS: list[Excitation] = [
@@ -17,9 +18,7 @@ MOTIONS: list[Excitation] = [
     Harmonic(2.0, 1.5),
     Harmonic(2.0, 1.5, phase_rad=0.7),
     Harmonic(-2.0, 1.5, phase_rad=0.7, ramp_s=0.8),
-    Pulse("rectangular", 3.0, 0.5, 0.25),
-    Pulse("one_sine", 3.0, 0.5, 0.25),
-    Pulse("one_cosine", 3.0, 0.5, 0.25),
+    *(Pulse(shape, 3.0, 0.5, 0.25) for shape in get_args(PulseShape)),
     Pulse("ricker", 3.0, 1.5, 0.25),
     Record([0.25, 0.5, 1.0, 1.25], [1.0, -2.0, 3.0, 0.5]),
 ]

@@ -126,6 +126,47 @@ c,stone.ply,cm,2600,0,0.5,motion.csv,a,m/s2,3.0,overturned
 """
 
 
+UNCERTAIN: Final = (
+    SCENE
+    + b"""[uncertainty]
+"contact.floor" = { kind = "lognormal", cov = 0.15 }
+"motion.z.amplitude_g" = { kind = "uniform", half_width = 0.05 }
+"statue.centroid_height_m" = { kind = "normal", sd = 0.01 }
+"""
+)
+OPTIONS: Final = b"""[[option]]
+name = "lower pedestal"
+set = { "pedestal.height_m" = 0.10, "pedestal.mass_kg" = 125.0 }
+[[option]]
+name = "waxed floor"
+set = { "contact.floor_static" = 0.15, "contact.floor_kinetic" = 0.12 }
+"""
+THROWN: Final = b"""title = "a square"
+duration_s = 0.8
+[statue]
+mass_kg = 0.1
+centroid_height_m = 0.03
+corner_left_m = 0.03
+corner_right_m = 0.03
+inertia_kg_m2 = 6.0e-5
+inertia_xyz_kg_m2 = [6.0e-5, 6.0e-5, 6.0e-5]
+height_m = 0.06
+depth_m = 0.06
+[contact]
+statue = 0.15
+restitution = 0.5
+[initial]
+position_m = [0.0, 0.0, 0.15]
+velocity_m_s = [-0.6, 0.0, -1.7]
+angular_velocity_rad_s = [0.0, 3.0, 0.0]
+"""
+RATIOS: Final = b"""group,trial,width_m,height_m,depth_m,mass_kg,ratio_measured
+a,1,0.100,0.300,0.200,15.0,0.852
+a,2,0.100,0.300,0.200,15.0,0.861
+b,1,0.150,0.300,0.200,22.5,0.701
+"""
+
+
 NEW: Final = (
     b"--motion motion.csv --motion-unit m/s2 --unit m --up z --density 2700.0\n--pedestal 250.0,0.6,0.8,0.2 --friction 0.35"
     b" --scale 1.5 --contact-tolerance 0.002\n"
@@ -133,6 +174,10 @@ NEW: Final = (
 RUN: Final = (
     b"-e analytic --accuracy 1.0e-4 --set motion.z.amplitude_g=0.30 --set pedestal.offset_m=0.010\n"
     b"--set contact.restitution=0.90 --set 'statue.mass_kg=650.0' --language it\n"
+)
+OF_ASSESS: Final = (
+    b"--seed 3 --half-width 0.10 --most-runs 40 --set contact.restitution=0.90\n"
+    b"--set statue.mass_kg=650.0 --no-options\n"
 )
 DESCRIBED: Final = b"--skip-lines 2 --time-column 1\n--columns 2:N,3:E --unit gal\n"
 
@@ -185,6 +230,34 @@ def stl() -> bytes:
     return b"\0" * 80 + struct.pack("<I", len(rows)) + b"".join(rows)
 
 
+def drops() -> bytes:
+    """Two drops of the square that fly, land and lie still at once."""
+    rows = [",".join(("drop", "row", "x_m", "z_m", "theta_rad", "vx_m_s", "vz_m_s", "omega_rad_s"))]
+    for name, spin in (("a", 1.5), ("b", -2.5)):
+        for k in range(40):
+            t = k / 250.0
+            z = 0.15 - 0.5 * t - 0.5 * 9.81 * t * t
+            flies = z > 0.043
+            rows.append(
+                f"{name},{k},{0.3 * t:.6f},{z if flies else 0.03:.6f},{spin * t if flies else 0.0:.6f},0.3,-0.5,{spin}"
+            )
+    return ("\n".join(rows) + "\n").encode()
+
+
+def tosses() -> bytes:
+    """Two tosses of the square that fly and land level, without a turn."""
+    place = ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")
+    rows = [",".join(("toss", "t_s", *place, "vx_m_s", "vy_m_s", "vz_m_s", "wx_rad_s", "wy_rad_s", "wz_rad_s"))]
+    for name, speed in (("a", 0.4), ("b", -0.2)):
+        for k in range(30):
+            t = k / 148.0
+            z = max(0.12 - 0.5 * 9.81 * t * t, 0.03)
+            rows.append(
+                f"{name},{t:.6f},{speed * t:.6f},0.0,{z:.6f},1.0,0.0,0.0,0.0,{speed},0.0,{-9.81 * t:.6f},0.0,0.0,0.0"
+            )
+    return ("\n".join(rows) + "\n").encode()
+
+
 def _store() -> bytes:
     """A store with one result and its history."""
     from harness.accuracy.simulation import simulate
@@ -215,6 +288,8 @@ def prepare(folder: Path) -> None:
     (folder / "stone.ply").write_bytes(ply())
     (folder / "good.toml").write_bytes(SCENE)
     (folder / "stone.toml").write_bytes(STONE)
+    (folder / "uncertain.toml").write_bytes(UNCERTAIN)
+    (folder / "thrown.toml").write_bytes(THROWN)
     rows = (f"{t:.3f} {100.0 * a:.6f} {40.0 * a:.6f}" for t, a in _wave())
     (folder / "any.txt").write_text("\n".join(["Somewhere", "as found", *rows, ""]))
 
@@ -227,6 +302,14 @@ def kinds() -> tuple[Kind, ...]:
         Kind("study", "study.toml", STUDY, use.study),
         Kind("3D effects", "effects.toml", EFFECTS, use.effects),
         Kind("experiments", "experiments.csv", EXPERIMENTS, use.experiments),
+        Kind("validate", "tests.csv", EXPERIMENTS.replace(b",cm,", b",m,"), use.validate),
+        Kind("impact ratios", "ratios.csv", RATIOS, use.ratios),
+        Kind("drops", "drops.csv", drops(), use.drops),
+        Kind("tosses", "tosses.csv", tosses(), use.tosses),
+        Kind("assess", "assessed.toml", UNCERTAIN, use.assess),
+        Kind("options of the owner", "options.toml", OPTIONS, use.options),
+        Kind("options of assess", "assess.txt", OF_ASSESS, use.options_of_assess),
+        Kind("trust", "mapped.toml", SCENE, use.trust),
         Kind("options of new", "new.txt", NEW, use.new),
         Kind("options of run", "run.txt", RUN, use.run),
         Kind("options of a text", "described.txt", DESCRIBED, use.described),

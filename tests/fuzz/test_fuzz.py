@@ -33,7 +33,7 @@ from tests.fuzz.mutate import (
     mutated,
     point,
 )
-from tests.fuzz.originals import EFFECTS, EXPERIMENTS, SCENE, Kind, kinds, obj, ply, prepare, stl
+from tests.fuzz.originals import EFFECTS, EXPERIMENTS, SCENE, Kind, kinds, obj, ply, prepare, stl, tosses
 from tests.fuzz.records import at2, cosmos, esm, smc
 from tests.fuzz.use import WRITTEN, unfinished
 
@@ -72,6 +72,7 @@ FOUND = {
         b"a = " + b"[" * 100_000,
     ),
     "motion AT2": (at2().replace(b"DT=   0.0200", b"DT=   2.0E+12"),),
+    "tosses": (tosses().replace(b",1.0,0.0,0.0,0.0", b",1e300,0.0,0.0,0.0", 1),),
     "experiments": (EXPERIMENTS.replace(b",2.0,", b",2e12,"),),
     "motion CSV": tuple(
         head + b"\n" + b"0.1\n" * 50 + b"0.2\n"

@@ -11,7 +11,7 @@ import re
 import resource
 import shlex
 import shutil
-from contextlib import chdir, redirect_stderr
+from contextlib import ExitStack, chdir, redirect_stderr
 from dataclasses import replace
 from decimal import Decimal
 from functools import lru_cache
@@ -19,6 +19,7 @@ from io import StringIO
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final, NoReturn
+from unittest.mock import patch
 
 from harness.input.text_file import decoded
 from harness.model.errors import InputError, Mistake
@@ -34,6 +35,9 @@ MOST_GROWN_MIB: Final = 1024.0
 """Sixteen times the largest text that is read, for its lines, words and numbers."""
 FEW: Final = 2
 """Cases of a study and tests of a table that are run."""
+ASSESSED: Final = ("-e", "analytic", "--draws", "12", "--set", f"duration_s={RUN_S}")
+POOLS: Final = ("reports.cli.assessments", "harness.validation.validation_run")
+"""Modules that start worker processes: here each task is run in this one, where its traceback is seen."""
 
 
 def scene(path: Path) -> None:
@@ -83,6 +87,66 @@ def experiments(path: Path) -> None:
     for trial in read_table(path)[:FEW]:
         for sample in (0, 1):
             simulate(_short(scene_of(trial, Variant(sample=sample))), "analytic")
+
+
+def validate(path: Path) -> None:
+    """Hand the table of tests to `rockcheck validate`, with the model alone."""
+    _command(path, "validate", path.name, "-e", "analytic")
+
+
+def ratios(path: Path) -> None:
+    """Hand the table of impact ratios to `rockcheck validate`."""
+    _command(path, "validate", path.name)
+
+
+def drops(path: Path) -> None:
+    """Read measured drops of the square beside them."""
+    from harness.input.scene_file import load_scene
+    from harness.validation.drops import read_drops
+
+    read_drops(path, load_scene(path.with_name("thrown.toml")))
+
+
+def tosses(path: Path) -> None:
+    """Read measured tosses of the square beside them: the clock by their flights, each start by the nearest flight."""
+    from harness.input.scene_file import load_scene
+    from harness.validation.tosses import read_tosses
+
+    body = load_scene(path.with_name("thrown.toml"))
+    read_tosses(path, body.statue, body.gravity_m_s2)
+
+
+def assess(path: Path) -> None:
+    """Hand the scene to `rockcheck assess` for a few draws of a moment by the model."""
+    _command(path, "assess", path.name, *ASSESSED)
+
+
+def options(path: Path) -> None:
+    """Hand the options to `rockcheck assess` of a good scene."""
+    _command(path, "assess", "uncertain.toml", *ASSESSED, "--options", path.name)
+
+
+def options_of_assess(path: Path) -> None:
+    """The words of the file as options of `rockcheck assess`, after those that make it short."""
+    _asked(path, ("assess", "uncertain.toml", *ASSESSED), _last(path))
+
+
+def trust(path: Path) -> None:
+    """The trust map of the scene at the weakest and strongest of two frequencies, each for a moment."""
+    from harness.input.scene_file import load_scene
+    from harness.records.result_folder import write_whole
+    from harness.runs.runner import InlinePool
+    from harness.runs.store import STORE_NAME, Store
+    from harness.trust.plane import Plane
+    from harness.trust.trust_run import engines_of, trust_map
+    from reports.messages import ENGLISH
+
+    whole = Plane.of(_short(load_scene(path)), "sine", coarse=True)
+    plane = replace(whole, amplitudes_g=whole.amplitudes_g[::8], frequencies_hz=whole.frequencies_hz[::4])
+    names = engines_of(plane.at(plane.points[-1]), ("pymunk",), coarse=True)
+    with Store(path.with_name(WRITTEN) / STORE_NAME, "trust") as kept:
+        record = trust_map(plane, names, kept, InlinePool(), lambda done, of: None, coarse=True, seed=0)
+    write_whole(path.with_name(WRITTEN), record.texted(ENGLISH.say))
 
 
 def motion(path: Path) -> None:
@@ -255,34 +319,51 @@ def new(path: Path) -> None:
 
 def run(path: Path) -> None:
     """The words of the file as options of `rockcheck run`, for a good scene, cut short."""
-    last = ("--set", f"duration_s={RUN_S}", "--no-assess", "--json", "--out", str(path.parent / WRITTEN))
-    _asked(path, ("run", "good.toml"), last)
+    _asked(path, ("run", "good.toml"), ("--set", f"duration_s={RUN_S}", "--no-assess", *_last(path)))
+
+
+def _last(path: Path) -> tuple[str, ...]:
+    """The last options of a command: its record as text, its result beside the file."""
+    return ("--json", "--out", str(path.parent / WRITTEN))
 
 
 def described(path: Path) -> None:
     """The words of the file as options of `rockcheck motion inspect`, for a text that no reader knows."""
-    _asked(path, ("motion", "inspect", "any.txt"), ("--json", "--out", str(path.parent / WRITTEN)))
+    _asked(path, ("motion", "inspect", "any.txt"), _last(path))
 
 
 def _asked(path: Path, first: tuple[str, ...], last: tuple[str, ...]) -> None:
     """Run a command in the file's folder with its words as options between these; what it refuses is an `InputError`."""
-    from typer.testing import CliRunner
-
-    from reports.cli import app
-    from reports.cli.ending import WRONG_INPUT
-
     try:
         words = shlex.split(path.read_bytes().decode("utf-8", "surrogateescape"))
     except ValueError as error:
         raise InputError(Mistake("shell", "", "whole quotes", str(error))) from error
     if any("\0" in word for word in words):
         raise InputError(Mistake("shell", "", "words", "a NUL"))
-    with chdir(path.parent):
-        done = CliRunner().invoke(app, [*first, *words, *last])
+    _invoked(path.parent, *first, *words, *last)
+
+
+def _command(path: Path, *words: str) -> None:
+    """Run a command in the file's folder, its result beside the file; what it refuses is an `InputError`."""
+    _invoked(path.parent, *words, *_last(path))
+
+
+def _invoked(there: Path, *words: str) -> None:
+    from typer.testing import CliRunner
+
+    from harness.runs.runner import InlinePool
+    from reports.cli import app
+    from reports.cli.ending import WRONG_INPUT
+
+    with ExitStack() as stack:
+        for name in POOLS:
+            stack.enter_context(patch(f"{name}.LocalPool", lambda *given: InlinePool()))
+        stack.enter_context(chdir(there))
+        done = CliRunner().invoke(app, words)
     if isinstance(done.exception, InputError):
         raise done.exception
     if done.exit_code == WRONG_INPUT:
-        raise InputError(Mistake(" ".join(first), "", "options", done.output[-300:]))
+        raise InputError(Mistake(" ".join(words[:2]), "", "options", done.output[-300:]))
     if done.exception is not None and not isinstance(done.exception, SystemExit):
         raise done.exception
 

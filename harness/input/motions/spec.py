@@ -6,6 +6,7 @@ from typing import Annotated, Any, Final, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from analytic.excitation import PulseShape
 from harness.input.mistakes import Table
 from harness.input.motions.recordfile import Layout, unit_named
 
@@ -70,7 +71,7 @@ class PulseSpec(_Filtered):
     """A single pulse; its amplitude is the peak acceleration and keeps its sign."""
 
     kind: Literal["pulse"]
-    shape: Literal["rectangular", "one_sine", "one_cosine", "ricker"]
+    shape: PulseShape
     amplitude_g: float = Field(ge=-LARGEST_G, le=LARGEST_G)
     duration_s: float = Field(ge=1e-4, le=LONGEST_S)
     start_s: float = Field(default=0.0, ge=0.0, le=LONGEST_S)
