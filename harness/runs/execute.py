@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from itertools import groupby, islice
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 from harness.records.study import UsageRecord
 from harness.runs.runner import Crash, Pool
@@ -16,6 +16,8 @@ from harness.runs.task import Answer, Task
 
 OnProgress = Callable[[int, int], None]
 """Hears how many tasks are done, and how many there are to do."""
+KEPT: Final = "what was finished is kept"
+"""Noted in an interrupt of a campaign: the same call goes on where it was."""
 Order = tuple[str, Callable[[Any], Answer], Any]
 """What travels of a task: its key, its function, and the function's argument."""
 
@@ -110,8 +112,12 @@ class Campaign:
             else:
                 self._keep(batch, _lost(batch[0], result) if isinstance(result, Crash) else result)
 
-        self._run(batches(self._left(tasks), self._sizes, self._otherwise), done)
-        self._run(again, done)
+        try:
+            self._run(batches(self._left(tasks), self._sizes, self._otherwise), done)
+            self._run(again, done)
+        except KeyboardInterrupt as ending:
+            ending.add_note(KEPT)
+            raise
         self._say_progress()
 
     def _run(

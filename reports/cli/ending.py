@@ -48,6 +48,13 @@ def _ending_cleanly() -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
+def _causes(ending: BaseException | None) -> Iterator[BaseException]:
+    """An exception and those while which it was raised, the last first."""
+    while ending is not None:
+        yield ending
+        ending = ending.__context__
+
+
 def _guarded(action: Any) -> int:
     try:
         code = action()
@@ -60,7 +67,9 @@ def _guarded(action: Any) -> int:
         if isinstance(ending, SystemExit) and ending.code != INTERRUPTED:
             raise
         again = shlex.join(["rockcheck", *sys.argv[1:]])
-        print(f"interrupted: what a study has finished is kept in its store; this goes on: {again}", file=sys.stderr)
+        kept = [note for each in _causes(ending) for note in getattr(each, "__notes__", ())]
+        told = f"{kept[0]}, and this goes on" if kept else "the same again"
+        print(f"interrupted; {told}: {again}", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
         sys.stderr.close()

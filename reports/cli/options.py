@@ -32,7 +32,12 @@ Seed = Annotated[int, typer.Option("--seed", help="Seed of the draws.", min=0)]
 Dask = Annotated[
     str | None, typer.Option("--dask", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
 ]
-Resume = Annotated[bool, typer.Option("--resume", help="Go on with what was begun in this folder.")]
+Resume = Annotated[
+    bool,
+    typer.Option(
+        "--resume", help="Refuse unless this folder holds results of an earlier call, which are reused in any case."
+    ),
+]
 InLanguage = Annotated[
     str, typer.Option("--language", help="Language of the conservator's page: en or it.", show_default=True)
 ]

@@ -12,12 +12,14 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
 from harness.engines.base import Engine
 from harness.model.errors import InputError
 from harness.model.run import Run
+from harness.runs.execute import KEPT, Campaign
 from harness.scene_run import scene_run
 from reports.cli import app
 from reports.cli.ending import INTERRUPTED, guarded
@@ -208,11 +210,21 @@ def test_an_interrupt_is_told_with_the_command_that_goes_on(
 ) -> None:
     monkeypatch.setattr(sys, "argv", ["/bin/rockcheck", "study", "my study.toml", "--jobs", "2"])
 
-    def interrupted() -> None:
-        raise SystemExit(INTERRUPTED)
+    def interrupted(*given: object) -> None:
+        raise KeyboardInterrupt
 
-    assert guarded(interrupted) == INTERRUPTED
-    assert "rockcheck study 'my study.toml' --jobs 2" in capsys.readouterr().err
+    def of_a_campaign() -> None:
+        campaign = Campaign(Mock(keys=set), Mock(workers=1, run=interrupted))
+        try:
+            campaign.run([], 1)
+        except KeyboardInterrupt as ending:  # as typer does
+            raise SystemExit(INTERRUPTED) from ending
+
+    for ended, kept in ((interrupted, False), (of_a_campaign, True)):
+        assert guarded(ended) == INTERRUPTED
+        said = capsys.readouterr().err
+        assert "rockcheck study 'my study.toml' --jobs 2" in said
+        assert (KEPT in said) == kept
     with pytest.raises(SystemExit):
         guarded(lambda: sys.exit(1))
 
