@@ -34,9 +34,7 @@ Dask = Annotated[
 ]
 Resume = Annotated[
     bool,
-    typer.Option(
-        "--resume", help="Refuse unless this folder holds results of an earlier call, which are reused in any case."
-    ),
+    typer.Option("--resume", help="Only continue: refuse a folder without results of an earlier call."),
 ]
 InLanguage = Annotated[
     str, typer.Option("--language", help="Language of the conservator's page: en or it.", show_default=True)
