@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final, NamedTuple
 
-from harness.accuracy.horizon import MODEL, last_s, outgrows
+from harness.accuracy.horizon import MODEL, last_s, outgrown_s
 from harness.accuracy.refinement import LONG_STEPS, MOST_TIMES, START_SHARE, first_level, second_level
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.engines import load
@@ -90,9 +91,8 @@ def expected_steps(name: str, scene: Scene, accuracy_rad: float | None = None, d
     target_rad, levels = accuracy_rad or DEFAULT_ACCURACY_RAD, load(name).refinement_levels(scene)
     first, index = first_level(levels, target_rad, START_SHARE)
     second = levels[second_level(levels, index)]
-    if scene.duration_s >= LONG_STEPS * second.dt_s and outgrows(
-        _asked(scene), levels[-1].expected_error_rad, target_rad
-    ):
+    finest_rad = levels[-1].expected_error_rad
+    if scene.duration_s >= LONG_STEPS * second.dt_s and outgrown_s(_asked(scene), finest_rad, target_rad) < math.inf:
         # Where errors outgrow every level the engine may stand where the model falls, for some while at least.
         longer_s = min(most_s, LONGER_TIMES * least_s)
         return Range(OUTGROWN_TIMES[0] * least_s / second.dt_s, OUTGROWN_TIMES[1] * longer_s / second.dt_s)

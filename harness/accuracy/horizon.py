@@ -35,27 +35,28 @@ run of 1 ms parts from its neighbours as the model parts from itself under a ten
 could succeed."""
 
 
-def outgrows(scene: Scene, error_rad: float, target_rad: float) -> bool:
-    """Whether errors as small as these grow past the target before the scene ends, or before there is no return from a fall.
+def outgrown_s(scene: Scene, error_rad: float, target_rad: float) -> float:
+    """When errors as small as these have grown past the target; infinite if not before the scene ends or there is no return from
+    a fall.
 
-    By the analytic model's own runs with perturbed starts and motions; no, where it refuses the scene or has left its domain by
-    then.
+    By the analytic model's own runs with perturbed starts and motions; infinite, too, where it refuses the scene or has left its
+    domain by then.
     """
     model = engines.load(MODEL)
     try:
         settings = model.refinement_levels(scene)[-1]
         run = model.simulate(scene, settings, RunOptions())
         if run.history is None:
-            return False
-        until_s = min(last_s(run), number(run.validity, "left_domain_s", math.inf))
-        for variant in perturbed(scene, PERTURBED_SHARE * error_rad):
-            other = model.simulate(variant, settings, RunOptions())
-            apart_s = None if other.history is None else parted_s(other.history, run.history, target_rad)
-            if apart_s is not None and apart_s < until_s:
-                return True
+            return math.inf
+        others = [
+            model.simulate(each, settings, RunOptions()).history
+            for each in perturbed(scene, PERTURBED_SHARE * error_rad)
+        ]
     except EngineFailure:
-        return False
-    return False
+        return math.inf
+    until_s = min(last_s(run), number(run.validity, "left_domain_s", math.inf))
+    apart_s = [None if other is None else parted_s(other, run.history, target_rad) for other in others]
+    return min((each for each in apart_s if each is not None and each < until_s), default=math.inf)
 
 
 def hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float, target: Error) -> bool:

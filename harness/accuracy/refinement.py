@@ -14,8 +14,19 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from harness.accuracy.horizon import MOST_ORDER, beyond, hopeless, last_s, outgrows, shaken
-from harness.accuracy.spread import CLEAR, NONE, Error, Spread, factor, plain_from_s, plain_share, spread, target_of
+from harness.accuracy.horizon import MOST_ORDER, PERTURBED_SHARE, beyond, hopeless, last_s, outgrown_s, shaken
+from harness.accuracy.spread import (
+    CLEAR,
+    NONE,
+    SAFETY,
+    Error,
+    Spread,
+    factor,
+    plain_from_s,
+    plain_share,
+    spread,
+    target_of,
+)
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
 from harness.model.finding import Finding, caution, info
 from harness.model.options import RunOptions
@@ -148,7 +159,8 @@ class _Climb:
         if not self.promised:
             index = max(sum(item.dt_s > COARSER * levels[-1].dt_s for item in levels) - 1, 0)
         elif self.scene.duration_s >= LONG_STEPS * levels[second := second_level(levels, index)].dt_s:
-            self.outgrown = outgrows(self.scene, levels[-1].expected_error_rad, self.target.rotation_rad)
+            finest_rad = levels[-1].expected_error_rad
+            self.outgrown = outgrown_s(self.scene, finest_rad, self.target.rotation_rad) < math.inf
             index = second if self.outgrown else index
         while index < len(levels):
             yield levels[index]
@@ -264,9 +276,14 @@ class _Climb:
         if best.no_return_time_s is not None:
             # In a fall errors of plain steps grow, and no second comparison is asked for.
             held_s.append(max(plain_from_s(best), best.no_return_time_s))
-        found, until_s = [], min(held_s)
+        # All levels may lose alike what is too small for any: what that grows to is the scene's, not the step's.
+        expected_rad = number(best.settings, "expected_error_rad")
+        grown_s = outgrown_s(self.scene, expected_rad, self.target.rotation_rad / SAFETY)
+        error = error.or_more(NONE if grown_s > best.end_s else replace(self.target, slip_m=0.0))
+        found, until_s = [], min([*held_s, grown_s])
         if until_s < best.end_s:
-            found.append(_why_not_whole(best, last, until_s, self.target.rotation_rad))
+            small_rad = PERTURBED_SHARE * expected_rad if until_s == grown_s else None
+            found.append(_why_not_whole(best, last, until_s, self.target.rotation_rad, small_rad))
         elif error.rotation_rad > self.target.rotation_rad:
             found.append(caution("target_not_resolved", target_rad=self.target.rotation_rad))
         if self.not_tried_s is not None:
@@ -367,11 +384,10 @@ def _held_until_s(spreads: list[Spread], agreements: int) -> float:
     return max(last.clear_s, min([last.until_s, *before]) if len(before) == agreements - 1 else 0.0)
 
 
-def _why_not_whole(best: Run, last: Spread, until_s: float, accuracy_rad: float) -> Finding:
+def _why_not_whole(best: Run, last: Spread, until_s: float, accuracy_rad: float, small_rad: float | None) -> Finding:
     if best.no_return_time_s is not None and until_s >= best.no_return_time_s:
         return info(
             "target_met_until_fall", target_rad=accuracy_rad, until_s=until_s, no_return_s=best.no_return_time_s
         )
-    return caution(
-        "target_met_until", target_rad=accuracy_rad, until_s=until_s, end_s=best.end_s, dt_s=last.coarse_dt_s
-    )
+    why = {"dt_s": last.coarse_dt_s if small_rad is None else None, "small_rad": small_rad}
+    return caution("target_met_until", target_rad=accuracy_rad, until_s=until_s, end_s=best.end_s, **why)

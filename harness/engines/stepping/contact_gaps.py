@@ -79,9 +79,7 @@ class ContactGaps:
             self._choose(row, floor_m, floor_m_s, t_s)
         if self.within_m is not None or len(self.soon) > MANY:
             return self._of_many(row, falling, floor_m, floor_m_s)
-        near = self.near_m
-        if self.few is not None:
-            near = min(near, self.rest_m + self.drift_m_s2 * (row[10] * row[10] + row[11] * row[11]))
+        near = self.stands_m(row)
         first_s, soonest_s = math.inf, self.soon_until_s - t_s
         foot = -1
         (ha, hb, hc, place), (va, vb, vc, rate) = self._support(row, floor_m, floor_m_s)
@@ -111,7 +109,7 @@ class ContactGaps:
         """The same for arrays."""
         gap, closing = self._all_gaps(row, floor_m, floor_m_s)
         falls = (closing > falling) & (gap > -self.late_s * closing)
-        ahead = (gap > self.near_m) | (falls & (gap > 0.0))
+        ahead = (gap > self.stands_m(row)) | (falls & (gap > 0.0))
         bound, near, rate = self.bounds[ahead], gap[ahead], closing[ahead]
         soonest_s = float(np.min((np.sqrt(rate * rate + 2.0 * bound * near) - rate) / bound, initial=math.inf))
         if not falls.any():
@@ -124,9 +122,9 @@ class ContactGaps:
 
     def standing(self, row: Row, floor_m: float = 0.0, floor_m_s: float = 0.0) -> list[int]:
         """Numbers of the feet that rest on their support, whether they slide along it or not."""
-        falling = self.falling_m_s(row)
+        near, falling = self.stands_m(row), self.falling_m_s(row)
         heights = enumerate(self.heights(row, floor_m, floor_m_s))
-        return [k for k, (gap, closing) in heights if abs(gap) < self.near_m and abs(closing) < falling]
+        return [k for k, (gap, closing) in heights if abs(gap) < near and abs(closing) < falling]
 
     def foot_m(self, feet: Sequence[int], row: Row) -> Vector:
         """Where the middle of some feet is from the centroid, world axes."""
@@ -143,12 +141,17 @@ class ContactGaps:
 
     def drift_m(self, row: Row, floor_m: float = 0.0, *, within_s: float = 0.0) -> float:
         """How high feet near their support are above it, at most, with those that come down within `within_s`; 0 for none."""
-        falling = self.falling_m_s(row)
+        near, falling = self.stands_m(row), self.falling_m_s(row)
         highest = 0.0
         for gap, closing in self.heights(row, floor_m, 0.0):
-            if highest < gap < (self.near_m if closing < falling else closing * within_s):
+            if highest < gap < (near if closing < falling else closing * within_s):
                 highest = gap
         return highest
+
+    def stands_m(self, row: Row) -> float:
+        """A height over its support below which a foot stands."""
+        square = row[10] * row[10] + row[11] * row[11]
+        return min(self.near_m, self.rest_m + self.drift_m_s2 * square)
 
     def falling_m_s(self, row: Row) -> float:
         """A velocity that only a foot has that comes down."""

@@ -90,11 +90,14 @@ def after_impact(state: StepState, gaps: ContactGaps) -> HalfCycle | None:
     """The half-cycle that an impact begins; None where it is sure to be long, or the foot that rises did not stand."""
     stepper, step_s, events = state.stepper, state.step_s, state.events
     heights = gaps.heights(state.row, stepper.table_place[2], stepper.table_rate[2])
-    foot = min(range(len(heights)), key=lambda index: heights[index][1])
-    gap, closing = heights[foot]
+    # Of the vertices that a lean brings down later the higher ones rise faster, and none of them stood.
+    standing = [index for index, (gap, _) in enumerate(heights) if abs(gap) <= gaps.near_m]
+    foot = min(standing, key=lambda index: heights[index][1], default=-1)
+    if foot < 0 or heights[foot][1] >= 0.0:
+        return None
     # Thrown up at v against an acceleration a it is back after 2 v/a; the bound of a gives the shortest time.
-    soonest_s = -2.0 * closing / float(gaps.bounds[foot])
-    if abs(gap) > gaps.near_m or closing >= 0.0 or soonest_s > events.short_steps * step_s:
+    soonest_s = -2.0 * heights[foot][1] / float(gaps.bounds[foot])
+    if soonest_s > events.short_steps * step_s:
         return None
     return HalfCycle(
         ContactTimeEstimate(state, gaps, foot),

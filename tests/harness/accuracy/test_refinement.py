@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 import pytest
 
+from analytic.excitation import Harmonic
 from harness import engines
 from harness.accuracy import refinement
-from harness.accuracy.horizon import hopeless, outgrows
+from harness.accuracy.horizon import hopeless, outgrown_s
 from harness.accuracy.refinement import run_to_accuracy
 from harness.accuracy.simulation import simulate
 from harness.accuracy.spread import NONE, SAFETY, Error, Spread, spread, target_of
+from harness.comparison.scores.pointwise import errors
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
+from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pymunk import Munk2D
+from harness.input.scene_file import load_scene
 from harness.model.history import History, Outcome
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
-from harness.model.scene import Scene
+from harness.model.scene import BaseExcitation, Scene
 from tests import budgets_engines as budget
 from tests import doubles
+from tests.engines_for_tests import ready
 from tests.measures.coverage import FIRST_SEED, coverage, met_whole
 from tests.measures.seeded_scenes import random_scene, wide_scene
 from tests.scenes_for_tests import paestum
@@ -368,7 +374,8 @@ def test_wide_scenes_are_reproducible_and_reach_what_the_others_do_not() -> None
 )
 def test_the_model_tells_whether_errors_of_the_finest_level_outgrow_the_target(scene: Scene, expected: bool) -> None:
     """Ten seconds of rocking and sliding outgrow them; one second does not, nor does a statue that is overturned at once."""
-    assert outgrows(scene, Munk2D().refinement_levels(scene)[-1].expected_error_rad, 1e-3) is expected
+    finest_rad = Munk2D().refinement_levels(scene)[-1].expected_error_rad
+    assert (outgrown_s(scene, finest_rad, 1e-3) < math.inf) is expected
 
 
 def test_a_scene_that_outgrows_every_level_costs_one_whole_run_and_says_as_much(
@@ -376,7 +383,7 @@ def test_a_scene_that_outgrows_every_level_costs_one_whole_run_and_says_as_much(
 ) -> None:
     scene = paestum(0.334, 4.5, mu=(0.2, 0.15), duration_s=8.0)
     run = run_to_accuracy(Munk2D(), scene, 1e-3, RunOptions())
-    monkeypatch.setattr(refinement, "outgrows", lambda *given: False)
+    monkeypatch.setattr(refinement, "outgrown_s", lambda *given: math.inf)
     climbed = run_to_accuracy(Munk2D(), scene, 1e-3, RunOptions())
     assert run.settings == climbed.settings
     assert run.bounded_until_s == pytest.approx(climbed.bounded_until_s, abs=0.05)
@@ -385,6 +392,23 @@ def test_a_scene_that_outgrows_every_level_costs_one_whole_run_and_says_as_much(
     # Whole is the run that is kept; its check has 1/0.45 of its steps, as far as it goes, and a third run goes as far as both.
     share = 1.1 * run.bounded_until_s / scene.duration_s
     assert run.work["steps_of_all_runs"] < run.steps * (1.0 + share * (1.0 / VERIFICATION_STEP_SHARE + 1.0) + 0.2)
+
+
+@pytest.mark.parametrize("engine", [Munk2D(), Bullet3D()], ids=lambda engine: engine.name)
+def test_what_every_level_loses_alike_ends_what_is_stated_where_it_has_grown(
+    monkeypatch: pytest.MonkeyPatch, engine: Engine
+) -> None:
+    """Rocking of 1e-5 rad, which the levels lose, grows to 2e-3: two of them agree to the end on a statue that hardly moves."""
+    ready(engine.name)
+    scene = load_scene("scenes/paestum_floor.toml").replace(duration_s=2.5)
+    scene = replace(scene, base_excitation=BaseExcitation(x=Harmonic(1.0414878, 3.258648431)))
+    exact = simulate(scene, "analytic", accuracy_rad=1e-8)
+    run = run_to_accuracy(engine, scene, 1e-3, RunOptions())
+    assert doubles.codes(run.findings) == ["target_met_until"]
+    assert errors(run, exact, run.bounded_until_s)[0] <= run.numerical_uncertainty_rad
+    monkeypatch.setattr(refinement, "outgrown_s", lambda *given: math.inf)
+    alike = run_to_accuracy(engine, scene, 1e-3, RunOptions())
+    assert errors(alike, exact, alike.bounded_until_s)[0] > alike.numerical_uncertainty_rad
 
 
 @pytest.mark.parametrize("name", ["analytic", "pymunk"])

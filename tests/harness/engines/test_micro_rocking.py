@@ -5,12 +5,15 @@ from __future__ import annotations
 
 import pytest
 
+from harness.comparison.scores.pointwise import errors
 from harness.engines.base import Engine
 from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pymunk import Munk2D
+from harness.input.scene_file import load_scene
 from harness.model.options import RunOptions
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready
+from tests.measures.contact_engines import analytic_run
 from tests.measures.micro_rocking import rows
 from tests.measures.random_scenes import GENERATORS
 from tests.scenes_for_tests import rectangle, scene
@@ -25,6 +28,19 @@ def test_a_micro_rocking_is_followed_by_steps_that_are_a_fraction_of_its_half_cy
     for row in rows(engine, [seed], [1e-3]):
         assert row.sensitive_rad < 1e-5, "the scene itself is sensitive"
         assert row.error_rad[1e-3] <= budget.MICRO_ROCKING_RAD
+
+
+@ENGINES
+@pytest.mark.parametrize("step_s", [4e-3, 1.8e-3])
+def test_a_scan_that_hardly_leaves_its_base_is_followed(engine: Engine, step_s: float) -> None:
+    """Half-cycles of 1e-6 to 1e-5 rad that grow to 3e-3: of the vertices that a fall would bring down higher ones rise faster."""
+    ready(engine.name)
+    motion = {"x": {"kind": "harmonic", "amplitude_g": 0.113, "frequency_hz": 8.0}}
+    on = load_scene("scenes/paestum_floor.toml").replace(motion=motion, duration_s=0.7)
+    exact = analytic_run(on)
+    run = engine.simulate(on, engine.settings_for_dt(on, step_s), RunOptions())
+    assert exact.peak_theta_rad > 10.0 * budget.MICRO_ROCKING_SCAN_RAD
+    assert errors(run, exact, on.duration_s)[0] <= budget.MICRO_ROCKING_SCAN_RAD
 
 
 @ENGINES
