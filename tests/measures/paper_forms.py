@@ -117,15 +117,6 @@ def cases(*, pedestal: bool) -> list[tuple[float, float, bool]]:
     return [(a, f, pedestal) for a in AMPLITUDES_G for f in FREQUENCIES_HZ]
 
 
-def cell(solution: analytic.Solution) -> str:
-    """Peak rotation of a statue that stands, or the outcome with its time."""
-    if str(solution.outcome) == "stands":
-        return f"{abs(solution.peak_theta_rad):.3f}"
-    name = str(solution.outcome).removeprefix("overturned_").replace("_", " ")
-    when = solution.no_return_time_s if solution.no_return_time_s is not None else solution.end_s
-    return f"{name} {when:.2f} s"
-
-
 def summary(solutions: dict[str, list[analytic.Solution]], *, pedestal: bool) -> str:
     """Per reading: how many outcomes and how much of the peaks change against `consistent`."""
     base = solutions["consistent"]
@@ -184,11 +175,11 @@ def _instant(side: int, *, coupling: int, friction: int, corner_m: float) -> tup
 
 
 def forms(*, pedestal: bool) -> str:
-    """Both tables with or without the pedestal: what each reading changes, and every case in every reading."""
-    grid, named = cases(pedestal=pedestal), readings(pedestal=pedestal)
+    """What each reading changes, with or without the pedestal."""
+    named = readings(pedestal=pedestal)
+    grid = cases(pedestal=pedestal)
     solutions = {name: [run(r, a, f, pedestal=pedestal) for a, f, _ in grid] for name, _, r in named}
-    rows = [[f"{a} g, {f} Hz", *[cell(column[i]) for column in solutions.values()]] for i, (a, f, _) in enumerate(grid)]
-    return f"{summary(solutions, pedestal=pedestal)}\n\n{table(['case', *solutions], rows)}"
+    return summary(solutions, pedestal=pedestal)
 
 
 TABLES: Final[Mapping[str, Callable[[], str]]] = {

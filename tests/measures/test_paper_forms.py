@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-import analytic
 from tests.measures import paper_forms
 from tests.measures.pages import DOCS, renewed
 
@@ -22,14 +21,13 @@ def test_the_page_in_the_documentation_shows_the_computed_table(tables: dict[str
     assert renewed(page, command, tables[name]) == page, f"run `python -m {command}`"
 
 
-def test_every_reading_and_every_case_stands_on_the_page(tables: dict[str, str]) -> None:
+def test_every_reading_stands_on_the_page(tables: dict[str, str]) -> None:
     computed = "\n\n".join(tables.values())
     for name, meaning, reading in paper_forms.READINGS[1:]:
         matters = any(reading is other for _, _, other in paper_forms.readings(pedestal=False))
         assert computed.count(f"| {name} | {meaning} |") == 1 + matters
     left_out = {n for n, _, _ in paper_forms.READINGS} - {n for n, _, _ in paper_forms.readings(pedestal=False)}
     assert left_out == {"N = M g", "ratio", "u̇ unchanged", "slip at μ_k"}, "on the floor `ratio` is `paper`"
-    assert computed.count(" Hz | ") == 2 * len(paper_forms.cases(pedestal=True))
 
 
 def test_a_reading_is_used_by_the_run() -> None:
@@ -56,9 +54,3 @@ def test_printed_signs_agree_with_the_model_where_they_are_right() -> None:
     powers = [[float(x) for x in cells[5].split("/")] for cells in lines]
     assert all(corrected < 0.0 for _, corrected in powers)
     assert sum(printed > 0.0 for printed, _ in powers) == 2
-
-
-def test_outcome_cells_name_side_and_time() -> None:
-    solution = paper_forms.run(paper_forms.CONSISTENT, 0.429, 1.5, pedestal=False)
-    assert solution.outcome is analytic.Outcome.OVERTURNED_RIGHT
-    assert paper_forms.cell(solution).startswith("right ")
