@@ -36,7 +36,7 @@ OUT: Final = Path("out")
 STUDY: Final = "paestum_table2"
 IN_STUDY: Final = ("paestum_pedestal", "paestum_floor")
 """Scenes that are conditions of the study: what it has computed is not computed again."""
-MAPPED: Final = "paestum_floor"
+MAPPED: Final = "paestum_pedestal"
 MAP: Final = f"{MAPPED}-trust"
 ALWAYS: Final = ("free_rocking",)
 WITH_DATA: Final = ("maria",)
@@ -76,8 +76,7 @@ def of_study() -> list[Task]:
 
 
 def trust_map(pool: Pool) -> TrustRecord:
-    """The coarse trust map of the statue on the floor: some 20 s of processor. That on its pedestal takes more than twice as
-    long: `rockcheck trust` makes it."""
+    """The coarse trust map of the statue on its pedestal, and without it."""
     return run_trust(SCENES / f"{MAPPED}.toml", OUT / MAP, coarse=True, pool=pool, say=ENGLISH.say)
 
 

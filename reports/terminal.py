@@ -21,7 +21,7 @@ from harness.records.run import RunRecord
 from harness.records.scores import Interval, Scores, Verdict
 from harness.records.study import StudyRecord, StudyRow
 from harness.records.tosses import TossesRecord
-from harness.records.trust import TrustRecord
+from harness.records.trust import CLASSES, TrustRecord
 from harness.records.validation import BaselineRecord, ModelRecord, ValidationRecord
 from harness.scene_run.answer import STILL_RAD
 from harness.statics.plan import Step
@@ -132,8 +132,11 @@ def _headed(record: Record, rows: Sequence[str], *, verbose: bool) -> list[str]:
 
 def trust_lines(record: TrustRecord, *, verbose: bool = False) -> list[str]:
     """A trust map: title, answer, the share of each class, what it rests on."""
-    rows = [[ENGLISH.word(kind), f"{ENGLISH.percent(share)}"] for kind, share in record.shares.items() if share]
-    return _headed(record, table([["class", "share"], *rows]), verbose=verbose)
+    kinds = [kind for kind in CLASSES if any(each.shares[kind] for each in record.maps)]
+    rows = [[ENGLISH.word(kind), *(ENGLISH.percent(each.shares[kind]) for each in record.maps)] for kind in kinds]
+    return _headed(
+        record, table([["class", *(f"on the {each.stands_on}" for each in record.maps)], *rows]), verbose=verbose
+    )
 
 
 def measured_lines(record: MeasuredRecord | TossesRecord, *, verbose: bool = False) -> list[str]:

@@ -42,20 +42,54 @@ TrustCell = TypedDict(
         "why": Sequence[str],
         "outcomes": Mapping[str, str],
         "peak_rad": float | None,
+        "peak_over_alpha": float | None,
         "peaks_apart_rad": float | None,
         "agree_until_s": float | None,
         "horizon_s": float | None,
-        "probability": Interval | None,
+        "probability": Mapping[str, Interval],
         "amplitude_over_g_tan_alpha": float,
         "frequency_over_p": float | None,
+        "set": Sequence[str],
     },
 )
-"""One point: its class; `basis` is what that rests on: limits of rest, runs of all engines, such runs at the points of the same
-frequency above and below, which agree (`between`), or runs that check what was said between (`checked`).
+"""One point: its class; `basis` is what that rests on: limits of rest, runs of engines, such runs at the points around, which
+agree (`between`), or runs that check what was said between (`checked`).
 
 `answer` is the code of `rockcheck run` there, `why` the causes of its class, `outcomes` those of every model that ran, `peak_rad`
-the analytic model's, `peaks_apart_rad` how far the models' peaks are apart, `horizon_s` the model's own.
+the analytic model's (none of a fall), `peaks_apart_rad` how far the models' peaks are apart, `horizon_s` the model's own,
+`probability` that of a fall over what the scene does not know, by the analytic model and, where an engine was asked, corrected by
+its runs. `set` are the keys of the scene there, as `rockcheck run SCENE --set` takes them.
 """
+
+
+@dataclass(frozen=True)
+class Saved:
+    """Of `total` conditions asked with and without the pedestal: falls without it, those prevented by it, and caused."""
+
+    total: int
+    bare: int
+    prevented: int
+    caused: int
+
+    @classmethod
+    def of(cls, falls: Sequence[tuple[bool, bool]]) -> Saved:
+        """Counted from whether the statue falls under each condition: without the pedestal, with it."""
+        bare = sum(without for without, _ in falls)
+        prevented = sum(without and not own for without, own in falls)
+        return cls(len(falls), bare, prevented, sum(own and not without for without, own in falls))
+
+
+@dataclass(frozen=True)
+class TrustMap:
+    """The plane of one statue: `shares` of it by class, each frequency's strengths evenly in their logarithm.
+
+    `confirmed_up_to_g`: the largest strength up to which outcome and peak are confirmed at every frequency; None: at no strength.
+    """
+
+    stands_on: Literal["pedestal", "floor"]
+    shares: Mapping[TrustClass, float]
+    confirmed_up_to_g: float | None
+    cells: Sequence[TrustCell]
 
 
 @dataclass(frozen=True)
@@ -74,19 +108,20 @@ class TrustSummary:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TrustRecord(Record):
-    """`result.json` of `rockcheck trust`: `shares` of the plane by class, each frequency's strengths evenly in their logarithm.
+    """`result.json` of `rockcheck trust`: the map of the scene, and of a statue on a pedestal also that without it, over the same
+    strengths and frequencies; `saved`, by model: the points at which the pedestal prevents or causes a fall.
 
-    `confirmed_up_to_g`: the largest strength up to which outcome and peak are confirmed at every frequency; None: at no strength.
+    `overrides` are the keys of the scene that the user set, as `rockcheck run` takes them.
     """
 
     kind: Literal["trust"] = "trust"
     scene: SceneRecord
+    overrides: Sequence[str] = ()
     motion: str
     coarse: bool
     engines: Sequence[str]
     seed: int
-    shares: Mapping[TrustClass, float]
-    confirmed_up_to_g: float | None
-    cells: Sequence[TrustCell]
+    maps: Sequence[TrustMap]
+    saved: Mapping[str, Saved]
     summary: TrustSummary
     seconds: float

@@ -91,20 +91,30 @@ def neighbours(place: Place) -> list[Place]:
     return [(*place[:axis], place[axis] + step, *place[axis + 1 :]) for axis in range(len(place)) for step in (-1, 1)]
 
 
-def refined(places: Sequence[Place], known: Mapping[Place, Answer], axes: tuple[int, int]) -> dict[Place, str]:
+def refined(
+    places: Sequence[Place],
+    known: Mapping[Place, Answer],
+    axes: tuple[int, int],
+    strides: tuple[int, int] = (COARSEST, COARSEST),
+) -> dict[Place, str]:
     """The map's places to compute: a coarse grid first, then the halves of every cell whose known corners differ."""
     reasons: dict[Place, str] = {}
     for fixed, plane in slices(places, axes).items():
-        for cell in _coarse(plane, axes):
+        for cell in _coarse(plane, axes, strides):
             _refine(cell, fixed, axes, known, reasons, COARSE)
     return reasons
 
 
-def filled(places: Sequence[Place], known: Mapping[Place, Answer], axes: tuple[int, int]) -> dict[Place, str]:
+def filled(
+    places: Sequence[Place],
+    known: Mapping[Place, Answer],
+    axes: tuple[int, int],
+    strides: tuple[int, int] = (COARSEST, COARSEST),
+) -> dict[Place, str]:
     """The outcome of a refined map's places: their own where computed, else that of their cell, whose corners agree."""
     outcome = {place: answer.outcome for place, answer in known.items()}
     for fixed, plane in slices(places, axes).items():
-        cells = _coarse(plane, axes)
+        cells = _coarse(plane, axes, strides)
         while cells:
             cell = cells.pop()
             said = {known[corner].outcome if corner in known else None for corner in _corners(cell, fixed, axes)}
@@ -136,9 +146,9 @@ def _refine(
         _refine(part, fixed, axes, known, reasons, REFINED)
 
 
-def _coarse(plane: Sequence[Place], axes: tuple[int, int]) -> list[Cell]:
+def _coarse(plane: Sequence[Place], axes: tuple[int, int], strides: tuple[int, int]) -> list[Cell]:
     """The cells of a map's first grid."""
-    lines = [_line(max(place[axis] for place in plane), COARSEST) for axis in axes]
+    lines = [_line(max(place[axis] for place in plane), stride) for axis, stride in zip(axes, strides, strict=True)]
     return list(itertools.product(itertools.pairwise(lines[0]), itertools.pairwise(lines[1])))
 
 

@@ -4,26 +4,40 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import permutations
 from typing import Any, Final
 
+from harness import engines
 from harness.accuracy.horizon import TOLERANCE_RAD
 from harness.model.history import Outcome
-from harness.model.run import Run, to_plain
+from harness.model.run import EngineRunRecord, Run, to_plain
 from harness.model.scene import Scene
 from harness.probability.by_model import assess_models
-from harness.records.base import Plain
-from harness.records.run import has_answer
-from harness.records.scores import Interval, Verdict
+from harness.probability.engine_runs import DrawnRun, overturns
+from harness.probability.inputs import row, uncertain_inputs
+from harness.probability.model_draws import draws_of, model_draws
+from harness.probability.stratified import estimate
+from harness.probability.variation import varied
+from harness.records.assess import Assessment
+from harness.records.base import Plain, plain, same_fields
+from harness.records.run import HorizonRecord, has_answer
+from harness.records.scores import Interval, Scores, Verdict
 from harness.records.trust import TrustClass
 from harness.runs.task import Answer
 from harness.scene_run.answer import STILL_RAD, outcome_family
 from harness.scene_run.scene_run import Result, run_scene
 
 MODEL: Final = "analytic"
-DRAWS: Final = 2000
-"""Draws of a probability: ± 2 % at a half."""
+DRAWS: Final = 500
+"""Draws of a probability: ± 4 % at a half."""
+PAIRED: Final = 40
+"""Of them at most are also run by an engine, where it is asked."""
+HALF_WIDTH: Final = 0.1
+"""To which an engine's probability is asked."""
+BATCH: Final = 8
+"""Runs between two looks at the interval."""
 CHANGED: Final = "outcome_not_predictable"
 
 
@@ -63,24 +77,55 @@ class Said:
 
 
 @dataclass(frozen=True)
+class Kept:
+    """What is kept of a point: runs without their histories, scores of each pair and horizons. Its class is none of it, and
+    follows anew whenever it is read.
+    """
+
+    runs: Mapping[str, EngineRunRecord]
+    scores: Mapping[str, Scores]
+    horizons: Mapping[str, HorizonRecord]
+
+    def said(self, scene: Scene, names: Sequence[str]) -> Said:
+        """What those of these models that ran say of the point, whose scene that is."""
+        runs = {name: Run(**same_fields(Run, record)) for name, record in self.runs.items() if name in names}
+        scores = {pair: each for pair, each in self.scores.items() if each.a in runs and each.b in runs}
+        return said(Result(scene, runs, scores | explained(runs, scores), [], 0.0, self.horizons))
+
+
+@dataclass(frozen=True)
 class Question:
-    """A point's scene, and who is asked: one engine states its horizon, several are compared; none: the model's probability."""
+    """A point's scene, and who is asked: one engine states its horizon, several are compared."""
 
     scene: Scene
     engines: tuple[str, ...]
 
 
-def ask(question: Question) -> Answer:
-    """What a worker does; its cost is the processor time, s, that it took."""
-    begin, scene = time.process_time(), question.scene
-    if question.engines:
-        alone = len(question.engines) == 1
-        plain = to_plain(said(run_scene(scene, question.engines, horizon=alone)))
-    else:
-        found = assess_models(scene, DRAWS).get(MODEL)
-        plain = {} if found is None else to_plain([found.probability_overturned, found.low, found.high, found.level])
-        plain = {"interval": plain or None}
-    return Answer("point", plain, time.process_time() - begin)
+def run_point(question: Question) -> Answer:
+    """What a worker does for a point's class; its cost is the processor time, s, that it took."""
+    begin = time.process_time()
+    result = run_scene(question.scene, question.engines, horizon=len(question.engines) == 1)
+    kept = Kept(result.runs, result.scores, result.horizons)
+    return Answer("point", plain(kept), time.process_time() - begin)
+
+
+def assess_point(question: Question) -> Answer:
+    """What a worker does for a point's probability: the model's, or that of an engine from few draws that both have run."""
+    begin, (name, *_), scene = time.process_time(), question.engines, question.scene
+    found = assess_models(scene, DRAWS).get(MODEL) if name == MODEL else _paired(scene, name)
+    told = [] if found is None else [found.probability_overturned, found.low, found.high, found.level]
+    return Answer("probability", {"interval": to_plain(told)}, time.process_time() - begin)
+
+
+def _paired(scene: Scene, name: str) -> Assessment:
+    """An engine's probability: the model's on all draws, corrected by its runs of some (`stratified`)."""
+    values = draws_of(scene, uncertain_inputs(scene), DRAWS, 0)
+
+    def fell(numbers: Sequence[int]) -> list[bool | None]:
+        drawn = [DrawnRun(name, varied(scene, row(values, number))) for number in numbers]
+        return [overturns(each).record["overturned"] for each in drawn]  # type: ignore[misc]
+
+    return estimate(model_draws(scene, values), fell, half_width=HALF_WIDTH, most_runs=PAIRED, batch=BATCH)
 
 
 def said(result: Result) -> Said:
@@ -151,6 +196,30 @@ def class_of(result: Result, code: str, others: Sequence[str]) -> tuple[TrustCla
     return "outcome_confirmed", sorted({each.verdict.name.lower() for each in judged.values()} - {"agree"})
 
 
+def explained(runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, Scores]:
+    """Pairs of which the wider statement explains the difference, as pairs whose error is not bounded: two engines whose events
+    one layer locates may carry one error, so where they agree each is held against the model by the larger of what both state.
+    """
+    found = {}
+    layered = [name for name in runs if (can := engines.load(name).capabilities).own_impact and not can.certifies]
+    for name, other in permutations(layered, 2):
+        pair, beside = (
+            scores.get(f"{MODEL}_vs_{name}"),
+            scores.get(f"{name}_vs_{other}") or scores.get(f"{other}_vs_{name}"),
+        )
+        if pair is None or beside is None or pair.verdict is not Verdict.MODEL or beside.verdict is Verdict.MODEL:
+            continue
+        one, two, seen = runs[name], runs[other], pair.evidence
+        turned = seen.coverage * max(
+            (two.numerical_uncertainty_rad or 0.0) - (one.numerical_uncertainty_rad or 0.0), 0.0
+        )
+        slid = seen.coverage * max((two.slip_uncertainty_m or 0.0) - (one.slip_uncertainty_m or 0.0), 0.0)
+        rotation = seen.largest_reliable_difference_rad <= seen.limit_rad + turned
+        if rotation and seen.largest_reliable_slip_difference_m <= seen.slip_limit_m + slid:
+            found[f"{MODEL}_vs_{name}"] = replace(pair, verdict=Verdict.UNBOUNDED)
+    return found
+
+
 def _still(run: Run) -> bool:
     """Whether neither the statue nor its pedestal moves."""
     return not run.outcome.failed and abs(run.peak_theta_rad) < STILL_RAD and run.peak_slip_m == 0.0
@@ -165,4 +234,4 @@ def _left(run: Run) -> str:
 def interval_of(plain: Plain | None) -> Interval | None:
     """The probability in what a worker gave back, None where there is none."""
     numbers: Any = None if plain is None else plain["interval"]
-    return None if numbers is None else Interval(*numbers)
+    return Interval(*numbers) if numbers else None

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import csv
+import math
 import time
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import takewhile
 from pathlib import Path
 from typing import Final
@@ -25,17 +26,31 @@ from harness.records.base import Plain, part
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval
-from harness.records.trust import CLASSES, HELD, MOTIONS, Basis, TrustCell, TrustClass, TrustRecord, TrustSummary
+from harness.records.trust import (
+    CLASSES,
+    HELD,
+    MOTIONS,
+    Basis,
+    Saved,
+    TrustCell,
+    TrustClass,
+    TrustMap,
+    TrustRecord,
+    TrustSummary,
+)
 from harness.runs.cache_key import key_of, scene_key
 from harness.runs.dask_pool import DaskPool
-from harness.runs.execute import Campaign, OnProgress
+from harness.runs.execute import Campaign
 from harness.runs.progress import progress
 from harness.runs.runner import LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, check_begun
+from harness.runs.task import Answer as Told
 from harness.runs.task import Task
 from harness.scene_run.workload import check as check_work
+from harness.studies import case_selection as selection
+from harness.studies.case_selection import filled, refined
 from harness.trust.plane import Plane, Point, below, to_ask
-from harness.trust.point import DRAWS, MODEL, Question, Said, ask, interval_of
+from harness.trust.point import DRAWS, MODEL, Kept, Question, Said, assess_point, interval_of, run_point
 
 CELLS_NAME: Final = "cells.csv"
 CHECKED: Final = 0.1
@@ -44,6 +59,11 @@ MOST_CHECKS: Final = 3
 """Where a check finds another class its surroundings are refined and a tenth of the rest is checked, so often at most."""
 BATCH: Final = 8
 """Points of the model alone, some 40 ms each, that a worker takes at a time."""
+DOUBTFUL: Final = (0.05, 0.95)
+"""Probabilities between which an engine is asked for its own."""
+SAME: Final = ""
+"""The engines in space change nothing of what those in the plane say."""
+PLANAR: Final = 2
 EVERYTHING: Final = Capabilities(dimensions=3, uses_mesh=True, own_impact=False, statue_slips=True)
 """What a key sees of a scene: all of it."""
 
@@ -52,30 +72,33 @@ EVERYTHING: Final = Capabilities(dimensions=3, uses_mesh=True, own_impact=False,
 class Points:
     """Asks what the store does not hold; `keys` are those of all that was asked."""
 
-    plane: Plane
     store: Store
     campaign: Campaign
     keys: set[str] = field(default_factory=set)
 
-    def ask(self, points: Iterable[Point], names: tuple[str, ...]) -> dict[Point, Plain | None]:
-        """What is said at each point; None where the process died."""
-        tasks = {point: self._task(point, names) for point in points}
+    def kept(self, plane: Plane, points: Iterable[Point], names: tuple[str, ...]) -> dict[Point, Kept | None]:
+        """What the runs of these models are at each point; None where the process died."""
+        found = self._ask(run_point, plane, points, names)
+        return {point: None if each is None else part(Kept, each, self.store.path) for point, each in found.items()}
+
+    def chances(self, plane: Plane, points: Iterable[Point], name: str) -> dict[Point, Interval]:
+        """The probability of a fall by one model, where it has any."""
+        found = self._ask(assess_point, plane, points, (name,))
+        return {point: known for point, each in found.items() if (known := interval_of(each)) is not None}
+
+    def _ask(
+        self, work: Callable[[Question], Told], plane: Plane, points: Iterable[Point], names: tuple[str, ...]
+    ) -> dict[Point, Plain | None]:
+        what = "trust", work.__name__, names, DRAWS, DEFAULT_ACCURACY_RAD, versions()
+        group = MODEL if names == (MODEL,) else ""
+        scenes = {point: plane.at(point) for point in points}
+        tasks = {
+            point: Task(key_of(scene_key(scene, EVERYTHING), *what), work, Question(scene, names), group)
+            for point, scene in scenes.items()
+        }
         self.campaign.run(tasks.values(), len(tasks))
         self.keys |= {task.key for task in tasks.values()}
         return {point: self.store.get(task.key) for point, task in tasks.items()}
-
-    def said(self, points: Iterable[Point], names: tuple[str, ...]) -> dict[Point, Said]:
-        """The same, read; a point whose process died has no answer."""
-        return {
-            point: _died(names) if plain is None else part(Said, plain, self.store.path)
-            for point, plain in self.ask(points, names).items()
-        }
-
-    def _task(self, point: Point, names: tuple[str, ...]) -> Task:
-        scene = self.plane.at(point)
-        what = names or ("probability", DRAWS)
-        key = key_of(scene_key(scene, EVERYTHING), "trust", what, DEFAULT_ACCURACY_RAD, versions())
-        return Task(key, ask, Question(scene, names), MODEL if names == (MODEL,) else "")
 
     @property
     def cpu_s(self) -> float:
@@ -85,45 +108,95 @@ class Points:
 
 @dataclass
 class Map:
-    """What is known of the plane: the model's word everywhere, the engines' where they ran."""
+    """What is known of the plane: the model's word everywhere, and what was found where engines ran: by those in the plane
+    (`ran`, whose borders are halved along each frequency), and by all (`whole`), where one in space takes seconds for a point.
+
+    That one is asked as a study's adaptive map is: on a coarse grid, refined where it says another class than those in the plane.
+    """
 
     plane: Plane
+    names: tuple[str, ...]
     model: Mapping[Point, Said]
     rest: set[Point]
     ran: dict[Point, Said] = field(default_factory=dict)
+    whole: dict[Point, Said] = field(default_factory=dict)
     checks: set[Point] = field(default_factory=set)
     changed: set[Point] = field(default_factory=set)
 
-    def unasked(self) -> set[Point]:
-        """Where engines are to be asked next."""
-        points = set()
+    @property
+    def quick(self) -> tuple[str, ...]:
+        """The model and the engines in the plane; all, where that is nobody beside it or there is one frequency only."""
+        quick = tuple(name for name in self.names if engines.load(name).capabilities.dimensions == PLANAR)
+        return quick if len(quick) > 1 and len(self.plane.frequencies_hz) > 1 else self.names
+
+    def unasked(self, names: tuple[str, ...]) -> set[Point]:
+        """Where those engines are to be asked next."""
+        if names != self.quick:
+            wanted = refined(self.plane.points, self._changes(), (0, 1), self.plane.farthest)
+            return wanted.keys() - self.rest - self.whole.keys()
+        points: set[Point] = set()
         for i in range(len(self.plane.frequencies_hz)):
             alike = [
                 None if (i, j) in self.rest else self.model[i, j].alike for j in range(len(self.plane.amplitudes_g))
             ]
-            points |= {(i, j) for j in to_ask(alike, self._along(i), self.plane.farthest)}
+            points |= {(i, j) for j in to_ask(alike, self._along(i), self.plane.farthest[1])}
         return points
 
-    def kind(self, point: Point) -> tuple[TrustClass, Basis, Said]:
-        """The class of a point, what it rests on, and the run that says so, here or at the strength below."""
+    def take(self, names: tuple[str, ...], kept: Mapping[Point, Kept | None]) -> None:
+        """Take in what was kept of their runs: where all ran, also what those in the plane say by themselves."""
+        for point, each in kept.items():
+            scene = self.plane.at(point)
+            said = {who: _died(who) if each is None else each.said(scene, who) for who in (names, self.quick)}
+            self.ran[point] = said[self.quick]
+            if names == self.names:
+                self.whole[point] = said[names]
+
+    def words(self) -> dict[Point, tuple[TrustClass, Basis, Said]]:
+        """The class of each point, what it rests on, and the run that says so, here or nearby."""
+        changes = self._changes()
+        fill = filled(self.plane.points, changes, (0, 1), self.plane.farthest)
+        return {point: self._word(point, changes, fill.get(point, SAME)) for point in self.plane.points}
+
+    def _word(
+        self, point: Point, changes: Mapping[Point, selection.Answer], fill: str
+    ) -> tuple[TrustClass, Basis, Said]:
+        own: Basis = "checked" if point in self.checks else "runs"
+        if point in self.whole:
+            return self.whole[point].kind, own, self.whole[point]
+        if fill != SAME:
+            nearest = min(
+                (each for each in self.whole if changes[each].outcome == fill), key=lambda at: math.dist(at, point)
+            )
+            return self.whole[nearest].kind, "between", self.whole[nearest]
         if point in self.ran:
-            return self.ran[point].kind, "checked" if point in self.checks else "runs", self.ran[point]
+            return self.ran[point].kind, own, self.ran[point]
         if point in self.rest:
             return "nothing_moves", "rest", self.model[point]
         other = self.ran[point[0], below(point[1], self._along(point[0]))]
         return other.kind, "between", other
 
-    def check(self, points: Iterable[Point], said: Mapping[Point, Said]) -> None:
+    def check(self, points: Sequence[Point], kept: Mapping[Point, Kept | None]) -> None:
         """Take checks in; where one is not what was said, its surroundings are no longer decided."""
+        said = self.words()
+        self.take(self.names, kept)
+        self.checks |= set(points)
         for point in points:
-            if said[point].kind != self.kind(point)[0]:
+            if self.whole[point].kind != said[point][0]:
                 self.changed.add(point)
                 self.rest = {each for each in self.rest if each[0] != point[0]}
-        self.checks |= set(points)
-        self.ran |= said
+
+    def _changes(self) -> dict[Point, selection.Answer]:
+        """Where all ran: which class they say instead of that of those in the plane. At rest nobody says another."""
+        said = {
+            point: all_of.kind if all_of.found != self.ran[point].found else SAME
+            for point, all_of in self.whole.items()
+        }
+        return {
+            point: selection.Answer(change, 0.0) for point, change in (dict.fromkeys(self.rest, SAME) | said).items()
+        }
 
     def _along(self, i: int) -> dict[int, tuple[object, ...]]:
-        """What engines found along a frequency, by strength."""
+        """What engines in the plane found along a frequency, by strength."""
         return {point[1]: said.found for point, said in self.ran.items() if point[0] == i}
 
 
@@ -163,11 +236,13 @@ def run_trust(
     own = (LocalPool(jobs) if dask is None else DaskPool(dask)) if pool is None else None
     try:
         with Store(folder / STORE_NAME, "trust") as store, progress(f"{path.stem}, trust map", quiet) as on_progress:
-            record = trust_map(plane, chosen, store, own or pool, on_progress, coarse=coarse, seed=seed)  # type: ignore[arg-type]
+            campaign = Campaign(store, own or pool, on_progress, {MODEL: BATCH})  # type: ignore[arg-type]
+            record = trust_map(plane, chosen, Points(store, campaign), coarse=coarse, seed=seed)
     finally:
         if own is not None:
             own.close()
-    return write_whole(folder, record.texted(say), lambda fresh: write_cells(record.cells, fresh / CELLS_NAME))
+    record = replace(record, overrides=overrides)
+    return write_whole(folder, record.texted(say), lambda fresh: write_cells(record.maps, fresh / CELLS_NAME))
 
 
 def engines_of(scene: Scene, names: Sequence[str] | None, *, coarse: bool) -> tuple[str, ...]:
@@ -189,54 +264,38 @@ def engines_of(scene: Scene, names: Sequence[str] | None, *, coarse: bool) -> tu
     return (MODEL, *(item.name for item in here))
 
 
-def trust_map(
-    plane: Plane, names: tuple[str, ...], store: Store, pool: Pool, on_progress: OnProgress, *, coarse: bool, seed: int
-) -> TrustRecord:
-    """The record of a map whose answers are kept in a store."""
+def trust_map(plane: Plane, names: tuple[str, ...], points: Points, *, coarse: bool, seed: int) -> TrustRecord:
+    """The record of a map whose answers are kept in a store; of a statue on a pedestal also that of the map without it."""
     start = time.perf_counter()
-    campaign = Campaign(store, pool, on_progress, {MODEL: BATCH})
-    points = Points(plane, store, campaign)
-    every = plane.points
-    model = points.said(every, (MODEL,))
-    found = Map(plane, model, {point for point in every if model[point].still and plane.at_rest(point)})
-    stream = np.random.default_rng(seed)
-    for _ in range(MOST_CHECKS):
-        while asked := found.unasked():
-            found.ran |= points.said(sorted(asked), names)
-        left = [point for point in every if point not in found.ran]
-        chosen = stream.permutation(len(left))[: round(CHECKED * len(left))]
-        checks, before = sorted(left[k] for k in chosen.tolist()), len(found.changed)
-        found.check(checks, points.said(checks, names))
-        if len(found.changed) == before:
-            break
-    while asked := found.unasked():
-        found.ran |= points.said(sorted(asked), names)
-    open_ends = [point for point in every if found.kind(point)[0] == "probability"]
-    chances = {point: interval_of(plain) for point, plain in points.ask(open_ends, ()).items()}
-    cells = [_cell(found, point, chances.get(point)) for point in every]
-    shares = {kind: sum(cell["class"] == kind for cell in cells) / len(cells) for kind in CLASSES}
-    up_to = confirmed_up_to_g(found)
+    planes, alone = [plane], list[Finding]()
+    if plane.scene.pedestal is not None:
+        try:
+            planes.append(plane.without_pedestal())
+        except InputError as error:
+            alone.append(caution("trust_without_floor", reason=str(error)))
+    found = [explored(each, names, points, seed) for each in planes]
+    maps = [map_of(each, points, coarse=coarse) for each in found]
     summary = TrustSummary(
-        points=len(every),
-        asked=len(found.ran),
-        checked=len(found.checks),
-        changed=len(found.changed),
-        found=len(campaign.reused),
+        points=sum(len(each.plane.points) for each in found),
+        asked=sum(len(each.ran) for each in found),
+        checked=sum(len(each.checks) for each in found),
+        changed=sum(len(each.changed) for each in found),
+        found=len(points.campaign.reused),
         cpu_s=points.cpu_s,
-        failed=campaign.failed,
+        failed=points.campaign.failed,
     )
+    saved = saved_by(names, maps)
     return TrustRecord(
         title=plane.scene.title,
-        answer=answer_of(plane, shares, up_to),
-        findings=[*findings_of(cells, summary, seed), *plane.scene.findings],
+        answer=answer_of(plane, maps, saved),
+        findings=[*findings_of(maps, saved, summary, seed), *alone, *plane.scene.findings],
         scene=SceneRecord.of(plane.scene),
         motion=plane.motion,
         coarse=coarse,
         engines=names,
         seed=seed,
-        shares=shares,
-        confirmed_up_to_g=up_to,
-        cells=cells,
+        maps=maps,
+        saved=saved,
         summary=summary,
         seconds=time.perf_counter() - start,
         versions=versions(),
@@ -244,78 +303,180 @@ def trust_map(
     )
 
 
-def confirmed_up_to_g(found: Map) -> float | None:
+def explored(plane: Plane, names: tuple[str, ...], points: Points, seed: int) -> Map:
+    """What is known of a plane once engines were asked where they may say another class than is told without."""
+    every = plane.points
+    alone = points.kept(plane, every, (MODEL,))
+    model = {at: _died((MODEL,)) if kept is None else kept.said(plane.at(at), (MODEL,)) for at, kept in alone.items()}
+    found = Map(plane, names, model, {point for point in every if model[point].still and plane.at_rest(point)})
+    _refine(found, points)
+    stream = np.random.default_rng(seed)
+    for _ in range(MOST_CHECKS):
+        left = [point for point in every if point not in found.ran]
+        chosen = stream.permutation(len(left))[: round(CHECKED * len(left))]
+        checks, before = sorted(left[k] for k in chosen.tolist()), len(found.changed)
+        found.check(checks, points.kept(plane, checks, names))
+        _refine(found, points)
+        if len(found.changed) == before:
+            break
+    return found
+
+
+def _refine(found: Map, points: Points) -> None:
+    """Ask until nothing is left that may be another class."""
+    tiers = dict.fromkeys((found.names, found.quick))
+    while wanted := {names: asked for names in tiers if (asked := found.unasked(names))}:
+        for names, asked in wanted.items():
+            found.take(names, points.kept(found.plane, sorted(asked), names))
+
+
+def map_of(found: Map, points: Points, *, coarse: bool) -> TrustMap:
+    """The map of a plane with each point's probability of a fall; on a whole map by an engine too, where that is near a half."""
+    plane, words = found.plane, found.words()
+    moving = [point for point in plane.points if words[point][0] != "nothing_moves"]
+    chances = {MODEL: points.chances(plane, moving, MODEL)}
+    engine = next(name for name in found.names if name != MODEL)
+    if not coarse:
+        chances[engine] = points.chances(plane, doubtful(chances[MODEL]), engine)
+    by_point = {at: {name: known[at] for name, known in chances.items() if at in known} for at in plane.points}
+    cells = [_cell(found, point, words[point], by_point[point]) for point in plane.points]
+    return TrustMap(
+        stands_on="floor" if plane.scene.pedestal is None else "pedestal",
+        shares={kind: sum(cell["class"] == kind for cell in cells) / len(cells) for kind in CLASSES},
+        confirmed_up_to_g=confirmed_up_to_g(plane, words),
+        cells=cells,
+    )
+
+
+def doubtful(chances: Mapping[Point, Interval]) -> list[Point]:
+    """Of each frequency the point at which a fall is nearest as probable as not, where any is between `DOUBTFUL`."""
+    nearest: dict[int, Point] = {}
+    for point, chance in chances.items():
+        best = nearest.get(point[0])
+        if DOUBTFUL[0] < chance.value < DOUBTFUL[1] and (
+            best is None or abs(chance.value - 0.5) < abs(chances[best].value - 0.5)
+        ):
+            nearest[point[0]] = point
+    return list(nearest.values())
+
+
+def confirmed_up_to_g(plane: Plane, words: Mapping[Point, tuple[TrustClass, Basis, Said]]) -> float | None:
     """The largest strength up to which outcome and peak are confirmed at every frequency."""
 
     def confirmed(j: int) -> bool:
-        each = [found.kind((i, j)) for i in range(len(found.plane.frequencies_hz))]
+        each = [words[i, j] for i in range(len(plane.frequencies_hz))]
         return all(kind in HELD and said.peak_confirmed for kind, _, said in each)
 
-    strengths = found.plane.amplitudes_g
+    strengths = plane.amplitudes_g
     held = list(takewhile(confirmed, range(len(strengths))))
     return strengths[held[-1]] if held else None
 
 
-def answer_of(plane: Plane, shares: Mapping[TrustClass, float], up_to_g: float | None) -> Answer:
-    """The headline: up to which strength the model holds, and the shares of the plane."""
+def saved_by(names: Sequence[str], maps: Sequence[TrustMap]) -> dict[str, Saved]:
+    """By model: at how many of the points known with and without the pedestal that prevents or causes a fall."""
+    if len(maps) < 2:
+        return {}
+    own, floor = (each.cells for each in maps)
+    saved = {}
+    for name in names:
+        pairs = [(falls(without, name), falls(cell, name)) for cell, without in zip(own, floor, strict=True)]
+        known = [(a, b) for a, b in pairs if a is not None and b is not None]
+        saved[name] = Saved.of(known)
+    return saved
+
+
+def falls(cell: TrustCell, name: str) -> bool | None:
+    """Whether the statue falls by one model; as by the analytic one where outcomes are confirmed; None where it is not known."""
+    ends = cell["outcomes"]
+    end = ends.get(name) or (ends.get(MODEL) if cell["class"] in HELD else None)
+    return None if end not in ("overturned", "stands") else end == "overturned"
+
+
+def answer_of(plane: Plane, maps: Sequence[TrustMap], saved: Mapping[str, Saved]) -> Answer:
+    """The headline: up to which strength the model holds, the shares of the plane, and what the pedestal saves by the model."""
     frequencies = [each for each in plane.frequencies_hz if each is not None]
     over = {"from_g": plane.amplitudes_g[0], "to_g": plane.amplitudes_g[-1]}
     if frequencies:
         over |= {"from_hz": frequencies[0], "to_hz": frequencies[-1]}
-    told = {kind: share for kind, share in shares.items() if share}
-    held = info("trust_nowhere") if up_to_g is None else info("trust_up_to", strength_g=up_to_g)
-    refuted = [changes_answer("trust_refuted", share=shares["refuted"])] if shares["refuted"] else []
-    return Answer("refuted" if refuted else "trust_map", [*refuted, held, info("trust_shares", shares=told, **over)])
+    refuted = [changes_answer("trust_refuted", share=each.shares["refuted"]) for each in maps if each.shares["refuted"]]
+    held, told = list[Finding](), list[Finding]()
+    for each in maps:
+        where, up_to_g = "own" if each is maps[0] else "floor", each.confirmed_up_to_g
+        held.append(info("trust_up_to", where=where if up_to_g is not None else f"{where}_nowhere", strength_g=up_to_g))
+        told.append(
+            info("trust_shares", where=where, shares={k: share for k, share in each.shares.items() if share}, **over)
+        )
+    pedestal = [info("pedestal_saves", model=MODEL, **vars(saved[MODEL]))] if MODEL in saved else []
+    return Answer("refuted" if refuted else "trust_map", [*refuted[:1], *held, *pedestal, *told])
 
 
-def findings_of(cells: Sequence[TrustCell], summary: TrustSummary, seed: int) -> list[Finding]:
-    """What the map rests on, and why models left their domain or the plane is not enough."""
+def findings_of(
+    maps: Sequence[TrustMap], saved: Mapping[str, Saved], summary: TrustSummary, seed: int
+) -> list[Finding]:
+    """What the maps rest on, why models left their domain or the plane is not enough, and what the pedestal saves by engines."""
     checks = {"checked": summary.checked, "changed": summary.changed, "seed": seed}
     found = [
         info("trust_asked", points=summary.points, asked=summary.asked),
         caution("trust_checked", **checks) if summary.changed else info("trust_checked", **checks),
+        *(info("pedestal_saves", model=name, **vars(each)) for name, each in saved.items() if name != MODEL),
     ]
+    cells = [cell for each in maps for cell in each.cells]
     for kind in ("left_domain", "plane_left_out", "no_answer"):
         causes = sorted({cause for cell in cells if cell["class"] == kind for cause in cell["why"]})
         found += [caution("trust_why", kind=kind, causes=causes)] if causes else []
     return found
 
 
-def write_cells(cells: Sequence[TrustCell], path: Path) -> None:
-    """A row for each point."""
+def write_cells(maps: Sequence[TrustMap], path: Path) -> None:
+    """A row for each point of each map."""
+    cells = [cell for each in maps for cell in each.cells]
+    models = [*dict.fromkeys(name for cell in cells for name in cell["outcomes"])]
+    plain = [name for name in cells[0] if name not in ("outcomes", "probability")]
+    chances = [*dict.fromkeys(name for cell in cells for name in cell["probability"])]
+    ends = [f"probability_{name}{end}" for name in chances for end in ("", "_low", "_high")]
     with path.open("w", newline="", encoding="utf-8") as stream:
         rows = csv.writer(stream)
-        ends = [f"outcome_{name}" for name in {name: None for cell in cells for name in cell["outcomes"]}]
-        plain = [name for name in cells[0] if name not in ("outcomes", "probability")]
-        rows.writerow([*plain, *ends, "probability", "probability_low", "probability_high"])
-        for cell in cells:
-            values = {**cell, "why": " ".join(cell["why"])}
-            chance = cell["probability"]
-            bounds = [None] * 3 if chance is None else [chance.value, chance.low, chance.high]
-            told = [cell["outcomes"].get(name.removeprefix("outcome_"), "") for name in ends]
-            rows.writerow([*(values[name] for name in plain), *told, *bounds])
+        rows.writerow(["stands_on", *plain, *(f"outcome_{name}" for name in models), *ends])
+        for each in maps:
+            for cell in each.cells:
+                values = {
+                    **cell,
+                    "why": " ".join(cell["why"]),
+                    "set": " ".join(f"--set '{item}'" for item in cell["set"]),
+                }
+                bounds = [
+                    bound
+                    for name in chances
+                    for known in [cell["probability"].get(name)]
+                    for bound in ([None] * 3 if known is None else [known.value, known.low, known.high])
+                ]
+                told = [cell["outcomes"].get(name, "") for name in models]
+                rows.writerow([each.stands_on, *(values[name] for name in plain), *told, *bounds])
 
 
-def _cell(found: Map, point: Point, chance: Interval | None) -> TrustCell:
+def _cell(found: Map, point: Point, word: tuple[TrustClass, Basis, Said], chances: Mapping[str, Interval]) -> TrustCell:
     """A point as it stands in the record; numbers of runs only where it has its own."""
-    kind, basis, by = found.kind(point)
-    own, model = point in found.ran, found.model[point]
-    strength, frequency = found.plane.without_dimension(point)
+    kind, basis, by = word
+    own, model, plane = point in found.ran, found.model[point], found.plane
+    strength, frequency = plane.without_dimension(point)
+    peak = model.peak_rad
     return {
-        "amplitude_g": found.plane.amplitudes_g[point[1]],
-        "frequency_hz": found.plane.frequencies_hz[point[0]],
+        "amplitude_g": plane.amplitudes_g[point[1]],
+        "frequency_hz": plane.frequencies_hz[point[0]],
         "class": kind,
         "basis": basis,
         "answer": by.answer if own else "",
         "why": by.why if basis != "rest" else [],
         "outcomes": by.outcomes if own else model.outcomes,
-        "peak_rad": model.peak_rad,
+        "peak_rad": peak,
+        "peak_over_alpha": None if peak is None else peak / plane.scene.statue.slenderness_rad(plane.weaker_side),
         "peaks_apart_rad": by.peaks_apart_rad if own else None,
         "agree_until_s": by.agree_until_s if own else None,
         "horizon_s": model.horizon_s,
-        "probability": chance,
+        "probability": chances,
         "amplitude_over_g_tan_alpha": strength,
         "frequency_over_p": frequency,
+        "set": plane.command(point),
     }
 
 

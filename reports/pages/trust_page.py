@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.records.trust import CLASSES, HELD, TrustCell, TrustRecord
+from harness.records.trust import CLASSES, HELD, TrustCell, TrustMap, TrustRecord
 from harness.trust.point import MODEL
 from harness.trust.trust_run import CELLS_NAME
 from reports.charts import Json
@@ -46,19 +46,21 @@ BASES: Final = {
 def context(_folder: Path, record: TrustRecord) -> dict[str, object]:
     """Everything that the template shows."""
     said = [] if record.answer is None else [each.text for each in record.answer.findings]
-    there = {kind: share for kind, share in record.shares.items() if share}
-    falls = any(cell["outcomes"].get(MODEL) == "overturned" for cell in record.cells)
+    kinds = [kind for kind in CLASSES if any(each.shares[kind] for each in record.maps)]
+    there = {kind: ", ".join(ENGLISH.percent(each.shares[kind]) for each in record.maps) for kind in kinds}
+    cells = [cell for each in record.maps for cell in each.cells]
+    falls = any(cell["outcomes"].get(MODEL) == "overturned" for cell in cells)
     tone = "failed" if "refuted" in there else "agree" if there.keys() <= HELD and not falls else "differ"
     return {
         "verdict": Verdict(said[0], tone, said[1:]),
-        "map": map_figure(record),
-        "classes": [(ENGLISH.word(kind), ENGLISH.percent(share), MEANS[kind]) for kind, share in there.items()],
-        "bases": [(words, sum(cell["basis"] == name for cell in record.cells)) for name, words in BASES.items()],
+        "maps": [(each.stands_on, map_figure(each)) for each in record.maps],
+        "classes": [(ENGLISH.word(kind), shares, MEANS[kind]) for kind, shares in there.items()],
+        "bases": [(words, sum(cell["basis"] == name for cell in cells)) for name, words in BASES.items()],
         "cells_name": CELLS_NAME,
     }
 
 
-def map_figure(record: TrustRecord) -> Json:
+def map_figure(record: TrustMap) -> Json:
     """Strength upwards, frequency across (of a scene's own motion one column): each point in its class's colour."""
     frequencies = list(dict.fromkeys(cell["frequency_hz"] for cell in record.cells))
     strengths = list(dict.fromkeys(cell["amplitude_g"] for cell in record.cells))
@@ -97,8 +99,7 @@ def tip(cell: TrustCell) -> str:
     lines += [f"why: {ENGLISH.listed(map(ENGLISH.word, cell['why']))}"] if cell["why"] else []
     ends = [f"{name}: {ENGLISH.word(end)}" for name, end in cell["outcomes"].items()]
     lines += [*ends, *([f"agree until {digits(cell['agree_until_s'])} s"] if cell["agree_until_s"] else [])]
-    chance = cell["probability"]
-    if chance is not None:
+    for name, chance in cell["probability"].items():
         low, high = ENGLISH.percent(chance.low), ENGLISH.percent(chance.high)
-        lines.append(f"overturning probability {ENGLISH.percent(chance.value)} ({low} to {high})")
+        lines.append(f"overturning probability ({name}) {ENGLISH.percent(chance.value)} ({low} to {high})")
     return "<br>".join(lines)

@@ -11,6 +11,7 @@ import numpy as np
 from harness.model.finding import Finding, info
 from harness.model.history import Outcome
 from harness.records.study import StudyRecord
+from harness.records.trust import Saved
 from reports.charts import Json
 from reports.charts.figure import axis, curve, figure, level, note
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
@@ -19,16 +20,6 @@ from reports.messages.numbers import heading
 from reports.text.study_rows import Condition, runs_of
 
 WALL_COLOUR: Final = "#8c1d2f"
-
-
-@dataclass(frozen=True)
-class Saved:
-    """Of `total` conditions asked with and without the pedestal: falls without it, those prevented by it, and caused."""
-
-    total: int
-    bare: int
-    prevented: int
-    caused: int
 
 
 @dataclass(frozen=True)
@@ -85,10 +76,7 @@ def _saved(cases: Sequence[Condition], model: str) -> Saved:
     for item, run in runs_of(cases, model):
         rest = tuple(value for key, value in item.varied.items() if key != "pedestal")
         pairs.setdefault(rest, {})[item.varied["pedestal"] == "none"] = run.outcome.overturned
-    both = [pair for pair in pairs.values() if len(pair) == 2]
-    prevented, caused = sum(p[True] and not p[False] for p in both), sum(p[False] and not p[True] for p in both)
-    bare = sum(p[True] for p in both)
-    return Saved(len(both), bare, prevented, caused)
+    return Saved.of([(pair[True], pair[False]) for pair in pairs.values() if len(pair) == 2])
 
 
 def _by_setting(fell: Mapping[tuple[float, str], Sequence[bool]], title: str) -> Json:

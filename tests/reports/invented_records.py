@@ -24,11 +24,11 @@ from harness.records.scene import SceneRecord
 from harness.records.scores import Interval, Scores
 from harness.records.sets import FragilityCurve
 from harness.records.stress import Cell, HardRow, Mutated, StressRecord
-from harness.records.trust import CLASSES, TrustCell, TrustRecord, TrustSummary
+from harness.records.trust import CLASSES, TrustCell, TrustMap, TrustRecord, TrustSummary
 from harness.records.validation import FallScores
 from harness.studies.cases import Base
 from harness.trust.plane import Plane
-from harness.trust.trust_run import answer_of, findings_of
+from harness.trust.trust_run import answer_of, findings_of, saved_by
 from reports.messages import ENGLISH
 from tests import doubles
 from tests.scenes_for_tests import paestum
@@ -243,9 +243,9 @@ def trust() -> TrustRecord:
             "amplitude_g": 0.1 * 1.5 ** (k % 4), "frequency_hz": (1.0, 2.0)[k // 4], "class": kind, "basis": "runs",
             "answer": "agree", "why": ["statue_slides"] if kind == "left_domain" else [],
             "outcomes": {"analytic": "overturned" if k > 4 else "stands", "pymunk": "stands"}, "peak_rad": 0.01,
-            "peaks_apart_rad": 1e-4, "agree_until_s": 3.0, "horizon_s": 4.0,
-            "probability": Interval(0.4, 0.3, 0.5, 0.9) if kind == "probability" else None,
-            "amplitude_over_g_tan_alpha": 1.0, "frequency_over_p": 0.5,
+            "peak_over_alpha": 0.05 * k, "peaks_apart_rad": 1e-4, "agree_until_s": 3.0, "horizon_s": 4.0,
+            "probability": {"analytic": Interval(0.4, 0.3, 0.5, 0.9)} if kind == "probability" else {},
+            "amplitude_over_g_tan_alpha": 1.0, "frequency_over_p": 0.5, "set": ["motion.x.amplitude_g=0.1"],
         })
         for k, kind in enumerate(CLASSES)
     ]  # fmt: skip
@@ -253,18 +253,19 @@ def trust() -> TrustRecord:
     summary = TrustSummary(points=8, asked=8, checked=0, changed=0, found=0, cpu_s=1.0)
     scene = paestum(0.429, 3.0)
     whole = Plane(Base(None, {}), scene, "sine", [0.1, 0.15, 0.225, 0.3375], [1.0, 2.0])
+    maps = [TrustMap("pedestal", shares, 0.15, cells), TrustMap("floor", shares, None, cells)]
+    saved = saved_by(["analytic", "pymunk"], maps)
     return TrustRecord(
         title="An invented map",
-        answer=answer_of(whole, shares, 0.15),
-        findings=findings_of(cells, summary, 0),
+        answer=answer_of(whole, maps, saved),
+        findings=findings_of(maps, saved, summary, 0),
         scene=SceneRecord.of(scene),
         motion="sine",
         coarse=True,
         engines=["analytic", "pymunk"],
         seed=0,
-        shares=shares,
-        confirmed_up_to_g=0.15,
-        cells=cells,
+        maps=maps,
+        saved=saved,
         summary=summary,
         seconds=1.0,
         versions=record.versions(),

@@ -132,6 +132,6 @@ def test_the_main_job_s_map_is_the_coarse_one_of_the_statue_on_the_floor(
     monkeypatch.setattr(plane, "RESOLUTION", {True: 4.5})
     monkeypatch.setattr(plane, "FREQUENCIES", {True: 1})
     record = build_examples.trust_map(InlinePool())
-    assert (record.coarse, record.engines, record.scene.file) == (True, ("analytic", "pymunk"), "paestum_floor.toml")
-    assert len(record.cells) == 3
-    assert (tmp_path / "paestum_floor-trust" / "result.json").is_file()
+    assert (record.coarse, record.engines, record.scene.file) == (True, ("analytic", "pymunk"), "paestum_pedestal.toml")
+    assert [(each.stands_on, len(each.cells)) for each in record.maps] == [("pedestal", 3), ("floor", 3)]
+    assert (tmp_path / "paestum_pedestal-trust" / "result.json").is_file()

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from harness import Outcome, Run, compare
 from harness.model.finding import caution
+from harness.records.base import part, plain
 from harness.records.run import HorizonRecord
 from harness.records.scores import Verdict
 from harness.records.trust import CLASSES
 from harness.scene_run.scene_run import Result
-from harness.trust.point import said
+from harness.trust.point import Kept, explained, said
 from tests import doubles
 from tests.scenes_for_tests import paestum
 
@@ -106,3 +108,26 @@ def test_the_model_alone_says_alike_what_ends_alike() -> None:
         result(run("analytic"), horizon_s=4.0),
     ]
     assert len({stands.alike, *(said(each).alike for each in others)}) == 6
+
+
+def test_what_is_kept_of_a_point_says_what_its_runs_said() -> None:
+    """Runs, scores and horizons are kept, the class is not: read back it is derived by the rules of today."""
+    whole = result(run("analytic", PARTED, reliable_until_s=5.0), run("pymunk"))
+    kept = part(Kept, plain(Kept(whole.runs, whole.scores, whole.horizons)), Path("store"))
+    assert kept.said(whole.scene, ("analytic", "pymunk")) == said(whole)
+    assert kept.said(whole.scene, ("analytic",)).kind == "no_answer"
+
+
+@pytest.mark.parametrize(("stated_rad", "beside", "kind"), [
+    (1e-4, "agrees", "refuted"), (8e-3, "agrees", "outcome_confirmed"), (8e-3, "raised", "refuted"),
+])  # fmt: skip
+def test_engines_that_share_a_layer_are_held_by_the_wider_of_their_statements(
+    stated_rad: float, beside: str, kind: str
+) -> None:
+    """Both engines lean 0.01 rad further than the model: one states 1e-4 rad, and the other states more."""
+    raised = doubles.raised(doubles.rocking(), 0.01)
+    other = raised if beside == "agrees" else doubles.raised(doubles.rocking(), 0.05)
+    runs = run("analytic"), run("pymunk", raised), run("pybullet", other, numerical_uncertainty_rad=stated_rad)
+    whole = result(*runs)
+    judged = {**whole.scores, **explained(whole.runs, whole.scores)}
+    assert said(replace(whole, scores=judged)).kind == kind

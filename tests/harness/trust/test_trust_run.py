@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import csv
 import json
+import tomllib
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,15 +16,19 @@ from typer.testing import CliRunner
 
 import harness
 from harness import engines
+from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.finding import Severity
+from harness.model.scene import Scene
 from harness.records.kinds import read_result
+from harness.records.scores import Interval
 from harness.records.trust import CLASSES, TrustRecord
 from harness.runs.runner import InlinePool
+from harness.runs.store import STORE_NAME, Store
 from harness.trust import plane, trust_run
-from harness.trust.plane import Plane
+from harness.trust.plane import Plane, Point
 from harness.trust.point import Said
-from harness.trust.trust_run import Map, confirmed_up_to_g, engines_of
+from harness.trust.trust_run import Map, confirmed_up_to_g, doubtful, engines_of, falls
 from reports.cli import app
 from reports.messages import ENGLISH
 from reports.pages.page import write_report
@@ -59,10 +64,11 @@ def test_the_command_writes_a_row_for_each_point_and_goes_on_with_what_it_has(sm
     assert max(map(len, lines)) <= COLUMNS
     record = json.loads((out / "result.json").read_text())
     assert record["answer"]["text"]
-    cells = record["cells"]
+    assert [each["stands_on"] for each in record["maps"]] == ["floor"]
+    cells = record["maps"][0]["cells"]
     assert len(cells) == 6
     assert all(cell.keys() >= KEYS and cell["class"] in CLASSES for cell in cells)
-    assert sum(record["shares"].values()) == pytest.approx(1.0)
+    assert sum(record["maps"][0]["shares"].values()) == pytest.approx(1.0)
     # The least strength is below the limit of rest, and no engine is needed there but as a check.
     assert [cell["class"] for cell in cells if cell["amplitude_over_g_tan_alpha"] < 1.0] == ["nothing_moves"] * 2
     asked = [cell for cell in cells if cell["basis"] in ("runs", "checked")]
@@ -74,15 +80,15 @@ def test_the_command_writes_a_row_for_each_point_and_goes_on_with_what_it_has(sm
     assert 'id="map"' in write_report(out).read_text()
     again = called(small, "--out", out, "--resume", "--json")
     second = json.loads(again.stdout)
-    assert second["cells"] == cells
-    assert second["summary"]["found"] == record["summary"]["found"] + len(cells) + len(asked)
+    assert second["maps"][0]["cells"] == cells
+    with Store(out / STORE_NAME, "trust") as store:
+        assert second["summary"]["found"] == len(store.keys())
 
 
 def test_a_point_says_what_a_run_of_it_says(small: Path, tmp_path: Path) -> None:
     record = trust_run.run_trust(small, tmp_path / "map", ["pymunk"], coarse=True, quiet=True)
-    cell = record.cells[-1]
-    x = {"kind": "harmonic", "amplitude_g": cell["amplitude_g"], "frequency_hz": cell["frequency_hz"]}
-    result = harness.run_scene(harness.load_scene(small).replace({"motion": {"x": x}}), ["analytic", "pymunk"])
+    cell = record.maps[0].cells[-1]
+    result = harness.run_scene(load_scene(small, cell["set"]), ["analytic", "pymunk"])
     assert cell["answer"] == result.answer().code
 
 
@@ -125,35 +131,127 @@ def found(kinds: dict[int, str], rest: int = 0) -> Map:
     """Nine strengths at one frequency that the model says alike, the least of them at rest; what engines said at some."""
     whole = Plane(None, None, "sine", [0.1 * 1.05**j for j in range(9)], [1.0])  # type: ignore[arg-type]
     model = {(0, j): word("no_answer", still=j < rest) for j in range(9)}
-    return Map(whole, model, {(0, j) for j in range(rest)}, {(0, j): word(kind) for j, kind in kinds.items()})
+    ran = {(0, j): word(kind) for j, kind in kinds.items()}
+    return Map(whole, NAMES, model, {(0, j) for j in range(rest)}, ran, dict(ran))
+
+
+NAMES = ("analytic", "pymunk")
+
+
+@dataclass(frozen=True)
+class Told:
+    """What is kept of a point whose class by each set of models is that."""
+
+    kinds: dict[tuple[str, ...], str]
+
+    def said(self, scene: Scene, names: tuple[str, ...]) -> Said:
+        return word(self.kinds[names])
+
+
+def checked(known: Map, point: Point, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Plane, "at", lambda plane, point: None)
+    known.check([point], {point: Told({known.names: kind, known.quick: kind})})  # type: ignore[dict-item]
 
 
 def test_between_points_that_agree_the_class_is_theirs() -> None:
     known = found({2: "confirmed", 8: "confirmed"}, rest=2)
-    assert [known.kind((0, j))[:2] for j in (0, 2, 5)] == [
+    words = known.words()
+    assert [words[0, j][:2] for j in (0, 2, 5)] == [
         ("nothing_moves", "rest"), ("confirmed", "runs"), ("confirmed", "between"),
     ]  # fmt: skip
-    assert not known.unasked()
+    assert not known.unasked(NAMES)
 
 
-def test_a_check_that_agrees_changes_nothing_and_another_class_is_refined() -> None:
+def test_a_check_that_agrees_changes_nothing_and_another_class_is_refined(monkeypatch: pytest.MonkeyPatch) -> None:
     known = found({2: "confirmed", 8: "confirmed"}, rest=2)
-    known.check([(0, 5)], {(0, 5): word("confirmed")})
+    checked(known, (0, 5), "confirmed", monkeypatch)
     assert not known.changed
-    assert known.kind((0, 5))[1] == "checked"
-    known.check([(0, 1)], {(0, 1): word("refuted")})
+    assert known.words()[0, 5][1] == "checked"
+    checked(known, (0, 1), "refuted", monkeypatch)
     assert known.changed == {(0, 1)}
     # Nor do the limits of rest decide along that frequency any longer.
-    assert known.unasked() == {(0, 0)}
+    assert known.unasked(NAMES) == {(0, 0)}
+
+
+ALL = ("analytic", "pymunk", "pybullet")
+
+
+def wide() -> Map:
+    """Three frequencies and nine strengths, all confirmed by the engines in the plane at their ends."""
+    whole = Plane(None, None, "sine", [0.1 * 1.08**j for j in range(9)], [1.0, 1.5, 2.0])  # type: ignore[arg-type]
+    model = {point: word("no_answer") for point in whole.points}
+    return Map(whole, ALL, model, set(), {(i, j): word("confirmed") for i in range(3) for j in (0, 8)})
+
+
+def test_an_engine_in_space_is_asked_where_it_says_another_class(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a coarse grid first, then around the points where it does; elsewhere what those in the plane say is the class."""
+    monkeypatch.setattr(Plane, "at", lambda plane, point: None)
+    known = wide()
+    assert known.quick == NAMES
+    assert not known.unasked(NAMES)
+    first = known.unasked(ALL)
+    assert first == {(i, j) for i in (0, 2) for j in (0, 8)}
+    refuted = {(2, 7), (2, 8)}
+    while asked := known.unasked(ALL):
+        told = {at: Told({ALL: "refuted" if at in refuted else "confirmed", NAMES: "confirmed"}) for at in asked}
+        known.take(ALL, told)  # type: ignore[arg-type]
+    assert len(known.whole) < len(known.plane.points)
+    words = known.words()
+    assert {point for point, (kind, _, _) in words.items() if kind == "refuted"} == refuted
+    # What the engines in the plane say stands beside it, and refines nothing.
+    assert {said.kind for said in known.ran.values()} == {"confirmed"}
+    assert not known.unasked(NAMES)
+
+
+def test_between_points_that_one_engine_refutes_the_model_is_refuted() -> None:
+    known = wide()
+    known.whole = {(i, j): word("refuted") for i in (0, 2) for j in (0, 8)}
+    assert not known.unasked(ALL)
+    words = known.words()
+    assert {kind for kind, _, _ in words.values()} == {"refuted"}
+    assert words[1, 4][1] == "between"
 
 
 def test_the_strength_up_to_which_a_model_holds_ends_at_the_first_doubt() -> None:
-    known = found({0: "confirmed", 4: "outcome_confirmed", 5: "probability", 6: "confirmed", 8: "confirmed"})
-    assert confirmed_up_to_g(known) == pytest.approx(0.1 * 1.05**4)
-    known.ran[0, 4] = word("outcome_confirmed", apart_rad=0.5)
-    assert confirmed_up_to_g(known) == pytest.approx(0.1 * 1.05**3)
-    known.ran[0, 0] = word("refuted")
-    assert confirmed_up_to_g(known) is None
+    kinds = {0: "confirmed", 4: "outcome_confirmed", 5: "probability", 6: "confirmed", 8: "confirmed"}
+    known = found(kinds)
+    assert confirmed_up_to_g(known.plane, known.words()) == pytest.approx(0.1 * 1.05**4)
+    known.whole[0, 4] = word("outcome_confirmed", apart_rad=0.5)
+    assert confirmed_up_to_g(known.plane, known.words()) == pytest.approx(0.1 * 1.05**3)
+    known.whole[0, 0] = word("refuted")
+    assert confirmed_up_to_g(known.plane, known.words()) is None
+
+
+def test_an_engine_is_asked_for_a_probability_where_it_is_nearest_a_half() -> None:
+    chances = {(0, 0): 0.0, (0, 1): 0.2, (0, 2): 0.6, (0, 3): 1.0, (1, 0): 0.01, (1, 1): 0.97}
+    assert doubtful({at: Interval(p, p, p) for at, p in chances.items()}) == [(0, 2)]
+
+
+def test_a_pedestal_s_map_stands_beside_that_of_the_statue_on_the_floor(small: Path, tmp_path: Path) -> None:
+    content = tomllib.loads(small.read_text())
+    pedestal = {"mass_kg": 100.0, "width_m": 0.6, "depth_m": 0.6, "height_m": 0.2}
+    unknown = {key: {"kind": "assumed"} for key in ("pedestal.offset_m", "contact.floor", "statue.mass_kg")}
+    floor = {"floor_static": 0.15, "floor_kinetic": 0.15, "statue": 1.0}
+    small.write_text(tomli_w.dumps({**content, "pedestal": pedestal, "contact": floor, "uncertainty": unknown}))
+    record = trust_run.run_trust(small, tmp_path / "map", ["pymunk"], coarse=True, quiet=True)
+    own, without = record.maps
+    assert (own.stands_on, without.stands_on) == ("pedestal", "floor")
+    at = [[(cell["amplitude_g"], cell["frequency_hz"]) for cell in each.cells] for each in record.maps]
+    assert at[0] == at[1]
+    scene = load_scene(small, without.cells[-1]["set"])
+    assert (scene.pedestal, {item.key for item in scene.uncertainty}) == (None, {"contact.floor", "statue.mass_kg"})
+    # It slides from 0.15 g on; the block on the floor rocks from 0.2 g on and falls at the strongest shaking.
+    assert [falls(each.cells[2], "analytic") for each in record.maps] == [False, True]
+    assert record.saved["analytic"].prevented > record.saved["analytic"].caused == 0
+    with (tmp_path / "map" / "cells.csv").open() as stream:
+        assert [row["stands_on"] for row in csv.DictReader(stream)] == ["pedestal"] * 6 + ["floor"] * 6
+
+
+def test_an_outcome_that_is_confirmed_is_every_model_s() -> None:
+    cell: Any = {"class": "outcome_confirmed", "outcomes": {"analytic": "overturned"}}
+    assert falls(cell, "pymunk") is True
+    assert falls({**cell, "class": "probability"}, "pymunk") is None
+    assert falls({**cell, "outcomes": {"analytic": "overturned", "pymunk": "undecided"}}, "pymunk") is None
 
 
 def test_the_map_s_picture_has_a_colour_and_a_name_for_each_class(small: Path, tmp_path: Path) -> None:
@@ -161,12 +259,13 @@ def test_the_map_s_picture_has_a_colour_and_a_name_for_each_class(small: Path, t
     called(small, "--out", folder, "--motion", "scene", "--json")
     record = read_result(folder)
     assert isinstance(record, TrustRecord)
-    assert {cell["frequency_hz"] for cell in record.cells} == {None}
-    drawn = map_figure(record)
+    (only,) = record.maps
+    assert {cell["frequency_hz"] for cell in only.cells} == {None}
+    drawn = map_figure(only)
     heat, *named = drawn["data"]
-    assert [[CLASSES[code] for code in row] for row in heat["z"]] == [[cell["class"]] for cell in record.cells]
-    assert len(named) - 1 == len({cell["class"] for cell in record.cells})
-    changed = replace(record, shares={**record.shares, "refuted": 0.5})
+    assert [[CLASSES[code] for code in row] for row in heat["z"]] == [[cell["class"]] for cell in only.cells]
+    assert len(named) - 1 == len({cell["class"] for cell in only.cells})
+    changed = replace(only, shares={**only.shares, "refuted": 0.5})
     assert len(map_figure(changed)["data"]) == len(drawn["data"]) + 1
 
 
@@ -180,4 +279,5 @@ def test_a_map_of_every_class_fits_the_terminal_and_its_page_names_each(tmp_path
     assert record.answer.findings[0].severity is Severity.CHANGES_ANSWER
     html = write_report(invented_records.write_trust(tmp_path / "map")).read_text()
     assert 'class="verdict failed"' in html
-    assert all(f"<dt>{ENGLISH.word(kind)}, {ENGLISH.percent(0.125)}</dt>" in html for kind in CLASSES)
+    share = ENGLISH.percent(0.125)
+    assert all(f"<dt>{ENGLISH.word(kind)}, {share}, {share}</dt>" in html for kind in CLASSES)
