@@ -28,14 +28,13 @@ from tests.fuzz.use import WRITTEN, unfinished
 Row = dict[str, Any]
 
 HANG_S: Final = 10
-"""Longest time for one small file; reading takes milliseconds."""
+"""Most processor time for one small file; reading takes milliseconds."""
 START_S: Final = 120
-"""The same for the first, whole file of a kind: it imports and compiles what its use takes, and an import that is cut short on a
-busy machine breaks all that follow."""
+"""The same for the first, whole file of a kind: it imports and compiles what its use takes."""
 MOST_MIB: Final = 2048.0
 """Of memory for one small file."""
-DEAD_SHARE: Final = 2.0
-"""Times that limit after which a process that does not even hear of it is ended."""
+DEAD_SHARE: Final = 20.0
+"""Times that limit, by the clock of a busy machine, after which a process that does not even hear of it, or sleeps, is ended."""
 
 
 class Hang(Exception):
@@ -44,21 +43,21 @@ class Hang(Exception):
 
 @contextmanager
 def limited(seconds: int) -> Iterator[None]:
-    """Raise `Hang` inside the block after so many seconds (main thread only)."""
+    """Raise `Hang` inside the block after so many seconds of processor time (main thread only)."""
 
     def stop(number: int, frame: FrameType | None) -> None:
         raise Hang
 
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.alarm(seconds)
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     # Compiled code that never comes back hears no signal: the process ends, which its pool counts as a failure.
     faulthandler.dump_traceback_later(DEAD_SHARE * seconds, exit=True)
     try:
         yield
     finally:
         faulthandler.cancel_dump_traceback_later()
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ from tests.stores_for_tests import put
 
 RUN_S: Final = 0.3
 """Seconds that a scene is run for."""
+INSTANT_S: Final = 0.1
 WRITTEN: Final = "written"
 STEERING: Final = ("\x1b", "\x9b", "\r", "\x00", "\x07", "\u202e", "\ud800")
 MOST_GROWN_MIB: Final = 1024.0
@@ -132,7 +133,7 @@ def options_of_assess(path: Path) -> None:
 
 
 def trust(path: Path) -> None:
-    """The trust map of the scene at the weakest and strongest of two frequencies, each for a moment."""
+    """The trust map of the scene at its weakest and strongest sine of one frequency, for an instant."""
     from harness.input.scene_file import load_scene
     from harness.records.result_folder import write_whole
     from harness.runs.runner import InlinePool
@@ -141,8 +142,9 @@ def trust(path: Path) -> None:
     from harness.trust.trust_run import engines_of, trust_map
     from reports.messages import ENGLISH
 
-    whole = Plane.of(_short(load_scene(path)), "sine", coarse=True)
-    plane = replace(whole, amplitudes_g=whole.amplitudes_g[::8], frequencies_hz=whole.frequencies_hz[::4])
+    whole = Plane.of(replace(load_scene(path), duration_s=INSTANT_S), "sine", coarse=True)
+    ends = whole.amplitudes_g[0], whole.amplitudes_g[-1]
+    plane = replace(whole, amplitudes_g=ends, frequencies_hz=whole.frequencies_hz[-1:])
     names = engines_of(plane.at(plane.points[-1]), ("pymunk",), coarse=True)
     with Store(path.with_name(WRITTEN) / STORE_NAME, "trust") as kept:
         record = trust_map(plane, names, kept, InlinePool(), lambda done, of: None, coarse=True, seed=0)
