@@ -25,14 +25,14 @@ class TraceRecord:
     spectrum_m_s2: Sequence[float]
 
     @classmethod
-    def of(cls, trace: Trace) -> TraceRecord:
-        """The record of a channel."""
+    def of(cls, trace: Trace, say: Say) -> TraceRecord:
+        """The record of a channel, its steps said by `say`."""
         return cls(
             name=trace.name,
             direction=trace.direction,
             dt_s=trace.series.dt_s,
             samples=int(trace.series.accel_m_s2.size),
-            done=trace.series.done,
+            done=[say(step) for step in trace.series.done],
             measures=trace.measures,
             spectrum_m_s2=trace.spectrum_m_s2.tolist(),
         )
@@ -69,7 +69,7 @@ class InspectionRecord:
             source=inspection.source,
             damping=DAMPING if target is None else target.damping,
             periods_s=PERIODS_S.tolist(),
-            traces=[TraceRecord.of(trace) for trace in inspection.traces],
+            traces=[TraceRecord.of(trace, say) for trace in inspection.traces],
             target=None
             if target is None
             else TargetRecord(**asdict(target), spectrum_m_s2=target.accel_m_s2(PERIODS_S).tolist()),

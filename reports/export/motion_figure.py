@@ -17,6 +17,7 @@ from reports.charts.palette import MUTED
 from reports.charts.samples import shown_samples
 from reports.charts.static_svg import picture
 from reports.drawing.shapes import Picture, Shape, Text, moved
+from reports.messages import ENGLISH
 
 ACROSS: Final = (770, 517)
 """Width in pixels of the histories, and of the charts beside them."""
@@ -57,7 +58,7 @@ def _title(inspection: Inspection) -> tuple[str, str]:
     facts = [inspection.source.get(key, "") for key in ("event", "station", "format")]
     said = [" ".join(part.split()) for part in facts if part]
     if not said:
-        said = list(inspection.traces[0].series.done[-2:])
+        said = [ENGLISH.say(step) for step in inspection.traces[0].series.done[-2:]]
     return printable(inspection.title), textwrap.shorten(printable(" · ".join(said)), _ORIGIN_WIDTH, placeholder=" …")
 
 

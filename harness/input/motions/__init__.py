@@ -27,7 +27,7 @@ from harness.input.motions.spec import (
 )
 from harness.input.motions.spectra import DesignSpectrum, design_spectrum
 from harness.input.motions.text import mistake
-from harness.model.finding import Finding
+from harness.model.finding import Finding, info
 
 if TYPE_CHECKING:
     from harness.input.tables import SceneFile
@@ -43,7 +43,7 @@ class Prepared:
     """An excitation, the steps that led to it, what is doubtful, and the target it follows (none behind a building)."""
 
     excitation: Excitation
-    done: tuple[str, ...] = ()
+    done: tuple[Finding, ...] = ()
     findings: tuple[Finding, ...] = ()
     target: DesignSpectrum | None = None
 
@@ -108,7 +108,7 @@ def _compatible(component: SpectrumSpec, motion: SceneMotion) -> Prepared:
         if component.method != "scale":
             series = process.resample(series, compatible.STEP_S)
         factor = compatible.best_factor(series, spectrum)
-        series = process.scaled(series, factor, f"nearest to {spectrum.name}")
+        series = process.scaled(series, factor, "nearest", spectrum.name)
         if component.method != "scale":
             series = compatible.match(series, spectrum)
         return _of_series(series, findings, spectrum)
@@ -135,6 +135,7 @@ def _on_floor(ground: Prepared, modes: tuple[Oscillator, ...], motion: SceneMoti
         wanted = f"at least {until / MOST_PERIODS:.2g} s for {until:.4g} s of motion"
         advice = "so stiff a mode moves with the ground: leave it out"
         raise mistake(where, f"{key}.floor.period_s", wanted, f"{shortest_s:g}", advice)
-    said = "; ".join(f"{mode.period_s:g} s, damping {mode.damping:g}, share {mode.share:g}" for mode in modes)
+    periods_s, dampings, shares = zip(*((mode.period_s, mode.damping, mode.share) for mode in modes), strict=True)
     moved = floor_motion(ground.excitation, modes, until)
-    return Prepared(moved, (*ground.done, f"through the building: {said}; to {until:.4g} s"), ground.findings)
+    step = info("step_floor", to_s=until, periods_s=periods_s, dampings=dampings, shares=shares)
+    return Prepared(moved, (*ground.done, step), ground.findings)

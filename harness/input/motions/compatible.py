@@ -15,6 +15,7 @@ import numpy as np
 from harness.input.motions import oscillator
 from harness.input.motions.series import Floats, Series, at_rest
 from harness.input.motions.spectra import DesignSpectrum
+from harness.model.finding import info
 
 BAND_S: Final = (0.05, 2.0)
 """Periods between which the misfit is promised."""
@@ -79,8 +80,8 @@ def artificial(spectrum: DesignSpectrum, *, seed: int, duration_s: float = DEFAU
         reached = oscillator.spectrum_m_s2(accel, STEP_S, _CONTROL_S, spectrum.damping)
         amplitude *= np.interp(np.log(periods), np.log(_CONTROL_S), wanted / reached)
         accel = _shaken(amplitude, phase, shape, None)
-    done = f"artificial: seed {seed}, {duration_s:g} s at {STEP_S:g} s, {_FFT_PASSES} corrections of the Fourier amplitudes"
-    return match(Series(STEP_S, accel, (done,)), spectrum)
+    step = info("step_artificial", seed=seed, duration_s=duration_s, dt_s=STEP_S, corrections=_FFT_PASSES)
+    return match(Series(STEP_S, accel, (step,)), spectrum)
 
 
 def _shaken(amplitude: Floats, phase: np.ndarray, shape: Floats, scale_to: DesignSpectrum | None) -> Floats:
@@ -124,8 +125,8 @@ def match(series: Series, spectrum: DesignSpectrum) -> Series:
     largest = misfit(result, spectrum)
     if largest > MISFIT:
         raise NoMatchError(f"the nearest history is {largest:.1%} off {spectrum.name}, more than {MISFIT:.0%}")
-    said = f"matched to {spectrum.name} in {passes} passes: {largest:.1%} off at most from {BAND_S[0]:g} to {BAND_S[1]:g} s"
-    return series.changed(best, said)
+    band = {"from_s": BAND_S[0], "to_s": BAND_S[1]}
+    return series.changed(best, info("step_matched", target=spectrum.name, passes=passes, off=largest, **band))
 
 
 def _without_drift(accel: Floats) -> Floats:

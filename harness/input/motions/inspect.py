@@ -17,7 +17,7 @@ from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Layout
 from harness.input.motions.records import aligned
 from harness.input.motions.series import Floats, Series
 from harness.input.motions.spectra import DesignSpectrum
-from harness.model.finding import Finding
+from harness.model.finding import Finding, info
 
 DAMPING: Final = 0.05
 PERIODS_S: Final = np.geomspace(0.03, 4.0, 80)
@@ -97,7 +97,7 @@ def inspect_component(motion: SceneMotion) -> Inspection:
             series = Series(dt_s, excitation.samples_m_s2, prepared.done)
         else:  # a building's filter puts its samples where the ground has corners
             t_s = np.arange(0.0, excitation.end_s, dt_s)
-            series = Series(dt_s, excitation.accel_m_s2(t_s), (*prepared.done, f"shown at {dt_s:.4g} s"))
+            series = Series(dt_s, excitation.accel_m_s2(t_s), (*prepared.done, info("step_shown", dt_s=dt_s)))
     else:
         end = excitation.end_s if math.isfinite(excitation.end_s) else motion.duration_s or ENDLESS_S
         dt_s = min(_FINE_STEP_S, max(end, 1e-3) / _SAMPLES_PER_PULSE)

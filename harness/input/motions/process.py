@@ -1,4 +1,4 @@
-"""Processing of one history, a step at a time; each says in the result's `done` what it did and what that changed."""
+"""Processing of one history, a step at a time; each adds to the result's `done` what it did and what that changed."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from harness.input.motions.clock import MOST_SAMPLES
 from harness.input.motions.measures import arias_share, peak_velocity_m_s
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
 from harness.input.motions.series import Floats, Series, at_rest, displacement_m, velocity_m_s
+from harness.model.finding import info
 
 Baseline = Literal["none", "mean", "linear", "quadratic", "rest"]
 
@@ -40,31 +41,30 @@ def window(series: Series, start_s: float, end_s: float) -> Series:
     if last - first < 1:
         got = f"{start_s:g} to {end_s:g} s, where nothing is left"
         raise ProcessError("window_s", f"a part of the {series.duration_s:g} s that the record lasts", got)
-    said = f"window {first * series.dt_s:g} to {last * series.dt_s:g} s"
-    return series.changed(series.accel_m_s2[first : last + 1], said)
+    step = info("step_window", from_s=first * series.dt_s, to_s=last * series.dt_s)
+    return series.changed(series.accel_m_s2[first : last + 1], step)
 
 
 def baseline(series: Series, kind: Baseline) -> Series:
     """Less a polynomial fitted to the acceleration, or ("rest") changed so that the motion ends at rest where it began."""
     if kind == "none":
         return series
-    before = _drift(series)
     if kind == "rest":
         accel = at_rest(series.accel_m_s2, series.dt_s)
     else:
         place = np.linspace(-1.0, 1.0, series.accel_m_s2.size)
         fit = np.polynomial.Polynomial.fit(place, series.accel_m_s2, _DEGREE[kind], domain=[-1.0, 1.0])
         accel = series.accel_m_s2 - fit(place)
-    after = series.changed(np.asarray(accel, dtype=np.float64), "")
-    largest = float(np.abs(accel - series.accel_m_s2).max())
-    said = (
-        f"baseline ({kind}): changed by at most {largest:.3g} m/s²; at the end {before} before, {_drift(after)} after"
-    )
-    return series.changed(after.accel_m_s2, said)
+    changed = np.asarray(accel, dtype=np.float64)
+    (before_m_s, before_m), (after_m_s, after_m) = _ends(series), _ends(Series(series.dt_s, changed))
+    most = float(np.abs(changed - series.accel_m_s2).max())
+    ends = {"before_m_s": before_m_s, "before_m": before_m, "after_m_s": after_m_s, "after_m": after_m}
+    return series.changed(changed, info("step_baseline", kind=kind, most_m_s2=most, **ends))
 
 
-def _drift(series: Series) -> str:
-    return f"{velocity_m_s(series)[-1]:.3g} m/s and {displacement_m(series)[-1]:.3g} m"
+def _ends(series: Series) -> tuple[float, float]:
+    """Velocity, m/s, and displacement, m, at the last sample."""
+    return float(velocity_m_s(series)[-1]), float(displacement_m(series)[-1])
 
 
 def bandpass(series: Series, low_hz: float, high_hz: float) -> Series:
@@ -89,8 +89,7 @@ def bandpass(series: Series, low_hz: float, high_hz: float) -> Series:
     )
     passed = np.asarray(filtered[pad : pad + series.accel_m_s2.size], dtype=np.float64)
     lost = 1.0 - float((passed**2).sum() / (series.accel_m_s2**2).sum())
-    said = f"band-pass {low_hz:g} to {high_hz:g} Hz (Butterworth {FILTER_ORDER}, both ways): {lost:.2%} of the energy removed"
-    return series.changed(passed, said)
+    return series.changed(passed, info("step_bandpass", low_hz=low_hz, high_hz=high_hz, order=FILTER_ORDER, lost=lost))
 
 
 def resample(series: Series, dt_s: float) -> Series:
@@ -108,13 +107,13 @@ def resample(series: Series, dt_s: float) -> Series:
         t_s = np.arange(count) * dt_s
         accel = np.interp(t_s, series.t_s, series.accel_m_s2)
         whole = ratio.denominator == 1
-        said = "the same straight lines" if whole else "on the straight lines; corners between samples are cut"
-        return series.changed(accel, f"resampled from {series.dt_s:g} to {dt_s:g} s: {said}", dt_s=dt_s)
+        step = info("step_resampled", how="whole" if whole else "cut", from_s=series.dt_s, to_s=dt_s)
+        return series.changed(accel, step, dt_s=dt_s)
     from scipy.signal import resample_poly
 
     low = np.asarray(resample_poly(series.accel_m_s2, ratio.numerator, ratio.denominator), dtype=np.float64)
-    said = f"resampled from {series.dt_s:g} to {dt_s:g} s: low-pass at {0.5 / dt_s:g} Hz first"
-    return series.changed(low, said, dt_s=dt_s)
+    step = info("step_resampled", how="lowpass", from_s=series.dt_s, to_s=dt_s, lowpass_hz=0.5 / dt_s)
+    return series.changed(low, step, dt_s=dt_s)
 
 
 def significant(series: Series, shares: tuple[float, float], joint: Floats) -> Series:
@@ -122,25 +121,24 @@ def significant(series: Series, shares: tuple[float, float], joint: Floats) -> S
     build = arias_share(joint)
     first, last = (int(np.searchsorted(build, share)) for share in shares)
     last = min(max(last, first + 1), series.accel_m_s2.size - 1)
-    said = (
-        f"significant duration {shares[0]:.0%} to {shares[1]:.0%}: {first * series.dt_s:g} to {last * series.dt_s:g} s"
-    )
-    return series.changed(series.accel_m_s2[first : last + 1], said)
+    times = {"from_s": first * series.dt_s, "to_s": last * series.dt_s}
+    step = info("step_significant", from_share=shares[0], to_share=shares[1], **times)
+    return series.changed(series.accel_m_s2[first : last + 1], step)
 
 
-def scaled(series: Series, factor: float, why: str) -> Series:
-    """Every sample times `factor`, unless it is 1."""
+def scaled(series: Series, factor: float, why: str, target: float | str = "") -> Series:
+    """Every sample times `factor`, unless it is 1: `why` is the key that asks for it, `target` what it is to reach."""
     if factor == 1.0:
         return series
-    return series.changed(series.accel_m_s2 * factor, f"times {factor:.6g} ({why})")
+    return series.changed(series.accel_m_s2 * factor, info("step_scaled", factor=factor, why=why, target=target))
 
 
 def to_pga(series: Series, pga_g: float) -> Series:
     """Scaled to a peak acceleration of `pga_g`."""
     peak = float(np.abs(series.accel_m_s2).max())
-    return scaled(series, pga_g * STANDARD_GRAVITY_M_S2 / peak, f"peak acceleration of {pga_g:g} g")
+    return scaled(series, pga_g * STANDARD_GRAVITY_M_S2 / peak, "pga_g", pga_g)
 
 
 def to_pgv(series: Series, pgv_m_s: float) -> Series:
     """Scaled to a peak velocity of `pgv_m_s`."""
-    return scaled(series, pgv_m_s / peak_velocity_m_s(series), f"peak velocity of {pgv_m_s:g} m/s")
+    return scaled(series, pgv_m_s / peak_velocity_m_s(series), "pgv_m_s", pgv_m_s)

@@ -18,7 +18,7 @@ from harness.input.motions.recordfile import Channel, RecordFile
 from harness.input.motions.series import Floats, Series
 from harness.input.motions.spec import Source
 from harness.input.motions.text import mistake
-from harness.model.finding import Finding
+from harness.model.finding import Finding, info
 
 
 def load(source: Source, *, base_dir: Path, where: str, key: str) -> tuple[Series, tuple[Finding, ...]]:
@@ -103,14 +103,19 @@ def _on_clock(channel: Channel, first_s: float, dt_s: float, count: int) -> Seri
     offset = (first_s - channel.start_s) / dt_s
     whole = round(offset)
     samples = channel.accel_m_s2
-    read = f"{channel.name} ({channel.orientation}), {samples.size} samples at {channel.dt_s:g} s"
-    if channel.dt_s == dt_s and abs(offset - whole) < _WHOLE_STEP:
-        cut = samples.size - count
-        said = f"{read}, the {count} that all channels share" if cut else read
-        return Series(dt_s, samples[whole : whole + count], (said,))
-    t_s = first_s + dt_s * np.arange(count)
-    said = f"{read}, interpolated linearly on the clock shared by all channels"
-    return Series(dt_s, np.interp(t_s, channel.t_s, samples), (said,))
+    shares = channel.dt_s == dt_s and abs(offset - whole) < _WHOLE_STEP
+    read = info(
+        "step_read",
+        how="interpolated" if not shares else "cut" if samples.size > count else "whole",
+        channel=channel.name,
+        orientation=str(channel.orientation),
+        samples=samples.size,
+        dt_s=channel.dt_s,
+        shared=count,
+    )
+    if shares:
+        return Series(dt_s, samples[whole : whole + count], (read,))
+    return Series(dt_s, np.interp(first_s + dt_s * np.arange(count), channel.t_s, samples), (read,))
 
 
 def channel_named(record: RecordFile, column: str | None, *, where: str, key: str) -> Channel:
@@ -156,6 +161,6 @@ def turned(record: RecordFile, azimuth_deg: float, *, where: str, key: str) -> S
     series = aligned(record)
     parts = [series[channel.name].accel_m_s2 for channel in horizontals]
     total: Floats = weights[0] * parts[0] + weights[1] * parts[1]
-    said = f"turned to azimuth {azimuth_deg:g}°: {weights[0]:+.4f} {one.name} {weights[1]:+.4f} {two.name}"
+    shares = {channel.name: weight for channel, weight in zip(horizontals, weights.tolist(), strict=True)}
     read = tuple(step for channel in horizontals for step in series[channel.name].done)
-    return Series(series[one.name].dt_s, total, (*read, said))
+    return Series(series[one.name].dt_s, total, (*read, info("step_turned", azimuth_deg=azimuth_deg, weights=shares)))

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import SampledAcceleration
+from harness.model.finding import Finding
 
 Floats = NDArray[np.float64]
 
@@ -18,7 +19,7 @@ class Series:
 
     dt_s: float
     accel_m_s2: Floats
-    done: tuple[str, ...] = ()
+    done: tuple[Finding, ...] = ()
 
     @property
     def t_s(self) -> Floats:
@@ -30,9 +31,9 @@ class Series:
         """Time of the last sample, s."""
         return self.dt_s * (self.accel_m_s2.size - 1)
 
-    def changed(self, accel_m_s2: Floats, said: str, *, dt_s: float | None = None) -> Series:
+    def changed(self, accel_m_s2: Floats, step: Finding, *, dt_s: float | None = None) -> Series:
         """Other samples, with what was done to get them."""
-        return replace(self, accel_m_s2=accel_m_s2, dt_s=self.dt_s if dt_s is None else dt_s, done=(*self.done, said))
+        return replace(self, accel_m_s2=accel_m_s2, dt_s=self.dt_s if dt_s is None else dt_s, done=(*self.done, step))
 
     def excitation(self) -> SampledAcceleration:
         """The same motion for a solver."""
