@@ -37,6 +37,12 @@ TYPE_NAME: Final = re.compile(
 """What pydantic puts into a location beside keys: the branch of a union."""
 UNKNOWN: Final = "extra_forbidden"
 """Pydantic's word for a key that its table does not have."""
+KINDS: Final = {
+    "statue": ("a scene", "rockcheck run"),
+    "variant": ("a study", "rockcheck study"),
+    "option": ("options", "rockcheck assess SCENE --options"),
+}
+"""By a key that no other file has: what a file is, and the command that takes it."""
 
 
 class Table(BaseModel):
@@ -64,8 +70,13 @@ def mistakes_of(
 
     `overridden` are the keys that were replaced, by what named them: a mistake there is not the file's.
     """
+    details = error.errors(include_url=False)
+    top = {detail["loc"][0]: detail["type"] for detail in details if len(detail["loc"]) == 1}
+    other = next((KINDS[key] for key, kind in top.items() if kind == UNKNOWN and key in KINDS), None)
+    if other is not None and "missing" in top.values():
+        return [Mistake(where, "", "another kind of file", other[0], f"`{other[1]} {where}` takes it")]
     grouped: dict[tuple[str, ...], list[ErrorDetails]] = {}
-    for detail in error.errors(include_url=False):
+    for detail in details:
         path, _ = _resolve(model, detail["loc"], detail["type"] == UNKNOWN)
         grouped.setdefault(path, []).append(detail)
     shown = list(grouped.items())[:MOST_MISTAKES]

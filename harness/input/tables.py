@@ -33,6 +33,7 @@ UNIT = 1e-4
 MAX_SAMPLES = 2e6
 """Half an hour at 1 ms; the page that reads such a history takes a gigabyte."""
 MAX_BYTES = 10_000_000
+SCANS = (".ply", ".obj", ".stl", ".glb", ".gltf")
 
 
 M = TypeVar("M", bound=BaseModel)
@@ -289,12 +290,17 @@ def _absent_numbers(statue: JsonValue, where: str) -> list[Mistake]:
 
 def read(path: Path) -> str:
     """The text of a scene file; raises `InputError` when it cannot be read."""
+    if path.suffix.lower() in SCANS:
+        advice = f"`rockcheck new {path} --motion RECORD` makes a scene of it"
+        raise InputError(Mistake(str(path), "", "a TOML file", "a scan", advice))
     try:
         with path.open("rb") as stream:
             raw = stream.read(MAX_BYTES + 1)
         if len(raw) > MAX_BYTES:
             raise InputError(Mistake(str(path), "", f"a TOML file of at most {MAX_BYTES:.0e} bytes", "a longer one"))
         return raw.decode("utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise InputError(Mistake(str(path), "", "a readable TOML file", reason)) from error
+    except UnicodeDecodeError as error:
+        got = f"byte {error.start} that is none"
+        raise InputError(Mistake(str(path), "", "a text in UTF-8", got, "save it as UTF-8")) from error
+    except OSError as error:
+        raise InputError(Mistake(str(path), "", "a readable TOML file", error.strerror or str(error))) from error

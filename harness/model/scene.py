@@ -142,7 +142,9 @@ class Contact:
         return acts
 
     def with_floor(self, static: float, kinetic: float, share: float | None = None) -> Contact:
-        """The same with other coefficients of the floor; what acts at an impact lies as far between them, or at that share."""
+        """The same with other coefficients of the floor, in motion at most that at rest; what acts at an impact lies as far
+        between them, or at that share."""
+        kinetic = min(kinetic, static)
         acts, apart = self.floor_impact, self.floor_static - self.floor_kinetic
         if share is None and not isinstance(acts, str):
             share = (acts - self.floor_kinetic) / apart if apart > 0.0 else 0.0

@@ -59,9 +59,9 @@ def _changed(scene: Scene, key: str, value: float) -> Scene:
         return replace(scene, contact=scene.contact.with_floor(value, scene.contact.floor_kinetic * factor))
     static, kinetic = scene.contact.floor_static, scene.contact.floor_kinetic
     if key == STATIC:
-        return replace(scene, contact=scene.contact.with_floor(value, min(kinetic, value)))
+        return replace(scene, contact=scene.contact.with_floor(value, kinetic))
     if key == KINETIC:
-        return replace(scene, contact=scene.contact.with_floor(static, min(value, static)))
+        return replace(scene, contact=scene.contact.with_floor(static, value))
     if key == IMPACT:
         return replace(scene, contact=scene.contact.with_floor(static, kinetic, share=value))
     if key == "contact.statue":

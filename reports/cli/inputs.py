@@ -176,7 +176,9 @@ def _inspected(file: Path, unit: str | None, axis: str, layout: Layout) -> Motio
 
     if file.suffix != ".toml":
         if not file.is_file():
-            raise InputError(Mistake(str(file), "", "an existing record", "no such file"))
+            raise InputError(
+                Mistake(str(file), "", "an existing record", "a folder" if file.is_dir() else "no such file")
+            )
         return inspect_file(file, unit=unit, layout=layout)
     model, _ = parse(read(file), str(file))
     component = SceneMotion.of(model, axis, file) if axis in ("x", "y", "z") else None

@@ -8,6 +8,7 @@ import pytest
 
 from harness.input import tables
 from harness.model.errors import InputError, Mistake
+from harness.studies.file import StudyFile
 
 GOOD = """
 title = "a block"
@@ -122,3 +123,33 @@ def test_a_file_without_end_is_refused(tmp_path: Path) -> None:
 def test_a_statue_by_numbers_wants_all_of_them() -> None:
     found = mistakes(GOOD.replace("inertia_kg_m2 = 8.7", ""))
     assert "statue.mesh" in found["statue.inertia_kg_m2"].wanted
+
+
+@pytest.mark.parametrize(
+    ("text", "command"),
+    [
+        ('title = "s"\nscene = "a.toml"\n[[variant]]\nname = "v"\nengines = ["analytic"]\n', "rockcheck study s.toml"),
+        ('[[option]]\nname = "o"\nset = { "statue.mass_kg" = 1.0 }\n', "rockcheck assess SCENE --options s.toml"),
+    ],
+)
+def test_a_file_of_another_kind_is_one_mistake_with_the_command_that_takes_it(text: str, command: str) -> None:
+    found = mistakes(text)
+    assert list(found) == [""]
+    assert command in found[""].advice
+
+
+def test_a_study_that_is_a_scene_is_told_so(tmp_path: Path) -> None:
+    path = tmp_path / "s.toml"
+    path.write_text(GOOD)
+    with pytest.raises(InputError, match="rockcheck run") as caught:
+        tables.read_model(StudyFile, path)
+    assert len(caught.value.mistakes) == 1
+
+
+def test_a_scan_and_another_encoding_are_told(tmp_path: Path) -> None:
+    (tmp_path / "latin.toml").write_bytes('title = "\xe8"'.encode("latin-1"))
+    (tmp_path / "bust.OBJ").write_bytes(b"v 0 0 0")
+    for name, wanted in (("latin.toml", "a text in UTF-8"), ("bust.OBJ", "a TOML file")):
+        with pytest.raises(InputError) as caught:
+            tables.read(tmp_path / name)
+        assert [mistake.wanted for mistake in caught.value.mistakes] == [wanted]

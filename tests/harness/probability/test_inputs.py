@@ -12,7 +12,7 @@ from scipy.stats import spearmanr
 
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
-from harness.model.scene import Scene, Uncertain
+from harness.model.scene import Contact, Scene, Uncertain
 from harness.probability.compared import option_draws
 from harness.probability.inputs import draw, groups, row, uncertain_inputs
 from harness.probability.model_draws import model_draws, sweepable
@@ -181,6 +181,14 @@ def test_the_floor_s_two_coefficients_drawn_apart_keep_their_order(tmp_path: Pat
     smooth = next(item for item in options_of(scene)[0] if "PTFE" in item.name)
     slips = option_draws(scene, inputs, smooth, values).peak_slip_m
     assert np.median(slips) > 1.5 * np.median(alone)
+
+
+def test_one_factor_on_equal_coefficients_rounds_none_above_the_other() -> None:
+    contact = Contact(0.12, 0.12, 0.6)
+    values = np.random.default_rng(1).uniform(0.05, 0.3, 200).tolist()
+    drawn = [contact.with_floor(value, contact.floor_kinetic * (value / contact.floor_static)) for value in values]
+    assert any(contact.floor_kinetic * (value / contact.floor_static) > value for value in values)
+    assert all(each.floor_kinetic <= each.floor_static for each in drawn)
 
 
 def between(scene: Scene, value: float) -> float:
