@@ -3,6 +3,7 @@ on it."""
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
@@ -162,9 +163,6 @@ def _is_column(base: _Base, other: _Base) -> bool:
     return other.flat and abs(base.centroid_share - share) < TAPER
 
 
-_LOOK: Final = "look at it with each (rockcheck mesh inspect --picture), and set --up"
-
-
 def _unclear(wanted: str, candidates: list[_Base], hull: _Hull, mesh: RawMesh) -> MeshError:
     """The refusal that names the candidates, and the broadest of what it rests on besides."""
     for down in sorted(hull.rests(), key=lambda down: -hull.area(down, SAME_RAD))[:SHOWN]:
@@ -172,7 +170,8 @@ def _unclear(wanted: str, candidates: list[_Base], hull: _Hull, mesh: RawMesh) -
             height = float(np.ptp(mesh.vertices @ down))
             candidates = [*candidates, _Base(-down, hull.area(down, SAME_RAD), height, 0.0)]
     got = f"{len(candidates)} to choose from: {'; '.join(f'--up {base}' for base in candidates)}"
-    return MeshError(wanted, got, _LOOK, place=mesh.source)
+    see = shlex.join(["rockcheck", "mesh", "inspect", mesh.source, f"--up={name_direction(candidates[0].up)}"])
+    return MeshError(wanted, got, f"look at each, as by `{see} --picture up.png`, and set --up", place=mesh.source)
 
 
 def up_doubted(mesh: RawMesh) -> tuple[Doubt, ...]:
