@@ -28,7 +28,6 @@ KINDS: Final = (
     "trust", "measured",
 )  # fmt: skip
 STORE: Final = "store.sqlite"
-COLUMNS: Final = "outcomes"
 STORE_KINDS: Final = (
     "study",
     "effects3d",
@@ -177,9 +176,9 @@ def full_kind(kind: str, command: object) -> str:
 
 
 def _begun(folder: Path) -> list[str]:
-    """The kinds of what was begun in a folder: of its store, and of columns, which only a study has."""
-    columns = ["study"] if any(folder.glob(f"{COLUMNS}/*/*.parquet")) else []
-    return [kind for kind in (store_kind(folder / STORE), *columns) if kind is not None]
+    """The kind of what was begun in a folder: that of its store."""
+    kind = store_kind(folder / STORE)
+    return [] if kind is None else [kind]
 
 
 def _kind(folder: Path) -> str | None:

@@ -7,11 +7,11 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from itertools import groupby, islice
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from harness.records.study import UsageRecord
 from harness.runs.runner import Crash, Pool
-from harness.runs.store import Packed, packed
+from harness.runs.store import Packed, Store, packed
 from harness.runs.task import Answer, Task
 
 OnProgress = Callable[[int, int], None]
@@ -20,16 +20,6 @@ KEPT: Final = "what was finished is kept"
 """Noted in an interrupt of a campaign: the same call goes on where it was."""
 Order = tuple[str, Callable[[Any], Answer], Any]
 """What travels of a task: its key, its function, and the function's argument."""
-
-
-class Results(Protocol):
-    """Where results are kept by their keys: rows (`store.Store`), or columns of very many (`column_store.ColumnStore`)."""
-
-    def keys(self) -> set[str]:
-        """All keys that have a result."""
-
-    def add(self, results: Sequence[Packed], clock_s: float = 0.0) -> None:
-        """Keep packed results, whole or not at all; `clock_s` is the time by the clock since the results before."""
 
 
 def silent(done: int, total: int) -> None:
@@ -76,7 +66,7 @@ class Campaign:
 
     def __init__(
         self,
-        store: Results,
+        store: Store,
         pool: Pool,
         on_progress: OnProgress = silent,
         sizes: Mapping[str, int] | None = None,

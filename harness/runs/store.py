@@ -11,9 +11,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.model.errors import InputError, Mistake
 from harness.model.files import NO_ROOM, writing
@@ -32,34 +33,59 @@ NOISE_BYTES: Final = 5
 time of writing a run would else go into compressing noise)."""
 
 
-def pack(table: Array) -> bytes:
-    """Columns (k, n) as bytes: differences of the numbers' bits along time, byte by byte; the high bytes compressed."""
+def pack(table: Array, noise: int = NOISE_BYTES) -> bytes:
+    """Columns (k, n) as bytes: differences of the numbers' bits along n, byte by byte; all but `noise` low ones compressed."""
     bits = np.ascontiguousarray(table, dtype="<f8").view("<i8")
     steps = np.diff(bits, axis=1, prepend=np.int64(0))
     planes = np.ascontiguousarray(steps.view(np.uint8).reshape(-1, 8).T)
     packer = zlib.compressobj(1, zlib.DEFLATED, zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL, zlib.Z_RLE)
-    return planes[:NOISE_BYTES].tobytes() + packer.compress(planes[NOISE_BYTES:].tobytes()) + packer.flush()
+    return planes[:noise].tobytes() + packer.compress(planes[noise:].tobytes()) + packer.flush()
 
 
-def unpack(data: bytes, columns: int, samples: int) -> Array:
+def unpack(data: bytes, columns: int, samples: int, noise: int = NOISE_BYTES) -> Array:
     """The columns (k, n) that were packed. Raises `ValueError` or `zlib.error` for bytes that are damaged."""
-    noise = NOISE_BYTES * columns * samples
+    plain = noise * columns * samples
     planes = np.empty((8, columns * samples), dtype=np.uint8)
-    planes[:NOISE_BYTES] = np.frombuffer(data[:noise], dtype=np.uint8).reshape(NOISE_BYTES, -1)
-    planes[NOISE_BYTES:] = np.frombuffer(zlib.decompress(data[noise:]), dtype=np.uint8).reshape(8 - NOISE_BYTES, -1)
+    planes[:noise] = np.frombuffer(data[:plain], dtype=np.uint8).reshape(noise, columns * samples)
+    planes[noise:] = np.frombuffer(zlib.decompress(data[plain:]), dtype=np.uint8).reshape(8 - noise, -1)
     steps = np.ascontiguousarray(planes.T).view("<i8").reshape(columns, samples)
     table: Array = np.cumsum(steps, axis=1).view("<f8")
     return table
 
 
+def pack_table(table: Mapping[str, NDArray[Any]]) -> tuple[str, int, bytes]:
+    """Columns of one length as names, length and bytes: numbers as `pack` has them, texts as places among the distinct ones."""
+    heads, body, texts = [], [], []
+    for name, column in table.items():
+        values, kind = column, column.dtype.str
+        if kind == "|O":
+            places: dict[object, int] = {}
+            values = np.array([places.setdefault(value, len(places)) for value in column.tolist()])
+            texts.append(list(places))
+        heads.append([name, kind])
+        body.append(values.astype("<f8") if kind == "<f8" else values.astype("<i8").view("<f8"))
+    words = zlib.compress(json.dumps(texts).encode(), 1)
+    return json.dumps(heads), body[0].size, len(words).to_bytes(8, "big") + words + pack(np.stack(body), 0)
+
+
+def unpack_table(heads: str, samples: int, data: bytes) -> dict[str, NDArray[Any]]:
+    """The columns that were packed."""
+    kinds, end = json.loads(heads), 8 + int.from_bytes(data[:8], "big")
+    texts = iter(json.loads(zlib.decompress(data[8:end])))
+    table: dict[str, NDArray[Any]] = {}
+    for (name, kind), column in zip(kinds, unpack(data[end:], len(kinds), samples, 0), strict=True):
+        whole = column if kind == "<f8" else column.view("<i8")
+        table[name] = np.array(next(texts), dtype=object)[whole] if kind == "|O" else whole.astype(kind, copy=False)
+    return table
+
+
 @dataclass(frozen=True)
 class Packed:
-    """One result as the store takes it: its row, the seconds that it took, its history with its checksum; or a table."""
+    """One result as the store takes it: its row, the seconds that it took, its history or table with its checksum."""
 
     columns: tuple[str, str, str, int, int]
     seconds: float
     history: tuple[str, int, bytes, int] | None
-    table: bytes = b""
 
     @property
     def key(self) -> str:
@@ -81,14 +107,16 @@ def packed(key: str, answer: Answer) -> Packed:
     """Pack an answer: what costs time is done where it was computed, and the store only writes."""
     # Of a run the order of keys says nothing; of another record it may be that of a table's columns.
     text = json.dumps(answer.record, sort_keys=answer.kind == RUN, allow_nan=False, separators=(",", ":"))
-    has_history = int(answer.history is not None)
-    row = key, answer.kind, text, has_history
+    table = None if answer.history is None else answer.history.columns()
+    row = key, answer.kind, text, int(table is not None or answer.table is not None)
     columns = (*row, record_sum(*row))
-    if answer.history is None:
-        return Packed(columns, answer.seconds, None, answer.table)
-    table = answer.history.columns()
-    row_of_history = ",".join(table), answer.history.t_s.size, pack(np.stack(list(table.values())))
-    return Packed(columns, answer.seconds, (*row_of_history, history_sum(key, *row_of_history)))
+    if answer.table is not None:
+        kept = pack_table(answer.table)
+    elif table is not None:
+        kept = ",".join(table), len(table["t_s"]), pack(np.stack(list(table.values())))
+    else:
+        return Packed(columns, answer.seconds, None)
+    return Packed(columns, answer.seconds, (*kept, history_sum(key, *kept)))
 
 
 STORE_NAME: Final = STORE
@@ -134,11 +162,12 @@ class PlannedRow:
     reason: str
     varied: dict[str, Value]
     run: Plain | None
+    kind: str | None = None
 
 
-def check_begun(folder: Path, what: str, *names: str) -> None:
-    """Raise `InputError` where there is nothing to `--resume`: no file of these names (none given: no store) in `folder`."""
-    if not any((folder / name).exists() for name in names or (STORE_NAME,)):
+def check_begun(folder: Path, what: str) -> None:
+    """Raise `InputError` where there is nothing to `--resume`: no store in `folder`."""
+    if not (folder / STORE_NAME).exists():
         wanted = f"{what} that was begun in {folder}"
         raise InputError(Mistake("--resume", "", wanted, "no store there", "leave --resume out to begin"))
 
@@ -268,18 +297,28 @@ class Store:
 
     def history(self, key: str) -> History | None:
         """The stored history of a key, or None."""
+        with self._decoded():
+            if (kept := self._kept(key)) is None:
+                return None
+            names = kept[0].split(",")
+            columns = dict(zip(names, unpack(kept[2], len(names), kept[1]), strict=True))
+            extra = {name: values for name, values in columns.items() if name not in COLUMNS}
+            return History(**{name: columns[name] for name in COLUMNS}, extra=extra)
+
+    def table(self, key: str) -> dict[str, NDArray[Any]]:
+        """The stored columns of a key, by name."""
+        with self._decoded():
+            if (kept := self._kept(key)) is None:
+                raise ValueError(f"the columns of {key[:12]} are gone")
+            return unpack_table(*kept)
+
+    def _kept(self, key: str) -> tuple[str, int, bytes] | None:
         with self._naming_damage("read"):
             query = "SELECT columns, samples, data, crc32 FROM history WHERE key=?"
             row = self._db.execute(query, (key,)).fetchone()
-        if row is None:
-            return None
-        with self._decoded():
-            if history_sum(key, *row[:3]) != row[3]:
-                raise ValueError(f"the history of {key[:12]} is not as it was stored")
-            names = row[0].split(",")
-            columns = dict(zip(names, unpack(row[2], len(names), row[1]), strict=True))
-            extra = {name: values for name, values in columns.items() if name not in COLUMNS}
-            return History(**{name: columns[name] for name in COLUMNS}, extra=extra)
+        if row is not None and history_sum(key, *row[:3]) != row[3]:
+            raise ValueError(f"what belongs to {key[:12]} is not as it was stored")
+        return None if row is None else row[:3]
 
     def run(self, key: str) -> Run | None:
         """The run of a key as it was when it was stored, None where there is none or its history was not kept."""
@@ -311,7 +350,16 @@ class Store:
                 run = None if result[0] is None else self._decoded_record(key, *result)
                 with self._decoded():
                     varied = dict(json.loads(what))
-                yield PlannedRow(number, engine, key, reason, varied, run)
+                yield PlannedRow(number, engine, key, reason, varied, run, result[0])
+
+    def engine_seconds(self, study: str) -> dict[str, float]:
+        """What the results of a study took when they were computed, by engine."""
+        query = (
+            "SELECT engine, TOTAL(seconds) FROM (SELECT DISTINCT engine, key FROM plan WHERE study=? AND key NOT NULL) "
+            "LEFT JOIN timing USING (key) GROUP BY engine"
+        )
+        with self._naming_damage("read"):
+            return dict(self._db.execute(query, (study,)))
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import operator
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
+
+from numpy.typing import NDArray
 
 from harness import engines
 from harness.accuracy.simulation import RunTarget, failed, simulate_with
@@ -27,7 +29,7 @@ class Answer:
     """What a task's function gives back: its record as plain values, and the history that belongs to it.
 
     `seconds` is what the result is said to have cost, `inside_s` the part of the task's time that is no overhead, `failed` the
-    number of its runs that failed; `table` holds the columns of many runs, as `column_store.as_bytes` writes them.
+    number of its runs that failed; `table` holds the columns of many runs, texts as objects.
     """
 
     kind: str
@@ -36,7 +38,7 @@ class Answer:
     history: History | None = None
     inside_s: float = 0.0
     failed: int = 0
-    table: bytes = b""
+    table: Mapping[str, NDArray[Any]] | None = None
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
@@ -17,16 +18,18 @@ from harness.accuracy.refinement import first_level
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD
 from harness.engines import analytic as twoblock
 from harness.engines.base import RELIABLE_RAD
+from harness.model.run import to_plain
 from harness.runs.cache_key import key_of
-from harness.runs.column_store import as_bytes, installed
 from harness.runs.task import Answer, Task
 from harness.studies import case_selection as selection
-from harness.studies.case_columns import Columns, Shaken, Values, columns_of_record, swept, table_of, varied_column
+from harness.studies.case_columns import Columns, Shaken, columns_of_record, swept, texts, varied_column
 from harness.studies.case_scenes import CaseScenes
 from harness.studies.case_tasks import CaseRun, run_case, run_key
 from harness.studies.cases import Base, expand
 from harness.studies.file import StudyFile, Value
 
+KIND: Final = "columns"
+"""Kind of a result that is a block."""
 LEAST_RUNS: Final = 50_000
 """From so many runs on a study's results stand in columns: rows of a kilobyte each would take most of the time."""
 BLOCK: Final = 16_384
@@ -44,14 +47,7 @@ def in_columns(study: StudyFile, base: Base) -> bool:
     named = any(isinstance(value, str) and value not in ("keep", "none") for value in values)
     initial = base.content.get("initial")
     posed = isinstance(initial, Mapping) and "position_m" in initial
-    return study.runs >= LEAST_RUNS and own and bare and not named and not posed and installed()
-
-
-def columns_name(study: StudyFile, base: Base) -> str:
-    """What names a study's columns: its content, its scene's (files included), accuracy and versions."""
-    engine, asked = engines.load(selection.REFERENCE), study.asked_rad.get(selection.REFERENCE, DEFAULT_ACCURACY_RAD)
-    keys = [run_key(engine, base.scene(variant.set), asked, False) for variant in study.variant]
-    return key_of(study.model_dump_json(), base.content, keys)[:24]
+    return study.runs >= LEAST_RUNS and own and bare and not named and not posed
 
 
 @dataclass(frozen=True)
@@ -64,26 +60,29 @@ class Block:
 
 
 def block_tasks(study: StudyFile, base: Base) -> Iterator[Task]:
-    """The blocks of a study, in order."""
+    """The blocks of a study, in order; each is named by the study's content, its scene's (files included), and versions."""
+    engine, asked = engines.load(selection.REFERENCE), study.asked_rad.get(selection.REFERENCE, DEFAULT_ACCURACY_RAD)
+    keys = [run_key(engine, base.scene(variant.set), asked, False) for variant in study.variant]
+    name = key_of(study.model_dump_json(), base.content, keys)
     for start in range(0, study.runs, BLOCK):
-        numbers = range(start, min(start + BLOCK, study.runs))
-        yield Task(f"{start:012d}", run_block, Block(study, base, numbers), selection.REFERENCE, runs=len(numbers))
+        block = Block(study, base, range(start, min(start + BLOCK, study.runs)))
+        yield Task(key_of(name, start, BLOCK), run_block, block, selection.REFERENCE, runs=len(block.numbers))
 
 
 def run_block(block: Block) -> Answer:
-    """Run every case of a block; its columns travel as the file that the store keeps."""
+    """Run every case of a block: its columns, and what they have in common."""
     begin = time.perf_counter()
     cases = list(expand(block.study, block.base, block.numbers))
     runs = SweptRuns(block.base, block.study.asked_rad.get(selection.REFERENCE, DEFAULT_ACCURACY_RAD))
     for place, case in enumerate(cases):
         runs.add(place, case.setting)
     varied = {key: varied_column(block.study, key, [case.varied[key] for case in cases]) for key in cases[0].varied}
-    named: Values = {"number": np.array(block.numbers), "variant": [case.variant for case in cases]}
-    table = table_of({**named, **varied, **runs.columns()})
+    named = {"number": np.array(block.numbers), "variant": texts([case.variant for case in cases])}
+    table = {**named, **varied, **runs.columns()}
+    outcomes = Counter(table["outcome"].tolist())
+    record = {"settings": runs.settings, "varied": list(varied), "outcomes": outcomes}
     seconds = time.perf_counter() - begin
-    described = {"settings": json.dumps(runs.settings), "seconds": repr(seconds)}
-    data = as_bytes(table.replace_schema_metadata(described))
-    return Answer("columns", {}, seconds, inside_s=runs.inside_s, failed=runs.failed, table=data)
+    return Answer(KIND, to_plain(record), seconds, inside_s=runs.inside_s, failed=runs.failed, table=table)
 
 
 class SweptRuns:

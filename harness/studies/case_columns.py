@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,11 +22,7 @@ from harness.records.base import Plain
 from harness.studies.case_scenes import Still
 from harness.studies.file import StudyFile, Value
 
-if TYPE_CHECKING:
-    import pyarrow
-
 Columns = dict[str, NDArray[Any]]
-Values = dict[str, NDArray[Any] | list[str]]
 RUN: Final = {name: name for name in ("overturn_time_s", "peak_slip_m", "peak_time_s")}
 VALIDITY: Final = {
     "energy_gained_j": "energy_gained_j",
@@ -72,10 +68,10 @@ def swept(cases: Sequence[Shaken]) -> Columns:
     return {
         "place": np.array([case.place for case in cases]),
         **_numbers(rows, slender, pedestal),
-        "motion_axes": _texts(["".join(case.motion.axes(2)) for case in cases]),
-        "findings": _texts([_json(item) for item in found]),
-        "skipped": _texts([_json(item) for item in skipped]),
-        "record": _texts([None] * len(cases)),
+        "motion_axes": texts(["".join(case.motion.axes(2)) for case in cases]),
+        "findings": texts([_json(item) for item in found]),
+        "skipped": texts([_json(item) for item in skipped]),
+        "record": texts([None] * len(cases)),
     }
 
 
@@ -104,7 +100,8 @@ def _known(rows: CertifiedRows) -> tuple[list[tuple[Finding, ...]], list[dict[st
     return [item[0] for item in said], [item[1] for item in said]
 
 
-def _texts(values: Sequence[object]) -> NDArray[np.object_]:
+def texts(values: Sequence[object]) -> NDArray[np.object_]:
+    """Texts as a column."""
     column = np.empty(len(values), dtype=object)
     column[:] = values
     return column
@@ -117,7 +114,7 @@ def _numbers(rows: CertifiedRows, slenderness_rad: NDArray[np.float64], pedestal
     peak = np.abs(signed)
     falls = np.isin(states["outcome"], [k for k, item in enumerate(OUTCOMES) if Outcome(item.value).overturned])
     columns: Columns = {
-        "outcome": _texts([OUTCOMES[code].value for code in states["outcome"].tolist()]),
+        "outcome": texts([OUTCOMES[code].value for code in states["outcome"].tolist()]),
         "end_s": states["time_s"],
         "peak_theta_rad": peak,
         "residual_slip_m": states["slip_m"],
@@ -126,7 +123,7 @@ def _numbers(rows: CertifiedRows, slenderness_rad: NDArray[np.float64], pedestal
         "slip_uncertainty_m": rows.slip_uncertainty_m,
         "reliable_until_s": rows.reliable_until_s,
         "steps": counts["steps"],
-        "left_domain_by": _texts([LEFT_BY[code] for code in results["left_domain_by"].tolist()]),
+        "left_domain_by": texts([LEFT_BY[code] for code in results["left_domain_by"].tolist()]),
         "peak_over_slenderness": peak / np.where(signed > 0.0, slenderness_rad[:, 1], slenderness_rad[:, 0]),
         "on_pedestal": pedestal,
     }
@@ -139,50 +136,44 @@ def columns_of_record(record: Plain) -> Columns:
     """One run's record as columns of one row: what of it other rows have too, and the whole as text."""
     numbers = {name: record.get(name) for name in OF_RUN if name not in TABLES}
     own = {name: np.array([np.nan if value is None else value]) for name, value in numbers.items()}
-    lists = {name: _texts([json.dumps(record[name])]) for name in TABLES}
+    lists = {name: texts([json.dumps(record[name])]) for name in TABLES}
     words = {"outcome": record["outcome"], "left_domain_by": "", "motion_axes": "", "record": json.dumps(record)}
-    texts = {name: _texts([value]) for name, value in words.items()}
+    said = {name: texts([value]) for name, value in words.items()}
     nothing = {name: np.array([np.nan]) for name in (*VALIDITY, *TIPPING, "peak_over_slenderness")}
     counts = {name: np.array([0]) for name in WORK}
-    return {**own, **nothing, **counts, **texts, **lists, "on_pedestal": np.array([False])}
+    return {**own, **nothing, **counts, **said, **lists, "on_pedestal": np.array([False])}
 
 
-def varied_column(study: StudyFile, key: str, values: list[Value]) -> NDArray[Any] | list[str]:
+def varied_column(study: StudyFile, key: str, values: list[Value]) -> NDArray[Any]:
     """What varies as a column: numbers of one kind as they are, anything else as JSON; alike in every block of the study."""
     given = next((item.values for item in study.vary if item.key == key), None)
     kinds = {type(value) for value in given} if given is not None else {float}
-    return np.array(values) if kinds in ({float}, {int}) else [json.dumps(value) for value in values]
+    return np.array(values) if kinds in ({float}, {int}) else texts([json.dumps(value) for value in values])
 
 
-def table_of(columns: Mapping[str, NDArray[Any] | list[str]]) -> pyarrow.Table:
-    """The columns as a table; a number that is not finite is null, as it is in a record."""
-    import pyarrow
-
-    def column(values: NDArray[Any] | list[str]) -> pyarrow.Array:
-        if isinstance(values, np.ndarray) and values.dtype.kind == "f":
-            return pyarrow.array(np.ascontiguousarray(values), mask=~np.isfinite(values))
-        if isinstance(values, list) or values.dtype == object:
-            return pyarrow.array(values, pyarrow.string())
-        return pyarrow.array(np.ascontiguousarray(values))
-
-    return pyarrow.table({name: column(values) for name, values in columns.items()})
-
-
-def rows_of(table: pyarrow.Table, wanted: Sequence[str]) -> Iterator[tuple[int, dict[str, Value], Plain]]:
-    """Number, what varies (`wanted`: its keys) and record of each row: the record that a store of single runs would hold."""
-    settings = json.loads((table.schema.metadata or {})[b"settings"])
-    named = {name: table.column(name).to_pylist() for name in table.column_names}
-    for k, number in enumerate(named["number"]):
-        row = {name: values[k] for name, values in named.items()}
-        varied = {key: json.loads(row[key]) if isinstance(row[key], str) else row[key] for key in wanted}
-        record = _record(row, settings) if row["record"] is None else json.loads(row["record"])
+def rows_of(table: Columns, block: Plain) -> Iterator[tuple[int, dict[str, Value], Plain]]:
+    """Number, what varies and record of each row of a block: the record that a store of single runs would hold."""
+    named = {name: _plain(values) for name, values in table.items()}
+    keys: Any = block["varied"]
+    for row in (dict(zip(named, values, strict=True)) for values in zip(*named.values(), strict=True)):
+        varied = {key: json.loads(row[key]) if isinstance(row[key], str) else row[key] for key in keys}
+        record = _record(row, block["settings"]) if row["record"] is None else json.loads(row["record"])
         # By name, as a store has them.
-        yield number, dict(sorted({"variant": row["variant"], **varied}.items())), dict(sorted(record.items()))
+        yield row["number"], dict(sorted({"variant": row["variant"], **varied}.items())), dict(sorted(record.items()))
 
 
-def _record(row: Plain, settings: Plain) -> Plain:
+def _plain(values: NDArray[Any]) -> list[Any]:
+    """A column's values; a number that is not finite is None, as it is in a record."""
+    if values.dtype.kind != "f":
+        return list(values.tolist())
+    column = values.astype(object)
+    column[~np.isfinite(values)] = None
+    return list(column)
+
+
+def _record(row: Mapping[str, Any], settings: Any) -> Plain:
     """The record of one run; what it has that no outcome of the model has is empty."""
-    validity: Plain = {name: row[name] for name in OF_VALIDITY}
+    validity = {name: row[name] for name in OF_VALIDITY}
     if row["on_pedestal"]:
         validity |= {name: row[name] for name in TIPPING}
     if row["outcome"] == Outcome.TOUCHES_WALL.value:

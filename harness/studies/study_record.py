@@ -23,13 +23,12 @@ from harness.records.study import Curve, Panel, StudyRecord, StudyRow, StudyWitn
 from harness.runs.store import PlannedRow, Store
 from harness.studies import claims
 from harness.studies.answer import answer_of, findings_of
-from harness.studies.case_selection import REFERENCE, recheck
+from harness.studies.case_selection import recheck
 from harness.studies.cases import base_of
 from harness.studies.claims import energy_lost_j, last_impact_s
-from harness.studies.column_rows import ColumnRows, table
 from harness.studies.ensembles import score_sets
 from harness.studies.file import StudyFile, Variant
-from harness.studies.rows import KeyedRow, study_rows
+from harness.studies.rows import KeyedRow, coarser, every_row, study_rows, table
 from harness.studies.study_run import Summary, study_name
 
 # A study's rows as a table for other programs.
@@ -41,14 +40,14 @@ FORMULA: Final = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "�
 """Beginnings of a text that spreadsheets take for a formula, their wide forms of East Asian keyboards among them."""
 
 
-def export_csv(store: Store | ColumnRows, study: str, path: Path, sums: Collection[str] = ()) -> int:
+def export_csv(store: Store, study: str, path: Path, sums: Collection[str] = ()) -> int:
     """Write a study's rows as CSV (one line per case and engine), read twice and never held; returns how many."""
-    names = list(dict.fromkeys(name for row in store.rows(study) for name in flat(row)))
+    names = list(dict.fromkeys(name for row in every_row(store, study) for name in flat(row)))
     written = 0
     with writing(path, sums) as fresh, fresh.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
         writer.writerow(map(cell, names))
-        for line in map(flat, store.rows(study)):
+        for line in map(flat, every_row(store, study)):
             writer.writerow([cell(line.get(name)) for name in names])
             written += 1
     return written
@@ -62,7 +61,7 @@ def cell(value: Any) -> Any:
     return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA) else value
 
 
-def export_parquet(store: Store | ColumnRows, study: str, path: Path, sums: Collection[str] = ()) -> int:
+def export_parquet(store: Store, study: str, path: Path, sums: Collection[str] = ()) -> int:
     """Write a study's rows as Parquet, read twice and never held; needs the extra [parquet]. Returns how many."""
     try:
         import pyarrow
@@ -71,7 +70,7 @@ def export_parquet(store: Store | ColumnRows, study: str, path: Path, sums: Coll
         raise InputError(Mistake("--export", "", "a CSV file, or the extra [parquet]", "no pyarrow here")) from error
 
     def tables() -> Iterator[pyarrow.Table]:
-        lines = map(flat, store.rows(study))
+        lines = map(flat, every_row(store, study))
         while some := list(islice(lines, GROUP)):
             names = dict.fromkeys(name for line in some for name in line)
             yield pyarrow.table({name: [line.get(name) for line in some] for name in names})
@@ -106,7 +105,7 @@ CURVE_POINTS: Final = 400
 def study_record(
     study: StudyFile,
     path: Path,
-    store: Store | ColumnRows,
+    store: Store,
     summary: Summary,
     seconds: float,
     witness: StudyWitness | None = None,
@@ -114,8 +113,8 @@ def study_record(
     """Everything that the page of a study holds."""
     base = base_of(study, path)
     scene = base.scene({})
-    rows = study_rows(store, study_name(study))
-    columns = table(store.store, study, len(rows)) if isinstance(store, ColumnRows) else None
+    name = study_name(study)
+    rows = study_rows(store, name, coarser(study))
     paper = study.claims == "paper"
     if study.claims:
         rows = _weighed(rows, store, scene)
@@ -133,7 +132,7 @@ def study_record(
         summary=summary.record(),
         usage=summary.usage.record(),
         seconds=seconds,
-        engine_seconds=_seconds(rows, store) if columns is None else {REFERENCE: columns.seconds},
+        engine_seconds=store.engine_seconds(name),
         scores=score_sets(rows, history=store.history),
         audit=recheck(study, rows),
         witness=witness,
@@ -143,7 +142,7 @@ def study_record(
         headline=None if verdicts is None else claims.headline(verdicts),
         panels=panels(rows, store) if paper else None,
         rows=rows,
-        table=columns,
+        table=table(store, name, len(rows)),
     )
     return replace(made, answer=answer_of(made), findings=[*findings_of(made), *made.findings])
 
@@ -163,7 +162,7 @@ def top_displacement(scene: Scene) -> Any:
     return displaced
 
 
-def panels(rows: Sequence[KeyedRow], store: Store | ColumnRows) -> list[Panel]:
+def panels(rows: Sequence[KeyedRow], store: Store) -> list[Panel]:
     """Curves in the arrangement of the paper's figures: for each condition, by model, without and with pedestal."""
     by_condition: dict[tuple[float, float, float], dict[str, dict[str, Curve]]] = {}
     drawn: dict[str, Curve] = {}
@@ -206,7 +205,7 @@ def decimated(*curves: Array, points: int) -> NDArray[np.int64]:
     return np.array(sorted(chosen))
 
 
-def _weighed(rows: Sequence[KeyedRow], store: Store | ColumnRows, scene: Scene) -> list[KeyedRow]:
+def _weighed(rows: Sequence[KeyedRow], store: Store, scene: Scene) -> list[KeyedRow]:
     """The rows, each run with a history told what an impact costs in the mean, and when the last one was."""
     weighed: dict[str | None, tuple[float | None, float | None]] = {}
     for key in {row.key for row in rows if row.key is not None}:
@@ -220,13 +219,6 @@ def _weighed(rows: Sequence[KeyedRow], store: Store | ColumnRows, scene: Scene) 
         run = row.run and replace(row.run, impact_loss_j=loss_j, last_impact_s=last_s)
         shown.append(replace(row, run=run))
     return shown
-
-
-def _seconds(rows: Sequence[KeyedRow], store: Store | ColumnRows) -> dict[str, float]:
-    total: dict[str, float] = {}
-    for key, engine in {(row.key, row.engine) for row in rows if row.key is not None}:
-        total[engine] = total.get(engine, 0.0) + (store.seconds(key) or 0.0)
-    return total
 
 
 def supports(study: StudyFile, scene: Scene, rows: Sequence[StudyRow]) -> SupportRecord:

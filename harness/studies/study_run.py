@@ -15,13 +15,12 @@ from pathlib import Path
 from typing import Final
 
 from harness.records.study import CaseRun, StudySummary
-from harness.runs.column_store import ColumnStore
 from harness.runs.execute import Campaign, OnProgress, Usage, silent
 from harness.runs.runner import Pool
 from harness.runs.store import Store
 from harness.runs.task import Answer, Task
 from harness.studies import case_selection as selection
-from harness.studies.case_blocks import block_tasks
+from harness.studies.case_blocks import block_tasks, in_columns
 from harness.studies.case_tasks import CaseTasks
 from harness.studies.cases import Base, Case, base_of, expand
 from harness.studies.file import StudyFile, Value
@@ -78,7 +77,10 @@ def run_study(
     The analytic model runs first where the question needs its answers, then the others in as many rounds as it takes. Every
     result is in the store as soon as it is finished. Raises `InputError` for a case that is no scene.
     """
-    plan = Plan(study, base_of(study, path))
+    base = base_of(study, path)
+    if in_columns(study, base):
+        return _run_blocks(study, base, store, Campaign(store, pool, on_progress))
+    plan = Plan(study, base)
     campaign = Campaign(store, pool, on_progress, BATCH, free=plan.free)
     for expected, tasks in plan.rounds(store.keys()):
         campaign.run(tasks if beside is None else beside.around(tasks), expected)
@@ -90,17 +92,15 @@ def run_study(
     return plan.summary(campaign)
 
 
-def run_in_columns(
-    study: StudyFile, path: Path, store: ColumnStore, pool: Pool, on_progress: OnProgress = silent
-) -> Summary:
-    """Run a study of very many cases block by block; each block is in the store, whole, as soon as it is finished.
-
-    Cases that are the same by their physics are computed once each: to know them would take as long. Raises `InputError` for a
-    case that is no scene.
-    """
-    campaign = Campaign(store, pool, on_progress)
-    campaign.run(block_tasks(study, base_of(study, path)), study.runs)
+def _run_blocks(study: StudyFile, base: Base, store: Store, campaign: Campaign) -> Summary:
+    """Run a study of very many cases block by block: to know which are the same by their physics would take as long."""
+    tasks = list(block_tasks(study, base))
+    campaign.run(tasks, study.runs)
     campaign.usage.stop()
+    blocks: list[PlanRow] = [
+        (task.argument.numbers.start, selection.REFERENCE, task.key, selection.EVERY, {}) for task in tasks
+    ]
+    store.write_plan(study_name(study), blocks)
     counts = study.runs, study.runs, study.runs, study.runs - campaign.computed, campaign.computed, 0, campaign.failed
     return Summary(*counts, campaign.usage)
 

@@ -24,7 +24,7 @@ from harness.runs.cache_key import key_of
 from harness.runs.execute import Campaign, OnProgress, silent
 from harness.runs.runner import Pool
 from harness.runs.store import Store
-from harness.runs.task import Answer, Task
+from harness.runs.task import RUN, Answer, Task
 from harness.scene_run.witness import findings_of, plain_names, witnesses
 from harness.studies.cases import Base, base_of, expand
 from harness.studies.file import StudyFile, Value
@@ -104,7 +104,13 @@ def _answered(store: Store, study: StudyFile) -> dict[int, dict[str, str]]:
     by_number: dict[int, dict[str, str]] = {}
     for row in store.rows(study_name(study)):
         judged = row.engine == JUDGED or row.engine + PLAIN in engines.REGISTRY
-        if judged and row.key is not None and row.run is not None and row.run["reliable_until_s"] != 0.0:
+        if (
+            judged
+            and row.key is not None
+            and row.kind == RUN
+            and row.run is not None
+            and row.run["reliable_until_s"] != 0.0
+        ):
             by_number.setdefault(row.number, {})[row.engine] = row.key
     scenes = {
         tuple(sorted(keys.items())): number for number, keys in reversed(by_number.items()) if plain_names(list(keys))

@@ -19,18 +19,15 @@ from harness.records.effects3d import EffectsRecord
 from harness.records.result_folder import RECORD, check_folder, read_own, write_whole
 from harness.records.rocking_spectrum import RockingSpectrumRecord
 from harness.records.study import ExportRecord, StudyRecord
-from harness.runs.column_store import COLUMNS_NAME, ColumnStore
 from harness.runs.dask_pool import DaskPool
 from harness.runs.progress import progress
 from harness.runs.runner import LIMIT_S, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, check_begun
 from harness.studies import estimate, rocking_spectrum
-from harness.studies.case_blocks import columns_name, in_columns
 from harness.studies.cases import base_of
-from harness.studies.column_rows import ColumnRows, thinned
 from harness.studies.file import StudyFile, load_study
 from harness.studies.study_record import export_csv, export_parquet, study_record
-from harness.studies.study_run import Beside, run_in_columns, run_study, study_name
+from harness.studies.study_run import Beside, run_study, study_name
 from harness.studies.witnessed import witness_study
 
 
@@ -49,7 +46,7 @@ def run(
     witness: bool = False,
     say: Say = lambda finding: "",
 ) -> StudyRecord | EffectsRecord | RockingSpectrumRecord:
-    """Run a study into `folder` (store.sqlite, or columns in `outcomes`; result.json); returns its record.
+    """Run a study into `folder` (store.sqlite, result.json); returns its record.
 
     `large` lets a study run that would take more than a day; `pool` is used, and not closed, where the caller has one;
     `beside` are tasks to run with it; `witness` holds a tenth of its scenes against unmodified engines. Raises `InputError`
@@ -95,32 +92,17 @@ def _run(
     start = time.perf_counter()
     size = estimate.check(study, base_of(study, path), pool.workers, str(path), witness=witness, large=large)
     with ExitStack() as stack:
-        store: Store | ColumnRows
-        every: Store | ColumnRows
         on_progress = stack.enter_context(progress(study.title, quiet, size))
-        if (columns := columns_of_study(study, path, folder)) is not None:
-            summary = run_in_columns(study, path, columns, pool, on_progress)
-            store, every = thinned(columns, study), ColumnRows(columns, study)
-            seen = None
-        else:
-            stack.enter_context(unbegun(folder))
-            store = every = stack.enter_context(Store(folder / STORE_NAME))
-            summary = run_study(study, path, store, pool, on_progress, beside)
-            seen = witness_study(study, path, store, pool, on_progress) if witness else None
+        stack.enter_context(unbegun(folder))
+        store = stack.enter_context(Store(folder / STORE_NAME))
+        summary = run_study(study, path, store, pool, on_progress, beside)
+        seen = witness_study(study, path, store, pool, on_progress) if witness else None
         finished = study_record(study, path, store, summary, time.perf_counter() - start, seen)
         if export is not None:
             writer = export_parquet if export.suffix == ".parquet" else export_csv
-            writer(every, study_name(study), export, _exported(export, folder))
+            writer(store, study_name(study), export, _exported(export, folder))
             finished = replace(finished, export=ExportRecord(str(export.resolve()), checksum(export)))
         return write_whole(folder, finished.texted(say))
-
-
-def columns_of_study(study: StudyFile, path: Path, folder: Path) -> ColumnStore | None:
-    """Where the study's results stand in columns; None where they are, or will be, rows of the store."""
-    base = base_of(study, path)
-    if (folder / STORE_NAME).is_file() or not in_columns(study, base):
-        return None
-    return ColumnStore(folder / COLUMNS_NAME / columns_name(study, base))
 
 
 def _check_spectrum(export: Path | None, resume: bool, dask: str | None) -> None:
@@ -162,7 +144,7 @@ def _check(folder: Path, resume: bool, export: Path | None) -> None:
     if export is not None:
         check_own(export, _exported(export, folder), "--export")
     if resume:
-        check_begun(folder, "a study", STORE_NAME, COLUMNS_NAME)
+        check_begun(folder, "a study")
 
 
 def _exported(export: Path, folder: Path) -> set[str]:

@@ -9,15 +9,16 @@ from __future__ import annotations
 import argparse
 import os
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Final
 
-from harness.runs.column_store import COLUMNS_NAME, SUFFIX
+from harness.runs.store import STORE_NAME
 
 EVERY_S: Final = 1.0
 """Time between two looks at the processes."""
@@ -55,11 +56,14 @@ def cluster(workers: int) -> Iterator[tuple[str, dict[str, int]]]:
 
 
 def stored(folder: Path) -> tuple[int, int]:
-    """Runs and bytes in the columns of a result folder."""
-    from pyarrow import parquet
-
-    files = list((folder / COLUMNS_NAME).glob(f"*/[0-9]*{SUFFIX}"))
-    return sum(parquet.read_metadata(file).num_rows for file in files), sum(file.stat().st_size for file in files)
+    """Runs in the blocks of a result folder's store, and its bytes."""
+    path = folder / STORE_NAME
+    try:
+        with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as db:
+            runs = int(db.execute("SELECT TOTAL(samples) FROM history").fetchone()[0])
+    except sqlite3.Error:
+        runs = 0
+    return runs, sum(file.stat().st_size for file in folder.glob(f"{STORE_NAME}*"))
 
 
 def watched(command: list[str], folder: Path, processes: dict[str, int], kill_at: int | None) -> Iterator[str]:

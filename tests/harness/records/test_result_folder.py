@@ -318,14 +318,6 @@ def test_what_was_begun_is_for_its_own_command_only(tmp_path: Path, kind: str) -
     assert contents(tmp_path) == before
 
 
-def test_columns_are_a_study_s(tmp_path: Path) -> None:
-    (tmp_path / "outcomes" / "study").mkdir(parents=True)
-    (tmp_path / "outcomes" / "study" / "key-0.parquet").write_text("")
-    check_folder(tmp_path, ("study",))
-    with pytest.raises(InputError, match="begun of a study"):
-        check_folder(tmp_path, ("assess",))
-
-
 def test_an_input_that_an_earlier_result_listed_is_not_removed(tmp_path: Path, result: Result) -> None:
     write_result(result, tmp_path)
     with pytest.raises(InputError, match=r"history_analytic\.csv would be lost"):

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -13,18 +15,15 @@ import pytest
 from analytic.errors import AnalyticInputError
 from harness.model.errors import InputError
 from harness.records.study import StudyRecord
-from harness.runs.column_store import COLUMNS_NAME, ColumnStore
 from harness.runs.runner import InlinePool
 from harness.runs.store import STORE_NAME, PlannedRow, Store
 from harness.studies import case_blocks
 from harness.studies.case_scenes import CaseScenes
-from harness.studies.column_rows import ColumnRows, table, thinned
 from harness.studies.file import load_study
-from harness.studies.study_run import run_in_columns, run_study, study_name
+from harness.studies.rows import coarser, every_row, table
+from harness.studies.study_run import run_study, study_name
 from reports.cli import studies
 from tests.harness.studies.small_study import BLOCK, STUDY, written
-
-pytest.importorskip("pyarrow", reason="columns need the extra [parquet]")
 
 VARIED = """
 title = "a study of all that varies"
@@ -84,19 +83,21 @@ def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(case_blocks, "BLOCK", 25)
 
 
-def columns(path: Path, folder: Path) -> ColumnRows:
-    study, store = load_study(path), ColumnStore(folder)
-    summary = run_in_columns(study, path, store, InlinePool())
+def columns(path: Path, store: Store) -> list[PlannedRow]:
+    study = load_study(path)
+    summary = run_study(study, path, store, InlinePool())
     assert (summary.cases, summary.computed + summary.found) == (study.runs, study.runs)
-    return ColumnRows(store, study)
+    return list(every_row(store, study_name(study)))
 
 
 def both(path: Path, folder: Path) -> tuple[list[PlannedRow], list[PlannedRow]]:
     study = load_study(path)
-    with Store(folder / "rows.sqlite") as store:
+    with Store(folder / "columns.sqlite") as store:
+        rows = columns(path, store)
+    with Store(folder / "rows.sqlite") as store, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(case_blocks, "LEAST_RUNS", study.runs + 1)
         run_study(study, path, store, InlinePool())
-        single = list(store.rows(study_name(study)))
-    return single, list(columns(path, folder / "columns").rows(""))
+        return list(store.rows(study_name(study))), rows
 
 
 def parts(row: PlannedRow) -> tuple[object, ...]:
@@ -131,42 +132,43 @@ def test_a_case_that_the_model_refuses_fails_as_a_single_run(tmp_path: Path, mon
     assert [parts(row) for row in rows] == [parts(row) for row in single]
 
 
-def test_a_case_that_is_no_scene_is_refused_in_the_same_words(tmp_path: Path) -> None:
+def test_a_case_that_is_no_scene_is_refused_in_the_same_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = written(tmp_path, STUDY.replace("stop = 4.0", "stop = 4e9"))
     said = []
-    for run in (lambda: columns(path, tmp_path / "c"), lambda: both(path, tmp_path)):
-        with pytest.raises(InputError) as error:
-            run()
+    for least in (1, 1000):
+        monkeypatch.setattr(case_blocks, "LEAST_RUNS", least)
+        with pytest.raises(InputError) as error, Store(tmp_path / f"{least}.sqlite") as store:
+            run_study(load_study(path), path, store, InlinePool())
         said.append(str(error.value))
     assert said[0] == said[1]
     assert "frequency_hz" in said[0]
 
 
-def test_an_export_is_the_same_file(tmp_path: Path) -> None:
+def test_an_export_is_the_same_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = written(tmp_path)
-    for name, store in (("columns", None), ("rows", STORE_NAME)):
-        if store is not None:
-            (tmp_path / name).mkdir()
-            with Store(tmp_path / name / store):
-                pass
-        studies.run(path, tmp_path / name, pool=InlinePool(), quiet=True, export=tmp_path / f"{name}.csv")
-        studies.run(path, tmp_path / name, pool=InlinePool(), quiet=True, export=tmp_path / f"{name}.parquet")
-    assert (tmp_path / "columns" / COLUMNS_NAME).is_dir()
-    assert not (tmp_path / "rows" / COLUMNS_NAME).exists()
+    for name, least in (("columns", 1), ("rows", 1000)):
+        monkeypatch.setattr(case_blocks, "LEAST_RUNS", least)
+        for end in ("csv", "parquet"):
+            record = studies.run(
+                path, tmp_path / name, pool=InlinePool(), quiet=True, export=tmp_path / f"{name}.{end}"
+            )
+            assert isinstance(record, StudyRecord)
+            assert (record.table is not None) == (name == "columns")
     assert (tmp_path / "columns.csv").read_bytes() == (tmp_path / "rows.csv").read_bytes()
-    from pyarrow import parquet
-
+    parquet = pytest.importorskip("pyarrow.parquet", reason="needs the extra [parquet]")
     assert parquet.read_table(tmp_path / "columns.parquet").equals(parquet.read_table(tmp_path / "rows.parquet"))
 
 
 def test_a_record_holds_a_coarser_grid_and_counts_all(tmp_path: Path) -> None:
     path = written(tmp_path)
-    rows = columns(path, tmp_path / "c")
-    some = thinned(rows.store, rows.study, most=12)
-    shown, every = list(some.rows("")), {row.number: parts(row) for row in rows.rows("")}
+    study, name = load_study(path), study_name(load_study(path))
+    with Store(tmp_path / "c.sqlite") as store:
+        every = {row.number: parts(row) for row in columns(path, store)}
+        shown = list(every_row(store, name, coarser(study, most=12)))
+        counted = table(store, name, len(shown))
     assert 3 <= len(shown) <= 12
     assert all(parts(row) == every[row.number] for row in shown)
-    counted = table(rows.store, rows.study, len(shown))
+    assert counted is not None
     assert (counted.rows, sum(counted.outcomes.values()), counted.shown) == (60, 60, len(shown))
     record = studies.run(path, tmp_path / "out", pool=InlinePool(), quiet=True)
     assert isinstance(record, StudyRecord)
@@ -185,35 +187,44 @@ studies.run(Path(sys.argv[1]), Path(sys.argv[2]), pool=InlinePool(), quiet=True)
 """
 
 
+def finished(path: Path) -> dict[str, bytes]:
+    """The blocks of a store by their keys."""
+    try:
+        with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as db:
+            return dict(db.execute("SELECT key, data FROM history"))
+    except sqlite3.Error:
+        return {}
+
+
 def test_what_was_finished_outlives_a_kill(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path, out = written(tmp_path), tmp_path / "out"
     process = subprocess.Popen([sys.executable, "-c", SCRIPT, str(path), str(out)])
     until_s = time.monotonic() + 60.0
-    while len(list(out.rglob("[0-9]*.parquet"))) < 2 and time.monotonic() < until_s:
+    while len(finished(out / STORE_NAME)) < 2 and time.monotonic() < until_s:
         time.sleep(0.005)
     process.send_signal(signal.SIGKILL)
     process.wait()
-    before = {part: part.stat().st_mtime_ns for part in out.rglob("[0-9]*.parquet")}
+    before = finished(out / STORE_NAME)
     assert len(before) >= 2
-    torn = min(before)
-    torn.write_bytes(torn.read_bytes()[:-40])
-    (torn.parent / ".writing-half.parquet").write_bytes(torn.read_bytes()[:100])
     monkeypatch.setattr(case_blocks, "BLOCK", 3)
-    studies.run(path, out, pool=InlinePool(), quiet=True, resume=True)
-    assert all(part.stat().st_mtime_ns == at for part, at in before.items() if part != torn), "what was whole is kept"
-    study = load_study(path)
-    rows = list(ColumnRows(ColumnStore(next((out / COLUMNS_NAME).iterdir())), study).rows(""))
-    assert [parts(row) for row in rows] == [parts(row) for row in columns(path, tmp_path / "whole").rows("")]
+    record = studies.run(path, out, pool=InlinePool(), quiet=True, resume=True)
+    assert isinstance(record, StudyRecord)
+    assert record.summary.found >= 3 * len(before), "what was whole is kept"
+    assert before.items() <= finished(out / STORE_NAME).items()
+    with Store(out / STORE_NAME) as store, Store(tmp_path / "whole.sqlite") as whole:
+        rows = list(every_row(store, study_name(load_study(path))))
+        assert [parts(row) for row in rows] == [parts(row) for row in columns(path, whole)]
 
 
 def test_what_was_changed_is_refused(tmp_path: Path) -> None:
-    rows = columns(written(tmp_path), tmp_path / "c")
-    part = sorted(rows.store.folder.iterdir())[0]
-    data = bytearray(part.read_bytes())
-    data[len(data) // 4] ^= 0xFF
-    part.write_bytes(bytes(data))
-    with pytest.raises(InputError, match=part.name):
-        list(rows.rows(""))
+    path = written(tmp_path)
+    with Store(tmp_path / "c.sqlite") as store:
+        columns(path, store)
+        key, data = store._db.execute("SELECT key, data FROM history").fetchone()
+        changed = bytes([*data[:-9], data[-9] ^ 0xFF, *data[-8:]])
+        store._db.execute("UPDATE history SET data=? WHERE key=?", (changed, key))
+        with pytest.raises(InputError, match="not as it was stored"):
+            list(every_row(store, study_name(load_study(path))))
 
 
 def test_few_cases_or_other_questions_stay_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
