@@ -10,18 +10,18 @@ from contextlib import closing
 from pathlib import Path
 from typing import Final
 
+from harness import engines
 from harness.input.paths import data_folder
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
 from harness.model.run import Run
+from harness.model.scene import Scene
 from harness.records.study import StudyRecord, StudyRow
 from harness.records.trust import TrustRecord
 from harness.runs.runner import Crash, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store
-from harness.runs.task import Answer, Task
+from harness.runs.task import Answer, RunRequest
 from harness.scene_run.scene_run import run_scene, write_result
-from harness.studies.case_tasks import stored_runs
-from harness.studies.study_run import Beside
 from harness.trust.trust_run import run_trust
 from reports.cli import studies
 from reports.cli.ending import guarded
@@ -59,20 +59,28 @@ def example(asked: tuple[str, Mapping[str, Run]]) -> Answer:
     )
 
 
-def died(asked: tuple[str, object], crash: Crash) -> Answer:
-    """The answer for an example whose process died."""
-    return Answer("example", {"text": f"{asked[0]}: {crash}"}, 0.0, failed=True)
+def examples(known: Mapping[str, Mapping[str, Run]], pool: Pool) -> dict[str, Answer]:
+    """The answers of the scenes by name, with the runs that are known of each; that of a process that died says so."""
+    answers: dict[str, Answer] = {}
+
+    def done(asked: tuple[str, object], answer: Answer | Crash) -> None:
+        lost = Answer("example", {"text": f"{asked[0]}: {answer}"}, 0.0, failed=True)
+        answers[asked[0]] = lost if isinstance(answer, Crash) else answer
+
+    pool.run(example, known.items(), done)
+    return answers
 
 
-def examples(known: Mapping[str, Mapping[str, Run]]) -> list[Task]:
-    """The scenes by name, with the runs that are known of each."""
-    return [Task("", example, item, lost=died) for item in known.items()]
+def stored_runs(store: Store, scene: Scene) -> dict[str, Run]:
+    """The runs of a scene that a study has stored with their histories, by engine."""
+    keys = {name: RunRequest(lambda: scene, name, history=True).task(scene).key for name in engines.DEFAULT_ENGINES}
+    return {name: run for name, key in keys.items() if (run := store.run(key)) is not None}
 
 
-def of_study() -> list[Task]:
-    """The scenes that the study holds, with their runs; asked for when the study's own tasks are all handed out."""
+def of_study() -> dict[str, dict[str, Run]]:
+    """The scenes that the study holds, with their runs."""
     with Store(OUT / STUDY / STORE_NAME) as store:
-        return examples({name: stored_runs(store, load_scene(SCENES / f"{name}.toml")) for name in IN_STUDY})
+        return {name: stored_runs(store, load_scene(SCENES / f"{name}.toml")) for name in IN_STUDY}
 
 
 def trust_map(pool: Pool) -> TrustRecord:
@@ -88,13 +96,13 @@ def main() -> int:
         names += WITH_DATA
     else:
         print(f"left out: {', '.join(WITH_DATA)} (real data absent: set ROCKCHECK_DATA)", file=sys.stderr)
-    beside = Beside(examples({name: {} for name in names}), of_study)
     with closing(LocalPool()) as pool:
-        record = studies.run(SCENES / f"{STUDY}.toml", OUT / STUDY, pool=pool, beside=beside, say=ENGLISH.say)
+        record = studies.run(SCENES / f"{STUDY}.toml", OUT / STUDY, pool=pool, say=ENGLISH.say)
+        known: dict[str, Mapping[str, Run]] = {name: {} for name in names}
+        answers = examples(known | of_study(), pool)
         mapped = trust_map(pool)
     assert isinstance(record, StudyRecord)
     assert record.usage is not None
-    answers = {task.argument[0]: answer for task, answer in beside.answers}
     pages = [write_report(OUT / STUDY), write_report(OUT / MAP), *(OUT / name / "report.html" for name in answers)]
     seconds = time.perf_counter() - start
     busy_s = record.usage.busy_s + sum(answer.seconds for answer in answers.values()) + mapped.summary.cpu_s

@@ -21,7 +21,6 @@ from harness.input.tables import read_model
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Finding, Say, info
-from harness.model.options import Capabilities
 from harness.model.scene import Scene, scan_azimuth_deg, written
 from harness.records.base import part
 from harness.records.effects3d import (
@@ -41,7 +40,7 @@ from harness.records.effects3d import (
 )
 from harness.records.result_folder import check_folder, write_whole
 from harness.records.scene import SceneRecord
-from harness.runs.cache_key import key_of, scene_key
+from harness.runs.cache_key import request_key
 from harness.runs.execute import Campaign, OnProgress, silent
 from harness.runs.runner import Pool
 from harness.runs.store import STORE_NAME, Store, check_begun
@@ -260,38 +259,26 @@ def answer(question: Question) -> Answer:
 
 
 class Questions:
-    """Asks what the store does not hold."""
+    """Asks what the store does not hold, and counts."""
 
     def __init__(self, base: Base, scene: Scene, store: Store, pool: Pool, on_progress: OnProgress) -> None:
-        self._base, self._store, self._pool, self._on_progress = base, store, pool, on_progress
-        everything = Capabilities(dimensions=3, uses_mesh=True, own_impact=False, statue_slips=True)
-        self._scene_key = scene_key(scene, everything)
-        self.asked = self.found = self.runs = self.failed = 0
-        self._keys: set[str] = set()
+        self._base, self._scene, self._store = base, scene, store
+        self.campaign = Campaign(store, pool, on_progress)
+        self.asked = self.runs = 0
 
     def ask(self, kind: type[T], questions: Sequence[tuple[Any, ...]]) -> list[T]:
         """The answers in the questions' order; one whose process died is left out and counted."""
         name = KINDS[kind]
         tasks = [Task(self._key(name, each), answer, Question(name, self._base, each)) for each in questions]
-        campaign = Campaign(self._store, self._pool, self._on_progress)
-        campaign.run(tasks, len(tasks))
+        answers = [part(kind, item, self._store.path) for item in self.campaign.ask(tasks) if item is not None]
         self.asked += len(tasks)
-        self.found += sum(task.key in campaign.reused for task in tasks)
-        self.failed += campaign.failed
-        stored = {task.key: self._store.get(task.key) for task in tasks}
-        self._keys.update(key for key, record in stored.items() if record is not None)
-        answers = [part(kind, item, self._store.path) for task in tasks if (item := stored[task.key]) is not None]
         self.runs += sum(getattr(item, "runs", 1) for item in answers)
         return answers
 
-    @property
-    def seconds(self) -> float:
-        """Processor time of all answers, whenever they were found."""
-        return sum(self._store.seconds(key) or 0.0 for key in self._keys)
-
     def _key(self, kind: str, arguments: tuple[Any, ...]) -> str:
-        plain = [item.key() if isinstance(item, Search) else item for item in arguments]
-        return key_of(self._scene_key, kind, plain, record.versions())
+        return request_key(
+            self._scene, None, kind, [item.key() if isinstance(item, Search) else item for item in arguments]
+        )
 
 
 def run_effects(
@@ -318,7 +305,8 @@ def run_effects(
     with Store(folder / STORE_NAME, "effects3d") as store:
         questions = Questions(base, scene, store, pool, on_progress)
         answers = _answers(study, scene, questions)
-        counts = questions.asked, questions.found, questions.runs, questions.failed, questions.seconds
+        done = questions.campaign
+        counts = questions.asked, len(done.reused), questions.runs, done.failed, done.asked_s
     finished = EffectsRecord(
         title=study.title,
         file=path.name,

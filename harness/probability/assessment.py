@@ -138,12 +138,12 @@ def assess(
     begin = time.process_time()
     model = model_draws(scene, values)
     drawn_s = time.process_time() - begin
-    with _campaign(store, pool) as (storage, campaign, workers):
+    with _campaign(store, pool) as (campaign, workers):
         contact = [name for name in names if name not in (MODEL, SPACE) and engines.load(name).missing() is None]
         on_progress(_forecast(scene, contact, model, ALL_TIMES * drawn_s, half_width, most_runs, workers))
 
         def asked(name: str) -> tuple[Assessment, EngineRuns]:
-            runs = EngineRuns(scene, name, values, storage, campaign, on_progress)
+            runs = EngineRuns(scene, name, values, campaign, on_progress)
             batch = max(BATCH, 2 * workers)
             return estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch), runs
 
@@ -259,12 +259,12 @@ def _inputs(scene: Scene) -> Sequence[Uncertain]:
 
 
 @contextmanager
-def _campaign(store: Store | None, pool: Pool | None) -> Iterator[tuple[Store, Campaign, int]]:
+def _campaign(store: Store | None, pool: Pool | None) -> Iterator[tuple[Campaign, int]]:
     """The caller's store and pool, or a store in memory and this machine's cores until the end."""
     with ExitStack() as stack:
         storage = store or stack.enter_context(Store(Path(":memory:")))
         workers = pool or stack.enter_context(closing(LocalPool(os.cpu_count())))
-        yield storage, Campaign(storage, workers), workers.workers
+        yield Campaign(storage, workers), workers.workers
 
 
 def _by_model(

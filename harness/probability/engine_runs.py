@@ -11,16 +11,14 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.refinement import first_level
-from harness.engines.base import Engine, EngineFailure
+from harness.engines.base import EngineFailure
 from harness.model.options import RunOptions
-from harness.model.run import versions
 from harness.model.scene import Scene
 from harness.probability.inputs import Array, row
 from harness.probability.plan import reach_m
 from harness.probability.variation import varied
-from harness.runs.cache_key import key_of, scene_key
+from harness.runs.cache_key import request_key
 from harness.runs.execute import Campaign
-from harness.runs.store import Store
 from harness.runs.task import Answer, Task
 
 OUTCOME: Final = "end and reach"
@@ -47,22 +45,20 @@ class EngineRuns:
         scene: Scene,
         name: str,
         values: Mapping[str, Array],
-        store: Store,
         campaign: Campaign,
         on_progress: Callable[[str], None],
     ) -> None:
         self._scene, self._name, self._values = scene, name, values
-        self._store, self._campaign, self._on_progress = store, campaign, on_progress
+        self._campaign, self._on_progress = campaign, on_progress
         self._engine = engines.load(name)
         self.fell: dict[int, bool | None] = {}
         self.reach_m: dict[int, Array] = {}
 
     def __call__(self, numbers: Sequence[int]) -> list[bool | None]:
         tasks = {number: self._task(number) for number in numbers}
-        self._campaign.run(tasks.values(), len(tasks))
-        for number, task in tasks.items():
+        for number, found in zip(tasks, self._campaign.ask(list(tasks.values())), strict=True):
             # A worker that died leaves nothing: the run counts as failed, and is tried anew when the assessment is.
-            record = self._store.get(task.key) or {"overturned": None}
+            record = found or {"overturned": None}
             overturned = record["overturned"]
             self.fell[number] = None if overturned is None else bool(overturned)
             if overturned is False:
@@ -72,14 +68,8 @@ class EngineRuns:
 
     def _task(self, number: int) -> Task:
         scene = varied(self._scene, row(self._values, number))
-        return Task(draw_key(self._engine, scene), overturns, DrawnRun(self._name, scene), self._name)
-
-
-def draw_key(engine: Engine, scene: Scene) -> str:
-    """What names the outcome of a drawn scene: its physics as the engine sees it, the error asked, the versions."""
-    every = versions()
-    mine = [every.get(name) for name in ("rockcheck", "numpy", engine.name)]
-    return key_of(OUTCOME, scene_key(scene, engine.capabilities), engine.name, ENGINE_ERROR_RAD.hex(), mine)
+        key = request_key(scene, self._engine, OUTCOME, ENGINE_ERROR_RAD)
+        return Task(key, overturns, DrawnRun(self._name, scene), self._name)
 
 
 def overturns(drawn: DrawnRun) -> Answer:

@@ -128,7 +128,7 @@ class StudySummary:
 
 @dataclass(frozen=True, kw_only=True)
 class UsageRecord:
-    """Where the seconds of a study went (`harness.runs.execute.Usage`)."""
+    """Where the seconds of a study went (`harness.runs.execute.Campaign.usage`)."""
 
     workers: int
     runs: int

@@ -16,7 +16,9 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from analytic.excitation import Harmonic, Pulse, SampledAcceleration, ZeroExcitation
+from harness.engines.base import Engine
 from harness.model.options import Capabilities
+from harness.model.run import versions
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
 
 NOT_PHYSICS: Final[Mapping[type, str]] = {Scene: "title source given findings uncertainty", Statue: "solid"}
@@ -31,6 +33,8 @@ RENAMED: Final = {"base_excitation": "motion", "samples_m_s2": "accel_m_s2"}
 """Name in the key of each field that is called otherwise today; every other has its own, in the order of its class."""
 ADDED: Final = {"floor_impact": "kinetic"}
 """Fields that came later, and what they are in scenes without them."""
+EVERYTHING: Final = Capabilities(dimensions=3, uses_mesh=True, own_impact=False, statue_slips=True)
+"""Of what asks for all of a scene."""
 _MEMBERS: Final = {
     kind: [
         (item.name, RENAMED.get(item.name, item.name))
@@ -50,6 +54,14 @@ def scene_key(scene: Scene, capabilities: Capabilities) -> str:
     if solid is not None and capabilities.uses_mesh:
         state.update(solid.digest.encode())
     return state.hexdigest()
+
+
+def request_key(scene: Scene, engine: Engine | None, *asked: object) -> str:
+    """What names an answer: the scene as the engine sees it (None: all of it), what was asked, and the versions that answer."""
+    seen, name = (EVERYTHING, "") if engine is None else (engine.capabilities, engine.name)
+    own = versions()
+    mine = own if engine is None else {key: own.get(key) for key in ("rockcheck", "numpy", "numba", name)}
+    return key_of(scene_key(scene, seen), name, asked, dict(mine))
 
 
 def key_of(*parts: object) -> str:

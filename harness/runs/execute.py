@@ -5,10 +5,11 @@ from __future__ import annotations
 import statistics
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import groupby, islice
 from typing import Any, Final
 
+from harness.records.base import Plain
 from harness.records.study import UsageRecord
 from harness.runs.runner import Crash, Pool
 from harness.runs.store import Packed, Store, packed
@@ -28,9 +29,9 @@ def silent(done: int, total: int) -> None:
 
 @dataclass(frozen=True)
 class Finished:
-    """What a worker gives back: an answer for each order, packed where it is kept, and seconds: all, and each task's overhead."""
+    """What a worker gives back: an answer for each order, packed, and seconds: all, and each task's overhead."""
 
-    answers: Sequence[Packed | Answer]
+    answers: Sequence[Packed]
     failed: int
     busy_s: float
     outside_s: Sequence[float]
@@ -43,7 +44,7 @@ def compute(batch: tuple[int, Sequence[Order]]) -> Finished:
         start = time.perf_counter()
         answer = work(argument)
         failed += answer.failed
-        answers.append(packed(key, answer) if key else answer)
+        answers.append(packed(key, answer))
         outside_s.append(time.perf_counter() - start - answer.inside_s)
     return Finished(answers, failed, time.perf_counter() - begin, outside_s)
 
@@ -61,7 +62,7 @@ class Campaign:
 
     `sizes` are the tasks of a group that a worker takes at a time. `reused` are keys that the store held; `latest` is the task
     that finished last. `free` are groups that cost next to nothing beside the others: progress does not count them, so that its
-    rate tells the time that is left. Tasks without a key, of a group of their own, are not counted: their answers are `aside`.
+    rate tells the time that is left.
     """
 
     def __init__(
@@ -82,9 +83,22 @@ class Campaign:
         self._clock_s = time.perf_counter()
         self.reused: set[str] = set()
         self.computed = self.failed = 0
-        self.aside: list[tuple[Task, Answer]] = []
         self.latest: Task | None = None
-        self.usage = Usage(pool.workers)
+        self._asked: dict[str, None] = {}
+        self._busy_s = 0.0
+        self._outside_s: list[float] = []
+        self._begin = time.perf_counter(), time.process_time()
+
+    def ask(self, tasks: Sequence[Task]) -> list[Plain | None]:
+        """The records of the tasks' results in their order, those that the store lacks computed; None where a worker died."""
+        self.run(tasks, len(tasks))
+        self._asked |= dict.fromkeys(task.key for task in tasks)
+        return [self._store.get(task.key) for task in tasks]
+
+    @property
+    def asked_s(self) -> float:
+        """What all answers that were asked for took, whenever they were found."""
+        return sum(self._store.seconds(key) or 0.0 for key in self._asked)
 
     def run(self, tasks: Iterable[Task], expected: int) -> None:
         """Compute what the store does not hold, in the order in which it comes; so many tasks are expected.
@@ -125,9 +139,6 @@ class Campaign:
     def _left(self, tasks: Iterable[Task]) -> Iterator[Task]:
         """The tasks of which nobody has a result yet, and nobody is at work on."""
         for task in tasks:
-            if not task.key:
-                yield task
-                continue
             if task.key in self._stored:
                 self.reused.add(task.key)
             elif task.key not in self._seen:
@@ -138,22 +149,35 @@ class Campaign:
             self._expected -= task.runs * (task.group not in self._free)
 
     def _keep(self, batch: Sequence[Task], result: Finished) -> None:
-        if not batch[0].key:
-            self.aside += [
-                (task, answer) for task, answer in zip(batch, result.answers, strict=True) if isinstance(answer, Answer)
-            ]
-            return
         now_s = time.perf_counter()
-        self._store.add([item for item in result.answers if isinstance(item, Packed)], now_s - self._clock_s)
+        self._store.add(result.answers, now_s - self._clock_s)
         self._clock_s = now_s
         self.latest = batch[-1]
         runs = sum(task.runs for task in batch)
         self.computed += runs
         self._told += runs * (batch[0].group not in self._free)
         self.failed += result.failed
-        outside_s = [seconds / task.runs for task, seconds in zip(batch, result.outside_s, strict=False)]
-        self.usage.note(runs, result.busy_s, outside_s)
+        self._busy_s += result.busy_s
+        self._outside_s += [seconds / task.runs for task, seconds in zip(batch, result.outside_s, strict=False)]
         self._say_progress()
+
+    def usage(self) -> UsageRecord:
+        """Seconds of this call until now: of the clock, of all workers at work, of this process's processor, outside engines.
+
+        `overhead_s_per_run` is planning, sending, packing and storing: this process's time by the run, and the median run's
+        outside its engine. The median leaves out what a worker does once, such as loading the statue's mesh.
+        """
+        wall_s, own_s = time.perf_counter() - self._begin[0], time.process_time() - self._begin[1]
+        runs, workers, outside = self.computed, self._pool.workers, self._outside_s
+        return UsageRecord(
+            workers=workers,
+            runs=runs,
+            wall_s=wall_s,
+            busy_s=self._busy_s,
+            own_s=own_s,
+            utilisation=self._busy_s / (wall_s * workers) if runs else None,
+            overhead_s_per_run=own_s / runs + statistics.median(outside) if outside else None,
+        )
 
     def _say_progress(self) -> None:
         self._on_progress(self._told, max(self._expected, self._told))
@@ -164,45 +188,4 @@ def _lost(task: Task, crash: Crash) -> Finished:
     answer = task.lost(task.argument, crash)
     if answer is None:
         return Finished((), task.runs, 0.0, ())
-    return Finished([packed(task.key, answer) if task.key else answer], 1, 0.0, ())
-
-
-class Usage:
-    """Seconds of one call: of the clock, of all workers at work, of this process's processor, and outside engines per run."""
-
-    def __init__(self, workers: int) -> None:
-        self.workers = workers
-        self.runs = 0
-        self.busy_s = self.own_s = self.wall_s = 0.0
-        self._outside_s: list[float] = []
-        self._begin = time.perf_counter(), time.process_time()
-
-    def note(self, runs: int, busy_s: float, outside_s: Sequence[float]) -> None:
-        """Count what a worker gave back: runs, seconds at work, and what each run took outside its engine."""
-        self.runs += runs
-        self.busy_s += busy_s
-        self._outside_s.extend(outside_s)
-
-    def stop(self) -> None:
-        """Take both clocks."""
-        self.wall_s = time.perf_counter() - self._begin[0]
-        self.own_s = time.process_time() - self._begin[1]
-
-    @property
-    def utilisation(self) -> float | None:
-        """Share of the workers' time in which they were at work; None where nothing ran."""
-        return self.busy_s / (self.wall_s * self.workers) if self.runs else None
-
-    @property
-    def overhead_s_per_run(self) -> float | None:
-        """Planning, sending, packing and storing: this process's time by the run, and the median run's outside its engine.
-
-        The median leaves out what a worker does once, such as loading the statue's mesh.
-        """
-        if not self._outside_s:
-            return None
-        return self.own_s / self.runs + statistics.median(self._outside_s)
-
-    def record(self) -> UsageRecord:
-        """All numbers, as a record holds them."""
-        return UsageRecord(**{item.name: getattr(self, item.name) for item in fields(UsageRecord)})
+    return Finished([packed(task.key, answer)], 1, 0.0, ())

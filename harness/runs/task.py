@@ -13,11 +13,13 @@ from typing import Any, Final
 from numpy.typing import NDArray
 
 from harness import engines
-from harness.accuracy.simulation import RunTarget, failed, simulate_with
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, RunTarget, failed, simulate, simulate_with
 from harness.model.history import History, Outcome
+from harness.model.options import RunOptions
 from harness.model.run import Run, to_plain
 from harness.model.scene import Scene
 from harness.records.base import Plain
+from harness.runs.cache_key import request_key
 from harness.runs.runner import Crash, Hung, LocalPool
 
 RUN = "run"
@@ -45,7 +47,7 @@ class Answer:
 class Task:
     """One thing to compute: a function of a module and its argument, both of which travel to a worker.
 
-    `key` names the result in the store; without one it is not kept. Neighbours of one `group` may go to a worker together.
+    `key` names the result in the store. Neighbours of one `group` may go to a worker together.
     `lost` makes the answer of a task whose worker died; None: there is none, and nothing is kept. It counts as so many `runs`.
     """
 
@@ -70,6 +72,32 @@ def answer_of(run: Run, histories: bool, inside_s: float = 0.0) -> Answer:
 def lost_answer(argument: Any, crash: Crash) -> Answer:
     """The answer of a task that is a run of `argument.engine`, and whose worker died or hung."""
     return answer_of(lost_run(argument.engine, crash), histories=False)
+
+
+@dataclass(frozen=True)
+class RunRequest:
+    """One run that is wanted, as it travels to a worker: what makes its scene there, the engine, its target, what is kept."""
+
+    scene: Callable[[], Scene]
+    engine: str
+    accuracy_rad: float | None = DEFAULT_ACCURACY_RAD
+    dt_s: float | None = None
+    history: bool = False
+    stated: bool = True
+
+    def task(self, scene: Scene) -> Task:
+        """Its task, named by all that decides its answer; `scene` is what it will make."""
+        asked = self.accuracy_rad, self.dt_s, self.history, self.stated
+        return Task(request_key(scene, engines.load(self.engine), *asked), run_request, self, self.engine, lost_answer)
+
+
+def run_request(wanted: RunRequest) -> Answer:
+    """Make the scene and run it (a failure is a `Run` that says so); overhead is what `simulate` does not take."""
+    scene = wanted.scene()
+    begin = time.perf_counter()
+    options = RunOptions(history=wanted.history, stated=wanted.stated)
+    run = simulate(scene, wanted.engine, accuracy_rad=wanted.accuracy_rad, dt_s=wanted.dt_s, options=options)
+    return answer_of(run, wanted.history, time.perf_counter() - begin)
 
 
 DEFAULT_TIMEOUT_S: Final = 600.0

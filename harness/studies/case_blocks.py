@@ -7,6 +7,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -20,11 +21,10 @@ from harness.engines import analytic as twoblock
 from harness.engines.base import RELIABLE_RAD
 from harness.model.run import to_plain
 from harness.runs.cache_key import key_of
-from harness.runs.task import Answer, Task
+from harness.runs.task import Answer, RunRequest, Task, run_request
 from harness.studies import case_selection as selection
 from harness.studies.case_columns import Columns, Shaken, columns_of_record, swept, texts, varied_column
 from harness.studies.case_scenes import CaseScenes
-from harness.studies.case_tasks import CaseRun, run_case, run_key
 from harness.studies.cases import Base, expand
 from harness.studies.file import StudyFile, Value
 
@@ -61,8 +61,9 @@ class Block:
 
 def block_tasks(study: StudyFile, base: Base) -> Iterator[Task]:
     """The blocks of a study, in order; each is named by the study's content, its scene's (files included), and versions."""
-    engine, asked = engines.load(selection.REFERENCE), study.asked_rad.get(selection.REFERENCE, DEFAULT_ACCURACY_RAD)
-    keys = [run_key(engine, base.scene(variant.set), asked, False) for variant in study.variant]
+    asked = study.asked_rad.get(selection.REFERENCE, DEFAULT_ACCURACY_RAD)
+    request = RunRequest(lambda: base.scene({}), selection.REFERENCE, asked)
+    keys = [request.task(base.scene(variant.set)).key for variant in study.variant]
     name = key_of(study.model_dump_json(), base.content, keys)
     for start in range(0, study.runs, BLOCK):
         block = Block(study, base, range(start, min(start + BLOCK, study.runs)))
@@ -133,8 +134,7 @@ class SweptRuns:
         self._gathered, self._samples = [], 0
 
     def _run_single(self, place: int, setting: Mapping[str, Value]) -> None:
-        run = CaseRun(selection.REFERENCE, self._base, tuple(setting.items()), self._asked, False)
-        answer = run_case(run)
+        answer = run_request(RunRequest(partial(self._base.scene, setting), selection.REFERENCE, self._asked))
         self.failed += answer.failed
         self._parts.append({"place": np.array([place]), **columns_of_record(answer.record)})
 

@@ -130,7 +130,7 @@ def study_record(
         },
         supports=supports(study, scene, rows),
         summary=summary.record(),
-        usage=summary.usage.record(),
+        usage=summary.usage,
         seconds=seconds,
         engine_seconds=store.engine_seconds(name),
         scores=score_sets(rows, history=store.history),

@@ -9,19 +9,22 @@ import hashlib
 import itertools
 import random
 from collections import defaultdict
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Container, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Final
 
-from harness.records.study import CaseRun, StudySummary
-from harness.runs.execute import Campaign, OnProgress, Usage, silent
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD
+from harness.model.scene import Scene
+from harness.records.base import same_fields
+from harness.records.study import CaseRun, StudySummary, UsageRecord
+from harness.runs.execute import Campaign, OnProgress, silent
 from harness.runs.runner import Pool
 from harness.runs.store import Store
-from harness.runs.task import Answer, Task
+from harness.runs.task import RunRequest, Task
 from harness.studies import case_selection as selection
 from harness.studies.case_blocks import block_tasks, in_columns
-from harness.studies.case_tasks import CaseTasks
 from harness.studies.cases import Base, Case, base_of, expand
 from harness.studies.file import StudyFile, Value
 
@@ -30,38 +33,15 @@ BATCH: Final = {"analytic": 64}
 PlanRow = tuple[int, str, str | None, str, Mapping[str, Value]]
 
 
-@dataclass(frozen=True)
-class Summary:
+@dataclass(frozen=True, kw_only=True)
+class Summary(StudySummary):
     """What a call of a study did, and where its seconds went."""
 
-    cases: int
-    wanted: int
-    distinct: int
-    found: int
-    computed: int
-    not_sent: int
-    failed: int
-    usage: Usage
+    usage: UsageRecord
 
     def record(self) -> StudySummary:
         """The counts, as a record holds them."""
-        return StudySummary(**{name: value for name, value in vars(self).items() if name != "usage"})
-
-
-@dataclass
-class Beside:
-    """Tasks without a key that use the workers of a study: some before its own, some when those are handed out; their answers."""
-
-    before: Iterable[Task]
-    after: Callable[[], Iterable[Task]]
-    answers: list[tuple[Task, Answer]] = field(default_factory=list)
-
-    def around(self, tasks: Iterable[Task]) -> Iterator[Task]:
-        """The tasks of a study among these, which come once; the last are made when all others are handed out."""
-        before, after, self.before, self.after = self.before, self.after, (), tuple
-        yield from before
-        yield from tasks
-        yield from after()
+        return StudySummary(**same_fields(StudySummary, self))
 
 
 def run_study(
@@ -70,7 +50,6 @@ def run_study(
     store: Store,
     pool: Pool,
     on_progress: OnProgress = silent,
-    beside: Beside | None = None,
 ) -> Summary:
     """Run what the study asks and the store does not hold; `on_progress(done, all)` hears of progress.
 
@@ -83,11 +62,8 @@ def run_study(
     plan = Plan(study, base)
     campaign = Campaign(store, pool, on_progress, BATCH, free=plan.free)
     for expected, tasks in plan.rounds(store.keys()):
-        campaign.run(tasks if beside is None else beside.around(tasks), expected)
+        campaign.run(tasks, expected)
         plan.learn(store)
-    if beside is not None:
-        beside.answers += campaign.aside
-    campaign.usage.stop()
     store.write_plan(study_name(study), plan.rows())
     return plan.summary(campaign)
 
@@ -96,13 +72,16 @@ def _run_blocks(study: StudyFile, base: Base, store: Store, campaign: Campaign) 
     """Run a study of very many cases block by block: to know which are the same by their physics would take as long."""
     tasks = list(block_tasks(study, base))
     campaign.run(tasks, study.runs)
-    campaign.usage.stop()
     blocks: list[PlanRow] = [
         (task.argument.numbers.start, selection.REFERENCE, task.key, selection.EVERY, {}) for task in tasks
     ]
     store.write_plan(study_name(study), blocks)
-    counts = study.runs, study.runs, study.runs, study.runs - campaign.computed, campaign.computed, 0, campaign.failed
-    return Summary(*counts, campaign.usage)
+    asked = dict.fromkeys(("cases", "wanted", "distinct"), study.runs)
+    return _summary(campaign, **asked, found=study.runs - campaign.computed)
+
+
+def _summary(campaign: Campaign, **counts: int) -> Summary:
+    return Summary(**counts, computed=campaign.computed, failed=campaign.failed, usage=campaign.usage())
 
 
 def study_name(study: StudyFile) -> str:
@@ -116,7 +95,7 @@ class Plan:
 
     def __init__(self, study: StudyFile, base: Base) -> None:
         self._study, self._base = study, base
-        self._tasks = CaseTasks(study, base)
+        self._scene: tuple[int, Scene] | None = None
         self._known: dict[tuple[int, str], tuple[str | None, str]] = {}
         """Key and reason by case and engine."""
         self._answers: dict[tuple[str, str], dict[selection.Place, selection.Answer]] = {}
@@ -191,7 +170,12 @@ class Plan:
         return tasks
 
     def _planned(self, case: Case, engine: str, why: str) -> Task:
-        task = self._tasks.of(case, engine)
+        # Each scene is resolved once here, for the names of its results.
+        if self._scene is None or self._scene[0] != case.number:
+            self._scene = case.number, self._base.scene(case.setting)
+        accuracy = self._study.asked_rad.get(engine, DEFAULT_ACCURACY_RAD)
+        made = partial(self._base.scene, case.setting)
+        task = RunRequest(made, engine, accuracy, history=self._study.ask.histories).task(self._scene[1])
         self._known[case.number, engine] = task.key, why
         return task
 
@@ -217,6 +201,6 @@ class Plan:
     def summary(self, campaign: Campaign) -> Summary:
         """How many cases, runs wanted, distinct ones and those not sent to an engine, and what a campaign did of them."""
         keys = [key for key, _ in self._known.values() if key is not None]
-        cases, not_sent = len({number for number, _ in self._known}), len(self._known) - len(keys)
-        counts = cases, len(keys), len(set(keys)), len(campaign.reused), campaign.computed, not_sent, campaign.failed
-        return Summary(*counts, campaign.usage)
+        cases, wanted = len({number for number, _ in self._known}), len(keys)
+        asked = {"cases": cases, "wanted": wanted, "distinct": len(set(keys)), "not_sent": len(self._known) - wanted}
+        return _summary(campaign, **asked, found=len(campaign.reused))

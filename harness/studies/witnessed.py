@@ -76,12 +76,12 @@ def witness_study(
         targets = {name: study.asked_rad.get(name, DEFAULT_ACCURACY_RAD) for name in judged[number]}
         asked = Witnessed(base, tuple(settings[number].items()), targets)
         tasks[number] = Task(key_of(KIND, judged[number], versions()), witness_scene, asked, KIND)
-    Campaign(store, pool, on_progress).run(tasks.values(), len(tasks))
-    said = {}
-    for number in chosen:
-        record = store.get(tasks[number].key)
-        if record is not None:
-            said[number] = {name: part(Witness, item, store.path) for name, item in record.items()}
+    records = Campaign(store, pool, on_progress).ask(list(tasks.values()))
+    said = {
+        number: {name: part(Witness, item, store.path) for name, item in record.items()}
+        for number, record in zip(tasks, records, strict=True)
+        if record is not None
+    }
     return _counted(said, len(settings), time.perf_counter() - begin)
 
 

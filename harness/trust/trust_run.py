@@ -19,7 +19,6 @@ from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
-from harness.model.options import Capabilities
 from harness.model.run import machine, versions
 from harness.model.scene import Scene
 from harness.records.base import Plain, part
@@ -38,7 +37,6 @@ from harness.records.trust import (
     TrustRecord,
     TrustSummary,
 )
-from harness.runs.cache_key import key_of, scene_key
 from harness.runs.dask_pool import DaskPool
 from harness.runs.execute import Campaign
 from harness.runs.progress import progress
@@ -64,17 +62,14 @@ DOUBTFUL: Final = (0.05, 0.95)
 SAME: Final = ""
 """The engines in space change nothing of what those in the plane say."""
 PLANAR: Final = 2
-EVERYTHING: Final = Capabilities(dimensions=3, uses_mesh=True, own_impact=False, statue_slips=True)
-"""What a key sees of a scene: all of it."""
 
 
 @dataclass
 class Points:
-    """Asks what the store does not hold; `keys` are those of all that was asked."""
+    """Asks what the store does not hold."""
 
     store: Store
     campaign: Campaign
-    keys: set[str] = field(default_factory=set)
 
     def kept(self, plane: Plane, points: Iterable[Point], names: tuple[str, ...]) -> dict[Point, Kept | None]:
         """What the runs of these models are at each point; None where the process died."""
@@ -89,21 +84,13 @@ class Points:
     def _ask(
         self, work: Callable[[Question], Told], plane: Plane, points: Iterable[Point], names: tuple[str, ...]
     ) -> dict[Point, Plain | None]:
-        what = "trust", work.__name__, names, DRAWS, DEFAULT_ACCURACY_RAD, versions()
+        asked = "trust", work.__name__, names, DRAWS, DEFAULT_ACCURACY_RAD
         group = MODEL if names == (MODEL,) else ""
         scenes = {point: plane.at(point) for point in points}
-        tasks = {
-            point: Task(key_of(scene_key(scene, EVERYTHING), *what), work, Question(scene, names), group)
-            for point, scene in scenes.items()
-        }
-        self.campaign.run(tasks.values(), len(tasks))
-        self.keys |= {task.key for task in tasks.values()}
-        return {point: self.store.get(task.key) for point, task in tasks.items()}
-
-    @property
-    def cpu_s(self) -> float:
-        """Processor time of all answers, whenever they were found."""
-        return sum(self.store.seconds(key) or 0.0 for key in self.keys)
+        tasks = [
+            Task(request_key(scene, None, *asked), work, Question(scene, names), group) for scene in scenes.values()
+        ]
+        return dict(zip(scenes, self.campaign.ask(tasks), strict=True))
 
 
 @dataclass
@@ -281,7 +268,7 @@ def trust_map(plane: Plane, names: tuple[str, ...], points: Points, *, coarse: b
         checked=sum(len(each.checks) for each in found),
         changed=sum(len(each.changed) for each in found),
         found=len(points.campaign.reused),
-        cpu_s=points.cpu_s,
+        cpu_s=points.campaign.asked_s,
         failed=points.campaign.failed,
     )
     saved = saved_by(names, maps)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 from harness import engines
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
-from harness.model.options import RunOptions
 from harness.runs.cache_key import key_of
-from harness.runs.task import Answer, Task, answer_of, lost_answer
+from harness.runs.task import RunRequest, Task, lost_answer, run_request
 from harness.validation.scenes import INPUTS, Variant, digest_of, scene_of
 from harness.validation.table import UNKNOWN, Trial
 
@@ -28,27 +28,6 @@ class Model:
     engine: str
     accuracy_rad: float | None
     dt_s: float | None
-
-
-@dataclass(frozen=True)
-class Job:
-    """One run: everything that a worker needs to know."""
-
-    trial: Trial
-    variant: Variant
-    model: Model
-    seed: int
-    stated: bool
-
-    @property
-    def engine(self) -> str:
-        """The engine that answers."""
-        return self.model.engine
-
-    @property
-    def history(self) -> bool:
-        """Whether the history is wanted: where a measured one is there to compare, in the nominal run."""
-        return self.stated and self.trial.history is not None
 
 
 def parse_model(text: str) -> Model:
@@ -75,17 +54,13 @@ def task_of(trial: Trial, variant: Variant, model: Model, seed: int, stated: boo
     A draw is counted, not judged: its own error changes an outcome only near the boundary, where draws fall either way. So are
     runs for a fit. Only a nominal run of the chosen inputs states its error (`stated`).
     """
-    job = Job(trial, variant, model, seed, stated and not variant.sample)
+    stated = stated and not variant.sample
+    # A history is wanted where a measured one is there to compare, in the nominal run.
+    history = stated and trial.history is not None
     inputs = [getattr(trial, UNKNOWN[column])[getattr(variant, name)] for name, column in INPUTS.items()]
     drawn = (variant.sample, seed) if variant.sample else None
-    setting = model.engine, model.accuracy_rad, model.dt_s, job.stated, job.history
+    setting = model.engine, model.accuracy_rad, model.dt_s, stated, history
     versions = [record.versions().get(name) for name in ("rockcheck", "numpy", "numba", model.engine)]
-    return Task(key_of(digest_of(trial), inputs, drawn, setting, versions), run_job, job, model.engine, lost_answer)
-
-
-def run_job(job: Job) -> Answer:
-    """What a worker does: make the scene and run it (a failure is a `Run` that says so)."""
-    scene = scene_of(job.trial, job.variant, job.seed)
-    options = RunOptions(history=job.history, stated=job.stated)
-    run = simulate(scene, job.engine, accuracy_rad=job.model.accuracy_rad, dt_s=job.model.dt_s, options=options)
-    return answer_of(run, job.history)
+    made = partial(scene_of, trial, variant, seed)
+    run = RunRequest(made, model.engine, model.accuracy_rad, model.dt_s, history, stated)
+    return Task(key_of(digest_of(trial), inputs, drawn, setting, versions), run_request, run, model.engine, lost_answer)

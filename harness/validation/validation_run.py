@@ -176,10 +176,8 @@ class Runs:
         # Those of one body side by side: a worker then makes each of its statues once.
         wanted.sort(key=lambda pair: pair[0].body)
         tasks = [self._task(*pair) for pair in wanted]
-        if tasks:
-            self._campaign.run(tasks, len(tasks))
-        for (trial, variant), task in zip(wanted, tasks, strict=True):
-            stored = self._store.get(task.key)
+        found = self._campaign.ask(tasks) if tasks else []
+        for (trial, variant), task, stored in zip(wanted, tasks, found, strict=True):
             if stored is None:
                 raise InputError(
                     Mistake(str(self._store.path), task.key, "the result of every run", "none", "run again")

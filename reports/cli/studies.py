@@ -27,7 +27,7 @@ from harness.studies import estimate, rocking_spectrum
 from harness.studies.cases import base_of
 from harness.studies.file import StudyFile, load_study
 from harness.studies.study_record import export_csv, export_parquet, study_record
-from harness.studies.study_run import Beside, run_study, study_name
+from harness.studies.study_run import run_study, study_name
 from harness.studies.witnessed import witness_study
 
 
@@ -42,14 +42,13 @@ def run(
     large: bool = False,
     quiet: bool = False,
     pool: Pool | None = None,
-    beside: Beside | None = None,
     witness: bool = False,
     say: Say = lambda finding: "",
 ) -> StudyRecord | EffectsRecord | RockingSpectrumRecord:
     """Run a study into `folder` (store.sqlite, result.json); returns its record.
 
     `large` lets a study run that would take more than a day; `pool` is used, and not closed, where the caller has one;
-    `beside` are tasks to run with it; `witness` holds a tenth of its scenes against unmodified engines. Raises `InputError`
+    `witness` holds a tenth of its scenes against unmodified engines. Raises `InputError`
     for a wrong study, a store that cannot be used, or `resume` where there is nothing to go on with.
     """
     kind = kind_of(path)
@@ -73,7 +72,7 @@ def run(
         if study is None:
             on_progress = stack.enter_context(progress(path.stem, quiet))
             return run_effects(path, folder, pool, on_progress, resume=resume, say=say)
-        return _run(study, path, folder, pool, export, large, quiet, beside, witness, say)
+        return _run(study, path, folder, pool, export, large, quiet, witness, say)
 
 
 def _run(
@@ -84,7 +83,6 @@ def _run(
     export: Path | None,
     large: bool,
     quiet: bool,
-    beside: Beside | None,
     witness: bool,
     say: Say,
 ) -> StudyRecord:
@@ -95,7 +93,7 @@ def _run(
         on_progress = stack.enter_context(progress(study.title, quiet, size))
         stack.enter_context(unbegun(folder))
         store = stack.enter_context(Store(folder / STORE_NAME))
-        summary = run_study(study, path, store, pool, on_progress, beside)
+        summary = run_study(study, path, store, pool, on_progress)
         seen = witness_study(study, path, store, pool, on_progress) if witness else None
         finished = study_record(study, path, store, summary, time.perf_counter() - start, seen)
         if export is not None:

@@ -3,58 +3,28 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from harness import engines, load_scene
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
+from harness.accuracy.simulation import simulate
 from harness.model.history import Outcome
 from harness.model.scene import Scene
 from harness.records.base import plain
 from harness.records.study import StudyRow
-from harness.runs.runner import Done, InlinePool, Work
+from harness.runs.runner import InlinePool
 from harness.runs.store import Store
-from harness.runs.task import Answer, Task
+from harness.runs.task import RunRequest
 from harness.scene_run.scene_run import run_scene
-from harness.studies.case_tasks import stored_runs
-from harness.studies.file import load_study
-from harness.studies.study_run import Beside, run_study
 from harness.trust import plane
 from reports import build_examples
+from reports.build_examples import stored_runs
 from tests import doubles
 from tests.budgets_reports import PAGE_WORDS
-from tests.harness.studies.small_study import BLOCK, written
+from tests.harness.studies.small_study import BLOCK
 from tests.reports.pages.test_run_page import words_beside_tables
 from tests.stores_for_tests import put
-
-
-def said(text: str) -> Answer:
-    return Answer("example", {"text": text.upper()}, 0.0)
-
-
-def test_tasks_beside_a_study_run_once_before_it_and_at_its_end(tmp_path: Path) -> None:
-    """They are computed in the order in which they come, are not kept, and count in nothing that the study tells of itself."""
-    order: list[str] = []
-
-    class Noting(InlinePool):
-        def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
-            def noted(task: Any, answer: Any) -> None:
-                order.extend(argument if isinstance(argument, str) else "study" for _, _, argument in task[1])
-                done(task, answer)
-
-            super().run(work, tasks, noted)
-
-    path = written(tmp_path)
-    alone = Beside([Task("", said, "before")], lambda: [Task("", said, "after")])
-    with Store(tmp_path / "store.sqlite") as store:
-        summary = run_study(load_study(path), path, store, Noting(), beside=alone)
-        assert len(store.keys()) == summary.computed == summary.usage.runs == 30
-    assert order == ["before", *["study"] * 30, "after"]
-    assert [answer.record["text"] for _, answer in alone.answers] == ["BEFORE", "AFTER"]
-    assert not [*alone.around([])]
 
 
 @pytest.fixture
@@ -67,10 +37,8 @@ def scene(tmp_path: Path) -> Scene:
 def test_what_a_study_has_stored_is_not_run_again(
     scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from harness.studies.case_tasks import run_key
-
     engine = engines.load("pymunk")
-    key = run_key(engine, scene, DEFAULT_ACCURACY_RAD, True)
+    key = RunRequest(lambda: scene, "pymunk", history=True).task(scene).key
     run = simulate(scene, "pymunk")
     with Store(tmp_path / "s.sqlite") as store:
         put(store, [(key, run)], histories=True)

@@ -120,7 +120,7 @@ def test_the_work_around_a_run_is_counted(tmp_path: Path, monkeypatch: pytest.Mo
     assert len(resolved) == cases + runs
     assert written_ == [64, 36]
     assert pool.tasks == 2
-    usage = vars(done.usage.record())
+    usage = vars(done.usage)
     assert usage["runs"] == runs
     assert 0.0 < usage["busy_s"] <= usage["wall_s"]
     assert 0.0 < usage["utilisation"] <= 1.0
