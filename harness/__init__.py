@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from harness.model.history import History, Outcome
     from harness.model.options import RunOptions
     from harness.model.run import Run
+    from harness.model.run_set import RunSet
     from harness.model.scene import Scene
     from harness.probability.assessment import assess
     from harness.records.kinds import read_result
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
     from harness.records.scores import Scores, Verdict
     from harness.records.study import StudyRecord
     from harness.scene_run.scene_run import run_scene
-    from harness.studies.sweep import RunSet, sweep
+    from harness.studies.sweep import sweep
 
 _NAMES: Final = {
     "harness.accuracy.simulation": "simulate",
@@ -57,7 +58,8 @@ _NAMES: Final = {
     "harness.records.scores": "Scores Verdict",
     "harness.records.study": "StudyRecord",
     "harness.scene_run.scene_run": "run_scene",
-    "harness.studies.sweep": "RunSet sweep",
+    "harness.model.run_set": "RunSet",
+    "harness.studies.sweep": "sweep",
 }
 """The public names by their modules."""
 _HOMES: Final = {name: module for module, names in _NAMES.items() for name in names.split()}

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from html import escape
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from harness.model.errors import InputError, Mistake
 
@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     import pandas
     import xarray
     from matplotlib.axes import Axes
-
-EXTRA: Final = "pip install 'rockcheck[frames]'"
 
 
 class Shown(ABC):
@@ -46,7 +44,7 @@ class Shown(ABC):
         """Its table as a data frame. Raises `InputError` without pandas (the extra [frames])."""
         columns = dict(self.columns())
         index = next(iter(columns))
-        frame: pandas.DataFrame = _library("pandas", "to_dataframe").DataFrame(columns).set_index(index)
+        frame: pandas.DataFrame = library("pandas", "to_dataframe").DataFrame(columns).set_index(index)
         return frame
 
     def to_xarray(self) -> xarray.Dataset:
@@ -55,7 +53,7 @@ class Shown(ABC):
         index = next(iter(columns))
         along = columns.pop(index)
         data = {name: (index, values) for name, values in columns.items()}
-        dataset: xarray.Dataset = _library("xarray", "to_xarray").Dataset(data, coords={index: along})
+        dataset: xarray.Dataset = library("xarray", "to_xarray").Dataset(data, coords={index: along})
         return dataset
 
 
@@ -68,8 +66,11 @@ def new_axes(ax: Axes | None) -> Axes:
     return plt.subplots()[1]
 
 
-def _library(name: str, asked: str) -> Any:
+def library(name: str, asked: str, extra: str = "frames") -> Any:
+    """A module of an extra. Raises `InputError` where it is not installed."""
     try:
         return import_module(name)
     except ImportError as error:
-        raise InputError(Mistake(f"{asked}()", "", f"{name}, of the extra [frames]: {EXTRA}", "none here")) from error
+        raise InputError(
+            Mistake(f"{asked}()", "", f"{name}, of the extra [{extra}]: pip install 'rockcheck[{extra}]'", "none here")
+        ) from error

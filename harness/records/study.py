@@ -7,13 +7,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, Final, Literal
 
+import numpy as np
 from pydantic import JsonValue
 
-from harness.model.errors import InputError, Mistake
 from harness.model.finding import Finding, Say, Severity
 from harness.model.history import Outcome
 from harness.model.run import OMITTED, RUN_FIELDS, RunRow, to_plain
-from harness.model.shown import Shown, new_axes
+from harness.model.run_set import Column, RunSet, column_of
+from harness.model.shown import Shown
 from harness.records.base import Plain, Record, plain
 from harness.records.scene import SceneRecord
 from harness.records.sets import SetScores
@@ -246,65 +247,25 @@ class StudyRecord(Record, Shown):
         ]
         return {**plain(replace(self, rows=())), "rows": rows}
 
+    def run_set(self) -> RunSet:
+        """Its rows as one table: what varied, and every single value of each run (None where there was none)."""
+        keys = list(dict.fromkeys(key for row in self.rows for key in row.varied))
+        apart = {"engine", *(each.name for each in RUN_FIELDS if not each.single)}
+        table: dict[str, list[object]] = {name: [getattr(row, name) for row in self.rows] for name in ROW[:3]}
+        table |= {key: [row.varied.get(key) for row in self.rows] for key in keys}
+        for each in fields(CaseRun):
+            if each.name not in apart:
+                table[each.name] = [getattr(row.run, each.name, None) for row in self.rows]
+        return RunSet(self.title, keys, {name: column_of(values) for name, values in table.items()})
+
     def facts(self) -> dict[str, str]:
         """Title, what varies, how many runs, how many of them overturn, by model."""
-        axes = ", ".join(f"{key} ({len(values)})" for key, values in self.vary.items())
-        facts = {"title": self.title, "varied": axes or "lists of cases", "runs": str(len(self._runs()))}
-        models = dict.fromkeys(row.engine for row in self.rows)
-        outcomes = {
-            name: [run.outcome.overturned for row, run in self._runs() if row.engine == name] for name in models
-        }
-        return facts | {name: f"overturns in {sum(falls)} of {len(falls)}" for name, falls in outcomes.items()}
+        return self.run_set().facts()
 
-    def columns(self) -> dict[str, list[object]]:
+    def columns(self) -> dict[str, Column]:
         """One row for each case and engine: what varied, and every single value of its run (None where there was none)."""
-        keys = dict.fromkeys(key for row in self.rows for key in row.varied)
-        apart = {"engine", *(each.name for each in RUN_FIELDS if not each.single)}
-        single = [each.name for each in fields(CaseRun) if each.name not in apart]
-        rows: list[dict[str, object]] = [
-            {"row": k, "number": row.number, "engine": row.engine, "reason": row.reason}
-            | {key: row.varied.get(key) for key in keys}
-            | {name: getattr(row.run, name, None) for name in single}
-            for k, row in enumerate(self.rows)
-        ]
-        return {name: [row[name] for row in rows] for name in (rows[0] if rows else {"row": 0})}
+        return {"row": np.arange(len(self.rows)), **self.run_set().table}
 
     def plot(self, ax: Axes | None = None, engine: str | None = None) -> Axes:
-        """Draw the outcomes over the two first numbers that vary, or the largest rotation over the only one.
-
-        By one model in two dimensions (`engine`, default the first), by all in one. Raises `InputError` where no number varies.
-        """
-        ax, keys = new_axes(ax), self._axes()
-        ax.set(xlabel=keys[0], title=self.title)
-        if len(keys) == 1:
-            for name in dict.fromkeys(row.engine for row in self.rows):
-                points: list[tuple[Value, float]] = sorted(
-                    (row.varied[keys[0]], abs(run.peak_theta_rad)) for row, run in self._runs() if row.engine == name
-                )
-                ax.plot(*zip(*points, strict=True), marker="o", label=name)
-            ax.set_ylabel("largest rotation [rad]")
-            return ax
-        chosen = engine or self.rows[0].engine
-        for falls, label, marker in ((False, "does not overturn", "o"), (True, "overturns", "x")):
-            places = [
-                (row.varied[keys[0]], row.varied[keys[1]])
-                for row, run in self._runs() if row.engine == chosen and run.outcome.overturned is falls
-            ]  # fmt: skip
-            if places:
-                ax.scatter(*zip(*places, strict=True), marker=marker, label=f"{chosen} {label}")
-        ax.set_ylabel(keys[1])
-        return ax
-
-    def _runs(self) -> list[tuple[StudyRow, CaseRun]]:
-        return [(row, row.run) for row in self.rows if row.run is not None]
-
-    def _axes(self) -> list[str]:
-        """The keys of numbers that vary, at most two."""
-        values: dict[str, set[Value]] = {}
-        for row in self.rows:
-            for key, value in row.varied.items():
-                values.setdefault(key, set()).add(value)
-        numbers = [key for key, some in values.items() if len(some) > 1 and all(type(v) in (int, float) for v in some)]
-        if not numbers:
-            raise InputError(Mistake(self.title, "vary", "a number that varies", ", ".join(values) or "nothing"))
-        return numbers[:2]
+        """See `RunSet.plot`."""
+        return self.run_set().plot(ax, engine)

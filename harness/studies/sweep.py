@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
@@ -16,57 +14,12 @@ from harness.input.overrides import plain
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
-from harness.model.run import NUMBERS, Run
+from harness.model.run import NUMBERS
+from harness.model.run_set import Column, RunSet, column_of
 from harness.model.scene import Scene
-from harness.model.shown import Shown, new_axes
 from harness.studies.case_blocks import SweptRuns
 from harness.studies.cases import Base
 from harness.studies.file import Value
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-Column = NDArray[Any]
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class RunSet(Shown):
-    """Runs of one scene by one engine: `table` holds a column for each key of `varied`, then what the runs answered."""
-
-    title: str
-    engine: str
-    varied: Mapping[str, Sequence[object]]
-    table: Mapping[str, Column]
-
-    def __len__(self) -> int:
-        return len(self.table["outcome"])
-
-    def facts(self) -> dict[str, str]:
-        """Title, what varies, by which engine, how many runs overturn."""
-        axes = ", ".join(f"{key} ({len(values)})" for key, values in self.varied.items())
-        falls = f"overturns in {int(self.table['overturned'].sum())} of {len(self)}"
-        return {"title": self.title, "varied": axes, self.engine: falls}
-
-    def columns(self) -> dict[str, Column]:
-        """One row for each run: the values set, outcome, peaks, times, uncertainties; a number that there is not is NaN."""
-        return {"run": np.arange(len(self)), **self.table}
-
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the largest rotation over the only number that varies, or outcomes over the first two.
-
-        Raises `InputError` where no number varies.
-        """
-        keys = [key for key in self.varied if self.table[key].dtype.kind in "fi"][:2]
-        if not keys:
-            raise InputError(Mistake("sweep", "plot", "a number that varies", ", ".join(self.varied)))
-        ax, falls = new_axes(ax), self.table["overturned"]
-        if len(keys) == 1:
-            ax.plot(self.table[keys[0]], self.table["peak_theta_rad"], marker="o", label=self.engine)
-        else:
-            for chosen, label, marker in ((~falls, "does not overturn", "o"), (falls, "overturns", "x")):
-                ax.scatter(self.table[keys[0]][chosen], self.table[keys[1]][chosen], marker=marker, label=label)
-        ax.set(xlabel=keys[0], ylabel=keys[1] if len(keys) > 1 else "largest rotation [rad]", title=self.title)
-        return ax
 
 
 def sweep(
@@ -99,11 +52,10 @@ def sweep(
     answers = _swept(scene, settings, asked) if swept else _one_by_one(scene, settings, engine, asked)
     outcomes = answers.pop("outcome")
     falls = np.array([Outcome(each).overturned for each in outcomes.tolist()])
-    varied = {key: _column([setting[key] for setting in settings]) for key in axes}
-    name = _column([engine] * len(settings))
-    return RunSet(
-        scene.title, engine, axes, {**varied, "engine": name, "outcome": outcomes, "overturned": falls, **answers}
-    )
+    varied = {key: column_of([setting[key] for setting in settings]) for key in axes}
+    name = column_of([engine] * len(settings))
+    table = {**varied, "engine": name, "outcome": outcomes, "overturned": falls, **answers}
+    return RunSet(scene.title, list(axes), table)
 
 
 def _mapping(values: object) -> Mapping[str, Iterable[object]]:
@@ -118,14 +70,6 @@ def _values(key: str, given: object) -> list[object]:
     if not isinstance(found, list) or not found:
         raise InputError(Mistake("sweep", key, "a list of values", repr(found)))
     return ["none" if value is None else value for value in found]
-
-
-def _column(values: Sequence[object]) -> Column:
-    if all(type(value) in (int, float) for value in values):
-        return np.array(values)
-    column = np.empty(len(values), dtype=object)
-    column[:] = values
-    return column
 
 
 def _swept(scene: Scene, settings: Sequence[Mapping[str, Any]], asked_rad: float) -> dict[str, Column]:
@@ -145,14 +89,5 @@ def _one_by_one(
     runs = [simulate(scene.replace(setting), engine, accuracy_rad=asked_rad, options=options) for setting in settings]
     numbers = {name: np.array([getattr(run, name) for run in runs], dtype=np.float64) for name in NUMBERS}
     numbers["peak_theta_rad"] = np.abs(numbers["peak_theta_rad"])
-    outcomes = _column([run.outcome.value for run in runs])
-    steps, impacts = (np.array([of(run) for run in runs]) for of in (_steps, _impacts))
-    return {"outcome": outcomes, **numbers, "steps": steps, "impacts": impacts}
-
-
-def _steps(run: Run) -> int:
-    return run.steps
-
-
-def _impacts(run: Run) -> int:
-    return len(run.impact_times_s) or int(run.work.get("impacts", 0))
+    counts = {name: np.array([getattr(run, name) for run in runs]) for name in ("steps", "impacts")}
+    return {"outcome": column_of([run.outcome.value for run in runs]), **numbers, **counts}

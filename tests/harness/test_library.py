@@ -24,6 +24,7 @@ import trimesh
 import harness
 from harness import engines
 from harness.model.history import Outcome
+from harness.model.run_set import column_of
 from harness.model.shown import Shown
 from harness.records.study import CaseRun, StudyRecord, StudyRow
 from harness.runs.cache_key import scene_key
@@ -241,6 +242,27 @@ def test_a_sweep_s_rows_are_single_runs() -> None:
     other = harness.sweep(made, {"motion.x.amplitude_g": [0.6]}, "pymunk", accuracy_rad=1e-2)
     assert list(other.columns()) == list(harness.sweep(made, {"motion.x.amplitude_g": [0.6]}).columns())
     assert other.table["outcome"].tolist() == [runs.table["outcome"][3]]
+
+
+def test_a_set_of_runs_is_chosen_from_arranged_and_paired() -> None:
+    runs = study().run_set()
+    assert runs.where({"engine": "analytic", "a_g": 0.2}).table["outcome"].tolist() == ["overturned_left", "stands"]
+    rows, columns, outcomes = runs.where({"engine": "analytic"}).pivot("a_g", "f_hz")
+    assert (rows.tolist(), columns.tolist()) == ([0.1, 0.2], [1.0, 2.0])
+    assert outcomes.tolist() == [["stands", "stands"], ["overturned_left", "stands"]]
+    assert [len(some) for some in runs.pairs()["pymunk"]] == [0, 0], "what was not run is no pair"
+    both = replace(runs, table={**runs.table, "outcome": column_of(["stands"] * 5)})
+    mine, model = both.pairs()["pymunk"]
+    assert (mine.engines, model.engines) == (["pymunk"], ["analytic"])
+    assert mine.table["a_g"].tolist() == model.table["a_g"].tolist() == [0.1]
+    with pytest.raises(harness.InputError, match="no_such"):
+        runs.where({"no_such": 1})
+
+
+def test_a_set_of_runs_is_an_arrow_table() -> None:
+    pytest.importorskip("pyarrow", reason="needs the extra [parquet]")
+    table = study().run_set().to_arrow()
+    assert table.column("outcome").to_pylist() == ["stands", "overturned_left", "stands", "stands", None]
 
 
 def test_a_mesh_that_is_not_clean_has_mass_properties_and_doubts(tmp_path: Path) -> None:

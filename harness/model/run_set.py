@@ -1,0 +1,149 @@
+"""Runs as one table: what varied and what each run answered, by one or several engines."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.model.errors import InputError, Mistake
+from harness.model.history import Outcome
+from harness.model.run import RUN_FIELDS
+from harness.model.shown import Shown, library, new_axes
+
+if TYPE_CHECKING:
+    import pyarrow
+    from matplotlib.axes import Axes
+
+Column = NDArray[Any]
+
+
+def column_of(values: Sequence[object]) -> Column:
+    """Values as a column: numbers as numbers, anything else as it is."""
+    if all(type(value) in (int, float) for value in values):
+        return np.array(values)
+    column = np.empty(len(values), dtype=object)
+    column[:] = values
+    return column
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RunSet(Shown):
+    """Runs as a table of columns of one length: the keys of `varied`, `engine`, `outcome` (None: not run), and its numbers.
+
+    >>> runs = harness.sweep(scene, {"motion.x.amplitude_g": [0.2, 0.3]})
+    >>> runs.where({"outcome": "stands"}).to_dataframe()
+    """
+
+    title: str
+    varied: Sequence[str]
+    table: Mapping[str, Column]
+
+    def __len__(self) -> int:
+        return len(self.table["engine"])
+
+    @property
+    def engines(self) -> list[str]:
+        """Who answered, in their order."""
+        return list(dict.fromkeys(self.table["engine"].tolist()))
+
+    def where(self, chosen: Mapping[str, object]) -> RunSet:
+        """The runs whose columns have these values.
+
+        >>> runs.where({"engine": "analytic", "motion.x.amplitude_g": 0.3})
+        """
+        self._check(*chosen)
+        kept = np.logical_and.reduce([np.ones(len(self), bool), *(self.table[key] == chosen[key] for key in chosen)])
+        return replace(self, table={name: column[kept] for name, column in self.table.items()})
+
+    def pivot(self, down: str, across: str, value: str = "outcome") -> tuple[Column, Column, Column]:
+        """The values of two columns, and a third column arranged by them, (n, m); None where there is no run.
+
+        >>> amplitudes, frequencies, outcomes = runs.pivot("motion.x.amplitude_g", "motion.x.frequency_hz")
+        """
+        self._check(down, across, value)
+        (rows, i), (columns, j) = (np.unique(self.table[key], return_inverse=True) for key in (down, across))
+        values = np.full((rows.size, columns.size), None, dtype=object)
+        values[i, j] = self.table[value]
+        return rows, columns, values
+
+    def pairs(self, reference: str = "analytic") -> dict[str, tuple[RunSet, RunSet]]:
+        """Of each other engine the cases that it and the reference answered: its runs and the reference's, case by case.
+
+        >>> own, model = runs.pairs()["pymunk"]
+        """
+        cases = [*zip(*(self.table[key].tolist() for key in self.varied), strict=True)] or [()] * len(self)
+        place: dict[str, dict[Any, int]] = {name: {} for name in self.engines}
+        for k, (engine, outcome) in enumerate(zip(self.table["engine"], self.table["outcome"], strict=True)):
+            if outcome is not None:
+                place[engine][cases[k]] = k
+        known = place.pop(reference, {})
+        both = {name: [(k, known[case]) for case, k in mine.items() if case in known] for name, mine in place.items()}
+        return {name: (self._at([a for a, _ in some]), self._at([b for _, b in some])) for name, some in both.items()}
+
+    def to_arrow(self) -> pyarrow.Table:
+        """Its table as Arrow's. Raises `InputError` without pyarrow (the extra [parquet])."""
+        return library("pyarrow", "to_arrow", "parquet").table({name: list(each) for name, each in self.table.items()})
+
+    def facts(self) -> dict[str, str]:
+        """Title, what varies, how many runs, in how many of them the statue overturns, by engine."""
+        axes = [f"{key} ({len(dict.fromkeys(self.table[key].tolist()))})" for key in self.varied]
+        ran, falls = self.table["outcome"] != None, self._falls()  # noqa: E711 - by element
+        facts = {"title": self.title, "varied": ", ".join(axes) or "lists of cases", "runs": str(int(ran.sum()))}
+        for name in self.engines:
+            own = ran & (self.table["engine"] == name)
+            facts[name] = f"overturns in {int(falls[own].sum())} of {int(own.sum())}"
+        return facts
+
+    def columns(self) -> dict[str, Column]:
+        """One row for each run: the values set, outcome, peaks, times, uncertainties."""
+        return {"run": np.arange(len(self)), **self.table}
+
+    def plot(self, ax: Axes | None = None, engine: str | None = None) -> Axes:
+        """Draw the largest rotation over the only number that varies, by all engines, or outcomes over the first two, by one.
+
+        `engine`: by default the first. Raises `InputError` where no number varies.
+        """
+        ax, keys, falls = new_axes(ax), self._axes(), self._falls()
+        ran = self.table["outcome"] != None  # noqa: E711 - by element
+        x = self.table[keys[0]]
+        if len(keys) == 1:
+            for name in self.engines:
+                own = np.flatnonzero(ran & (self.table["engine"] == name))
+                own = own[np.argsort(x[own], kind="stable")]
+                ax.plot(x[own], [abs(value) for value in self.table["peak_theta_rad"][own]], marker="o", label=name)
+        chosen = engine or self.engines[0]
+        for some, label, marker in ((~falls, "does not overturn", "o"), (falls, "overturns", "x")) if keys[1:] else ():
+            own = ran & some & (self.table["engine"] == chosen)
+            if own.any():
+                ax.scatter(x[own], self.table[keys[1]][own], marker=marker, label=f"{chosen} {label}")
+        peak = next(each.head for each in RUN_FIELDS if each.name == "peak_theta_rad")
+        ax.set(xlabel=keys[0], ylabel=keys[1] if len(keys) > 1 else peak, title=self.title)
+        return ax
+
+    def _at(self, places: Sequence[int]) -> RunSet:
+        return replace(self, table={name: column[np.array(places, int)] for name, column in self.table.items()})
+
+    def _falls(self) -> NDArray[np.bool_]:
+        outcomes = self.table["outcome"].tolist()
+        return np.array([each is not None and Outcome(each).overturned for each in outcomes], dtype=bool)
+
+    def _check(self, *names: str) -> None:
+        for name in names:
+            if name not in self.table:
+                raise InputError(Mistake(self.title, name, f"a column: {', '.join(self.table)}", "none of this name"))
+
+    def _axes(self) -> list[str]:
+        """The keys of numbers that vary, at most two."""
+        columns = {key: self.table[key].tolist() for key in self.varied}
+        numbers = [
+            key
+            for key, some in columns.items()
+            if len(set(map(repr, some))) > 1 and all(type(v) in (int, float) for v in some)
+        ]
+        if not numbers:
+            raise InputError(Mistake(self.title, "vary", "a number that varies", ", ".join(columns) or "nothing"))
+        return numbers[:2]
