@@ -37,6 +37,7 @@ from harness.records.trust import (
     TrustRecord,
     TrustSummary,
 )
+from harness.runs.cache_key import request_key
 from harness.runs.dask_pool import DaskPool
 from harness.runs.execute import Campaign
 from harness.runs.progress import progress
