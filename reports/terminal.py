@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from harness.input.mesh_statue import findings_of
-from harness.input.motions.inspect import Inspection
 from harness.model.finding import Finding, Severity, texted, weighed
 from harness.model.run import EngineRunRecord, to_plain
 from harness.model.terminal import printable
@@ -32,6 +31,7 @@ from reports.pages.tosses_page import means_rows
 from reports.text.study_rows import family
 
 if TYPE_CHECKING:
+    from harness.input.motions.inspect import Inspection
     from meshes.inspection import Inspection as Scan
 
 LINES: Final = 16

@@ -10,7 +10,6 @@ from harness.model.finding import Answer, Finding, changes_answer, info
 from harness.model.history import Outcome
 from harness.model.run import Run
 from harness.model.scene import Scene
-from harness.probability.answer import probability
 from harness.records.assess import Assessment
 from harness.records.run import HorizonRecord, has_answer
 from harness.records.scores import Scores, Verdict
@@ -45,12 +44,21 @@ def answer_of(
     code = _code(known, judged)
     parts = [
         _what(scene, known, len(runs)),
-        *probability(assessment),
+        *_chance(assessment),
         *_until(known, judged, code),
         *_decides(scores),
         *decided,
     ]
     return Answer(code, [*parts, *_unpredictable(horizons, known)])
+
+
+def _chance(assessment: Mapping[str, Assessment]) -> list[Finding]:
+    """How probable a fall is; a run that asks for no probability loads nothing that finds one."""
+    if not assessment:
+        return []
+    from harness.probability.answer import probability
+
+    return list(probability(assessment))
 
 
 def outcome_family(outcome: Outcome) -> str:

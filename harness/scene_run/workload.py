@@ -10,7 +10,6 @@ from typing import Final
 from harness.accuracy.forecast import CERTIFIED_S, START_S, Range, first_settings, moving_s, run_s
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
-from harness.probability.by_model import assessed_s
 from harness.records.run import PLAIN
 from harness.runs.progress import duration_words, forecast_words
 from harness.scene_run.witness import BUDGET, plain_names
@@ -78,7 +77,10 @@ def check(
         if horizon and name not in CERTIFIED_S
     ]
     asked += [HORIZON_RUNS * runs[name].least for name in engines if name in CERTIFIED_S and len(engines) > 1]
-    asked += [assessed_s(scene)] if assess else []
+    if assess:
+        from harness.probability.by_model import assessed_s  # else not loaded
+
+        asked.append(assessed_s(scene))
     written = Range(*moving_s(scene)).times(NUMBER_S * wanted / scene.duration_s)
     own = written.and_also(spent_s, RESULT_S, *asked, *(each for name, each in runs.items() if name not in beside))
     total = own.and_also(*apart)

@@ -86,9 +86,11 @@ def _of_runs(rows: Sequence[StudyRow]) -> list[Finding]:
 def _medians(found: Sequence[Finding]) -> dict[str, Any]:
     """The values of findings of one code: of numbers the median, else the first's; and how many runs they are of."""
     values = dict(found[0].values)
-    for key, first in values.items():
-        if isinstance(first, float):
-            values[key] = float(np.median([each.values[key] for each in found]))
+    for key in values:
+        # Of some runs a number may not be known.
+        known = [number for each in found if isinstance(number := each.values.get(key), float)]
+        if known:
+            values[key] = float(np.median(known))
     return values | {"in_runs": len(found)}
 
 

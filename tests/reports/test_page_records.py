@@ -186,6 +186,14 @@ def test_findings_of_runs_that_differ_in_numbers_are_one(tmp_path: Path) -> None
     assert told["motion_across_left_out"].values == {"in_runs": 1}
 
 
+def test_a_number_that_some_runs_do_not_know_is_the_median_of_the_others(tmp_path: Path) -> None:
+    found = [info("target_met_until_fall", until_s=value) for value in (None, 1.5, 2.25)]
+    rows = [invented_study.case_row("analytic", invented_study.case_run(findings=[plain(each)])) for each in found]
+    record = invented_study.study(invented_study.write_map_study(tmp_path))
+    told = {each.code: each for each in findings_of(replace(record, rows=rows))}
+    assert told["target_met_until_fall"].values == {"until_s": 1.875, "in_runs": 3}
+
+
 def test_a_validation_says_how_to_repeat_it_and_how_far_histories_are_apart(tmp_path: Path) -> None:
     from reports.pages.validation_page import context
 

@@ -10,9 +10,6 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from analytic.excitation import Excitation, Harmonic, Pulse, ZeroExcitation
-from harness.input.motions import compatible, process, records
-from harness.input.motions.compatible import NoMatchError
-from harness.input.motions.floor import floor_motion, ring_down_s
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
 from harness.input.motions.series import Series
 from harness.input.motions.spec import (
@@ -25,11 +22,11 @@ from harness.input.motions.spec import (
     SamplesSpec,
     SpectrumSpec,
 )
-from harness.input.motions.spectra import DesignSpectrum, design_spectrum
 from harness.input.motions.text import mistake
 from harness.model.finding import Finding, info
 
 if TYPE_CHECKING:
+    from harness.input.motions.spectra import DesignSpectrum
     from harness.input.tables import SceneFile
 
 __all__ = ["Prepared", "SceneMotion", "prepare"]
@@ -85,6 +82,9 @@ def prepare(motion: SceneMotion) -> Prepared:
         amplitude = component.amplitude_g * motion.gravity_m_s2
         ground = Prepared(Pulse(component.shape, amplitude, component.duration_s, component.start_s))
     elif isinstance(component, RecordSpec):
+        # A motion by formula loads no reader of records.
+        from harness.input.motions import records
+
         ground = _of_series(*records.load(component, base_dir=motion.base_dir, where=motion.where, key=motion.key))
     elif isinstance(component, SamplesSpec):
         ground = _of_series(Series(component.dt_s, np.array(component.accel_m_s2)), ())
@@ -98,7 +98,9 @@ def _of_series(series: Series, findings: tuple[Finding, ...], target: DesignSpec
 
 
 def _compatible(component: SpectrumSpec, motion: SceneMotion) -> Prepared:
-    spectrum, where, key = design_spectrum(component), motion.where, motion.key
+    from harness.input.motions import compatible, process, records, spectra
+
+    spectrum, where, key = spectra.design_spectrum(component), motion.where, motion.key
     try:
         if component.record is None:
             duration = component.duration_s or compatible.DEFAULT_DURATION_S
@@ -115,13 +117,15 @@ def _compatible(component: SpectrumSpec, motion: SceneMotion) -> Prepared:
     except process.ProcessError as error:
         wanted = f"a record that can be sampled at {compatible.STEP_S} s"
         raise mistake(where, f"{key}.record", wanted, f"{error.got}: wanted {error.wanted}") from error
-    except NoMatchError as error:
+    except compatible.NoMatchError as error:
         advice = 'try another seed or record, a longer duration, or method = "scale"'
         wanted = f"a misfit within {compatible.MISFIT:.0%}"
         raise mistake(where, key, wanted, str(error), advice) from error
 
 
 def _on_floor(ground: Prepared, modes: tuple[Oscillator, ...], motion: SceneMotion) -> Prepared:
+    from harness.input.motions.floor import floor_motion, ring_down_s
+
     where, key, duration_s = motion.where, motion.key, motion.duration_s
     end = ground.excitation.end_s
     until = end + ring_down_s(modes)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -212,3 +214,10 @@ def test_a_wall_that_is_reached_at_the_start_is_refused(
     with pytest.raises(InputError) as refused:
         load_scene(path, overrides)
     assert [(item.key, item.got) for item in refused.value.mistakes] == [(key, got)]
+
+
+def test_a_motion_by_formula_loads_no_reader_of_records() -> None:
+    path = Path(__file__).parents[3] / "scenes" / "free_rocking.toml"
+    code = f"import sys, harness; harness.load_scene({str(path)!r}); print([n for n in sys.modules if '.readers' in n])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
