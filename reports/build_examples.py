@@ -10,17 +10,15 @@ from contextlib import closing
 from pathlib import Path
 from typing import Final
 
-from harness import engines
 from harness.input.paths import data_folder
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
 from harness.model.run import Run
-from harness.model.scene import Scene
 from harness.records.study import StudyRecord, StudyRow
 from harness.records.trust import TrustRecord
 from harness.runs.runner import Crash, LocalPool, Pool
-from harness.runs.store import STORE_NAME, Store
-from harness.runs.task import Answer, RunRequest
+from harness.runs.store import STORE_NAME, Store, stored_runs
+from harness.runs.task import Answer
 from harness.scene_run.scene_run import run_scene, write_result
 from harness.trust.trust_run import run_trust
 from reports.cli import studies
@@ -69,12 +67,6 @@ def examples(known: Mapping[str, Mapping[str, Run]], pool: Pool) -> dict[str, An
 
     pool.run(example, known.items(), done)
     return answers
-
-
-def stored_runs(store: Store, scene: Scene) -> dict[str, Run]:
-    """The runs of a scene that a study has stored with their histories, by engine."""
-    keys = {name: RunRequest(lambda: scene, name, history=True).task(scene).key for name in engines.DEFAULT_ENGINES}
-    return {name: run for name, key in keys.items() if (run := store.run(key)) is not None}
 
 
 def of_study() -> dict[str, dict[str, Run]]:

@@ -16,14 +16,16 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness import engines
 from harness.model.errors import InputError, Mistake
 from harness.model.files import NO_ROOM, writing
 from harness.model.history import COLUMNS, Array, History
 from harness.model.run import EngineRunRecord, Run, to_plain
+from harness.model.scene import Scene
 from harness.records.base import Plain, part
 from harness.records.result_folder import STORE, STORE_KINDS, STORE_NUMBER, store_kind
 from harness.records.study import Value
-from harness.runs.task import RUN, Answer
+from harness.runs.task import RUN, Answer, RunRequest
 
 # Results as a store takes them, and histories as bytes and back, exact to the last bit.
 
@@ -394,3 +396,9 @@ class Store:
                 else RECOVER
             )
             raise InputError(Mistake(str(self.path), "", f"a store that can be {done}", str(error), advice)) from error
+
+
+def stored_runs(store: Store, scene: Scene) -> dict[str, Run]:
+    """The runs of a scene that a study has stored with their histories, by engine."""
+    keys = {name: RunRequest(lambda: scene, name, history=True).task(scene).key for name in engines.DEFAULT_ENGINES}
+    return {name: run for name, key in keys.items() if (run := store.run(key)) is not None}

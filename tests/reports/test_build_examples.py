@@ -14,12 +14,11 @@ from harness.model.scene import Scene
 from harness.records.base import plain
 from harness.records.study import StudyRow
 from harness.runs.runner import InlinePool
-from harness.runs.store import Store
+from harness.runs.store import Store, stored_runs
 from harness.runs.task import RunRequest
 from harness.scene_run.scene_run import run_scene
 from harness.trust import plane
 from reports import build_examples
-from reports.build_examples import stored_runs
 from tests import doubles
 from tests.budgets_reports import PAGE_WORDS
 from tests.harness.studies.small_study import BLOCK
