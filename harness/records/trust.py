@@ -62,6 +62,18 @@ its runs. `set` are the keys of the scene there, as `rockcheck run SCENE --set` 
 """
 
 
+CONTOURS: Final = {
+    "peak_quarter": 0.25,
+    "peak_half": 0.5,
+    "horizon": 0.0,
+    "probability_5": 0.05,
+    "probability_50": 0.5,
+    "probability_95": 0.95,
+}
+"""Lines on the map, all of the analytic model: its peak over α, the share of the run that lies beyond its horizon (any), and the
+probability of a fall."""
+
+
 @dataclass(frozen=True)
 class Saved:
     """Of `total` conditions asked with and without the pedestal: falls without it, those prevented by it, and caused."""
@@ -84,11 +96,13 @@ class TrustMap:
     """The plane of one statue: `shares` of it by class, each frequency's strengths evenly in their logarithm.
 
     `confirmed_up_to_g`: the largest strength up to which outcome and peak are confirmed at every frequency; None: at no strength.
+    `contours`: by name of `CONTOURS` the least strength, g, at each frequency at which its value is passed; None: at none.
     """
 
     stands_on: Literal["pedestal", "floor"]
     shares: Mapping[TrustClass, float]
     confirmed_up_to_g: float | None
+    contours: Mapping[str, Sequence[float | None]]
     cells: Sequence[TrustCell]
 
 

@@ -27,6 +27,7 @@ from harness.records.scene import SceneRecord
 from harness.records.scores import Interval
 from harness.records.trust import (
     CLASSES,
+    CONTOURS,
     HELD,
     MOTIONS,
     Basis,
@@ -332,8 +333,40 @@ def map_of(found: Map, points: Points, *, coarse: bool) -> TrustMap:
         stands_on="floor" if plane.scene.pedestal is None else "pedestal",
         shares={kind: sum(cell["class"] == kind for cell in cells) / len(cells) for kind in CLASSES},
         confirmed_up_to_g=confirmed_up_to_g(plane, words),
+        contours={name: contour(name, cells, plane) for name in CONTOURS},
         cells=cells,
     )
+
+
+def contour(name: str, cells: Sequence[TrustCell], plane: Plane) -> list[float | None]:
+    """The least strength, g, at each frequency at which the value of one of `CONTOURS` is passed."""
+    count = len(plane.amplitudes_g)
+    line = []
+    for i in range(len(plane.frequencies_hz)):
+        duration_s = plane.at((i, 0)).duration_s
+        heights = [_height(name, cell, duration_s) for cell in cells[i * count : (i + 1) * count]]
+        line.append(crossing(heights, CONTOURS[name], plane.amplitudes_g))
+    return line
+
+
+def _height(name: str, cell: TrustCell, duration_s: float) -> float:
+    """What a contour is of, at one point."""
+    if name.startswith("probability"):
+        chance = cell["probability"].get(MODEL)
+        return 0.0 if chance is None else chance.value
+    if name == "horizon":
+        return 0.0 if cell["horizon_s"] is None else 1.0 - cell["horizon_s"] / duration_s
+    return math.inf if cell["peak_over_alpha"] is None else cell["peak_over_alpha"]
+
+
+def crossing(heights: Sequence[float], level: float, at: Sequence[float]) -> float | None:
+    """Where a value is first above a level, between two points in proportion on a logarithmic scale (halfway to no number)."""
+    above = next((j for j, height in enumerate(heights) if height > level), None)
+    if above is None or above == 0:
+        return None if above is None else at[0]
+    low, high = heights[above - 1], heights[above]
+    share = (level - low) / (high - low) if math.isfinite(high) else 0.5
+    return float(at[above - 1] * (at[above] / at[above - 1]) ** share)
 
 
 def doubtful(chances: Mapping[Point, Interval]) -> list[Point]:

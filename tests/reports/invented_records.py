@@ -24,7 +24,7 @@ from harness.records.scene import SceneRecord
 from harness.records.scores import Interval, Scores
 from harness.records.sets import FragilityCurve
 from harness.records.stress import Cell, HardRow, Mutated, StressRecord
-from harness.records.trust import CLASSES, TrustCell, TrustMap, TrustRecord, TrustSummary
+from harness.records.trust import CLASSES, CONTOURS, TrustCell, TrustMap, TrustRecord, TrustSummary
 from harness.records.validation import FallScores
 from harness.studies.cases import Base
 from harness.trust.plane import Plane
@@ -253,7 +253,8 @@ def trust() -> TrustRecord:
     summary = TrustSummary(points=8, asked=8, checked=0, changed=0, found=0, cpu_s=1.0)
     scene = paestum(0.429, 3.0)
     whole = Plane(Base(None, {}), scene, "sine", [0.1, 0.15, 0.225, 0.3375], [1.0, 2.0])
-    maps = [TrustMap("pedestal", shares, 0.15, cells), TrustMap("floor", shares, None, cells)]
+    contours = {name: [0.12, None] for name in CONTOURS}
+    maps = [TrustMap("pedestal", shares, 0.15, contours, cells), TrustMap("floor", shares, None, contours, cells)]
     saved = saved_by(["analytic", "pymunk"], maps)
     return TrustRecord(
         title="An invented map",

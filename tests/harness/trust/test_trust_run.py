@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -22,13 +23,13 @@ from harness.model.finding import Severity
 from harness.model.scene import Scene
 from harness.records.kinds import read_result
 from harness.records.scores import Interval
-from harness.records.trust import CLASSES, TrustRecord
+from harness.records.trust import CLASSES, CONTOURS, TrustRecord
 from harness.runs.runner import InlinePool
 from harness.runs.store import STORE_NAME, Store
 from harness.trust import plane, trust_run
 from harness.trust.plane import Plane, Point
 from harness.trust.point import Said
-from harness.trust.trust_run import Map, confirmed_up_to_g, doubtful, engines_of, falls
+from harness.trust.trust_run import Map, confirmed_up_to_g, crossing, doubtful, engines_of, falls
 from reports.cli import app
 from reports.messages import ENGLISH
 from reports.pages.page import write_report
@@ -245,6 +246,23 @@ def test_a_pedestal_s_map_stands_beside_that_of_the_statue_on_the_floor(small: P
     assert record.saved["analytic"].prevented > record.saved["analytic"].caused == 0
     with (tmp_path / "map" / "cells.csv").open() as stream:
         assert [row["stands_on"] for row in csv.DictReader(stream)] == ["pedestal"] * 6 + ["floor"] * 6
+
+
+def test_a_contour_lies_where_its_value_is_first_passed() -> None:
+    at = [0.1, 0.2, 0.4, 0.8]
+    assert crossing([0.0, 0.1, 0.2, 0.1], 0.15, at) == pytest.approx(0.2 * 2.0**0.5)
+    assert crossing([0.0, 0.1, math.inf, math.inf], 0.5, at) == pytest.approx(0.2 * 2.0**0.5)
+    assert crossing([0.3, 0.1, 0.2, 0.1], 0.15, at) == 0.1
+    assert crossing([0.0, 0.1, 0.1, 0.1], 0.15, at) is None
+
+
+def test_a_map_has_a_contour_of_each_kind_at_each_frequency(small: Path, tmp_path: Path) -> None:
+    """The block rocks from 0.2 g on: a fall is past every share of α, and where none moves nothing is."""
+    (only,) = trust_run.run_trust(small, tmp_path / "map", ["pymunk"], coarse=True, quiet=True).maps
+    assert {*only.contours} == {*CONTOURS}
+    first = [only.contours[name][0] for name in ("peak_quarter", "peak_half")]
+    assert all(only.cells[0]["amplitude_g"] < at <= only.cells[2]["amplitude_g"] for at in first if at is not None)
+    assert None not in first
 
 
 def test_an_outcome_that_is_confirmed_is_every_model_s() -> None:
