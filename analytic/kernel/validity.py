@@ -14,6 +14,8 @@ from analytic.kernel.records import Task
 
 SAMPLES: Final = 8
 """Instants at which a step's forces are looked at, its ends included: a step spans a fraction of a half-cycle."""
+HALVINGS: Final = 30
+"""Of the time between two of them, to where a limit is passed: to 1e-10 of a step."""
 
 
 @jit
@@ -59,20 +61,44 @@ def note_rest(task: Task, time: float, accel: float, gravity: float) -> None:
 @jit
 def note_step(task: Task, n: int, tau: float) -> None:
     """Forces during a step of length tau whose coefficients stand in the workspace to order n − 1."""
-    series, pivot = task.series, task.state.pivot
-    if pivot >= 0:
+    inside = math.isnan(task.results.left_domain_s)
+    if task.state.pivot >= 0:
         complete(task, n - 1)
     for i in range(SAMPLES):
-        at = tau * i / (SAMPLES - 1)
-        time = task.state.time_s + at
-        v = value(series.pivot_normal, n - 1, at)
-        accel = value(series.support_accel, n - 1, at)
-        if pivot < 0:
-            note_rest(task, time, accel, v / task.params.mass_kg)
+        _note_at(task, n, tau * i / (SAMPLES - 1))
+        if i > 0 and inside and not math.isnan(task.results.left_domain_s):
+            inside = False
+            _locate_exit(task, n, tau * (i - 1) / (SAMPLES - 1), tau * i / (SAMPLES - 1))
+
+
+@jit
+def _locate_exit(task: Task, n: int, within: float, beyond: float) -> None:
+    """Move the instant at which the domain is left from the sample that saw it, at `beyond`, to where a limit is passed."""
+    results = task.results
+    for _ in range(HALVINGS):
+        at, by = 0.5 * (within + beyond), results.left_domain_by
+        results.left_domain_s = math.nan
+        _note_at(task, n, at)
+        if math.isnan(results.left_domain_s):
+            within, results.left_domain_by = at, by
         else:
-            contact = load_double(task.base.x, pivot) - task.params.pedestal_centre_m
-            horizontal, normal = value(series.pivot_force, n - 1, at), value(series.floor_normal, n - 1, at)
-            _note(task, time, horizontal, v, normal, contact, accel)
+            beyond = at
+    results.left_domain_s = task.state.time_s + beyond
+
+
+@jit
+def _note_at(task: Task, n: int, at: float) -> None:
+    """Forces at a time after the step's beginning."""
+    series, pivot = task.series, task.state.pivot
+    time = task.state.time_s + at
+    v = value(series.pivot_normal, n - 1, at)
+    accel = value(series.support_accel, n - 1, at)
+    if pivot < 0:
+        note_rest(task, time, accel, v / task.params.mass_kg)
+    else:
+        contact = load_double(task.base.x, pivot) - task.params.pedestal_centre_m
+        horizontal, normal = value(series.pivot_force, n - 1, at), value(series.floor_normal, n - 1, at)
+        _note(task, time, horizontal, v, normal, contact, accel)
 
 
 @jit

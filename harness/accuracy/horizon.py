@@ -11,6 +11,7 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.spread import PLAIN_ORDER, Error, Spread
+from harness.engines.analytic import TwoBlockSettings
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.history import History, Outcome, first_beyond_s, pair
 from harness.model.options import RunOptions
@@ -34,28 +35,30 @@ PERTURBED_SHARE: Final = 0.03
 run of 1 ms parts from its neighbours as the model parts from itself under a tenth of that: with less no climb is given up that
 could succeed."""
 
+REST_TIMES: Final = 20.0
+"""The model drops rebounds of a hundredth of its aimed error, engines those of some 1e-5 rad, where the floor all but lifts the
+statue of more: with an aim of so many times what a level is expected to err by, what they lose alike is seen to grow."""
+
 
 def outgrown_s(scene: Scene, error_rad: float, target_rad: float) -> float:
     """When errors as small as these have grown past the target; infinite if not before the scene ends or there is no return from
     a fall.
 
-    By the analytic model's own runs with perturbed starts and motions; infinite, too, where it refuses the scene or has left its
-    domain by then.
+    By the analytic model's own runs: with perturbed starts and motions, and one that takes small rebounds for rest. Infinite,
+    too, where it refuses the scene or has left its domain by then.
     """
-    model = engines.load(MODEL)
+    model, once = engines.load(MODEL), RunOptions(stated=False)
     try:
         settings = model.refinement_levels(scene)[-1]
-        run = model.simulate(scene, settings, RunOptions())
-        if run.history is None:
-            return math.inf
-        others = [
-            model.simulate(each, settings, RunOptions()).history
-            for each in perturbed(scene, PERTURBED_SHARE * error_rad)
-        ]
+        run = model.simulate(scene, settings, once)
+        others = [model.simulate(each, settings, once) for each in perturbed(scene, PERTURBED_SHARE * error_rad)]
+        others.append(model.simulate(scene, TwoBlockSettings(0.0, error_rad, REST_TIMES * error_rad), once))
     except EngineFailure:
         return math.inf
+    if run.history is None:
+        return math.inf
     until_s = min(last_s(run), number(run.validity, "left_domain_s", math.inf))
-    apart_s = [None if other is None else parted_s(other, run.history, target_rad) for other in others]
+    apart_s = [None if other.history is None else parted_s(other.history, run.history, target_rad) for other in others]
     return min((each for each in apart_s if each is not None and each < until_s), default=math.inf)
 
 

@@ -83,6 +83,17 @@ def test_doubts_and_limits_are_told() -> None:
     assert narrow.solution.validity.left_domain_by == "pedestal_tips"
 
 
+def test_the_domain_is_left_where_a_limit_is_passed_not_where_a_step_is_looked_at() -> None:
+    """A pivot that gives way before the statue falls: told up to 0.02 s late, spatial's slip began while the model still held."""
+    squat, pulse = Block.rectangle(width_m=0.62, height_m=2.4), Pulse("one_sine", 3.5, 1.0, 0.2)
+    left = [
+        simulate(squat, pulse, duration_s=3.0, statue_friction=0.5, accuracy_rad=accuracy_rad).validity
+        for accuracy_rad in (1e-6, 1e-9)
+    ]
+    assert left[0].left_domain_by == left[1].left_domain_by == "statue_slides"
+    assert left[0].left_domain_s == pytest.approx(left[1].left_domain_s, abs=budget.LEFT_DOMAIN_S)
+
+
 def test_paestum_landing_left_needs_the_printed_friction() -> None:
     """0.341 with the pedestal held (docs/model.md, section 5)."""
     run = simulate(STATUE, Rest(), theta0_rad=0.05, duration_s=1.0, gravity_m_s2=GRAVITY)

@@ -49,13 +49,10 @@ class ContactGaps:
         self.soon, self.soon_until_s = list(range(len(feet_m))), math.inf if few else -math.inf
         self.ahead_s = SOON_STEPS * step_s
         self.base_m = statue.corner_left_m + statue.corner_right_m
-        # What rocks out of its plane stands on feet that close and open all the time.
         height_m, own_rad_s = statue.centroid_height_m, math.sqrt(scene.gravity_m_s2 / statue.centroid_height_m)
         self.near_m, self.rest_m, self.held = events.near * height_m, events.rest * height_m, events.held
         self.slow_rad_s = events.least_rate * own_rad_s
-        least = (
-            max(events.least_at_rest, events.least_gained * own_rad_s * step_s) if scene.planar else events.least_rate
-        )
+        least = max(events.least_at_rest, events.least_gained * own_rad_s * step_s)
         self.least_m_s = min(events.least_rate, least) * own_rad_s * self.base_m
         pull = greatest_pull_m_s2(scene)
         # A standing foot falls back in each step by what its circle, of the centroid's height, took it up in the one before.
