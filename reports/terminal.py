@@ -26,8 +26,8 @@ from harness.scene_run.answer import STILL_RAD
 from harness.statics.plan import Step
 from reports.messages import ENGLISH
 from reports.messages.numbers import digits, length
-from reports.pages.measured_page import heads, keyed
-from reports.pages.tosses_page import means_rows
+from reports.pages.measured_page import measured_table
+from reports.pages.tosses_page import means_table
 from reports.text.study_rows import family
 
 if TYPE_CHECKING:
@@ -141,11 +141,9 @@ def trust_lines(record: TrustRecord, *, verbose: bool = False) -> list[str]:
 
 def measured_lines(record: MeasuredRecord | TossesRecord, *, verbose: bool = False) -> list[str]:
     """A measured set: title, answer, the first columns of its first table, what to beware of."""
-    if isinstance(record, TossesRecord):
-        return _headed(record, table(means_rows(record)), verbose=verbose)
-    first = record.tables[0]
-    rows = [heads(first), *([key, *cells] for key, cells in keyed(first))]
-    return _headed(record, table([row[:TOLD_COLUMNS] for row in rows]), verbose=verbose)
+    first = means_table(record) if isinstance(record, TossesRecord) else measured_table(record.tables[0], ENGLISH)
+    rows = [[str(cell) for cell in row[:TOLD_COLUMNS]] for row in (first.heads, *first.rows)]
+    return _headed(record, table(rows), verbose=verbose)
 
 
 def _of_pairs(record: RunRecord) -> list[Finding]:

@@ -46,14 +46,18 @@ class Path:
 
     def svg(self) -> str:
         """As SVG; a fill is said only where lines enclose an area."""
-        points = "L".join(f"{x:.1f} {y:.1f}" for x, y in self.points_px.tolist())
-        points = points.replace("Lnan nanL", "M")
+        known = np.isfinite(self.points_px).all(axis=1).tolist()
+        points = "".join(
+            f"{'L' if k and known[k - 1] else 'M'}{x:.1f} {y:.1f}"
+            for k, (x, y) in enumerate(self.points_px.tolist())
+            if known[k]
+        )
         style = f' fill="{self.fill or "none"}"' if self.fill or len(self.points_px) > 2 else ""
         if self.stroke:
             style += f' stroke="{self.stroke}" stroke-width="{self.width:g}"'
         style += f' stroke-dasharray="{self.dash}"' if self.dash else ""
         style += f' opacity="{self.opacity:g}"' if self.opacity < 1.0 else ""
-        return _titled("path", f' d="M{points}{"Z" if self.closed else ""}"{style}', self.title)
+        return _titled("path", f' d="{points}{"Z" if self.closed else ""}"{style}', self.title)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Final
 
 from harness.model.errors import InputError, Mistake
 from harness.model.files import check_own, writing
@@ -15,7 +15,7 @@ from harness.records.effects3d import EffectsRecord
 from harness.records.kinds import read_result
 from harness.records.run import RunRecord
 from harness.records.study import Panel, StudyRecord
-from reports.charts import Json
+from reports.blocks import Chart, walk
 from reports.charts.histories import histories_figure
 from reports.charts.palette import INK, dark_css
 from reports.charts.static_svg import picture_of
@@ -24,7 +24,7 @@ from reports.drawing.effects_figures import changes, rose
 from reports.drawing.shapes import ANCHORS, Disc, Picture, Text, titled
 from reports.drawing.shapes import Path as Line
 from reports.messages.numbers import drawn_text
-from reports.pages.page import page_values
+from reports.pages.page import page_blocks
 from reports.source import RunSource, source_of
 from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import conditions
@@ -123,8 +123,6 @@ def figure(picture: Picture) -> Figure:
 WIDTHS_MM: Final = {"column": 85.0, "page": 178.0}
 """A column and a page of most journals."""
 FORMATS: Final = ("png", "svg", "pdf")
-NAMES: Final = {"figure": "histories", "chart": "fragility"}
-"""Names of figures whose pages call them otherwise."""
 POINTS: Final = 2400
 """Most points of a printed curve: more than dots across a page at 300 dpi."""
 
@@ -166,12 +164,9 @@ def _pictures(folder: Path, record: Record, width_px: float, model: str | None) 
         yield "rose", as_wide(rose(record), width_px)
         yield "effects", as_wide(changes(record), width_px)
         return
-    values = page_values(folder, record)
-    for name, words, figure in cast(Sequence[tuple[str, str, Json]], values.get("charts") or ()):
-        yield name, titled(picture_of(figure, width_px, POINTS), words)
-    for name, value in values.items():
-        if isinstance(value, dict) and {"data", "layout"} <= value.keys():
-            yield NAMES.get(name, name), picture_of(value, width_px, POINTS)
+    for chart in walk(page_blocks(folder, record)):
+        if isinstance(chart, Chart) and chart.name not in ("saved", "moved"):
+            yield chart.name, titled(picture_of(chart.figure, width_px, POINTS), chart.words)
     if isinstance(record, StudyRecord):
         yield from _study_pictures(record, width_px, model)
 
@@ -184,8 +179,8 @@ def _study_pictures(record: StudyRecord, width_px: float, model: str | None) -> 
         yield name, panels_picture(group, chosen, width_px, POINTS)
     models, cases = conditions(record.rows)
     effect = pedestal_effect(record, models, cases)
-    for name, words, figure in () if effect is None else effect.charts:
-        yield name, titled(picture_of(figure, width_px, POINTS), words)
+    for chart in () if effect is None else effect.charts:
+        yield chart.name, titled(picture_of(chart.figure, width_px, POINTS), chart.words)
     drawn = rose_picture(models, cases)
     if drawn is not None:
         yield "rose", as_wide(drawn, width_px)

@@ -85,6 +85,17 @@ class Language:
         """A share, as `numbers.percent`."""
         return self._written(numbers.percent(share, count))
 
+    def label(self, key: str) -> str:
+        """What a value of a record is called, and its unit."""
+        words, unit = numbers.split_unit(key)
+        return f"{self.strings.get(f'label.{key}', words)}{f' [{unit}]' if unit else ''}"
+
+    def plain(self, value: Any, count: int = 4) -> str:
+        """Any value of a record in one table cell, its numbers with `count` digits."""
+        if isinstance(value, bool | str):
+            return self.word(str(value))
+        return self._written(numbers.plain(value, count)) if isinstance(value, float) else numbers.plain(value, count)
+
     def count(self, count: int) -> str:
         """A small count as a word."""
         words = self.strings["numbers"].split()

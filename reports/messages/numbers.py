@@ -79,19 +79,19 @@ def drawn_text(text: str) -> str:
     return f"\u2009{safe}" if safe.startswith("_") else safe
 
 
-def plain(value: Any) -> str:
-    """Any value of a record in one table cell."""
+def plain(value: Any, count: int = 4) -> str:
+    """Any value of a record in one table cell, its numbers to `count` digits."""
     if value is None:
         return "–"
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return digits(value, 4)
+        return digits(value, count)
     if isinstance(value, Mapping):
         return ", ".join(_pair(key, item) for key, item in value.items())
     if isinstance(value, (list, tuple)):
-        shown = [plain(item) for item in value[:12]]
-        return ", ".join(shown) + (f", … ({len(value)})" if len(value) > 12 else "")
+        shown = [plain(item, count) for item in value[:12]]
+        return (", ".join(shown) or "–") + (f", … ({len(value)})" if len(value) > 12 else "")
     return str(value)
 
 
@@ -102,6 +102,7 @@ def _pair(key: str, value: Any) -> str:
 
 UNITS = {
     "m_s2": "m/s²",
+    "m_s": "m/s",
     "rad_s": "rad/s",
     "kg_m2": "kg m²",
     "kg_m3": "kg/m³",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
@@ -10,70 +11,195 @@ from harness.model.scene import Uncertain
 from harness.probability.answer import CLEAR, clearance
 from harness.probability.by_model import MODEL
 from harness.probability.sensitivity import LEAST_DRAWS
-from harness.records.assess import (
-    AssessRecord,
-    ClearanceByModel,
-    FragilityRecord,
+from harness.records.assess import Assessment, AssessRecord, ClearanceByModel, FragilityRecord, OptionAnswer
+from reports.blocks import (
+    Block,
+    Chart,
+    Details,
+    Drawing,
+    Facts,
+    Section,
+    Table,
+    Text,
+    Verdict,
+    notes,
+    repeat,
+    section,
+    table,
+    verdict,
+    words,
 )
 from reports.charts import Json
 from reports.charts.figure import axis, band, curve, figure
 from reports.charts.palette import INK, MUTED
 from reports.drawing.conservator_pictures import plan_svg
 from reports.drawing.floor_plan import probable_plan
-from reports.messages import ENGLISH, probability_text
+from reports.messages import Language, probability_text
 from reports.text.chance import tone_of_answers
-from reports.text.limits import by_severity
-from reports.text.wording import Verdict
 
 TICKS: Final = [0.25, 0.5, 1.0, 2.0, 4.0]
 """Factors written on the axis."""
 
 
-def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
-    """Everything that the assess template shows."""
-    room = record.clearance
-    plan = None if room is None else probable_plan(room, CLEAR)
-    return {
-        "verdict": assess_verdict(record),
-        "notes": by_severity(record.findings),
-        "inputs": [(item, _said(item, record.assumed)) for item in record.uncertainty],
-        "totals": any(item.total is not None for item in (record.indices or {}).values()),
-        "least_draws": LEAST_DRAWS,
-        "chart": None if record.fragility is None else _chart(record.fragility),
-        "planar": record.options is not None and record.options.model == MODEL,
-        "plan": room and plan and plan_svg(record.scene, plan, ENGLISH.say(clearance(room)), ENGLISH),
-        "clearance": [_clearance(*each) for each in (room.answered.items() if room else ())],
-    }
+def blocks(_folder: Path, record: AssessRecord, say: Language) -> list[Block]:
+    """The blocks of an assessment's page."""
+    models = [
+        {"model": name, "probability": _share(say, item.probability_overturned), "interval": _between(say, item),
+         "runs": item.engine_runs, "undecided": _share(say, item.undecided)}
+        if isinstance(item, Assessment) else
+        {"model": name, "probability": say("text.not_assessed"), "interval": item.message if item else "", "runs": "",
+         "undecided": ""}
+        for name, item in record.assessment.items()
+    ]  # fmt: skip
+    fragility = record.fragility
+    return [
+        assess_verdict(record),
+        *section(say, "notes", *notes(say, record.findings)),
+        *section(
+            say, "models", table(say, "assess", "model probability interval runs undecided", models), words(say, "assess")
+        ),
+        *_options(record, say),
+        *_clearance(record, say),
+        *(
+            section(
+                say, "fragility", Chart("fragility", say("text.fragility_chart"), _chart(fragility), 1060),
+                words(say, "fragility", model=fragility.model, draws=fragility.draws),
+            )
+            if fragility else ()
+        ),
+        *_inputs(record, say),
+        *repeat(say, record, more=[words(say, "seed", seed=record.seed)]),
+    ]  # fmt: skip
 
 
 def assess_verdict(record: AssessRecord) -> Verdict:
     """The record's answer, in the colour of the most probable fall."""
-    answers, told = record.answers, record.answer
-    first, *points = [each.text for each in told.findings] if told else [""]
-    return Verdict(first, tone_of_answers(answers) if answers else "failed", points)
+    return verdict(record, tone_of_answers(record.answers) if record.answers else "failed")
 
 
-def _said(item: Uncertain, assumed: bool) -> str:
+def _share(say: Language, value: float) -> str:
+    return say.value(value, "share")
+
+
+def _between(say: Language, item: Assessment | OptionAnswer) -> str:
+    return say.range([_share(say, item.low), _share(say, item.high)]).replace(" ", "\u00a0")
+
+
+def _options(record: AssessRecord, say: Language) -> list[Section]:
+    """Options with common random numbers: what each does to the probability and to the pedestal's slip."""
+    options = record.options
+    if options is None:
+        return []
+
+    def slip(value_m: float | None, item: OptionAnswer) -> str:
+        if value_m is None:
+            return say("text.not_followed")
+        return say.value(value_m, "m") if item.slip_high_m else say("text.none")
+
+    rows = [
+        {
+            "option": item.name,
+            "probability": _share(say, item.probability_overturned)
+            + (f" ({say('text.no_end', share=_share(say, item.undecided))})" if item.undecided else ""),
+            "shown": "" if item.difference is None
+            else say("text.helps" if item.helps else "text.harms" if item.harms else "text.not_shown"),
+            "interval": _between(say, item),
+            "change_points": "" if item.difference is None
+            else "{} ({})".format(
+                say.value(item.difference.value, "points"),
+                say.range([say.value(each, "points") for each in (item.difference.low, item.difference.high)]),
+            ).replace(" ", "\u00a0"),
+            "slip_median": slip(item.slip_median_m, item),
+            "slip_high": slip(item.slip_high_m, item),
+        }
+        for item in options.options
+    ]  # fmt: skip
+    fewer = sorted({item.draws for item in options.options} - {options.draws})
+    some = say("text.fewer_draws", draws=", ".join(map(str, fewer))) if fewer else ""
+    what = [
+        (item.name, f"{item.what}{say('text.source', source=item.source) if item.source else ''}")
+        for item in options.options if item.what
+    ]  # fmt: skip
+    left = [say("text.option_left_out", name=name, reason=reason) for name, reason in options.left_out.items()]
+    columns = "option probability shown interval change_points slip_median slip_high"
+    level = _share(say, options.difference_level)
+    return section(
+        say, "options", table(say, "options", columns, rows, model=options.model),
+        words(say, "options", draws=options.draws, some=some, level=level),
+        words(say, "planar" if options.model == MODEL else "in_space"),
+        Details(say("text.each_option"), [Facts(what), Text(left, "variant")], fold=True),
+    )  # fmt: skip
+
+
+def _clearance(record: AssessRecord, say: Language) -> list[Section]:
+    """The room that the statue needs, drawn and by direction."""
+    room = record.clearance
+    plan = None if room is None else probable_plan(room, CLEAR)
+    drawn = None
+    if room is not None and plan is not None:
+        drawn = Drawing(plan_svg(record.scene, plan, say.say(clearance(room)), say), [say("text.plan")], "chart-box")
+    tables = [
+        Details(say("text.by", name=name), [_by_direction(name, item, say)], fold=True)
+        for name, item in (room.answered.items() if room else ())
+    ]
+    return section(say, "clearance", drawn, *tables, words(say, "clearance")) if room else []
+
+
+def _by_direction(name: str, item: ClearanceByModel, say: Language) -> Table:
+    """A model's table by direction: quantiles of the outline's way, and at one share of top and pedestal."""
+    at = list(item.share).index(CLEAR)
+    heads = [say("text.of_100", what=say("label.outline"), share=probability_text(share)) for share in item.share]
+    heads += [
+        say("text.of_100", what=say(f"label.{part}"), share=probability_text(CLEAR)) for part in ("top", "pedestal")
+    ]
+    columns = zip(*item.outline_m, item.top_m[at], item.pedestal_m[at], strict=True)
+    rows = [
+        [_towards(angle, say), *(say.value(value, "m") for value in row)]
+        for angle, row in zip(item.direction_deg, columns, strict=True)
+    ]
+    return Table(say("table.clearance", name=name), ["", *heads], rows)
+
+
+def _towards(angle_deg: float, say: Language) -> str:
+    side = {0.0: "right", 90.0: "back", 180.0: "left", 270.0: "front"}.get(angle_deg)
+    return f"{angle_deg:g}°" + (f", {say(f'side.{side}')}" if side else "")
+
+
+def _inputs(record: AssessRecord, say: Language) -> list[Section]:
+    """What is uncertain, whence its width comes, and how much of the answer hangs on it."""
+    rows = [
+        {"input": item.key, "value": float(item.value), "distribution": say(f"text.{item.kind}"),
+         "width": " ".join(_width(item, say)), "source": _source(item, say, assumed=record.assumed)}
+        for item in record.uncertainty
+    ]  # fmt: skip
+    indices = [
+        {"input": key, "first": item.first, "total": say("text.not_computed") if item.total is None else item.total,
+         "half_width": f"± {say.digits(item.half_width, 2)}"}
+        for key, item in (record.indices or {}).items()
+    ]  # fmt: skip
+    totals = any(item.total is not None for item in (record.indices or {}).values())
+    told = (
+        words(say, "indices" if totals else "indices_few") if indices else words(say, "no_indices", least=LEAST_DRAWS)
+    )
+    return section(
+        say, "inputs", words(say, "assumed") if record.assumed else None,
+        table(say, "inputs", "input value distribution width source", rows),
+        table(say, "indices", "input first total half_width", indices), told,
+    )  # fmt: skip
+
+
+def _width(item: Uncertain, say: Language) -> Iterator[str]:
+    yield say(f"text.width_{item.kind}", width=say.digits(item.width))
+    if item.correlated_with is not None:
+        yield say("text.correlated", rho=say.short(item.rho), other=item.correlated_with)
+
+
+def _source(item: Uncertain, say: Language, *, assumed: bool) -> str:
     """Where a width comes from: the scene's own, or what is assumed of such a key, with its source."""
     given = assumption(item.key)
     if given is None or (given.kind, given.width) != (item.kind, item.width):
-        return "the scene's own"
-    return given.source if assumed else f"as assumed: {given.source}"
-
-
-def _clearance(name: str, item: ClearanceByModel) -> tuple[str, list[str], list[tuple[str, list[str]]]]:
-    """A model's table by direction, its heads first: quantiles of the outline's way, and at one share of top and pedestal."""
-    at = list(item.share).index(CLEAR)
-    heads = [f"outline, {probability_text(share)} of 100" for share in item.share]
-    heads += [f"{part}, {probability_text(CLEAR)} of 100" for part in ("top", "pedestal")]
-    columns = zip(*item.outline_m, item.top_m[at], item.pedestal_m[at], strict=True)
-    cells = ([f"{value:.3f}\u00a0m" for value in row] for row in columns)
-    return name, heads, [(_towards(angle), row) for angle, row in zip(item.direction_deg, cells, strict=True)]
-
-
-def _towards(angle_deg: float) -> str:
-    side = {0.0: "right", 90.0: "back", 180.0: "left", 270.0: "front"}.get(angle_deg)
-    return f"{angle_deg:g}°" + (f", {side}" if side else "")
+        return say("text.own_width")
+    return given.source if assumed else say("text.as_assumed", source=given.source)
 
 
 def _chart(fragility: FragilityRecord) -> Json:

@@ -20,8 +20,7 @@ from harness.model.terminal import printable_lines
 from meshes import array_cache
 from reports.charts import Json
 from reports.charts.static_svg import still
-from reports.messages import ENGLISH, probability_text
-from reports.messages.numbers import angle, digits, given, heading, label, length, plain, short, unit
+from reports.messages.numbers import given, length, unit
 
 TEMPLATES: Final = Path(__file__).resolve().parents[1] / "templates"
 CHART_KINDS: Final = frozenset({"scatter", "bar", "heatmap"})
@@ -135,16 +134,12 @@ def environment() -> Environment:
         lstrip_blocks=True,
         finalize=_shown,
     )
-    # What a table's cell is written with stands in its template: numbers as people read them.
-    templates.filters |= {each.__name__: each for each in (angle, digits, given, heading, label, plain, short, unit)}
+    templates.filters |= {each.__name__: each for each in (given, packed_chart, packed_json, still, unit)}
     templates.filters |= {
-        "listed": ENGLISH.listed,
         "metres": length,
-        "percent": probability_text,
+        "bound": lambda text: text.replace(" %", "\u00a0%"),
+        "kind": lambda block: type(block).__name__.lower(),
         "script_json": json_for_script,
-        "packed_chart": packed_chart,
-        "packed_json": packed_json,
-        "still": still,
     }
     return templates
 

@@ -12,15 +12,34 @@ from harness.records.bench import (
     OTHER_PROJECT,
     TARGET,
     BenchRecord,
+    Choice,
     PrecisionRow,
     ScalingRow,
+    SkipRow,
+)
+from reports.blocks import (
+    Block,
+    Cell,
+    Chart,
+    Details,
+    Section,
+    Table,
+    Text,
+    Verdict,
+    code,
+    grid,
+    notes,
+    repeat,
+    section,
+    table,
+    verdict,
+    words,
 )
 from reports.charts import Json
 from reports.charts.figure import BELOW, LOG, axis, curve, figure, level, stroke
 from reports.charts.palette import INK, MUTED, look
+from reports.messages import Language
 from reports.messages.numbers import heading
-from reports.text.limits import by_severity
-from reports.text.wording import Verdict
 
 SYMBOLS: Final = {LEVEL: "circle", TARGET: "star", DEFAULT: "square-open", OTHER_PROJECT: "diamond-open"}
 WORDS: Final = {
@@ -35,28 +54,111 @@ PANELS: Final = {"wall_s": ("y", [0.42, 1.0], "time  [s]"), "memory_mb": ("y2", 
 """For each measure its axis, its part of the height and its title."""
 
 
-def context(_folder: Path, record: BenchRecord) -> dict[str, object]:
-    """Everything that the bench template shows."""
+def blocks(_folder: Path, record: BenchRecord, say: Language) -> list[Block]:
+    """The blocks of a bench's page."""
     rows, scenes = record.rows, list(dict.fromkeys(row.scene for row in record.rows))
-    charts = [(f"work-{k}", scene, precision_figure(scene, rows, record.target_rad)) for k, scene in enumerate(scenes)]
-    return {
-        "verdict": bench_verdict(record),
-        "notes": by_severity(record.findings),
-        "charts": charts,
-        "scaling": scaling_figure(record.scaling) if record.scaling else None,
-        "scaling_rows": record.scaling,
-        "scenes": scenes,
-        "on_front": on_front,
-        "baselines": [name.removesuffix("_ratio") for name in record.overhead if name.endswith("_ratio")],
-    }
+    work = [Chart(f"work-{k}", each, precision_figure(each, rows, record.target_rad)) for k, each in enumerate(scenes)]
+    scaling: list[Block] = []
+    if record.scaling:
+        scaling = [
+            words(say, "scaling"),
+            Chart("scaling", say("text.scaling_chart"), scaling_figure(record.scaling), 760),
+        ]
+    sizes = [{**vars(row), "size": f"{row.engine}, {heading(row.quantity)}"} for row in record.scaling]
+    covered = [
+        {"engine": name, "inside": say("text.of", part=item.inside, whole=item.total), "missed": item.missed}
+        for name, item in record.coverage.items()
+    ]
+    return [
+        bench_verdict(record),
+        *section(say, "notes", *notes(say, record.findings)),
+        *section(say, "work", words(say, "work"), grid(work)),
+        *section(
+            say, "choice", _choices(say, "target", record.choice, record.target_rad), _choices(say, "seeded", record.seeded),
+            table(say, "coverage", "engine inside missed", covered),
+        ),
+        *section(
+            say, "skips", table(say, "skips", "skip scenes on_s off_s gain result", [_skip(row, say) for row in record.skips])
+        ),
+        *_others(record, say),
+        *section(say, "scaling", *scaling, table(say, "scaling", "size value wall_s memory_mb", sizes)),
+        *section(
+            say, "rows", *(Details(each, [_rows(each, rows, say)], fold=k == 0) for k, each in enumerate(scenes))
+        ),
+        *repeat(say, record, record.command, more=[table(say, "parts", "part wall_s tasks left", record.parts)]),
+    ]  # fmt: skip
 
 
 def bench_verdict(record: BenchRecord) -> Verdict:
     """Who meets the target on every scene, and how fast on the slowest of them."""
-    found = [] if record.answer is None else record.answer.findings
-    first, *points = [each.text for each in found] or [""]
-    met = record.answer is not None and record.answer.code == "met"
-    return Verdict(first, "agree" if met else "differ", points)
+    return verdict(record, "agree" if code(record) == "met" else "differ")
+
+
+def _choices(say: Language, name: str, items: Sequence[Choice], target_rad: float = 0.0) -> Table | None:
+    columns = "engine met total_s fixed_s share median_times worst_times worst_scene"
+    rows = [{**vars(item), "met": say("text.of", part=item.met, whole=item.scenes)} for item in items]
+    return table(say, name, columns, rows, target=f"{target_rad:g}")
+
+
+def _skip(row: SkipRow, say: Language) -> dict[str, object]:
+    """One skip's times, and what changed by it."""
+    name = row.skip.replace("_", " ") + (f", {row.engine}" if row.engine != "*" else "")
+    if row.failed:
+        return {"skip": name, **dict.fromkeys(("scenes", "on_s", "off_s", "gain")), "result": row.failed}
+    parts = ["; ".join(row.changed) or say("text.same")]
+    parts += [] if row.apart_rad is None else [say("text.apart", apart=say.digits(row.apart_rad, 2))]
+    result = ", ".join(parts) + (say("text.unsettled", count=len(row.unsettled)) if row.unsettled else "")
+    return {**vars(row), "skip": name, "gain": row.gain, "result": result}
+
+
+def _others(record: BenchRecord, say: Language) -> list[Section]:
+    """The model beside other solvers of its equations, its outcomes by the second, and an engine's run over a bare loop."""
+    solvers = [
+        {**vars(row), "solver": ", ".join(filter(None, (row.solver, row.how))), "error_rad": row.failed or row.error_rad,
+         "work": None if row.failed else row.work}
+        for row in record.solvers
+    ]  # fmt: skip
+    outcomes = [
+        {**vars(item), "kind": name.replace("_", " "), "per_core": item.runs_per_core_s}
+        for name, item in record.throughput.items()
+        if name != "map"
+    ]
+    kinds = [name.removesuffix("_ratio") for name in record.overhead if name.endswith("_ratio")]
+    loops = [
+        {
+            "kind": kind.replace("_", " "),
+            **{part: record.overhead[f"{kind}_{part}"] for part in ("run_s", "bare_s", "ratio")},
+        }
+        for kind in kinds
+    ]
+    cases = dict.fromkeys(row.case for row in record.solvers)
+    by_case = [
+        table(
+            say,
+            "solvers",
+            "solver tolerance error_rad seconds work",
+            [row for row in solvers if row["case"] == case],
+            case=case,
+        )
+        for case in cases
+    ]
+    return section(
+        say, "others", *by_case, table(say, "throughput", "kind per_core steps_per_run runs", outcomes),
+        table(say, "overhead", "kind run_s bare_s ratio", loops),
+    )  # fmt: skip
+
+
+def _rows(scene: str, rows: Sequence[PrecisionRow], say: Language) -> Block:
+    """Every setting on one scene; in bold what nothing of its kind beats in both."""
+    shown = [
+        {
+            **vars(row), "engine": Cell(row.engine, "front" if on_front(row, rows) else "broken" if row.failed else ""),
+            "setting": f"{row.label} ◀" if row.chosen else row.label, "error_rad": row.failed or row.error_rad,
+        }
+        for row in rows if row.scene == scene
+    ]  # fmt: skip
+    columns = "engine setting dt_s error_rad cpu_s steps real_time_factor stated_rad"
+    return table(say, "precision", columns, shown, "bench", scene=scene) or Text([])
 
 
 def on_front(row: PrecisionRow, rows: Sequence[PrecisionRow]) -> bool:

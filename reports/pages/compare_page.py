@@ -15,20 +15,21 @@ from harness.records.base import REWRITE
 from harness.records.result_folder import as_written
 from harness.records.scores import FILES, CompareRecord
 from harness.records.scores import Verdict as ScoredVerdict
+from reports.blocks import Block, Cell, Chart, Row, Table, Verdict, repeat, section
 from reports.charts.figure import axis, curve, figure, stroke
 from reports.charts.palette import MUTED, look
 from reports.charts.samples import packed_array, shown_samples
+from reports.messages import Language
 from reports.source import MOVED_SHARE, event_s
 from reports.text.glossary import score_rows
-from reports.text.wording import Verdict
 
 DIFFERENCE: Final = "difference, first less second"
 ROWS: Final = (((0.52, 1.0), "rotation θ  [rad]"), ((0.27, 0.47), "difference  [rad]"), ((0.0, 0.21), "slip  [mm]"))
 """Share of the chart's height and title of each row, from above."""
 
 
-def context(folder: Path, record: CompareRecord) -> dict[str, object]:
-    """Everything that the compare template shows; raises `InputError` for a history that is lost or was changed."""
+def blocks(folder: Path, record: CompareRecord, say: Language) -> list[Block]:
+    """The blocks of the page; raises `InputError` for a history that is lost or was changed."""
     paths = [folder / name for name in FILES]
     lost = [path for path in paths if not path.is_file() or not as_written(path, record)]
     if lost:
@@ -36,17 +37,15 @@ def context(folder: Path, record: CompareRecord) -> dict[str, object]:
     a, b = map(read_history, paths)
     scores = record.scores
     # Both may have the same name, in two folders.
-    names = (scores.a, scores.b) if scores.a != scores.b else (f"{scores.a} (first)", f"{scores.b} (second)")
-    return {
-        "verdict": Verdict(
-            scores.verdict_sentence,
-            "agree" if scores.verdict is ScoredVerdict.AGREE else "differ",
-            [each.text for each in scores.findings[1:]],
-        ),
-        "figure": compare_figure(names, a, b),
-        "rows": [(words, [meaning, *cells]) for words, meaning, cells in score_rows({record.title: scores})],
-        "command": shlex.join(["rockcheck", "compare", scores.a, scores.b, "--out", folder.name]),
-    }
+    names = (scores.a, scores.b) if scores.a != scores.b else (f"{scores.a} (1)", f"{scores.b} (2)")
+    rows: list[Row] = [[Cell(name, tip=tip), *cells] for name, tip, cells in score_rows({record.title: scores}, say)]
+    tone = "agree" if scores.verdict is ScoredVerdict.AGREE else "differ"
+    return [
+        Verdict(scores.verdict_sentence, tone, [each.text for each in scores.findings[1:]]),
+        *section(say, "histories", Chart("histories", say("text.compare_chart"), compare_figure(names, a, b), 1060)),
+        *section(say, "scores", Table(say("table.compare"), ["", say("label.value")], rows)),
+        *repeat(say, record, shlex.join(["rockcheck", "compare", scores.a, scores.b, "--out", folder.name])),
+    ]
 
 
 def compare_figure(names: tuple[str, str], a: History, b: History) -> dict[str, object]:

@@ -15,12 +15,13 @@ from harness.model.run import EngineRunRecord
 from harness.records.assess import Assessment, worst
 from harness.records.run import RunRecord, has_answer, tips_s
 from harness.scene_run.answer import STILL_RAD
+from reports.blocks import Block, Drawing
 from reports.drawing.conservator_pictures import plan_svg, reach_svg
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import Plan, floor_plan
 from reports.drawing.kinematics import Array, section
 from reports.messages import ENGLISH, Language, probability_text
-from reports.pages.conservator_parts import Picture, end_words, order_picture, page, push_picture
+from reports.pages.conservator_parts import end_words, order_picture, plain_page, push_picture
 from reports.source import RunSource, source_of
 from reports.text.giving_way import support_of
 from reports.text.limits import TIPS_RAD, tilt_rad
@@ -39,12 +40,12 @@ STRONG: Final = 0.05
 """From the first to the last instant at which it has this share of its strongest push the shaking lasts."""
 
 
-def context(folder: Path, record: RunRecord, say: Language = ENGLISH) -> dict[str, object]:
-    """Everything that the conservator's template shows of a run."""
-    return page(record.title, record.versions, of_run(source_of(folder, record), say), say)
+def blocks(folder: Path, record: RunRecord, say: Language = ENGLISH) -> list[Block]:
+    """The blocks of the conservator's page of a run."""
+    return of_run(source_of(folder, record), say)
 
 
-def of_run(source: RunSource, say: Language = ENGLISH) -> dict[str, object]:
+def of_run(source: RunSource, say: Language = ENGLISH) -> list[Block]:
     """Headline, first points, what to do, pictures, and what the answer rests on, of one run."""
     answered = {name: run for name, run in source.runs.items() if has_answer(run)}
     nominal = _nominal(source, answered, say)
@@ -52,19 +53,15 @@ def of_run(source: RunSource, say: Language = ENGLISH) -> dict[str, object]:
     given = [] if headline == nominal else [say("chance.given", what=nominal[0].lower() + nominal[1:])]
     support, motion = support_of(source.scene), source.record.motion
     plan = floor_plan(source, _standing(source))
-    return {
-        "headline": headline,
-        "tone": tone(source),
-        "points": [*_shaking(source, say), *given, *_lean(source, say)],
-        "todo": _todo(source, answered, plan, say),
-        "basis": [*basis, *_who(source.runs, answered, say), *_trust(source, say)],
-        "pictures": [
-            reach_picture(source, say),
-            plan_picture(source, plan, _pedestal_slip(source, answered, say), say),
-            push_picture(source.scene, support, say, motion),
-            order_picture(source.scene, support, say, motion),
-        ],
-    }
+    points = [*_shaking(source, say), *given, *_lean(source, say)]
+    pictures = [
+        reach_picture(source, say),
+        plan_picture(source, plan, _pedestal_slip(source, answered, say), say),
+        push_picture(source.scene, support, say, motion),
+        order_picture(source.scene, support, say, motion),
+    ]
+    rests = [*basis, *_who(source.runs, answered, say), *_trust(source, say)]
+    return plain_page(headline, tone(source), points, _todo(source, answered, plan, say), pictures, rests, say)
 
 
 def _shaking(source: RunSource, say: Language) -> list[str]:
@@ -284,7 +281,7 @@ def _extremes(source: RunSource) -> list[tuple[float, float]]:
     return extremes
 
 
-def reach_picture(source: RunSource, say: Language, heading: str = "reach.heading") -> Picture:
+def reach_picture(source: RunSource, say: Language, heading: str = "reach.heading") -> Drawing:
     """Its farthest positions against the lean at which it balances, and its wall; of a statue that falls, the latter alone."""
     extremes, title, standing = _extremes(source), say(heading), _standing(source)
     outline, shape = silhouette_m(source.scene, source.mesh), section(source.scene)
@@ -311,7 +308,8 @@ def reach_picture(source: RunSource, say: Language, heading: str = "reach.headin
     words.append(say("reach.balance"))
     lean = lean_rad if lean_rad >= STILL_RAD else 0.0
     gauge = (lean, statue.slenderness_rad(max(sides))) if standing else None
-    return Picture(title, reach_svg(source, extremes, balance, gauge, f"{title} {' '.join(words)}", say), words)
+    drawn = reach_svg(source, extremes, balance, gauge, f"{title} {' '.join(words)}", say)
+    return Drawing(drawn, words, heading=title)
 
 
 def _rooms(plan: Plan, say: Language) -> str:
@@ -321,7 +319,7 @@ def _rooms(plan: Plan, say: Language) -> str:
     )
 
 
-def plan_picture(source: RunSource, plan: Plan, slip: Sequence[str], say: Language) -> Picture:
+def plan_picture(source: RunSource, plan: Plan, slip: Sequence[str], say: Language) -> Drawing:
     """The space that the statue needs while it rocks, all round where a model follows it in space, and its pedestal's slip."""
     heading, standing = say("plan.heading"), _standing(source)
     rooms = _rooms(plan, say)
@@ -333,7 +331,8 @@ def plan_picture(source: RunSource, plan: Plan, slip: Sequence[str], say: Langua
         words.append(say("plan.planar"))
     words += slip
     shown = Plan(plan.rest_m, plan.moved_m, {side: room for side, room in plan.room_m.items() if room > VISIBLE_M})
-    return Picture(heading, plan_svg(source.scene, shown, f"{heading} {' '.join(words)}", say), words)
+    drawn = plan_svg(source.scene, shown, f"{heading} {' '.join(words)}", say)
+    return Drawing(drawn, words, heading=heading)
 
 
 def _farthest(outline: Array, shape: Any, pose: tuple[float, float], sign: float) -> float:

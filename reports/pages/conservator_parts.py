@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from markupsafe import Markup
 
 from harness.model.history import Outcome
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import SupportRecord
+from reports.blocks import Block, Drawing, Section, Text, Verdict
 from reports.drawing.conservator_pictures import order_svg, push_svg
 from reports.messages import Language
 from reports.text.giving_way import compass, levels, order_words, slips, weakest_words
@@ -27,19 +26,23 @@ ENDS: Final = {
 """The key of each outcome's words; other ends are none that a model can follow."""
 
 
-@dataclass(frozen=True)
-class Picture:
-    """One picture with its heading and its explanation."""
-
-    heading: str
-    drawing: Markup
-    words: Sequence[str]
-
-
-def page(title: str, versions: Mapping[str, str], said: Mapping[str, object], say: Language) -> dict[str, object]:
-    """Everything that the template shows: what a record says, and what every page says."""
-    limits = [say(f"limit.{key}") for key in LIMITS]
-    return {"basis": [], **said, "title": title, "limits": limits, "versions": versions, "say": say}
+def plain_page(
+    headline: str,
+    tone: str,
+    points: Sequence[str],
+    todo: Sequence[str],
+    pictures: Sequence[Drawing],
+    basis: Sequence[str],
+    say: Language,
+) -> list[Block]:
+    """The blocks of every conservator's page: answer with its picture and what to do, further pictures, what it rests on."""
+    limits = Text([say(f"limit.{key}") for key in LIMITS], "points")
+    return [
+        Verdict(headline, tone, points, drawing=pictures[0], todo=todo),
+        Section("pictures", "", pictures[1:], "pictures"),
+        *([Section("basis", say("page.basis"), [Text(basis, "points")])] if basis else ()),
+        Section("limits", say("page.limits"), [limits], "caveat"),
+    ]
 
 
 def end_words(outcome: str, say: Language) -> str:
@@ -54,7 +57,7 @@ def push_picture(
     say: Language,
     motion: MotionRecord | None = None,
     borne: Mapping[float, float] | None = None,
-) -> Picture:
+) -> Drawing:
     """Which push the statue bears, by direction, seen from above; `borne` are shakings without a fall by azimuth in degrees."""
     heading = say("push.heading")
     words = [say("push.seen"), f"{weakest_words(scene, say)} {say('push.tipping')}"]
@@ -77,7 +80,8 @@ def push_picture(
     axes = motion.accel_m_s2.keys() if motion is not None else set()
     if axes & {"x", "y"}:
         words.append(say("push.moment_level" if "z" in axes else "push.moment"))
-    return Picture(heading, push_svg(scene, motion, circles, f"{heading} {' '.join(words)}", say, points), words)
+    drawn = push_svg(scene, motion, circles, f"{heading} {' '.join(words)}", say, points)
+    return Drawing(drawn, words, heading=heading)
 
 
 def _slides(sliding: Sequence[tuple[float, str]], say: Language) -> str:
@@ -94,10 +98,10 @@ def _slides(sliding: Sequence[tuple[float, str]], say: Language) -> str:
 
 def order_picture(
     scene: SceneRecord, support: SupportRecord, say: Language, motion: MotionRecord | None = None
-) -> Picture:
+) -> Drawing:
     """What gives way first, and so what the pedestal does for the statue."""
     push = None if motion is None else motion.push
     heading = say("order.heading_pedestal" if list(support.pedestal) == [True] and push else "order.heading")
     words = order_words(scene, support, push, rising=motion is not None and motion.z_m_s2 is not None, say=say)
     peak, title = None if push is None else push.peak, f"{heading} {' '.join(words)}"
-    return Picture(heading, order_svg(levels(scene, support, say), peak, title, say), words)
+    return Drawing(order_svg(levels(scene, support, say), peak, title, say), words, heading=heading)

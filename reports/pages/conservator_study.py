@@ -5,18 +5,20 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 from harness.model.history import Outcome
 from harness.records.effects3d import EffectsRecord
 from harness.records.study import StudyRecord, StudyRow, Value
+from reports.blocks import Block, Drawing
 from reports.charts import Json
 from reports.charts.map_figures import map_axes, map_figures
 from reports.charts.static_svg import still
 from reports.messages import ENGLISH, Language
 from reports.pages.conservator import reach_picture
-from reports.pages.conservator_parts import ENDS, Picture, order_picture, page, push_picture
+from reports.pages.conservator_parts import ENDS, order_picture, plain_page, push_picture
 from reports.source import run_source
 from reports.text.chance import tone_of_study
 from reports.text.giving_way import compass, scan_turn_deg, support_of
@@ -45,26 +47,21 @@ STRENGTHS: Final = (
 """Keys that vary the strength of a level shaking."""
 
 
-def context(folder: Path, record: StudyRecord | EffectsRecord, say: Language = ENGLISH) -> dict[str, object]:
-    """Everything that the conservator's template shows of a study."""
-    said = of_study(record, say) if isinstance(record, StudyRecord) else of_effects(folder, record, say)
-    return page(record.title, record.versions, said, say)
+def blocks(folder: Path, record: StudyRecord | EffectsRecord, say: Language = ENGLISH) -> list[Block]:
+    """The blocks of the conservator's page of a study."""
+    return of_study(record, say) if isinstance(record, StudyRecord) else of_effects(folder, record, say)
 
 
-def of_study(record: StudyRecord, say: Language = ENGLISH) -> dict[str, object]:
+def of_study(record: StudyRecord, say: Language = ENGLISH) -> list[Block]:
     """Headline, points and pictures of a study."""
     models, cases = conditions(record.rows)
     ends = {model: [run.outcome for _, run in runs_of(cases, model)] for model in models}
     ends = {model: outcomes for model, outcomes in ends.items() if outcomes}
     said = [*_asked(record, models, say), *_by_variant(ends, say), *_bore(cases, say)]
-    return {
-        "headline": _headline(ends, say),
-        "tone": tone_of_study(family(outcome) for outcomes in ends.values() for outcome in outcomes),
-        "points": said,
-        "todo": [say("todo.ask")],
-        "basis": [*_agree(models, cases, say), say("chance.unknown")],
-        "pictures": [*_map(record, cases, say), *_pictures(record, models, cases, say)],
-    }
+    tone = tone_of_study(family(outcome) for outcomes in ends.values() for outcome in outcomes)
+    basis = [*_agree(models, cases, say), say("chance.unknown")]
+    pictures = [*_map(record, cases, say), *_pictures(record, models, cases, say)]
+    return plain_page(_headline(ends, say), tone, said, [say("todo.ask")], pictures, basis, say)
 
 
 def _headline(ends: Mapping[str, Sequence[Outcome]], say: Language) -> str:
@@ -194,26 +191,26 @@ def _agree(models: Sequence[str], cases: Sequence[Condition], say: Language) -> 
     return [say("study.agree", count=count[0].upper() + count[1:], share=f"{100.0 * same / total:.0f}")]
 
 
-def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], say: Language) -> list[Picture]:
+def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], say: Language) -> list[Drawing]:
     """Reach and effect of the pedestal where the study varied it; else what gives way first."""
     scene, support = record.scene, record.supports or support_of(record.scene)
     push = push_picture(scene, support, say, borne=_by_direction(record, cases))
     effect = pedestal_effect(record, models, cases)
     if effect is None:
         return [push, order_picture(scene, support, say)]
-    saved_words = say("study.saved", **vars(effect.counts))
+    saved_words = say("study.saved", **effect.finding.values)
     if not effect.charts:
         order = order_picture(scene, support, say)
-        return [push, Picture(order.heading, order.drawing, [*order.words, saved_words])]
-    saved, moved = (still(_plainly(figure, say), WIDTH) for _, _, figure in effect.charts)
+        return [push, replace(order, caption=[*order.caption, saved_words])]
+    saved, moved = (still(_plainly(each.figure, say), WIDTH) for each in effect.charts)
     return [
-        Picture(say("study.top"), moved, [say("study.far")]),
+        Drawing(moved, [say("study.far")], heading=say("study.top")),
         push,
-        Picture(say("order.heading_pedestal"), saved, [saved_words]),
+        Drawing(saved, [saved_words], heading=say("order.heading_pedestal")),
     ]
 
 
-def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list[Picture]:
+def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list[Drawing]:
     """Where it falls, over the two keys of the study's own map: at each place the worst that any answer there says."""
     axes = map_axes(cases, [key for key in record.vary if key in varying_keys(cases)])
     if axes is None or record.panels:
@@ -236,7 +233,7 @@ def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list
         layout[side] = layout[side] | {"title": {"text": named}}
     seen = sorted({_severity(row) for row in worst.values()} - {-1}, reverse=True)
     words = [say("map.seen"), " ".join(say(f"map.{SEVERE[k]}") for k in seen)]
-    return [Picture(say("map.heading"), still({"data": figure["data"], "layout": layout}, WIDTH), words)]
+    return [Drawing(still({"data": figure["data"], "layout": layout}, WIDTH), words, heading=say("map.heading"))]
 
 
 def _severity(row: StudyRow) -> int:
@@ -257,7 +254,7 @@ def _plainly(figure: Json, say: Language) -> Json:
     return {"data": [trace | {"name": plain(trace["name"])} for trace in figure["data"]], "layout": layout}
 
 
-def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> dict[str, object]:
+def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> list[Block]:
     """Headline, points and pictures of an effects study: the shaking borne by direction, over all its conditions and models."""
     borne: dict[float, float] = {}
     for row in record.rows:
@@ -269,15 +266,11 @@ def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> 
         pictures.insert(0, reach_picture(run_source(folder / record.replay.folder), say, "reach.replayed"))
     variants = len({row.condition for row in record.rows})
     strongest = say.percent(borne[strong])
-    return {
-        "headline": say("study.effects", push=say.percent(borne[weak])),
-        # What shaking is borne says nothing of how probable a fall is: never green.
-        "tone": "differ",
-        "todo": [say("todo.ask")],
-        "points": [
-            say("study.effects_least", weak=compass(weak, say), strong=compass(strong, say), push=strongest),
-            say("study.effects_directions", count=len(borne), variants=variants),
-            say("study.effects_form"),
-        ],
-        "pictures": pictures,
-    }
+    points = [
+        say("study.effects_least", weak=compass(weak, say), strong=compass(strong, say), push=strongest),
+        say("study.effects_directions", count=len(borne), variants=variants),
+        say("study.effects_form"),
+    ]
+    # What shaking is borne says nothing of how probable a fall is: never green.
+    headline = say("study.effects", push=say.percent(borne[weak]))
+    return plain_page(headline, "differ", points, [say("todo.ask")], pictures, [], say)

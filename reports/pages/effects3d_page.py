@@ -3,68 +3,167 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
 
 from harness.records.effects3d import BASELINE, EffectsRecord
+from reports.blocks import (
+    Block,
+    Details,
+    Drawing,
+    Group,
+    Legend,
+    Table,
+    Verdict,
+    code,
+    notes,
+    repeat,
+    section,
+    table,
+    verdict,
+    words,
+)
+from reports.charts.palette import look
 from reports.drawing.effects_figures import changes, curves, directions, rose
 from reports.drawing.scene_picture import scene_svg
-from reports.messages import ENGLISH
-from reports.pages.run_page import chip, replay_values
+from reports.messages import Language
+from reports.pages.run_page import chip, replay
 from reports.source import run_source
-from reports.text.limits import by_severity
-from reports.text.wording import Verdict
-
-ROSE_WORDS: Final = (
-    "Least peak acceleration of the floor that overturns the statue, by direction of shaking, in every model."
-)
-CHANGES_WORDS: Final = (
-    "Change of the overturning amplitude under each condition, in per cent, one dot for each direction."
-)
 
 
-def context(folder: Path, record: EffectsRecord) -> dict[str, object]:
-    """Everything that the template shows."""
-    engines = record.engines
-    source = run_source(folder / record.replay.folder) if record.replay else None
-    replay = replay_values(source) if source is not None and source.histories else None
-    return {
-        "verdict": effects_verdict(record),
-        "notes": by_severity(record.findings),
-        "chips": [chip(name, engines) for name in engines],
-        "picture": scene_svg(record.scene),
-        "directions": source and directions(record, source),
-        "rose": rose(record).svg(ROSE_WORDS),
-        "keys": curves(record),
-        "engines": engines,
-        "peaks": {name: {row.azimuth_deg: row.peak_g for row in record.amplitudes(name, BASELINE)} for name in engines},
-        "band_at": {row.azimuth_deg: row for row in record.bands},
-        "falls": {
-            row.azimuth_deg: row.outcome.removeprefix("overturned_")
-            for row in record.amplitudes(record.solid_engine, BASELINE)
-        },
-        "changes": changes(record).svg(CHANGES_WORDS, style="min-width: 700px"),
-        "effect_engines": list(dict.fromkeys(item.engine for item in record.effects)),
-        "change": _change,
-        "solid": record.solid_engine,
-        "replay": replay,
-        "chosen": record.replay,
-        "replay_ends": record.replay
-        and [f"{ENGLISH.word(end)} ({name})" for name, end in record.replay.outcomes.items()],
-        "command": f"rockcheck study {shlex.quote(record.file)}",
-    }
+def blocks(folder: Path, record: EffectsRecord, say: Language) -> list[Block]:
+    """The blocks of an effects study's page."""
+    engines, chosen = record.engines, record.replay
+    source = run_source(folder / chosen.folder) if chosen else None
+    scan = source and directions(record, source)
+    asked = list(dict.fromkeys(item.engine for item in record.effects))
+    colours = [(look(name, engines).colour, name) for name in engines if name in asked]
+    left = "; ".join(f"{name} ({why})" for name, why in record.left_out.items())
+    keys = [
+        *((each.colour, each.name) for each in curves(record)),
+        ("#cdd3da", say("text.lifts")),
+        ("#c3c6ca", say("text.band")),
+    ]
+    pictures: list[Block] = [Drawing(rose(record).svg(say("text.rose")), style="chart-box")]
+    pictures += [Drawing(scan, [say("text.scan_directions")], "plain-figure")] if scan else []
+    told: list[Block] = [
+        words(say, "amplitudes", most=f"{record.study.search.most_g:g}"), Legend(keys), words(say, "sides"),
+        Details(say("text.seen_along_y"), [Drawing(scene_svg(record.scene), [record.scene.title])]),
+    ]  # fmt: skip
+    drawn = Drawing(
+        changes(record).svg(say("text.changes"), style="min-width: 700px"),
+        (),
+        "chart-box scroll",
+        say("section.effects"),
+    )
+    moving: list[Block] = [
+        words(
+            say, "replayed", azimuth=f"{chosen.azimuth_deg:g}°", peak=say.value(chosen.peak_g, "g"),
+            ends=say.listed(f"{say.word(end)} ({name})" for name, end in chosen.outcomes.items()),
+        ),
+        replay(source, [chip(name, engines, None, say) for name in engines]),
+    ] if source and chosen and source.histories else []  # fmt: skip
+    commands = [f"rockcheck study {shlex.quote(record.file)}", *([chosen.command] if chosen and chosen.command else [])]
+    return [
+        effects_verdict(record),
+        *section(say, "rose", Group("grid", [Group("", pictures), Group("", told)]),
+            Details(say("text.rose_numbers"), [_rose(record, say)]),
+        ),
+        *section(say, "notes", *notes(say, record.findings)),
+        *section(
+            say, "effects", words(say, "effects"), Legend(colours), drawn,
+            Details(say("text.effects_numbers"), [_effects(record, asked, say)]),
+            words(say, "not_asked", "variant", what=left) if left else None,
+        ),
+        *section(say, "leaving", words(say, "leaving", share=f"{100 * record.study.share:g}"), _departures(record, say)),
+        *moving,
+        *repeat(say, record, *commands),
+    ]  # fmt: skip
 
 
 def effects_verdict(record: EffectsRecord) -> Verdict:
     """The record's answer; green where the planar model is nowhere too safe."""
-    first, *points = [each.text for each in record.answer.findings] if record.answer else [""]
-    safe = record.answer is not None and record.answer.code == "plane_safe"
-    return Verdict(first, "agree" if safe else "differ", points)
+    return verdict(record, "agree" if code(record) == "plane_safe" else "differ")
 
 
-def _change(relative: float | None) -> str:
+def _rose(record: EffectsRecord, say: Language) -> Table:
+    """The rose as numbers: what lifts it, what overturns it in each model, and what a survey leaves open."""
+    peaks = {
+        name: {row.azimuth_deg: row.peak_g for row in record.amplitudes(name, BASELINE)} for name in record.engines
+    }
+    bands = {row.azimuth_deg: row for row in record.bands}
+    falls = {
+        row.azimuth_deg: row.outcome.removeprefix("overturned_")
+        for row in record.amplitudes(record.solid_engine, BASELINE)
+    }
+
+    def peak(value: float | None) -> str:
+        return say("ends.stands") if value is None else say.digits(value)
+
+    rows = []
+    for item in record.static:
+        at, band = item.azimuth_deg, bands.get(item.azimuth_deg)
+        low = (
+            "–"
+            if band is None
+            else peak(band.low_g)
+            if band.low_g is None
+            else f"{peak(band.low_g)}–{peak(band.high_g)}"
+        )
+        by_engine = [peak(each[at]) if at in each else say("text.not_sent") for each in peaks.values()]
+        rows.append(
+            [
+                f"{at:g}°",
+                say.plain(item.lifts_g, 3),
+                say.plain(item.projected_g, 3),
+                *by_engine,
+                low,
+                falls.get(at) or "–",
+            ]
+        )
+    heads = ["", say("label.lifts_g"), say("label.projected_g"), *record.engines, say("label.band"), say("label.falls")]
+    return Table(say("table.rose", share=f"{100 * record.study.search.resolution:g}"), heads, rows)
+
+
+def _effects(record: EffectsRecord, asked: Sequence[str], say: Language) -> Table:
+    """Each condition's change of the overturning amplitude in each model."""
+    found = {(item.condition, item.engine): item for item in record.effects}
+    groups = {item.condition: item.group for item in record.effects}
+    rows = []
+    for name, group in groups.items():
+        row = [name, say(f"text.group_{group}")]
+        for engine in asked:
+            item = found.get((name, engine))
+            if item is None or item.median is None:
+                row.append(say("text.not_seen" if item is None else "text.none_overturns"))
+                continue
+            change, least, largest = (_change(value, say) for value in (item.median, item.least, item.largest))
+            row.append(
+                f"{change} ({say.range([least, largest])})"
+                + (say("text.flips", count=item.flips) if item.flips else "")
+            )
+        rows.append(row)
+    return Table(say("table.effects"), ["", say("label.group"), *asked], rows)
+
+
+def _departures(record: EffectsRecord, say: Language) -> Table | None:
+    """How far the body in space leaves the plane of the shaking, by direction."""
+    ends = {True: "overturns", False: "stands", None: "other"}
+    rows = [
+        {
+            **vars(item), "azimuth": f"{item.azimuth_deg:g}°", "walked_mm": 1000 * item.walked_m,
+            "on_a_corner": say.percent(item.corner_share), "outcome": say(f"ends.{ends[item.outcome.fell]}"),
+        }
+        for item in record.departures if item.engine == record.solid_engine
+    ]  # fmt: skip
+    columns = "azimuth peak_g peak_theta_rad out_of_plane_rad yaw_rad yaw_left_rad walked_mm on_a_corner outcome"
+    return table(say, "departures", columns, rows, "wrapped")
+
+
+def _change(relative: float | None, say: Language) -> str:
     """A relative change in per cent with its sign."""
-    if relative is None:
-        return "–"
-    text = f"{100.0 * relative:+.1f}"
-    return f"{'0.0' if float(text) == 0.0 else text.replace('-', '−')} %"
+    return (
+        "–"
+        if relative is None
+        else f"{say.value(relative, 'points').removeprefix('+') if not relative else say.value(relative, 'points')}\u00a0%"
+    )

@@ -5,44 +5,26 @@ from __future__ import annotations
 import shlex
 from pathlib import Path
 
-from harness.records.measured import Cell, MeasuredRecord, MeasuredTable
-from reports.messages import ENGLISH
-from reports.text.wording import Verdict
+from harness.records.measured import MeasuredRecord, MeasuredTable
+from reports.blocks import Block, Table, code, repeat, section, verdict
+from reports.messages import Language
 
 
-def context(folder: Path, record: MeasuredRecord) -> dict[str, object]:
-    """Everything that the template shows."""
-    said = [] if record.answer is None else [each.text for each in record.answer.findings]
-    tone = "differ" if record.answer is not None and record.answer.code == "drops_not_told" else "agree"
-    return {
-        "verdict": Verdict(
-            said[0] if said else record.title, tone, [*said[1:], *(each.text for each in record.findings)]
-        ),
-        "tables": [(caption(table), heads(table)[1:], keyed(table)) for table in record.tables],
-        "command": command(record),
-    }
+def blocks(_folder: Path, record: MeasuredRecord, say: Language) -> list[Block]:
+    """The blocks of the page."""
+    tone = "differ" if code(record) == "drops_not_told" else "agree"
+    return [
+        verdict(record, tone, [each.text for each in record.findings]),
+        *section(say, "tables", *(measured_table(each, say) for each in record.tables)),
+        *repeat(say, record, command(record)),
+    ]
 
 
-def caption(table: MeasuredTable) -> str:
-    """What the rows of a table are."""
-    return ENGLISH.strings[f"measured.{table.name}"]
-
-
-def heads(table: MeasuredTable) -> list[str]:
-    """The columns' names in words, their units last."""
-    return [ENGLISH.word(name).replace("_", " ") for name in table.columns]
-
-
-def keyed(table: MeasuredTable) -> list[tuple[str, list[str]]]:
-    """Each row's first cell and the others, numbers to three digits."""
-    return [(cell(first), [cell(each) for each in rest]) for first, *rest in table.rows]
-
-
-def cell(value: Cell) -> str:
-    """A number to three digits, a name as a word."""
-    if value is None or isinstance(value, str):
-        return "–" if value is None else ENGLISH.word(value)
-    return ENGLISH.short(value, 3)
+def measured_table(table: MeasuredTable, say: Language) -> Table:
+    """A table with its columns' names in words and its numbers to three digits."""
+    heads = [say.word(name).replace("_", " ") for name in table.columns]
+    rows = [[say.plain(value, 3) for value in row] for row in table.rows]
+    return Table(say(f"measured.{table.name}"), heads, rows)
 
 
 def command(record: MeasuredRecord) -> str:

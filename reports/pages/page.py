@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -15,20 +15,22 @@ from harness.model.files import write_text
 from harness.model.terminal import printable
 from harness.records.base import Record
 from harness.records.kinds import read_result
+from reports.blocks import SHOWN_POINTS, Block, Panels, Replay, Section, walk
 from reports.charts.library import chart_library
 from reports.charts.palette import DARK, dark_css
 from reports.messages import ENGLISH, Language, language
-from reports.messages.numbers import unit
 from reports.pages.assets import environment, source_text
 
 REPORT_NAME: Final = "report.html"
 CONSERVATOR_NAME: Final = "conservator.html"
-CONSERVATOR_PAGES: Final = {
+CONSERVATOR_PAGES: Final[Mapping[str, str]] = {
     "run": "reports.pages.conservator",
     "study": "reports.pages.conservator_study",
     "effects3d": "reports.pages.conservator_study",
 }
 """Which module knows the conservator's page of a kind of record."""
+SCRIPTS: Final[Mapping[type, str]] = {Panels: "panels.js", Replay: "replay.js"}
+"""What a page needs to run where it holds such a block."""
 
 
 def write_report(folder: Path, language_code: str = "en") -> Path:
@@ -65,30 +67,44 @@ def _pages(record: Record, say: Language) -> dict[str, Callable[[Path, Record], 
     return {REPORT_NAME: _report, **plain}
 
 
+def page_blocks(folder: Path, record: Record, say: Language = ENGLISH) -> list[Block]:
+    """The blocks of the engineer's page of a record, whatever its kind."""
+    blocks: list[Block] = import_module(f"reports.pages.{record.kind}_page").blocks(folder, record, say)
+    return blocks
+
+
 def _report(folder: Path, record: Record) -> str:
-    values = _common(record) | page_values(folder, record)
-    scripts = {"script": source_text("page.js"), "units": source_text("units.js")}
-    machinery = scripts | {"chart_library": chart_library(), "dark": DARK}
-    return _render(f"{record.kind}.html.j2", values | machinery)
-
-
-def page_values(folder: Path, record: Record) -> dict[str, object]:
-    """What the page of a kind of record shows beside the record's own fields."""
-    values: dict[str, object] = import_module(f"reports.pages.{record.kind}_page").context(folder, record)
-    return values
-
-
-def _common(record: Record) -> dict[str, object]:
-    """What a template sees of any record: its fields as they are, unless its page says them in its own way, and its seconds."""
-    seconds = getattr(record, "seconds", None)
-    return {**vars(record), "chips": [], "seconds": "" if seconds is None else unit(seconds, "s")}
+    blocks = page_blocks(folder, record)
+    plain = [(CONSERVATOR_NAME, ENGLISH("page.plain"))] if record.kind in CONSERVATOR_PAGES else []
+    names = {each.name: each.heading for each in walk(blocks) if isinstance(each, Section)}
+    kinds = {type(each) for each in walk(blocks)}
+    if Replay in kinds:
+        names = {"replay": ENGLISH("section.replay"), **names}
+    scripts = ["page.js", "units.js", *(SCRIPTS[kind] for kind in SCRIPTS if kind in kinds)]
+    links = [*plain, *((f"#{name}", words) for name, words in names.items())]
+    return _render(record, ENGLISH(f"kind.{record.kind}"), blocks, links, ENGLISH, scripts)
 
 
 def _conservator(folder: Path, record: Record, say: Language) -> str:
-    return _render("conservator.html.j2", import_module(CONSERVATOR_PAGES[record.kind]).context(folder, record, say))
+    blocks = import_module(CONSERVATOR_PAGES[record.kind]).blocks(folder, record, say)
+    return _render(record, say("page.kind"), blocks, [(REPORT_NAME, say("page.full_report"))], say)
 
 
-def _render(template: str, values: Mapping[str, object]) -> str:
-    title = printable(str(values["title"]))
-    css = source_text("page.css") + Markup(dark_css())
-    return environment().get_template(template).render(values, title=title, css=css)
+def _render(
+    record: Record,
+    kind: str,
+    blocks: Sequence[Block],
+    links: Sequence[tuple[str, str]],
+    say: Language,
+    scripts: Sequence[str] = (),
+) -> str:
+    live = {"chart_library": chart_library(), "dark": DARK} if scripts else {}
+    return (
+        environment()
+        .get_template("page.html.j2")
+        .render(
+            live, title=printable(str(record.title)), kind=kind, blocks=blocks, links=links, say=say,
+            css=source_text("page.css") + Markup(dark_css()), scripts=[*map(source_text, scripts)],
+            version=record.versions.get("rockcheck", ""), most_points=SHOWN_POINTS,
+        )
+    )  # fmt: skip

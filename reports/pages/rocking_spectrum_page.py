@@ -9,32 +9,50 @@ from typing import Final
 from harness.comparison.statistics.distributions import wilson
 from harness.probability.stratified import LEVEL
 from harness.records.rocking_spectrum import RockingSpectrumRecord
+from reports.blocks import Block, Chart, Verdict, facts, grid, repeat, section, table, words
+from reports.blocks import verdict as verdict_of
 from reports.charts.figure import figure
+from reports.messages import Language
 from reports.text.chance import SAFE, SAFE_HIGH
-from reports.text.wording import Verdict
 
 MOST_CELLS: Final = 80
 """Sizes and slendernesses that a picture shows at most: a page grows with their product."""
 Map = Sequence[Sequence[float | None]]
 
 
-def context(_folder: Path, record: RockingSpectrumRecord) -> dict[str, object]:
-    """Everything that the template shows."""
-    return {
-        "verdict": verdict(record),
-        "falls": _map(record, record.probability_overturned, "P", 1.0),
-        "peaks": _map(record, record.peak_median, "peak/α", 1.0),
-    }
+def blocks(_folder: Path, record: RockingSpectrumRecord, say: Language) -> list[Block]:
+    """The blocks of a rocking spectrum's page."""
+    falls, peaks = (
+        _map(record, record.probability_overturned, "P", 1.0),
+        _map(record, record.peak_median, "peak/α", 1.0),
+    )
+    spread = say.percent(record.strength_cov)
+    settings = {
+        "strengths": say("text.strengths_given") if record.draws == 1 else say(
+            "text.strengths", draws=record.draws, spread=spread
+        ),
+        "restitution": say("text.momentum") if record.restitution == "momentum" else record.restitution,
+        "blocks": say(
+            "text.blocks", sizes=len(record.size_m), slendernesses=len(record.slenderness), cases=record.cases
+        ),
+        "still_leaning": say.percent(record.undecided),
+    }  # fmt: skip
+    charts = [Chart("falls", say("text.spectrum_falls"), falls), Chart("peaks", say("text.spectrum_peaks"), peaks)]
+    return [
+        verdict(record),
+        *section(say, "maps", grid(charts), words(say, "spectrum")),
+        *section(say, "motions", table(say, "motions", "name pga_g pgv_m_s duration_s", record.motions)),
+        *repeat(say, record, more=[facts(say, settings)]),
+    ]
 
 
 def verdict(record: RockingSpectrumRecord) -> Verdict:
     """The record's answer; green where no block falls often."""
-    first, *points = [each.text for each in record.answer.findings] if record.answer else [""]
     cells = [p for line in record.probability_overturned for p in line]
     # The block that falls most often decides, with the interval that so many cases leave open.
     most = wilson(round(max(cells) * record.cases), record.cases, LEVEL)
     safe = most is not None and most.value <= SAFE and most.high < SAFE_HIGH and not record.undecided
-    return Verdict(first, "agree" if safe else "differ", points)
+    return verdict_of(record, "agree" if safe else "differ")
 
 
 def _map(record: RockingSpectrumRecord, values: Map, name: str, most: float) -> dict[str, object]:

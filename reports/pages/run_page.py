@@ -1,67 +1,160 @@
-"""The page of one run: verdict, picture, replay, histories, outcomes, scores, limits, settings."""
+"""The page of one run: verdict, replay, histories, each model's answer, the scene; scores, limits and settings folded away."""
 
 from __future__ import annotations
 
 import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Final
 
 from harness.model.run import MANY, EngineRunRecord
 from harness.records.run import RunRecord
+from reports.blocks import (
+    Block,
+    Cell,
+    Chart,
+    Chip,
+    Details,
+    Drawing,
+    Facts,
+    Group,
+    Legend,
+    Replay,
+    Row,
+    Table,
+    Text,
+    facts,
+    notes,
+    repeat,
+    section,
+    turned,
+    words,
+)
 from reports.charts.histories import histories_figure, pattern_words
 from reports.charts.palette import PATTERN_LOOKS, look
 from reports.drawing.replay import default_model, replay_payload
 from reports.drawing.scene_picture import scene_svg
-from reports.messages import ENGLISH
-from reports.pages.assets import source_text, three_js
+from reports.messages import Language
+from reports.messages.numbers import angle, given, length, short, unit
+from reports.pages.assets import three_js
 from reports.source import RunSource, source_of
 from reports.text.glossary import score_rows
-from reports.text.limits import by_severity, fall_times, limit_rows, plan_rows, skipped_rows
+from reports.text.limits import fall_times, limit_rows, plan_lines
 from reports.text.wording import run_verdict
 
+ANSWERS: Final = (
+    "outcome no_return_time_s overturn_time_s peak_theta_rad peak_time_s peak_slip_m residual_slip_m end_s "
+    "numerical_uncertainty_rad slip_uncertainty_m reliable_until_s steps wall_s impacts"
+)
+"""What the table of models holds of each."""
 
-def context(folder: Path, record: RunRecord) -> dict[str, object]:
-    """Everything that the run template shows."""
+
+def blocks(folder: Path, record: RunRecord, say: Language) -> list[Block]:
+    """The blocks of a run's page."""
     source = source_of(folder, record)
+    names = list(source.runs)
+    chips = [chip(name, names, run, say, balance_share(source, name)) for name, run in source.runs.items()]
+    first = run_verdict(source, chips, say)
     answered = [] if record.answer is None else [each.text for each in record.answer.findings]
-    names, asked = list(source.runs), record.scene.toml.get("motion")
-    return {
-        "kind": "run",
-        "verdict": run_verdict(source),
-        "chips": [chip(name, names, run, balance_share(source, name)) for name, run in source.runs.items()],
-        "picture": scene_svg(source.scene, record.motion.accel_m_s2, source.mesh),
-        "motion_words": asked if isinstance(asked, dict) else {},
-        "patterns": [
-            {"words": words, "name": name, "colour": PATTERN_LOOKS[name][0]}
-            for name, words in pattern_words(record.scene).items()
-            if any(which == name for run in source.runs.values() for _, _, which in run.patterns)
-        ],
-        "replay": replay_values(source) if source.histories else None,
-        "figure": histories_figure(source) if source.histories else None,
-        "names": names,
-        "score_rows": score_rows(record.scores),
-        "validity": limit_rows(source),
-        "fall": fall_times(source),
-        "plan": plan_rows(record.plan),
-        "skipped": skipped_rows(source.runs),
-        "notes": by_severity(
-            each for each in record.findings if not each.code.startswith("pair_") and each.text not in answered
+    told = [each for each in record.findings if not each.code.startswith("pair_") and each.text not in answered]
+    pairs = [(_pair(name), item.verdict_sentence) for name, item in record.scores.items() if item.verdict_sentence]
+    models = turned(say, "answers", names, ANSWERS.split(), [*source.runs.values()], 4)
+    return [
+        Group("beginning", [first, replay(source, chips)]) if source.histories else first,
+        *(section(say, "histories", _histories(source, say)) if source.histories else ()),
+        *section(say, "outcomes", Details(models.caption, [models], fold=True)),
+        *section(say, "pairs", Facts(pairs, "sentences") if pairs else None),
+        *section(say, "notes", *notes(say, told)),
+        *section(say, "scene", _scene(source, say)),
+        *section(say, "details", *_details(source, say)),
+    ]
+
+
+def _histories(source: RunSource, say: Language) -> Chart:
+    """The histories of all models, with the key of the motion patterns that they have."""
+    met = {which for run in source.runs.values() for _, _, which in run.patterns}
+    known = pattern_words(source.scene).items()
+    keys = [(PATTERN_LOOKS[name][0], said, f"pattern-{name}") for name, said in known if name in met]
+    below: list[Block] = [*([Legend(keys)] if keys else []), words(say, "histories", "caption")]
+    return Chart("histories", say("text.histories_chart"), histories_figure(source), 1060, "time", below)
+
+
+def _scene(source: RunSource, say: Language) -> Group:
+    """The scene's picture, its numbers and its motion."""
+    scene, motion = source.scene, source.record.motion
+    statue, stone, contact, start, wall = scene.statue, scene.pedestal, scene.contact, scene.initial, scene.wall
+    pose, asked = start.pose, scene.toml.get("motion")
+    posed = pose and (pose.position_m, pose.quaternion_wxyz, pose.velocity_m_s, pose.angular_velocity_rad_s)
+    pairs = {
+        "statue": say(
+            "text.statue", mass=given(statue.mass_kg, "kg"), height=length(statue.height_m), depth=length(statue.depth_m)
         ),
-        "toml": toml_text(source.scene.toml) if source.scene.toml else None,
-        "command": command(source),
-    }
+        "centroid": say("text.above_base", height=length(statue.centroid_height_m)),
+        "inertia": say("text.about_centroid", inertia=unit(statue.inertia_kg_m2, "kg m²", 4)),
+        "balances_at": say(
+            "text.balances", left=angle(statue.slenderness_left_rad), right=angle(statue.slenderness_right_rad)
+        ),
+        "mesh": say("text.no_mesh") if statue.mesh is None else say("text.faces", count=statue.mesh.faces),
+        "pedestal": say("text.no_pedestal") if stone is None else say(
+            "text.pedestal", mass=given(stone.mass_kg, "kg"), width=length(stone.width_m), depth=length(stone.depth_m),
+            height=length(stone.height_m),
+        ),
+        "floor_friction": stone and f"μₛ {short(contact.floor_static)}, μₖ {short(contact.floor_kinetic)}",
+        "statue_friction": short(contact.statue),
+        "impact": say("text.momentum") if contact.restitution is None else say(
+            "text.prescribed", ratio=short(contact.restitution)
+        ),
+        "wall": wall and say("text.wall", side=say(f"side.{wall.side}"), distance=length(wall.distance_m)),
+        "start": (start.theta_rad or start.theta_rate_rad_s or None) and f"{unit(start.theta_rad, 'rad')}, "
+        f"{unit(start.theta_rate_rad_s, 'rad/s')}",
+        "start_pose": posed and "; ".join(
+            f"({', '.join(map(short, values))}) {name}"
+            for values, name in zip(posed, ("m", "(w, x, y, z)", "m/s", "rad/s"), strict=True)
+        ),
+    }  # fmt: skip
+    pushes = {
+        f"floor_{axis}": say(
+            "text.floor", peak=unit(motion.peak_m_s2(axis) / scene.gravity_m_s2, "g"),
+            words=say.plain(asked[axis]) if isinstance(asked, dict) and axis in asked else motion.words(axis),
+        )
+        for axis in motion.accel_m_s2
+    }  # fmt: skip
+    told = [facts(say, each, style) for each, style in ((pairs, ""), (pushes, "motion")) if each]
+    picture = Drawing(scene_svg(scene, motion.accel_m_s2, source.mesh), [say("text.scene")])
+    return Group("split", [picture, Details(say("text.scene_numbers"), told, fold=True)])
 
 
-def chip(
-    name: str, names: list[str], run: EngineRunRecord | None = None, share: float | None = None
-) -> dict[str, object]:
+def _details(source: RunSource, say: Language) -> list[Block]:
+    """Scores, limits, what was left out, settings, how to repeat it: each folded away."""
+    record = source.record
+    limits = limit_rows(source, say)
+    rows: list[Row] = [[Cell(name, tip=tip), *cells] for name, tip, cells in score_rows(record.scores, say)]
+    scores = Table(say("table.scores"), ["", *map(_pair, record.scores)], rows)
+    by_model = Group("columns", [Group("", [Facts(pairs)], name) for name, pairs in limits.items()])
+    settings = Group("columns", [Group("", [facts(say, run.settings)], name) for name, run in source.runs.items()])
+    again = [command(source), *([toml_text(source.scene.toml)] if source.scene.toml else [])]
+    made = repeat(say, record)[0].blocks
+    return [
+        *([Details(say("section.scores"), [scores], "scores")] if rows else ()),
+        *([Details(say("text.limits"), [*fall_times(source, say), by_model], "limits")] if limits else ()),
+        Details(say("text.left_out"), [Text(plan_lines(record, say), "plan")], "skips"),
+        Details(say("text.settings"), [settings]),
+        Details(say("section.repeat"), [Text(again, "command")], "repeat"),
+        *made,
+    ]
+
+
+def _pair(name: str) -> str:
+    return name.replace("_vs_", " – ")
+
+
+def chip(name: str, names: list[str], run: EngineRunRecord | None, say: Language, share: float | None = None) -> Chip:
     """One model beside the verdict: its colour, and of its run outcome and largest lean, per cent of the balance angle."""
-    said: dict[str, object] = {}
-    if run is not None:
-        outcome = ENGLISH.strings[f"short.{run.outcome.value}"]
-        said = {"sentence": outcome, "labels": run.labels, "failed": run.outcome.failed}
-        said["share"] = None if share is None else round(100.0 * share)
-    return {"name": name, "colour": look(name, names).colour, "sentence": "", "labels": (), "failed": False, **said}
+    colour = look(name, names).colour
+    if run is None:
+        return Chip(name, colour)
+    percent = None if share is None else round(100.0 * share)
+    return Chip(name, colour, say(f"short.{run.outcome.value}"), run.labels, run.outcome.failed, percent)
 
 
 def balance_share(source: RunSource, name: str) -> float | None:
@@ -74,20 +167,12 @@ def balance_share(source: RunSource, name: str) -> float | None:
     return max(right, left, 0.0)
 
 
-def replay_values(source: RunSource) -> dict[str, object]:
-    """What the replay's part of the page shows: the models, the packed data, what is drawn."""
-    names = list(source.histories)
-    solid = default_model(source)
+def replay(source: RunSource, chips: list[Chip]) -> Replay:
+    """The replay of a run's histories."""
+    names, solid = list(source.histories), default_model(source)
     ghost = "analytic" if "analytic" in names and solid != "analytic" else ""
-    return {
-        "names": names,
-        "solid": solid,
-        "ghost": ghost,
-        "own_mesh": source.mesh is not None,
-        "data": replay_payload(source),
-        "library": three_js(),
-        "script": source_text("replay.js"),
-    }
+    shown = [each for each in chips if each.name in names]
+    return Replay(shown, solid, ghost, source.mesh is not None, replay_payload(source), three_js())
 
 
 def command(source: RunSource) -> str:

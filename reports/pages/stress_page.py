@@ -7,37 +7,105 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from harness.records.stress import Cell, StressRecord
-from reports.charts import Json
+from harness.records.stress import Cell as Found
+from harness.records.stress import HardRow, StressRecord
+from reports.blocks import (
+    Block,
+    Cell,
+    Chart,
+    Details,
+    Group,
+    Legend,
+    Row,
+    Table,
+    Text,
+    Verdict,
+    code,
+    notes,
+    repeat,
+    section,
+    table,
+    verdict,
+)
 from reports.charts.palette import INK
-from reports.text.limits import by_severity
-from reports.text.wording import Verdict
+from reports.messages import Language
 
 SIGNS: Final = {"stable": "●", "inaccurate": "◐", "drifting": "↗", "diverged": "✕"}
 SHADES: Final = ("#bfe0ee", "#f8e1b8", "#E69F00", "#c8562d")
 """Of each sign on paper, where its word stands in the cell too."""
 
 
-def context(_folder: Path, record: StressRecord) -> dict[str, object]:
-    """Everything that the stress template shows."""
+def blocks(_folder: Path, record: StressRecord, say: Language) -> list[Block]:
+    """The blocks of a stress run's page."""
     engines = list(dict.fromkeys(cell.engine for cell in record.cells))
-    return {
-        "verdict": stress_verdict(record),
-        "notes": by_severity(record.findings),
-        "maps": [(engine, *stability_map(engine, record.cells), notes(engine, record.cells)) for engine in engines],
-        "signs": SIGNS,
-        "charts": [stability_chart(engine, record.cells) for engine in engines],
-        "engines": list(dict.fromkeys(name for scene in record.scenes for name in scene.got)),
-    }
+    tried = list(dict.fromkeys(name for scene in record.scenes for name in scene.got))
+    scenes = Table(
+        say("table.hard"), [say("label.scene"), say("label.wanted"), *tried, say("label.checked")],
+        [_scene(scene, tried, say) for scene in record.scenes], "claims",
+    )  # fmt: skip
+    signs = Legend([(sign, say(f"text.{name}")) for name, sign in SIGNS.items()], say("text.signs"))
+    maps = [block for engine in engines for block in _map(engine, record.cells, say)]
+    return [
+        stress_verdict(record),
+        *section(say, "notes", *notes(say, record.findings)),
+        *section(say, "scenes", scenes if record.scenes else None),
+        *section(say, "maps", signs, *maps),
+        *section(
+            say, "fuzz", table(say, "fuzz", "reader inputs accepted refusals tracebacks hangs half_written", record.fuzz)
+        ),
+        *repeat(say, record, record.command),
+    ]  # fmt: skip
 
 
 def stress_verdict(record: StressRecord) -> Verdict:
     """How many hard scenes came out as they must."""
-    text, code = ("", "open") if record.answer is None else (record.answer.text, record.answer.code)
-    return Verdict(text, {"wrong": "failed", "sound": "agree"}.get(code, "differ"), [])
+    return verdict(record, {"wrong": "failed", "sound": "agree"}.get(code(record), "differ"))
 
 
-def stability_map(engine: str, cells: Sequence[Cell]) -> tuple[list[str], list[tuple[str, list[Cell | None]]]]:
+def _scene(scene: HardRow, engines: Sequence[str], say: Language) -> list[str | Cell]:
+    """A hard scene's row: what must come, what each engine gave, what is known of its failures."""
+    known = [Details(say("text.known", name=name), [Text([text])]) for name, text in scene.known.items()]
+    row: list[str | Cell] = [Cell(scene.name, below=scene.note, folds=known), scene.wanted.replace("_", " ")]
+    for name in engines:
+        got = scene.got.get(name)
+        right = got == scene.wanted
+        text = f"{got.replace('_', ' ')}{'*' if name in scene.known else ''}" if got else "–"
+        style = ("claim holds" if right else "claim does-not-hold") if got else ""
+        row.append(Cell(text, style, sign=("✓" if right else "✕") if got else ""))
+    checks = (
+        [Details(say("text.checks", count=len(scene.checks)), [Text(scene.checks, "notes")])] if scene.checks else []
+    )
+    return [*row, Cell(folds=checks)]
+
+
+def _map(engine: str, cells: Sequence[Found], say: Language) -> list[Block]:
+    """An engine's stability map: as a table, as a chart for print, what explains it, and the evidence of every cell."""
+    settings, rows = stability_map(engine, cells)
+    shown: list[Row] = [
+        [
+            name,
+            *(
+                Cell("", "o-none", sign="·") if cell is None else Cell(
+                    "", f"s-{cell.category}", " — ".join(filter(None, (cell.evidence, cell.explained))),
+                    f"{SIGNS[cell.category]}{'*' if cell.explained else ''}{'°' if cell.short else ''}",
+                    f"{cell.category}: {cell.evidence}",
+                )
+                for cell in found
+            ),
+        ]
+        for name, found in rows
+    ]  # fmt: skip
+    evidence = [
+        f"{name}, {cell.setting}: {cell.category}, {cell.evidence}" + (f" ({cell.explained})" if cell.explained else "")
+        for name, found in rows for cell in found if cell
+    ]  # fmt: skip
+    map_of = Table(say("table.stability", engine=engine), [say("label.difficulty"), *settings], shown, "matrix")
+    explained = Text([f"* {text}" for text in explanations(engine, cells)], "variant")
+    more = Details(say("text.evidence"), [Text(evidence, "plan")])
+    return [Group("", [map_of, stability_chart(engine, cells), explained, more], engine)]
+
+
+def stability_map(engine: str, cells: Sequence[Found]) -> tuple[list[str], list[tuple[str, list[Found | None]]]]:
     """The settings across, and one row per difficulty with its cells (None: not tried)."""
     mine = [cell for cell in cells if cell.engine == engine]
     settings = list(dict.fromkeys(cell.setting for cell in mine))
@@ -46,8 +114,8 @@ def stability_map(engine: str, cells: Sequence[Cell]) -> tuple[list[str], list[t
     return settings, [(row, [by_place.get((row, column)) for column in settings]) for row in difficulties]
 
 
-def stability_chart(engine: str, cells: Sequence[Cell]) -> tuple[str, str, Json]:
-    """The map for print, where a page has its table: name, title and figure."""
+def stability_chart(engine: str, cells: Sequence[Found]) -> Chart:
+    """The map for print, where a page has its table."""
     settings, rows = stability_map(engine, cells)
     known = list(SIGNS)
     levels = [[math.nan if cell is None else known.index(cell.category) for cell in row] for _, row in rows]
@@ -62,14 +130,11 @@ def stability_chart(engine: str, cells: Sequence[Cell]) -> tuple[str, str, Json]
         if cell is not None
     ]
     layout = {"height": 90 + 44 * len(rows), "annotations": words, "yaxis": {"autorange": "reversed"}}
-    return (
-        f"stability-{engine.replace(':', '-')}",
-        f"{engine}: what becomes of hard scenes, by setting",
-        {"data": [trace], "layout": layout},
-    )
+    name, title = f"stability-{engine.replace(':', '-')}", f"{engine}: what becomes of hard scenes, by setting"
+    return Chart(name, title, {"data": [trace], "layout": layout}, width=0)
 
 
-def notes(engine: str, cells: Sequence[Cell]) -> list[str]:
+def explanations(engine: str, cells: Sequence[Found]) -> list[str]:
     """Each explanation of an engine's map once, with the difficulty and the settings that it explains."""
     by_note: dict[tuple[str, str], list[str]] = {}
     for cell in cells:

@@ -9,6 +9,27 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.records.study import StudyRecord
+from reports.blocks import (
+    Block,
+    Cell,
+    Chart,
+    Drawing,
+    Facts,
+    Group,
+    Legend,
+    Panels,
+    Section,
+    Table,
+    Text,
+    Verdict,
+    code,
+    grid,
+    notes,
+    repeat,
+    section,
+    verdict,
+    words,
+)
 from reports.charts.map_figures import map_axes, map_figures
 from reports.charts.static_svg import WIDE
 from reports.charts.study_figures import (
@@ -23,11 +44,9 @@ from reports.charts.study_figures import (
     rose_picture,
 )
 from reports.drawing.scene_picture import scene_svg
-from reports.messages import ENGLISH
-from reports.messages.numbers import heading, label, plain, short, unit
-from reports.pages.assets import source_text
+from reports.messages import Language
+from reports.messages.numbers import heading, label, plain, short
 from reports.text.chance import tone_of_study
-from reports.text.limits import by_severity
 from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import (
     FAILED,
@@ -40,62 +59,96 @@ from reports.text.study_rows import (
     runs_of,
     varying_keys,
 )
-from reports.text.wording import Verdict
 
 MOST_MATRIX_ROWS: Final = 300
 """Longer matrices are not read; the map shows them."""
-ROSE_WORDS: Final = "Least amplitude that overturns the statue, by direction"
+JUDGED: Final = {"holds": "✓", "does not hold": "✕", "holds for some": "◐", "not tested": "–"}
+"""The sign of each verdict on a claim."""
+MAPPED: Final = {
+    "stands": "#bfe0ee", "overturns": "#c8562d", "wall": "#E69F00", "other": "#b9bec6", "failed": "#000000",
+    "not_sent": "#ffffff",
+}  # fmt: skip
+"""The colour on a map of each family of outcomes."""
 
 
-def context(folder: Path, record: StudyRecord) -> dict[str, object]:
-    """Everything that the study template shows."""
+def blocks(_folder: Path, record: StudyRecord, say: Language) -> list[Block]:
+    """The blocks of a study's page."""
     models, cases = conditions(record.rows)
     keys = varying_keys(cases)
-    effect = pedestal_effect(record, models, cases)
-    charts, rose = study_charts(record, models, cases, keys), rose_picture(models, cases)
-    return {
-        "verdict": study_verdict(record, models, cases),
-        "picture": scene_svg(record.scene),
-        "vary": [(label(key), ", ".join(_shown(value) for value in values)) for key, values in record.vary.items()],
-        "models": models,
-        "matrix": matrix(models, cases, keys) if len(cases) <= MOST_MATRIX_ROWS else None,
-        "matrix_keys": [heading(key) for key in keys],
-        "legend": [*SYMBOLS.values(), FAILED, NOT_SENT],
-        "panels": panel_data(record.panels) if record.panels else None,
-        "panel_stills": [
-            panels_picture(group, next(iter(group[0].curves)), WIDE, PANEL_POINTS).svg()
-            for group in panel_groups(record.panels)
-        ],
-        "pedestal_effect": effect,
-        "pedestal_saves": effect and ENGLISH.say(effect.finding),
-        "claim_words": {claim: ENGLISH.strings[f"claim.{claim}"] for claim in record.headline or ()},
-        "charts": charts,
-        "rose": None if rose is None else rose.svg(ROSE_WORDS),
-        "reasons": Counter(row.reason for row in record.rows).most_common(),
-        "notes": by_severity(record.findings),
-        "engine_seconds": [(name, unit(value, "s")) for name, value in record.engine_seconds.items()],
-        "command": f"rockcheck study {shlex.quote(record.file)}",
-        "panel_script": source_text("panels.js"),
-    }
+    effect, charts = pedestal_effect(record, models, cases), study_charts(record, models, cases, keys)
+    rose = rose_picture(models, cases)
+    drawn: list[Chart | Drawing] = [*charts]
+    drawn += [] if rose is None else [Drawing(rose.svg(say("text.study_rose")), [say("text.study_rose")], "chart-box")]
+    colours = Legend([(colour, say(f"text.map_{name}")) for name, colour in MAPPED.items()], say("text.map_pale"))
+    reasons = [f"{count}: {reason}" for reason, count in Counter(row.reason for row in record.rows).most_common()]
+    vary = [(label(key), ", ".join(_shown(value) for value in values)) for key, values in record.vary.items()]
+    seconds = Facts([(name, say.value(value, "s")) for name, value in record.engine_seconds.items()])
+    picture = Drawing(scene_svg(record.scene), [say("text.study_scene", title=record.scene.title)])
+    shown = matrix(models, cases, keys, say) if len(cases) <= MOST_MATRIX_ROWS else None
+    signs = [SYMBOLS[name] for name in SYMBOLS] + [FAILED, NOT_SENT]
+    return [
+        study_verdict(record, models, cases),
+        *_claims(record, say),
+        *_panels(record, say),
+        *section(
+            say, "maps", colours if charts and charts[0].name.startswith("map") else None, grid(drawn)
+        ),
+        *(section(say, "pedestal", Text([say.say(effect.finding)]), grid(effect.charts)) if effect else ()),
+        *(section(say, "matrix", Legend(signs, say("text.matrix")), shown) if shown else ()),
+        *section(say, "scene", Group("split", [picture, Facts(vary, "")])),
+        *section(say, "asked", Text(reasons, "plan"), *notes(say, record.findings)),
+        *repeat(
+            say, record, f"rockcheck study {shlex.quote(record.file)}", more=[Group("", [seconds], say("text.engine_time"))]
+        ),
+    ]  # fmt: skip
+
+
+def _claims(record: StudyRecord, say: Language) -> list[Section]:
+    """The paper's claims down, the models across, each with its verdict and what it rests on."""
+    rows: dict[str, list[str | Cell]] = {}
+    for item in record.claims or ():
+        row = rows.setdefault(item.claim, [f"({item.claim}) {say(f'claim.{item.claim}')}"])
+        text = item.evidence.text or say.say(item.evidence)
+        style = f"claim {item.verdict.replace(' ', '-')}"
+        row.append(Cell(item.verdict, style, text, JUDGED[item.verdict], below=text))
+    heads = [_head(name) for name in dict.fromkeys(item.model for item in record.claims or ())]
+    claims = Table(say("table.claims"), [say("label.claim"), *heads], [*rows.values()], "claims")
+    return section(say, "claims", words(say, "claims"), claims) if rows else []
+
+
+def _head(model: str) -> Cell:
+    engine, _, variant = model.partition(" (")
+    return Cell(engine, below=variant[:-1])
+
+
+def _panels(record: StudyRecord, say: Language) -> list[Section]:
+    """The histories in the paper's arrangement."""
+    stills = [
+        panels_picture(group, next(iter(group[0].curves)), WIDE, PANEL_POINTS).svg()
+        for group in panel_groups(record.panels)
+    ]
+    return section(say, "panels", Panels(panel_data(record.panels), stills)) if record.panels else []
 
 
 def study_charts(
     record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str]
-) -> list[tuple[str, str, dict[str, object]]]:
+) -> list[Chart]:
     """The charts that the rows hold, each with its name on the page and its words: maps, curves, fragility."""
     axes = [key for key in record.vary if key in keys]
     if record.panels:  # the paper's arrangement shows the same as histories
         return []
-    charts = [(f"map-{k}", title, figure) for k, (title, figure) in enumerate(map_figures(models, cases, axes))]
+    charts = [Chart(f"map-{k}", title, figure) for k, (title, figure) in enumerate(map_figures(models, cases, axes))]
     designs = design_figures(models, cases, map_axes(cases, axes))
-    charts += [(f"map-design-{k}", title, figure) for k, (title, figure) in enumerate(designs)]
-    charts += [(f"curve-{k}", title, figure) for k, (title, figure) in enumerate(curve_figures(models, cases, axes))]
+    charts += [Chart(f"map-design-{k}", title, figure) for k, (title, figure) in enumerate(designs)]
+    charts += [
+        Chart(f"curve-{k}", title, figure) for k, (title, figure) in enumerate(curve_figures(models, cases, axes))
+    ]
     scattered = len(axes) < len(keys)
     for key in axes if scattered else ():
         if "amplitude" in key or key.endswith("scale"):
             figure = fragility_figure(models, cases, key)
             if figure is not None:
-                charts.append((f"fragility-{key}", f"Share of runs that overturn, against {heading(key)}", figure))
+                charts.append(Chart(f"fragility-{key}", f"Share of runs that overturn, against {heading(key)}", figure))
     return charts
 
 
@@ -105,26 +158,23 @@ def _shown(value: Any) -> str:
 
 def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition]) -> Verdict:
     """The record's answer; no green without a probability."""
-    first, *points = [each.text for each in record.answer.findings] if record.answer else [""]
     keys = [key for key in record.vary if key in varying_keys(cases)]
-    points += best_designs(models, cases, map_axes(cases, keys))
     ends = [family(run.outcome) for model in models for _, run in runs_of(cases, model)]
-    alone = record.answer is not None and record.answer.code == "overturning"
-    return Verdict(first, tone_of_study(ends) if alone else "differ", points)
+    tone = tone_of_study(ends) if code(record) == "overturning" else "differ"
+    return verdict(record, tone, best_designs(models, cases, map_axes(cases, keys)))
 
 
-def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str]) -> list[dict[str, object]]:
-    """The outcome matrix: what was varied, and every model's answer; `differs` where models of one variant do not agree (falls to
-    different sides do)."""
-    rows = []
+def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str], say: Language) -> Table:
+    """What was varied, and every model's answer; `differs` where models of one variant do not agree (different falls do)."""
+    rows: list[list[str | Cell]] = []
     for item in cases:
         cells = [cell(item.answers.get(model)) for model in models]
         by_variant: dict[str, set[str]] = {}
         for model, shown in zip(models, cells, strict=True):
             if shown.family != "none":
-                by_variant.setdefault(model.partition(" (")[2], set()).add(
-                    shown.family if shown.family == "overturns" else shown.words
-                )
-        differs = any(len(words) > 1 for words in by_variant.values())
-        rows.append({"keys": [_shown(item.varied[key]) for key in keys], "cells": cells, "differs": differs})
-    return rows
+                end = shown.family if shown.family == "overturns" else shown.words
+                by_variant.setdefault(model.partition(" (")[2], set()).add(end)
+        style = "differs" if any(len(ends) > 1 for ends in by_variant.values()) else ""
+        varied = [Cell(_shown(item.varied[key]), style) for key in keys]
+        rows.append([*varied, *(Cell("", f"o-{each.family}", each.tip, each.sign, each.words) for each in cells)])
+    return Table(say("table.matrix"), [*map(heading, keys), *map(_head, models)], rows, "matrix")

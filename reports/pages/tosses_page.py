@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Final
 
 from harness.records.tosses import PoseErrors, Quartiles, TossesRecord, TossModel, TrajectoryMeans
+from reports.blocks import Block, Chart, Facts, Group, Table, Text, code, grid, repeat, section, verdict, words
 from reports.charts.figure import curve
 from reports.charts.palette import look
-from reports.messages.numbers import digits, unit
-from reports.text.wording import Verdict
+from reports.messages import ENGLISH, Language
 
 QUARTILES = ("median", "low", "high")
 KINDS: Final[Mapping[str, tuple[Callable[[PoseErrors], Quartiles], str]]] = {
@@ -22,44 +22,55 @@ KINDS: Final[Mapping[str, tuple[Callable[[PoseErrors], Quartiles], str]]] = {
 """The two errors of a pose and their units."""
 
 
-def context(folder: Path, record: TossesRecord) -> dict[str, object]:
-    """Everything that the tosses' template shows."""
-    models = record.models
-    return {
-        "title": f"Validation against {record.count} measured tosses",
-        "verdict": tosses_verdict(record),
-        "names": list(models),
-        "errors": _spread,
-        "means": means_rows(record),
-        "keyed_means": [(row[0], row[1:]) for row in means_rows(record)[1:]],
-        "shares": (len(record.fitted_on), record.count - len(record.fitted_on)),
-        "raised": {key: unit(value, "m") for key, value in vars(record.raised_m).items()},
-        "charts": [
-            ("rotation", "Rotation error over time (median; quartiles thin)", chart(models, "rotation")),
-            ("place", "Place error over time (median; quartiles thin)", chart(models, "place")),
-        ],
-        "rows": {name: {row.toss: row for row in item.rows} for name, item in models.items()},
-        "tosses": dict.fromkeys(row.toss for item in models.values() for row in item.rows),
-        "command": command(record),
-    }
+def blocks(_folder: Path, record: TossesRecord, say: Language) -> list[Block]:
+    """The blocks of the tosses' page."""
+    models, published = record.models, say("text.published") if record.published else ""
+    medians: list[list[str]] = [
+        [say(f"label.{kind}_{part}"), *(_spread(getattr(item, part), kind, say) for item in models.values())]
+        for part in ("frames", "end") for kind in KINDS
+    ]  # fmt: skip
+    ends = {name: {row.toss: row for row in item.rows} for name, item in models.items()}
+    tosses = dict.fromkeys(row.toss for item in models.values() for row in item.rows)
+    scored: list[list[str]] = [
+        [toss, *(
+            f"{say.value(rows[toss].end_rotation_rad, 'rad')}, {say.value(rows[toss].end_place_m, 'm')}"
+            if toss in rows else "–"
+            for rows in ends.values()
+        )]
+        for toss in tosses
+    ]  # fmt: skip
+    raised = {key: say.value(value, "m") for key, value in vars(record.raised_m).items()}
+    absent = [say("text.not_run", name=name, reason=reason) for name, reason in record.absent.items()]
+    fitted: list[Block] = [
+        words(say, "tosses_fit", count=len(record.fitted_on)),
+        Facts([(name, _fitted(item, say)) for name, item in models.items()], ""),
+        Text([*absent, say("text.tosses_flight"), say("text.tosses_raised", **raised)]),
+    ]
+    return [
+        verdict(record, "agree" if code(record) == "tosses" else "failed", [each.text for each in record.findings]),
+        *section(
+            say, "scores",
+            Table(say("table.tosses", count=record.count - len(record.fitted_on)), ["", *models], medians),
+            means_table(record, say, published),
+            Group("", fitted, say("text.fitted")),
+        ),
+        *section(
+            say, "over_time", grid(Chart(kind, say(f"text.{kind}_chart"), chart(models, kind)) for kind in KINDS)
+        ),
+        *section(say, "tests", Table(say("table.scored_tosses"), ["", *models], scored)),
+        *repeat(say, record, command(record)),
+    ]  # fmt: skip
 
 
-def tosses_verdict(record: TossesRecord) -> Verdict:
-    """The record's answer as a headline with what is to be known of it."""
-    said = "" if record.answer is None else record.answer.text
-    known = record.answer is not None and record.answer.code == "tosses"
-    return Verdict(said or record.title, "agree" if known else "failed", [each.text for each in record.findings])
-
-
-def means_rows(record: TossesRecord) -> list[list[str]]:
-    """Means over the trajectory by model and fit, those that are published below, under a heading."""
-    rows = [["", "fitted on", "friction", "restitution", "place [% of width]", "rotation [°]"]]
-    for name, model in record.models.items():
-        rows += [
-            [name, fit.replace("_", " "), digits(item.friction, 3), digits(item.restitution, 2), *_means(item.means)]
-            for fit, item in model.fits.items()
-        ]
-    return rows + [[name, "published", "–", "–", *_means(means)] for name, means in record.published.items()]
+def means_table(record: TossesRecord, say: Language = ENGLISH, published: str = "") -> Table:
+    """Means over the trajectory by model and fit, those that are published below."""
+    heads = ["", *(say.label(key) for key in ("fitted_on", "friction", "restitution", "place_percent", "rotation_deg"))]
+    rows = [
+        [name, fit.replace("_", " "), say.digits(item.friction, 3), say.digits(item.restitution, 2), *_means(item.means)]
+        for name, model in record.models.items() for fit, item in model.fits.items()
+    ]  # fmt: skip
+    rows += [[name, say("text.published_row"), "–", "–", *_means(means)] for name, means in record.published.items()]
+    return Table(f"{say('table.means')}{published}", heads, rows)
 
 
 def _means(item: TrajectoryMeans | None) -> list[str]:
@@ -69,8 +80,32 @@ def _means(item: TrajectoryMeans | None) -> list[str]:
     return [f"{mean:.1f} ± {sd:.1f}" for mean, sd in (place, tuple(map(math.degrees, turn)))]
 
 
-def _spread(item: Quartiles, name: str) -> str:
-    return f"{unit(item.median, name)} ({digits(item.low)} to {digits(item.high)})"
+def _spread(errors: PoseErrors | None, kind: str, say: Language) -> str:
+    """A median with its quartiles."""
+    if errors is None:
+        return "–"
+    of, name = KINDS[kind]
+    item = of(errors)
+    return f"{say.digits(item.median)}\u00a0{name} ({say.range([say.digits(item.low), say.digits(item.high)])})"
+
+
+def _fitted(item: TossModel, say: Language) -> str:
+    """The coefficients found, and what others miss by."""
+    tried = {"by_friction": item.missed_m.by_friction, "by_restitution": {
+        key: value for key, value in item.missed_m.by_restitution.items() if float(key) > 0
+    }}  # fmt: skip
+    missed = {
+        kind: ", ".join(
+            f"{key}: {say('text.most_failed') if value is None else say.value(value, 'm')}"
+            for key, value in each.items()
+        )
+        for kind, each in tried.items()
+    }
+    more = say("text.missed_restitution", missed=missed["by_restitution"]) if missed["by_restitution"] else ""
+    return say(
+        "text.coefficients", friction=say.short(item.friction), restitution=say.short(item.restitution),
+        missed=missed["by_friction"], more=more or say("text.plastic"),
+    )  # fmt: skip
 
 
 def chart(models: Mapping[str, TossModel], kind: str) -> dict[str, object]:

@@ -10,54 +10,59 @@ import numpy as np
 from harness.records.trust import CLASSES, HELD, TrustCell, TrustMap, TrustRecord
 from harness.trust.point import MODEL
 from harness.trust.trust_run import CELLS_NAME
+from reports.blocks import Block, Chart, Facts, Group, Text, facts, repeat, section, verdict, words
 from reports.charts import Json
 from reports.charts.figure import curve, figure
 from reports.charts.map_figures import border, map_axis
 from reports.charts.palette import INK
-from reports.messages import ENGLISH
+from reports.messages import ENGLISH, Language
 from reports.messages.numbers import digits
-from reports.text.wording import Verdict
 
 COLOURS: Final = dict(
     zip(CLASSES, ("#e3e6ea", "#0072b2", "#9ccbe8", "#e69f00", "#aa4499", "#f0e442", "#8c1d2f", "#000000"), strict=True)
 )
 """Told apart by every form of colour vision: blue where the model is confirmed, the darker the more."""
-MEANS: Final = {
-    "nothing_moves": "The shaking is below what a statue at rest bears.",
-    "confirmed": "All models agree to the end, in outcome, lean and slip, within their numerical errors.",
-    "outcome_confirmed": "All models say the same outcome. Their histories agree up to a time; from there numerical error or "
-    "sensitivity leaves nothing to compare.",
-    "probability": "The smallest changes, or numerical error, change the outcome: only its probability can be told.",
-    "left_domain": "Models differ after the analytic model left what it computes.",
-    "plane_left_out": "Models differ by what a model in the plane leaves out.",
-    "refuted": "Models differ by more than numerical error and sensitivity explain.",
-    "no_answer": "What was asked there failed.",
+BASES: Final = ("rest", "runs", "between", "checked")
+"""What a point may rest on."""
+MOTIONS: Final = {
+    "sine": """ --set 'motion={x={kind="harmonic",amplitude_g=0.3,frequency_hz=2.0}}'""",
+    "pulse": """ --set 'motion={x={kind="pulse",shape="one_sine",amplitude_g=0.3,duration_s=0.5}}'""",
+    "scene": " --set motion.scale=1.2",
 }
-"""What each class says of its points."""
-BASES: Final = {
-    "rest": "by the limits of rest",
-    "runs": "by runs of all models",
-    "between": "as the points above and below",
-    "checked": "by runs of all models, as a check",
-}
-"""What a point rests on."""
+"""What a point's command changes in the scene."""
 
 
-def context(_folder: Path, record: TrustRecord) -> dict[str, object]:
-    """Everything that the template shows."""
-    said = [] if record.answer is None else [each.text for each in record.answer.findings]
+def blocks(_folder: Path, record: TrustRecord, say: Language) -> list[Block]:
+    """The blocks of a trust map's page."""
     kinds = [kind for kind in CLASSES if any(each.shares[kind] for each in record.maps)]
-    there = {kind: ", ".join(ENGLISH.percent(each.shares[kind]) for each in record.maps) for kind in kinds}
     cells = [cell for each in record.maps for cell in each.cells]
     falls = any(cell["outcomes"].get(MODEL) == "overturned" for cell in cells)
-    tone = "failed" if "refuted" in there else "agree" if there.keys() <= HELD and not falls else "differ"
-    return {
-        "verdict": Verdict(said[0], tone, said[1:]),
-        "maps": [(each.stands_on, map_figure(each)) for each in record.maps],
-        "classes": [(ENGLISH.word(kind), shares, MEANS[kind]) for kind, shares in there.items()],
-        "bases": [(words, sum(cell["basis"] == name for cell in cells)) for name, words in BASES.items()],
-        "cells_name": CELLS_NAME,
+    tone = "failed" if "refuted" in kinds else "agree" if set(kinds) <= HELD and not falls else "differ"
+    shares = {kind: ", ".join(say.percent(each.shares[kind]) for each in record.maps) for kind in kinds}
+    meanings = [(f"{say.word(kind)}, {each}", say(f"text.trust_{kind}")) for kind, each in shares.items()]
+    counts = [(say(f"text.basis_{name}"), str(sum(cell["basis"] == name for cell in cells))) for name in BASES]
+    spent = {
+        "engines": record.engines,
+        "points": record.summary.points,
+        "cpu_time": say.value(record.summary.cpu_s, "s"),
     }
+    engines = "".join(f" -e {name}" for name in record.engines)
+    command = f"rockcheck run {record.scene.file or 'SCENE'}{engines}{MOTIONS[record.motion]}"
+    return [
+        verdict(record, tone),
+        *section(
+            say, "map", *(
+                Chart(each.stands_on, say(f"text.trust_on_{each.stands_on}"), map_figure(each), 1060)
+                for each in record.maps
+            ),
+            words(say, "trust_map", motion=say(f"text.motion_{record.motion}"), name=CELLS_NAME),
+        ),
+        *section(
+            say, "classes", Facts(meanings, ""), Group("", [Facts(counts)], say("text.bases")),
+            Text([each.text for each in record.findings], "notes"),
+        ),
+        *repeat(say, record, command, more=[facts(say, spent)]),
+    ]  # fmt: skip
 
 
 def map_figure(record: TrustMap) -> Json:
@@ -95,7 +100,7 @@ def tip(cell: TrustCell) -> str:
     """What a point says under the pointer."""
     words = [f"{digits(cell['amplitude_g'])} g"]
     words += [f"{digits(cell['frequency_hz'])} Hz"] if cell["frequency_hz"] else []
-    lines = [", ".join(words), f"{ENGLISH.word(cell['class'])}, {BASES[cell['basis']]}"]
+    lines = [", ".join(words), f"{ENGLISH.word(cell['class'])}, {ENGLISH('text.basis_' + cell['basis'])}"]
     lines += [f"why: {ENGLISH.listed(map(ENGLISH.word, cell['why']))}"] if cell["why"] else []
     ends = [f"{name}: {ENGLISH.word(end)}" for name, end in cell["outcomes"].items()]
     lines += [*ends, *([f"agree until {digits(cell['agree_until_s'])} s"] if cell["agree_until_s"] else [])]

@@ -3,42 +3,182 @@
 from __future__ import annotations
 
 import shlex
-from pathlib import Path
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+from typing import Any, Final
 
 from harness.records.scores import Verdict as Verdicts
 from harness.records.validation import ValidationRecord
+from reports.blocks import (
+    Block,
+    Cell,
+    Chart,
+    Facts,
+    Group,
+    Table,
+    Text,
+    Verdict,
+    code,
+    grid,
+    notes,
+    repeat,
+    section,
+    verdict,
+)
 from reports.charts.validation_figures import BASELINE, charts
-from reports.terminal import rate
-from reports.text.limits import by_severity
+from reports.messages import Language
 from reports.text.study_rows import FAILED, SYMBOLS
-from reports.text.wording import Verdict
+
+RATES: Final = ("accuracy", "precision", "recall", "f1", "matthews")
+PLAIN: Final = ("f1", "matthews", "area")
+"""Scores that are no share."""
 
 
-def context(_folder: Path, record: ValidationRecord) -> dict[str, object]:
-    """Everything that the validation template shows."""
+def blocks(_folder: Path, record: ValidationRecord, say: Language) -> list[Block]:
+    """The blocks of a validation's page."""
     models = record.models
-    return {
-        "title": f"Validation against {record.tests} measured tests",
-        "verdict": validation_verdict(record),
-        "names": [*models, BASELINE],
-        "share": rate,
-        "notes": by_severity(record.findings),
-        "verdicts": list(Verdicts),
-        "unstated": sorted({name for pair in record.pairs for name in pair.unstated}),
-        "charts": charts(record),
-        "symbols": SYMBOLS,
-        "failed": FAILED,
-        "histories": [(name, item) for name, scores in models.items() for item in scores.histories],
-        "command": command(record),
-    }
+    unstated = sorted({name for pair in record.pairs for name in pair.unstated})
+    pairs = [
+        Facts([(say("text.and", a=each.a, b=each.b), " ".join(_both(each, say))) for each in record.pairs], "sentences")
+    ]
+    beside = Text([say("text.pairs"), *([say("text.unstated", names=say.listed(unstated))] if unstated else [])])
+    fitted = Facts([(name, "; ".join(_fitted(item.fitted, say))) for name, item in models.items()], "")
+    told = [
+        (f"{name}, {item.test}", _history(item.scores, say))
+        for name, scores in models.items()
+        for item in scores.histories
+    ]
+    settings = [
+        (
+            name,
+            say("text.accuracy", rad=say.plain(item.accuracy_rad))
+            if item.dt_s is None
+            else say("text.step", step=say.value(item.dt_s, "s")),
+        )
+        for name, item in models.items()
+    ]
+    return [
+        validation_verdict(record),
+        *section(say, "notes", *notes(say, record.findings)),
+        *section(
+            say, "scores", _scores(record, say),
+            Group("", [*pairs, beside], say("text.beside_each_other")) if record.pairs else None,
+            Group("", [fitted], say("text.fitted")),
+        ),
+        *section(say, "charts", grid(Chart(*each) for each in charts(record))),
+        *section(
+            say, "tests", _tests(record, say),
+            Group("", [Facts(told, "sentences")], say("text.measured_histories")) if told else None,
+        ),
+        *repeat(say, record, command(record), more=[Group("", [Facts(settings)], say("text.settings"))]),
+    ]  # fmt: skip
 
 
 def validation_verdict(record: ValidationRecord) -> Verdict:
     """The record's answer; green where a model beats the bare threshold."""
-    code, found = (record.answer.code, record.answer.findings) if record.answer else ("no_answer", [])
-    first, *points = [each.text for each in found] or [""]
-    tones = {"no_answer": "failed", "better": "agree", "no_threshold": "agree"}
-    return Verdict(first, tones.get(code, "differ"), points)
+    tones = {"": "failed", "no_answer": "failed", "better": "agree", "no_threshold": "agree"}
+    return verdict(record, tones.get(code(record), "differ"))
+
+
+def _scores(record: ValidationRecord, say: Language) -> Table:
+    """Each model's scores with their intervals, and the threshold's."""
+    models, baseline = [*record.models.values()], record.baseline
+    chances = [*(item.probability for item in models), baseline.probability]
+    known = [*(item.outcomes for item in models), baseline.outcomes]
+    drawn = [*(item.by_probability for item in models), None]
+
+    def rate(item: Any, key: str) -> str:
+        value = item and getattr(item, key)
+        if not value:
+            return "–"
+        ends = [say.digits(each, 2) for each in (value.low, value.high)]
+        return (
+            f"{say.digits(value.value, 2)} ({' … '.join(ends)})"
+            if key in PLAIN
+            else say.value([value.value, value.low, value.high], "rate")
+        )
+
+    rows = [[say.label(key), *(rate(item, key) for item in known)] for key in RATES]
+    if record.samples:
+        rows += [
+            [say("text.by_probability", score=say.label(key)), *(rate(item, key) for item in drawn)] for key in RATES
+        ]
+        rows.append([say.label("area"), *(rate(item, "area") for item in chances)])
+    for key in ("brier", "brier_skill"):
+        values = [getattr(item, key) for item in chances]
+        rows += [[say.label(key), *map(say.plain, values)]] if any(value is not None for value in values) else []
+    return Table(say("table.validation", fitted_on=baseline.fitted_on), ["", *record.models, BASELINE], rows)
+
+
+def _both(pair: Any, say: Language) -> Iterator[str]:
+    """In how many tests two models say the same, and how their largest rotations compare."""
+    same = pair.outcomes.side_accuracy
+    if same:
+        yield say("text.same_outcome", share=say.value([same.value, same.low, same.high], "rate"), count=pair.cases)
+    shares = {verdict: pair.verdicts.get(verdict, 0.0) for verdict in Verdicts}
+    yield (
+        "; ".join(f"{say(f'pair.{name.name.lower()}')}: {100 * share:.0f}\u00a0%" for name, share in shares.items())
+        + "."
+    )
+    if pair.flips:
+        yield say("text.pair_flips", count=pair.flips)
+
+
+def _fitted(own: Any, say: Language) -> Iterator[str]:
+    """What was fitted for a model: friction, and by body its direction and its contact."""
+    if not own.tests:
+        yield say("text.nothing_fitted")
+        return
+    yield say("text.fitted_tests", tests=own.tests, runs=own.runs)
+    if own.friction is not None:
+        yield say("text.fitted_friction", friction=say.short(own.friction))
+    by_body = {
+        "azimuth": {body: f"{say.short(float(angle))}°" for body, angle in own.azimuth_deg.items()},
+        "tolerance": {body: say.value(value, "m") for body, value in own.contact_tolerance_m.items()},
+        "inset": {body: say.value(value, "m") for body, value in own.inset_m.items()},
+    }
+    for kind, values in by_body.items():
+        yield from (
+            say(f"text.fitted_{kind}", body=PurePosixPath(body).name, value=value) for body, value in values.items()
+        )
+
+
+def _history(own: Any, say: Language) -> str:
+    """How far a computed history is from the measured one."""
+    if own is None:
+        return say("text.no_history")
+    parts = [
+        say(
+            "text.rms_apart",
+            until=say.value(own.compared_until_s, "s"),
+            rms=f"{say.digits(own.rms_theta_rad)}\u00a0rad",
+        )
+    ]
+    parts += [] if own.peak_ratio is None else [say("text.peak_times", ratio=say.digits(own.peak_ratio))]
+    errors = {"magnitude": own.magnitude, "phase": own.phase} if own.combined is not None else {}
+    parts += [f"{say.label(key)} {say.digits(value)}" for key, value in errors.items()]
+    return f"{', '.join(parts)}. {own.verdict_sentence}"
+
+
+def _tests(record: ValidationRecord, say: Language) -> Table:
+    """Every test: what was measured, and what each model predicts of it."""
+    keys = ("test", "body", "share", "pga_g", "pgv_m_s", "measured")
+    rows: list[list[str | Cell]] = []
+    for row in record.rows:
+        fell, (sign, seen) = row.observed.startswith("overturned"), SYMBOLS.get(row.observed, ("✕", "overturned"))
+        first = [row.test, row.body, row.share, f"{row.pga_g:.3f}", f"{row.pgv_m_s:.3f}"]
+        cells = [_predicted(row, name, say, fell=fell) for name in record.models]
+        rows.append([*first, Cell("", "", seen, sign, seen), *cells])
+    return Table(say("table.tests"), [*map(say.label, keys), *record.models], rows, "matrix")
+
+
+def _predicted(row: Any, name: str, say: Language, *, fell: bool) -> Cell:
+    end, chance = row.predicted[name], row.probability[name]
+    sign, said = SYMBOLS.get(end, FAILED)
+    said += "" if chance is None else say("text.overturns_in", share=f"{100 * chance:.0f}")
+    right = end.startswith("overturned") == fell
+    style, note = ("o-stands", "") if right else ("o-overturns", say("text.wrong"))
+    return Cell(note, style, said, sign, said)
 
 
 def command(record: ValidationRecord) -> str:

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
 
-from harness.model.finding import Finding, Severity, weighed
 from harness.model.history import History
 from harness.model.run import EngineRunRecord, Intervention
 from harness.records.base import Table
-from harness.statics.plan import Step
-from reports.messages import ENGLISH
-from reports.messages.numbers import digits, short, unit
+from harness.records.run import RunRecord
+from reports.blocks import Text, words
+from reports.messages import ENGLISH, Language
 from reports.source import RunSource
 from reports.text.glossary import validity_rows
 
@@ -28,44 +27,33 @@ FOLLOWED: Final[Mapping[str, str]] = {
 
 TIPS_RAD: Final = 1e-3
 """A pedestal that tips by more is said to."""
-HEADINGS: Final = {
-    Severity.CHANGES_ANSWER: "Changes the answer",
-    Severity.CAUTION: "Beware",
-    Severity.INFO: "For the record",
-}
 
 
-def limit_rows(source: RunSource) -> dict[str, Sequence[tuple[str, str]]]:
+def limit_rows(source: RunSource, say: Language = ENGLISH) -> dict[str, Sequence[tuple[str, str]]]:
     """Each model's limits as words and value; of one that overturns also what they were until its point of no return."""
     by_name: dict[str, Sequence[tuple[str, str]]] = {}
     for name, run in source.runs.items():
         if not run.validity:
             continue
         before = before_fall(run, source.histories.get(name))
-        rows = validity_rows(run.validity, before, run.no_return_time_s)
-        by_name[name] = [*rows, *interventions_row(run.interventions, run.validity)]
+        rows = validity_rows(run.validity, before, run.no_return_time_s, say)
+        by_name[name] = [*rows, *interventions_row(run.interventions, run.validity, say)]
     return by_name
 
 
-def interventions_row(written: Mapping[str, Intervention], validity: Table) -> list[tuple[str, str]]:
+def interventions_row(
+    written: Mapping[str, Intervention], validity: Table, say: Language = ENGLISH
+) -> list[tuple[str, str]]:
     """What was written to the engine's bodies on the way, in one line; none for an unmodified engine."""
     if not written:
         return []
-    every = written.values()
-    kinds = ENGLISH.listed(
-        f"{kind.replace('_', ' ')} {item.count or item.steps_again}" for kind, item in written.items()
-    )
+    kinds = say.listed(f"{kind.replace('_', ' ')} {item.count or item.steps_again}" for kind, item in written.items())
+    parts = ("moved_m", "velocity_m_s", "rate_rad_s", "given_j", "taken_j")
+    sums = {part: say.digits(sum(vars(item)[part] for item in written.values()), 2) for part in parts}
     lost = validity.get("lost_in_impacts_j")
-    beside = f", where impacts lost {digits(lost, 2)} J" if isinstance(lost, float) else ""
-    sentence = (
-        f"{kinds} times: in all {digits(sum(item.moved_m for item in every), 2)} m, "
-        f"{digits(sum(item.velocity_m_s for item in every), 2)} m/s, "
-        f"{digits(sum(item.rate_rad_s for item in every), 2)} rad/s; "
-        f"{digits(sum(item.given_j for item in every), 2)} J given and "
-        f"{digits(sum(item.taken_j for item in every), 2)} J taken"
-        f"{beside}; {sum(item.steps_again for item in every)} steps solved again"
-    )
-    return [("written to its bodies", sentence)]
+    beside = say("text.impacts_lost", lost=say.digits(lost, 2)) if isinstance(lost, float) else ""
+    again = sum(item.steps_again for item in written.values())
+    return [(say("label.interventions"), say("text.interventions", kinds=kinds, again=again, beside=beside, **sums))]
 
 
 def before_fall(run: EngineRunRecord, history: History | None) -> dict[str, float]:
@@ -89,37 +77,26 @@ def tilt_rad(run: EngineRunRecord, history: History | None) -> float:
     return until.get("pedestal_tilt_rad", whole if isinstance(whole, float) else 0.0)
 
 
-def fall_times(source: RunSource) -> str:
+def fall_times(source: RunSource, say: Language = ENGLISH) -> list[Text]:
     """When the statue passes its balance point for good, by model; nothing where none overturns."""
     falls = {name: run.no_return_time_s for name, run in source.runs.items() if run.no_return_time_s is not None}
-    return ENGLISH.listed(f"{short(time_s, 3)} s ({name})" for name, time_s in falls.items()) if falls else ""
+    times = say.listed(f"{say.short(time_s, 3)} s ({name})" for name, time_s in falls.items())
+    return [words(say, "fall", "caveat", times=times)] if falls else []
 
 
-def plan_rows(plan: Iterable[Step]) -> list[tuple[bool, str, str, str]]:
-    """The plan in words: whether it was left out, what, for which engines (those of one reason together), and why."""
+def plan_lines(record: RunRecord, say: Language = ENGLISH) -> list[str]:
+    """What was left out and what was computed, for which engines (those of one reason together), and why; what each saved."""
     together: dict[tuple[bool, str, str], list[str]] = {}
-    for step in plan:
-        words = ENGLISH.strings[f"skip.{step.skip}"]
-        together.setdefault((step.applies, words, ENGLISH.say(step.reason)), []).append(step.engine)
-    return [
-        (applies, words, "" if "*" in engines else ENGLISH.listed(engines), reason)
-        for (applies, words, reason), engines in together.items()
+    for step in record.plan:
+        place = step.applies, say(f"skip.{step.skip}"), say.say(step.reason)
+        together.setdefault(place, []).append(step.engine)
+    lines = [
+        say("text.plan_left_out" if applies else "text.plan_computed", what=what, reason=reason,
+            engines="" if "*" in engines else f" ({say.listed(engines)})")
+        for (applies, what, reason), engines in together.items()
+    ]  # fmt: skip
+    saved = {(name, skip): time_s for name, run in record.runs.items() for skip, time_s in run.skipped.items()}
+    return lines + [
+        f"{name}: {say(f'skip.{skip}')}" + ("" if time_s is None else f" ({say.value(time_s, 's')})")
+        for (name, skip), time_s in saved.items()
     ]
-
-
-def skipped_rows(runs: Mapping[str, EngineRunRecord]) -> list[tuple[str, str]]:
-    """What each engine left out, by engine, with the time that it saved."""
-    return [
-        (name, ENGLISH.strings[f"skip.{skip}"] + ("" if time_s is None else f" ({unit(time_s, 's')})"))
-        for name, run in runs.items()
-        for skip, time_s in run.skipped.items()
-    ]
-
-
-def by_severity(findings: Iterable[Finding]) -> Mapping[str, list[str]]:
-    """The sentences under the heading of their severity, with the engine that each is of."""
-    lists: dict[str, list[str]] = {heading: [] for heading in HEADINGS.values()}
-    for each in weighed(findings):
-        owner = f"{each.engine}: " if each.engine and "_vs_" not in each.engine else ""
-        lists[HEADINGS[each.severity]].append(f"{owner}{each.text}")
-    return lists if any(lists.values()) else {}

@@ -12,10 +12,12 @@ from harness.model.finding import Finding, info
 from harness.model.history import Outcome
 from harness.records.study import StudyRecord
 from harness.records.trust import Saved
+from reports.blocks import Chart
 from reports.charts import Json
 from reports.charts.figure import axis, curve, figure, level, note
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
 from reports.drawing.kinematics import section
+from reports.messages import ENGLISH
 from reports.messages.numbers import heading
 from reports.text.study_rows import Condition, runs_of
 
@@ -24,19 +26,13 @@ WALL_COLOUR: Final = "#8c1d2f"
 
 @dataclass(frozen=True)
 class PedestalEffect:
-    """What a model says it saves, and charts of the share of falls (`saved`) and of the reach (`moved`): (name, words, figure).
+    """What a model says it saves, and charts of the share of falls (`saved`) and of the reach (`moved`).
 
     There are charts where the study varies a frequency.
     """
 
-    model: str
-    counts: Saved
-    charts: Sequence[tuple[str, str, Json]]
-
-    @property
-    def finding(self) -> Finding:
-        """For the engineer."""
-        return info("pedestal_saves", model=self.model, **vars(self.counts))
+    finding: Finding
+    charts: Sequence[Chart] = ()
 
 
 def pedestal_effect(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition]) -> PedestalEffect | None:
@@ -48,7 +44,7 @@ def pedestal_effect(record: StudyRecord, models: Sequence[str], cases: Sequence[
     shape = section(record.scene)
     model = next((name for name in models if name.startswith("analytic")), models[0])
     if pace is None:
-        return PedestalEffect(model, _saved(cases, model), [])
+        return PedestalEffect(_saved(cases, model))
     fell: dict[tuple[float, str], list[bool]] = {}
     reach: dict[tuple[float, str], float] = {}
     for item, run in runs_of(cases, model):
@@ -59,24 +55,20 @@ def pedestal_effect(record: StudyRecord, models: Sequence[str], cases: Sequence[
             theta = run.peak_theta_rad * np.array([-1.0, 1.0])
             moved = float(np.abs(shape.top_displacement_m(theta, np.zeros(2))).max()) + run.peak_slip_m
             reach[place] = max(reach.get(place, 0.0), moved)
-    charts = [
-        ("saved", f"Share of conditions in which it overturns ({model})", _by_setting(fell, heading(pace))),
-        (
-            "moved",
-            f"What the top moves by at most where it stands ({model})",
-            _reach_by_setting(reach, heading(pace), record),
-        ),
-    ]
-    return PedestalEffect(model, _saved(cases, model), charts)
+    by_pace = heading(pace)
+    drawn = {"saved": _by_setting(fell, by_pace), "moved": _reach_by_setting(reach, by_pace, record)}
+    charts = [Chart(name, ENGLISH(f"text.pedestal_{name}", model=model), figure) for name, figure in drawn.items()]
+    return PedestalEffect(_saved(cases, model), charts)
 
 
-def _saved(cases: Sequence[Condition], model: str) -> Saved:
+def _saved(cases: Sequence[Condition], model: str) -> Finding:
     """How often the pedestal prevents, and how often it causes, an overturning under the same condition."""
     pairs: dict[tuple[Any, ...], dict[bool, bool]] = {}
     for item, run in runs_of(cases, model):
         rest = tuple(value for key, value in item.varied.items() if key != "pedestal")
         pairs.setdefault(rest, {})[item.varied["pedestal"] == "none"] = run.outcome.overturned
-    return Saved.of([(pair[True], pair[False]) for pair in pairs.values() if len(pair) == 2])
+    saved = Saved.of([(pair[True], pair[False]) for pair in pairs.values() if len(pair) == 2])
+    return info("pedestal_saves", model=model, **vars(saved))
 
 
 def _by_setting(fell: Mapping[tuple[float, str], Sequence[bool]], title: str) -> Json:

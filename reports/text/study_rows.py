@@ -8,22 +8,17 @@ from typing import Final
 
 from harness.model.history import Outcome
 from harness.records.study import CaseRun, StudyRow, Value
+from reports.messages import ENGLISH
+from reports.messages.numbers import digits
 
-SYMBOLS: Final = {
-    "stands": ("●", "stands"),
-    "overturned_left": ("◀", "overturns left"),
-    "overturned_right": ("▶", "overturns right"),
-    "overturned_front": ("▼", "overturns to the front"),
-    "overturned_back": ("▲", "overturns to the back"),
-    "touches_wall": ("▌", "touches the wall"),
-    "left_pedestal": ("⇲", "slides off its support"),
-    "lift_off": ("↥", "loses contact"),
-    "friction_paradox": ("∅", "friction paradox"),
-    "undecided": ("?", "undecided"),
-}
+SIGNS: Final = {
+    "stands": "●", "overturned_left": "◀", "overturned_right": "▶", "overturned_front": "▼", "overturned_back": "▲",
+    "touches_wall": "▌", "left_pedestal": "⇲", "lift_off": "↥", "friction_paradox": "∅", "undecided": "?",
+}  # fmt: skip
+SYMBOLS: Final = {outcome: (sign, ENGLISH(f"short.{outcome}")) for outcome, sign in SIGNS.items()}
 """Sign and words of each outcome: told apart without colour."""
-FAILED: Final = ("✕", "the run failed")
-NOT_SENT: Final = ("·", "not asked")
+FAILED: Final = ("✕", ENGLISH("text.map_failed"))
+NOT_SENT: Final = ("·", ENGLISH("text.not_sent"))
 FAMILY: Final = {"stands": "stands", "touches_wall": "wall"}
 
 
@@ -100,14 +95,14 @@ def cell(row: StudyRow | None) -> Cell:
     if run is None:
         return Cell(*NOT_SENT, "none", str(row.reason))
     sign, words = SYMBOLS.get(run.outcome, FAILED)
-    parts = [words]
-    if run.peak_theta_rad is not None and run.outcome == "stands":
-        parts.append(f"largest rotation {abs(run.peak_theta_rad):.4f} rad")
-    if run.no_return_time_s is not None:
-        parts.append(f"passes its balance point at {run.no_return_time_s:.3f} s")
-    if run.numerical_uncertainty_rad is not None:
-        parts.append(f"numerical error ±{run.numerical_uncertainty_rad:.1e} rad")
-    return Cell(sign, words, family(run.outcome), "; ".join(parts))
+    stood = run.outcome == "stands"
+    told = {
+        "peak": abs(run.peak_theta_rad) if stood and run.peak_theta_rad is not None else None,
+        "no_return": run.no_return_time_s,
+        "error": run.numerical_uncertainty_rad,
+    }
+    known = [ENGLISH(f"text.tip_{name}", value=digits(value, 4)) for name, value in told.items() if value is not None]
+    return Cell(sign, words, family(run.outcome), "; ".join([words, *known]))
 
 
 def varying_keys(cases: Sequence[Condition]) -> list[str]:

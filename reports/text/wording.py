@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -13,8 +12,9 @@ from harness.model.history import Array, History, Outcome
 from harness.model.in_space import support_m
 from harness.model.run import EngineRunRecord
 from harness.records.run import has_answer
+from reports.blocks import Chip, Verdict, code, verdict
 from reports.drawing.kinematics import section
-from reports.messages import ENGLISH
+from reports.messages import ENGLISH, Language
 from reports.source import RunSource
 from reports.text.chance import Tone, tone_of_outcomes, worse_tone
 from reports.text.limits import TIPS_RAD, tilt_rad
@@ -24,29 +24,17 @@ STUCK_M: Final = 1e-5
 """Slips of a pedestal, and ways of a top, below this are the give of a contact engine at rest."""
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """What a page says first: `tone` is `agree`, `differ` or `failed`; `points` are the sentences under the headline."""
-
-    headline: str
-    tone: str
-    points: Sequence[str]
-
-
-def run_verdict(source: RunSource) -> Verdict:
+def run_verdict(source: RunSource, chips: Sequence[Chip] = (), say: Language = ENGLISH) -> Verdict:
     """The record's answer as a headline with points, coloured by what happens and by how probable a fall is."""
-    answer = source.record.answer
-    said = [] if answer is None else [each.text for each in answer.findings]
-    moved = [ENGLISH.say(each) for each in (*_reach(source), *_slip(source))]
-    return Verdict(said[0] if said else "", tone(source), [*said[1:], *moved])
+    moved = [say.say(each) for each in (*_reach(source), *_slip(source))]
+    return verdict(source.record, tone(source), moved, chips)
 
 
 def tone(source: RunSource) -> str:
     """The colour of a run: one run is one draw: a shaking that it stands is no reason for green, nor are models that differ."""
     answered = [run for run in source.runs.values() if has_answer(run)]
-    code = "no_answer" if source.record.answer is None else source.record.answer.code
     colour: Tone = tone_of_outcomes(family(run.outcome) for run in answered)
-    if colour == "agree" and code not in ("agree", "agree_until", "one_model"):
+    if colour == "agree" and code(source.record) not in ("agree", "agree_until", "one_model"):
         colour = "differ"
     if source.record.assessment:
         return worse_tone(source.record.assessment, colour)

@@ -34,6 +34,7 @@ from tests.measures.calibration import FACTORS
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
 from tests.measures.seeded_scenes import random_scene, wide_scene
+from tests.reports.page_parts import answer
 
 SCENES: Final = 40
 FIRST_SEED: Final = 780_000
@@ -82,7 +83,7 @@ def row_of(generator: str, seed: int) -> ColourRow:
         folder = Path(place) / "run"
         write_result(run_scene(scene, ["analytic"], assess=True), folder)
         source = run_source(folder)
-        tones = {"run": run_verdict(source).tone, "conservator": str(of_run(source)["tone"])}
+        tones = {"run": run_verdict(source).tone, "conservator": answer(of_run(source)).tone}
     assessed = assess(scene, ["analytic"], draws=DRAWS, more_options=None)
     tones["assess"] = assess_verdict(assessed.record).tone
     inputs = uncertain_inputs(scene)

@@ -17,8 +17,8 @@ from harness.validation.drop_run import validate_drops
 from harness.validation.impact_ratios import validate_ratios
 from harness.validation.toss_run import validate_tosses
 from reports.messages import ENGLISH
-from reports.pages.measured_page import heads, keyed
-from reports.pages.tosses_page import means_rows
+from reports.pages.measured_page import measured_table
+from reports.pages.tosses_page import means_table
 from tests.measures.pages import DOCS, renew_tables, table
 
 MODULE: Final = "tests.measures.measured_sets"
@@ -31,13 +31,12 @@ TOSS_MODELS: Final = ("spatial", "pybullet:plain")
 def told(record: MeasuredRecord | TossesRecord) -> str:
     """The answer, and the table to read first."""
     said = "" if record.answer is None else record.texted(ENGLISH.say).answer.text  # type: ignore[union-attr]
-    if isinstance(record, TossesRecord):
-        first, *rows = means_rows(record)
-        return f"{said}\n\n{table(first, rows)}"
+    tables = (
+        [means_table(record)] if isinstance(record, TossesRecord)
+        else [measured_table(each, ENGLISH) for each in record.tables if each.name != "drops"]
+    )  # fmt: skip
     return f"{said}\n\n" + "\n\n".join(
-        table(heads(each), ([key, *cells] for key, cells in keyed(each)))
-        for each in record.tables
-        if each.name != "drops"
+        table(map(str, each.heads), (map(str, row) for row in each.rows)) for each in tables
     )
 
 

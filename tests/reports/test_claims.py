@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,13 +19,15 @@ from harness.model.run import EngineRunRecord
 from harness.model.scene import Scene
 from harness.records.run import has_answer
 from harness.scene_run.scene_run import run_scene, write_result
+from reports.blocks import Block
 from reports.charts.histories import histories_figure
-from reports.pages.conservator import context
+from reports.pages.conservator import blocks
 from reports.pages.page import write_report
 from reports.source import RunSource, run_source
 from reports.text.wording import run_verdict
 from tests.budgets_reports import LEAN_TOLD, LEAST_MOVES, PUSH_TOLD
 from tests.reports.claim_scenes import SEEDS, content, write_scene
+from tests.reports.page_parts import answer, pictures, spoken
 
 FINE = 300_001
 """Instants of a run of three seconds at which a push is looked for: a hundredth of a millisecond apart."""
@@ -38,7 +40,7 @@ class Told:
     seed: int
     scene: Scene
     source: RunSource
-    said: Mapping[str, Any]
+    said: Sequence[Block]
 
     @property
     def run(self) -> Mapping[str, Any]:
@@ -51,12 +53,11 @@ class Told:
         return has_answer(self.source.runs["analytic"])
 
     def words(self, heading: str) -> str:
-        return " ".join(text for item in self.said["pictures"] if heading in item.heading for text in item.words)
+        return " ".join(text for item in pictures(self.said) if heading in item.heading for text in item.caption)
 
     @property
     def text(self) -> str:
-        said = (self.said[name] for name in ("points", "todo", "basis"))
-        return " ".join([self.said["headline"], *(text for texts in said for text in texts), self.words("")])
+        return spoken(self.said)
 
     def found(self, code: str) -> Mapping[str, Any] | None:
         """The values of the record's finding of this code; None without one."""
@@ -76,7 +77,7 @@ def _told(folder: Path) -> Iterator[Told]:
         write_result(run_scene(scene, ["analytic"]), place)
         write_report(place)
         source = run_source(place)
-        yield Told(seed, scene, source, context(place, source.record))
+        yield Told(seed, scene, source, blocks(place, source.record))
 
 
 def test_the_scenes_are_varied(told: list[Told]) -> None:
@@ -96,15 +97,15 @@ def test_green_is_a_statue_that_stays_upright(told: list[Told]) -> None:
     """And green only where nothing shakes it: these records hold no probability, and one run is one draw."""
     for item in told:
         still = not item.source.record.motion.accel_m_s2
-        assert (item.said["tone"] == "agree") is (item.run.outcome == Outcome.STANDS and still), item.seed
+        assert (answer(item.said).tone == "agree") is (item.run.outcome == Outcome.STANDS and still), item.seed
         if item.answers:
-            assert ("stays upright" in item.said["headline"]) is (item.run.outcome == Outcome.STANDS), item.seed
-            assert ("falls" in item.said["headline"]) is item.run.outcome.overturned, item.seed
+            assert ("stays upright" in answer(item.said).headline) is (item.run.outcome == Outcome.STANDS), item.seed
+            assert ("falls" in answer(item.said).headline) is item.run.outcome.overturned, item.seed
 
 
 def test_a_model_that_holds_a_tipping_pedestal_upright_tells_no_end(told: list[Told]) -> None:
     for item in told:
-        assert ("No model could compute" in item.said["headline"]) is not item.answers, item.seed
+        assert ("No model could compute" in answer(item.said).headline) is not item.answers, item.seed
         assert item.answers or not any(
             words in item.text for words in ("stays upright.", "leans", "stays put", "does not rock")
         )
@@ -116,9 +117,9 @@ def test_no_shaking_is_said_of_a_still_floor(told: list[Told]) -> None:
         moves = not all(
             isinstance(part, ZeroExcitation) for part in (base_excitation.x, base_excitation.y, base_excitation.z)
         )
-        assert ("In this shaking" in item.said["headline"]) is moves, item.seed
+        assert ("In this shaking" in answer(item.said).headline) is moves, item.seed
         lean = abs(math.degrees(item.scene.initial.theta_rad))
-        assert (f"at a lean of {lean:.2g}°" in item.said["headline"]) is (lean > 0.0), item.seed
+        assert (f"at a lean of {lean:.2g}°" in answer(item.said).headline) is (lean > 0.0), item.seed
 
 
 def pushes(scene: Scene) -> tuple[float, dict[str, float]]:

@@ -52,7 +52,7 @@ def test_a_page_that_fails_costs_no_other_and_no_answer(
     def trip(*_: Any) -> None:
         raise ZeroDivisionError("float division by zero")
 
-    monkeypatch.setattr(f"reports.pages.{module}.context", trip)
+    monkeypatch.setattr(f"reports.pages.{module}.blocks", trip)
     result = CliRunner().invoke(app, ["run", str(scene), "-e", "analytic", "--out", str(tmp_path / "out")])
     assert result.exit_code == 1
     assert "analytic" in result.stdout

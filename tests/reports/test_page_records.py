@@ -13,23 +13,24 @@ from harness.records.base import as_file, plain
 from harness.records.bench import PartRow, ScalingRow
 from harness.records.kinds import read_result
 from harness.records.scores import Interval
-from harness.records.stress import Cell
+from harness.records.stress import Cell as Found
 from harness.records.stress import answer_of as stress_answer
 from harness.records.stress import findings_of as stress_findings
 from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import ValidationRecord
 from harness.studies.answer import answer_of, findings_of
 from harness.validation.validation_run import answer_of as validation_answer
+from reports.blocks import Cell, Chart, Group, Section, Table
 from reports.charts.study_figures import rose_picture
 from reports.drawing.shapes import Disc
 from reports.messages import ENGLISH
 from reports.pages.bench_page import bench_verdict, on_front, precision_figure, scaling_figure
-from reports.pages.page import write_report
-from reports.pages.stress_page import notes, stress_verdict
-from reports.pages.study_page import context as study_context
+from reports.pages.page import page_blocks, write_report
+from reports.pages.stress_page import explanations, stress_verdict
 from reports.pages.validation_page import validation_verdict
 from reports.text.study_rows import agreement, conditions
 from tests.reports import invented_records, invented_study
+from tests.reports.page_parts import every, lines, rows
 from tests.reports.pages.test_run_page import without_data
 
 
@@ -64,10 +65,10 @@ def test_the_headline_follows_the_claims(tmp_path: Path) -> None:
 
 def test_the_matrix_marks_where_models_of_a_variant_differ(tmp_path: Path) -> None:
     record = invented_study.study(invented_study.write_table_study(tmp_path))
-    matrix = study_context(tmp_path, record)["matrix"]
-    assert len(matrix) == 60
-    differing = {tuple(row["keys"][2:]) for row in matrix if row["differs"]}
-    assert differing == {("2", "none")}
+    found = next(each for each in every(page_blocks(tmp_path, record), Table) if each.style == "matrix")
+    assert len(found.rows) == 60
+    keys = [[cell for cell in row[:4] if isinstance(cell, Cell)] for row in found.rows]
+    assert {tuple(cell.text for cell in row[2:]) for row in keys if row[0].style == "differs"} == {("2", "none")}
 
 
 def test_agreement_counts_pairs_of_one_variant_only(tmp_path: Path) -> None:
@@ -80,7 +81,7 @@ def test_agreement_counts_pairs_of_one_variant_only(tmp_path: Path) -> None:
 
 def test_a_map_shows_what_was_not_asked(tmp_path: Path) -> None:
     folder = invented_study.write_map_study(tmp_path)
-    charts = {name: figure for name, _, figure in study_context(tmp_path, invented_study.study(folder))["charts"]}
+    charts = {each.name: each.figure for each in every(page_blocks(folder, invented_study.study(folder)), Chart)}
     whole, part = charts["map-1"]["data"][0]["z"], charts["map-2"]["data"][0]["z"]
     assert not any(code == 0 for row in whole for code in row)
     assert any(code == 0 for row in part for code in row)
@@ -141,8 +142,8 @@ def test_models_that_are_right_equally_often_are_all_named(tmp_path: Path) -> No
 
 
 def test_the_front_holds_what_nothing_beats() -> None:
-    rows = invented_records.bench_rows()
-    front = [row for row in rows if on_front(row, rows)]
+    every_row = invented_records.bench_rows()
+    front = [row for row in every_row if on_front(row, every_row)]
     assert {row.engine for row in front} == {"pymunk"}
     assert all(row.group == "level" for row in front)
 
@@ -195,13 +196,11 @@ def test_a_number_that_some_runs_do_not_know_is_the_median_of_the_others(tmp_pat
 
 
 def test_a_validation_says_how_to_repeat_it_and_how_far_histories_are_apart(tmp_path: Path) -> None:
-    from reports.pages.validation_page import context
-
     record = validation(invented_records.write_validation(tmp_path))
-    shown = context(tmp_path, replace(record, samples=3, seed=7))
-    assert shown["command"] == "rockcheck validate invented.csv -e analytic -e pymunk --samples 3 --seed 7"
-    page = write_report(tmp_path).read_text(encoding="utf-8")
-    told = page.partition("<h3>Measured histories</h3>")[2].partition("</dl>")[0].replace("−", "-")
+    found = page_blocks(tmp_path, replace(record, samples=3, seed=7))
+    assert lines(found, "repeat") == ["rockcheck validate invented.csv -e analytic -e pymunk --samples 3 --seed 7"]
+    histories = next(each for each in every(found, Group) if each.heading == ENGLISH("text.measured_histories"))
+    told = str(histories.blocks).replace("−", "-")
     assert "largest rotation 0.5" in told
     assert "magnitude error -0.5" in told
 
@@ -214,28 +213,19 @@ def test_settings_of_one_engine_look_different() -> None:
     assert coarse[1] != fine[1]
 
 
-def table_rows(page: str, caption: str) -> list[list[str]]:
-    """The cells of a page's table, row by row."""
-    body = page.partition(f"<caption>{caption}</caption>")[2].partition("</table>")[0].partition("<tbody>")[2]
-    return [
-        [unescape(cell) for cell in re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row)] for row in body.split("</tr>")[:-1]
-    ]
-
-
 def test_a_bench_shows_what_skips_gain_and_what_the_target_takes(tmp_path: Path) -> None:
-    page = shown(invented_records.write_bench(tmp_path))
-    skips = table_rows(page, "Skips: each alone, and all together")
+    found = page_blocks(tmp_path, invented_records.bench())
+    skips = rows(found, ENGLISH("table.skips"))
     assert [row[0] for row in skips] == ["all together, analytic", "quiet end, pymunk", "quiet start, pymunk"]
     texts = ["the same", "stands, without overturned_left, 1·10⁻⁷ rad apart", "no record here"]
     assert [row[-1] for row in skips] == texts
-    choice = table_rows(page, "What 0.001 rad takes, its own checks included")
-    assert choice[0][1:5] == ["3\u00a0of\u00a03", "0.30", "1.2", "0.25"]
+    choice = rows(found, ENGLISH("table.target", target="0.001"))
+    assert choice[0][1:5] == ["3 of 3", "0.300", "1.20", "0.250"]
     assert choice[1][3:] == ["–", "–", "–", "–", "–"]
-    (seeded,) = table_rows(page, "The same on the seeded scenes that meet it to the end")
-    assert seeded[1:] == ["15\u00a0of\u00a015", "0.50", "2.0", "0.25", "2.6", "5.5", "seed 7"]
-    assert table_rows(page, "How often the error lies within what the engine states")[1][1:] == ["14 of 15", "7"]
-    assert "What is left out" in page
-    assert "Beside other solvers" not in page, "what is not measured has no empty table"
+    (seeded,) = rows(found, ENGLISH("table.seeded"))
+    assert seeded[1:] == ["15 of 15", "0.500", "2.00", "0.250", "2.60", "5.50", "seed 7"]
+    assert rows(found, ENGLISH("table.coverage"))[1][1:] == ["14 of 15", "7"]
+    assert "others" not in [each.name for each in every(found, Section)], "what is not measured has no empty table"
 
 
 def test_a_stress_run_of_one_part_does_not_say_that_hard_scenes_come_out() -> None:
@@ -256,7 +246,7 @@ def test_a_known_failure_is_seen_on_the_page(tmp_path: Path) -> None:
     write_json(tmp_path / "result.json", as_file(record))
     page = without_data(write_report(tmp_path).read_text(encoding="utf-8"))
     assert (
-        "known failure of pybullet, and what avoids it</summary>creeps at 1 ms; with more iterations it does not"
+        "known failure of pybullet, and what avoids it</summary><p>creeps at 1 ms; with more iterations it does not"
         in page
     )
     assert "<code>rockcheck stress --quick</code>" in page
@@ -286,17 +276,17 @@ def test_scaling_is_one_plot_of_time_and_memory_with_a_table(tmp_path: Path) -> 
     assert [line["y"] for line in lines[:2]] == [[2e-3, 8e-3], [52.0, 58.0]]
     assert {figure["layout"][axis]["type"] for axis in ("xaxis", "yaxis", "yaxis2")} == {"log"}
     write_json(tmp_path / "result.json", as_file(replace(invented_records.bench(), scaling=points)))
-    rows = table_rows(shown(tmp_path), "How time and memory grow")
-    assert rows[0] == ["pymunk, duration [s]", "2", "0.0020", "52.0"]
+    (first, *_) = rows(page_blocks(tmp_path, read_result(tmp_path)), ENGLISH("table.scaling"))
+    assert first == ["pymunk, duration [s]", "2.00", "0.00200", "52.0"]
 
 
 def test_every_explanation_of_a_map_stands_below_it_once() -> None:
-    cell = Cell("pybullet", "1/60 s", "at rest", "inaccurate", "error", "too long")
+    cell = Found("pybullet", "1/60 s", "at rest", "inaccurate", "error", "too long")
     cells = [
         cell, replace(cell, setting="1/240 s"), replace(cell, setting="hull", explained="known: margin 0 is stable"),
         replace(cell, setting="1 ms", explained=""), replace(cell, engine="pymunk", explained="another"),
     ]  # fmt: skip
-    assert notes("pybullet", cells) == [
+    assert explanations("pybullet", cells) == [
         "at rest, 1/60 s; 1/240 s: too long",
         "at rest, hull: known: margin 0 is stable",
     ]

@@ -16,6 +16,7 @@ from harness.records.kinds import read_result
 from harness.records.run import RunRecord
 from harness.records.stress import StressRecord
 from harness.records.study import StudyRecord
+from reports.blocks import Chart, walk
 from reports.charts.palette import look
 from reports.charts.static_svg_axes import MARGIN
 from reports.charts.study_figures import panels_figure
@@ -23,7 +24,7 @@ from reports.drawing.shapes import Path as Line
 from reports.drawing.shapes import Text
 from reports.export.animation import FRAMES_PER_S, write_gif
 from reports.export.figures import histories_picture, pixels_across, write_figures
-from reports.pages.study_page import context as study_context
+from reports.pages.page import page_blocks
 from reports.source import run_source
 from tests.budgets_reports import DRAWN_SHARE, STILL_PX
 from tests.reports.invented_records import write_stress, write_validation
@@ -124,7 +125,7 @@ def test_unknown_options_are_refused_and_nothing_is_written(
 def test_every_chart_of_a_studys_page_is_a_figure(tmp_path: Path) -> None:
     folder = write_map_study(tmp_path)
     record = read_result(folder)
-    charts = [name for name, _, _ in study_context(folder, record)["charts"]]
+    charts = [each.name for each in walk(page_blocks(folder, record)) if isinstance(each, Chart)]
     assert len(charts) > 3
     assert [path.stem for path in write_figures(folder, ("svg",), "column")] == charts
     assert [path.stem for path in write_figures(write_rose_study(tmp_path / "rose"), ("svg",))][-1] == "rose"

@@ -13,12 +13,13 @@ from harness.records.base import as_file
 from harness.studies.cases import base_of, expand
 from harness.studies.file import load_study
 from reports.cli import studies
-from reports.pages.conservator_study import context
+from reports.pages.conservator_study import blocks
 from reports.pages.page import write_report
 from reports.pages.study_page import study_verdict
 from reports.text.study_rows import conditions
 from tests.reports.claim_scenes import content, write_scene
 from tests.reports.invented_study import study as study_record
+from tests.reports.page_parts import answer, pictures
 
 VARIED = """
 title = "two keys"
@@ -89,7 +90,7 @@ def standing() -> dict[str, Any]:
 
 def test_falls_are_counted_in_every_variant_and_colour_the_page(study: tuple[Path, Path]) -> None:
     record = study_record(study[1])
-    said = context(study[1], record)
+    said = answer(blocks(study[1], record))
     falls: dict[str, list[bool]] = {}
     for row in record.rows:
         falls.setdefault(row.varied["variant"], []).append(row.run.outcome.startswith("overturned"))
@@ -98,17 +99,17 @@ def test_falls_are_counted_in_every_variant_and_colour_the_page(study: tuple[Pat
     expected = (
         f"falls in {counts[0]} of {asked}" if len(counts) == 1 else f"falls in {counts[0]} to {counts[-1]} of {asked}"
     )
-    assert expected in said["headline"]
+    assert expected in said.headline
     for variant, each in falls.items():
         expected = f"“{variant}”: it falls in" if len(falls) > 1 else "It falls in"
-        assert any(f"{expected} {sum(each)} of {len(each)}" in point for point in said["points"])
-    assert said["tone"] != "agree"
+        assert any(f"{expected} {sum(each)} of {len(each)}" in point for point in said.points)
+    assert said.tone != "agree"
     assert study_verdict(record, *conditions(record.rows)).tone != "agree", "it holds no probability of a fall"
 
 
 def test_a_shaking_is_called_borne_where_no_model_falls_in_any_variant(study: tuple[Path, Path]) -> None:
     record = study_record(study[1])
-    said = " ".join(context(study[1], record)["points"])
+    said = " ".join(answer(blocks(study[1], record)).points)
     levels: dict[float, set[str]] = {}
     for row in record.rows:
         levels.setdefault(row.varied["motion.x.amplitude_g"], set()).add(row.run.outcome)
@@ -130,7 +131,7 @@ def test_the_supports_told_are_those_of_all_cases(study: tuple[Path, Path]) -> N
     assert told.floor_static == pytest.approx([min(floors), max(floors)])
     assert told.statue == (min(s.contact.statue for s in scenes), max(s.contact.statue for s in scenes))
     assert told.pedestal == sorted({scene.pedestal is not None for scene in scenes})
-    words = " ".join(text for item in context(study[1], record)["pictures"] for text in item.words)
+    words = " ".join(text for item in pictures(blocks(study[1], record)) for text in item.caption)
     slips = {
         scene.contact.statue if scene.pedestal is None else min(scene.contact.floor_static, scene.contact.statue)
         for scene in scenes
@@ -144,7 +145,7 @@ def test_the_supports_told_are_those_of_all_cases(study: tuple[Path, Path]) -> N
 
 def test_what_the_pedestal_changes_is_told_without_a_frequency_too(study: tuple[Path, Path]) -> None:
     record = study_record(study[1])
-    words = " ".join(text for item in context(study[1], record)["pictures"] for text in item.words)
+    words = " ".join(text for item in pictures(blocks(study[1], record)) for text in item.caption)
     varied = "pedestal" in record.vary
     assert ("of these are prevented" in words) is varied
 

@@ -23,8 +23,8 @@ from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import floor_plan
 from reports.drawing.kinematics import section
 from reports.messages import ENGLISH
-from reports.pages import conservator_study
-from reports.pages.conservator import context, of_run
+from reports.pages import conservator, conservator_study
+from reports.pages.conservator import of_run
 from reports.pages.page import write_report
 from reports.source import run_source
 from reports.text.giving_way import (
@@ -42,14 +42,10 @@ from reports.text.study_rows import conditions
 from tests.budgets_reports import PUSH, SHADOW_SHARE
 from tests.reports.invented_run import write_invented
 from tests.reports.invented_study import study, write_map_study, write_table_study
+from tests.reports.page_parts import answer, lines, pictures, spoken
 from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
 
 JARGON = ("rad", "kHz", "μ", "horizon", "integrat", "slenderness", "restitution", "theta", "θ")
-
-
-def spoken(told: dict[str, Any]) -> str:
-    words = [text for picture in told["pictures"] for text in (picture.heading, *picture.words)]
-    return " ".join([told["headline"], *told["points"], *told["todo"], *told.get("basis", ()), *words])
 
 
 def test_what_gives_way_first_is_ordered(tmp_path: Path) -> None:
@@ -199,8 +195,9 @@ def test_what_remains_before_the_wall_is_said(tmp_path: Path) -> None:
 def test_four_pictures_at_most_no_jargon_and_both_pages_know_each_other(tmp_path: Path, write: Any) -> None:
     folder = write(tmp_path)
     record = read_result(folder)
-    told = context(folder, record) if isinstance(record, RunRecord) else conservator_study.context(folder, record)
-    assert 2 <= len(told["pictures"]) <= 4
+    of = conservator if isinstance(record, RunRecord) else conservator_study
+    told = of.blocks(folder, record)
+    assert 2 <= len(pictures(told)) <= 4
     text = spoken(told)
     assert [word for word in JARGON if re.search(rf"(?<![a-z]){word}", text)] == []
     page = write_report(folder)
@@ -208,7 +205,7 @@ def test_four_pictures_at_most_no_jargon_and_both_pages_know_each_other(tmp_path
     assert 'href="conservator.html"' in page.read_text()
     assert 'href="report.html"' in plain
     assert "<script" not in plain, "it needs no scripts"
-    assert plain.count('<svg class="plain"') + plain.count('<svg class="still"') == len(told["pictures"])
+    assert plain.count('<svg class="plain"') + plain.count('<svg class="still"') == len(pictures(told))
 
 
 def test_what_the_pedestal_prevents_is_counted_by_condition(tmp_path: Path) -> None:
@@ -217,7 +214,7 @@ def test_what_the_pedestal_prevents_is_counted_by_condition(tmp_path: Path) -> N
     assert found is not None
     told = found.finding.values
     assert (told["total"], told["bare"], told["prevented"], told["caused"]) == (30, 12, 6, 0)
-    figures = {name: figure for name, _, figure in found.charts}
+    figures = {each.name: each.figure for each in found.charts}
     assert figures["saved"]["data"][0]["text"] == ["6/6", "6/6", "0/6", "0/6", "0/6"]
 
 
@@ -249,7 +246,7 @@ def test_the_page_is_green_exactly_where_a_fall_is_improbable(tmp_path: Path) ->
             for undecided in (0.0, 0.03, 0.1):
                 item = Assessment(p, max(p - wide, 0.0), min(p + wide + undecided, 1.0), 0.9, 1000, 1000, undecided)
                 record = replace(source.record, assessment={"analytic": item})
-                green = of_run(replace(source, record=record))["tone"] == "agree"
+                green = answer(of_run(replace(source, record=record))).tone == "agree"
                 assert green == (p <= 0.05 and min(p + wide + undecided, 1.0) < 0.10), item
                 seen.add(green)
     assert seen == {True, False}
@@ -261,23 +258,23 @@ def test_one_model_that_doubts_takes_the_green_away(tmp_path: Path) -> None:
     safe, unsafe = Assessment(0.03, 0.0, 0.09, 0.9, 1000, 1000), Assessment(0.051, 0.045, 0.06, 0.9, 1000, 1000)
     for answers in ({"analytic": safe, "pymunk": unsafe}, {"analytic": unsafe, "pymunk": safe}):
         record = replace(source.record, assessment=answers)
-        assert of_run(replace(source, record=record))["tone"] != "agree"
+        assert answer(of_run(replace(source, record=record))).tone != "agree"
 
 
 def test_a_shaking_whose_danger_was_not_computed_is_not_green(tmp_path: Path) -> None:
     """`--no-assess`: that every run stands says nothing of how probable a fall is."""
     source = run_source(write_invented(tmp_path))
     page = of_run(replace(source, record=replace(source.record, assessment=None)))
-    assert page["tone"] == "differ"
-    assert ENGLISH("chance.unknown") in page["basis"]
+    assert answer(page).tone == "differ"
+    assert ENGLISH("chance.unknown") in lines(page, "basis")
 
 
 def test_the_few_draws_that_ended_are_no_headline(tmp_path: Path) -> None:
     source = run_source(write_invented(tmp_path))
     few = Assessment(0.0026, 0.0019, 1.0, 0.9, 1000, 1000, 0.9974, plane_only=True)
     page = of_run(replace(source, record=replace(source.record, assessment={"analytic": few})))
-    assert page["headline"] == ENGLISH("chance.open")
-    assert page["tone"] == "differ"
+    assert answer(page).headline == ENGLISH("chance.open")
+    assert answer(page).tone == "differ"
     assert not re.search("0[.]0026|0[.]26|0[.]19", spoken(page)), "a share of the few draws that ended"
     assert not re.search("analytic|pymunk|pybullet", spoken(page)), "an engine"
 
@@ -294,7 +291,7 @@ def test_next_to_none_and_next_to_all_have_no_digits(tmp_path: Path) -> None:
         answers = {"analytic": Assessment(p, low, high, 0.9, 10_000, 10_000, undecided)}
         page = of_run(replace(source, record=replace(source.record, assessment=answers)))
         said = dict(zip(("share", "low", "high"), values, strict=False))
-        assert page["headline"] == ENGLISH(f"chance.{key}", **said)
+        assert answer(page).headline == ENGLISH(f"chance.{key}", **said)
 
 
 def test_shaking_that_the_plane_leaves_out_is_told_only_of_a_number_without_it(tmp_path: Path) -> None:
@@ -343,9 +340,9 @@ def test_a_model_that_holds_upright_a_pedestal_that_tips_gives_no_answer(tmp_pat
         said[name] = of_run(run_source(tmp_path / name))
         # The record's answer, which the engineer's page and the terminal show, counts the same models as the conservator's.
         assert [each for each, run in result.runs.items() if has_answer(run)] == models[1:]
-        answer = run_source(tmp_path / name).record.answer
-        assert answer is not None
-        assert answer.code == ("one_model" if models[1:] else "no_answer")
+        told = run_source(tmp_path / name).record.answer
+        assert told is not None
+        assert told.code == ("one_model" if models[1:] else "no_answer")
     alone, beside = map(spoken, said.values())
     assert alone.startswith("No model could compute what happens")
     assert "does not rock" not in alone

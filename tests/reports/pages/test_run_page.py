@@ -30,6 +30,7 @@ from reports.source import run_source
 from reports.text.wording import run_verdict
 from tests.budgets_reports import DRAWN_RAD, PAGE_BYTES, PAGE_WORDS
 from tests.reports.invented_run import write_invented
+from tests.reports.page_parts import lines
 from tests.reports.unpacking import unpacked
 from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
 
@@ -191,11 +192,11 @@ def test_a_run_alone_is_never_green_and_a_page_without_shaking_may_be(tmp_path: 
 def test_a_missed_target_is_no_horizon_of_prediction(tmp_path: Path) -> None:
     folder = write_invented(tmp_path)
     source = changed(folder, pymunk={"reliable_until_s": 6.0}, pybullet={"reliable_until_s": 4.6})
-    assert "nobody can follow" not in " ".join(of_run(source)["basis"])
+    assert "nobody can follow" not in " ".join(lines(of_run(source), "basis"))
     record = plain(read_result(folder))
     write_json(folder / "result.json", record | {"horizons": {"analytic": plain(HORIZON)}})
     source = run_source(folder)
-    assert "from second 5" in " ".join(of_run(source)["basis"]).lower()
+    assert "from second 5" in " ".join(lines(of_run(source), "basis")).lower()
 
 
 def test_a_scene_without_pedestal_has_no_slip(tmp_path: Path) -> None:

@@ -22,8 +22,21 @@ from tests.reports.invented_effects import write_effects
 
 BARE = ("decimal", "numbers", "and")
 """Strings that are put together with others."""
-FINDINGS = ("finding", "word", "short", "pair")
-"""Tables of findings, outcomes and verdicts."""
+FINDINGS = (
+    "finding",
+    "word",
+    "short",
+    "pair",
+    "kind",
+    "severity",
+    "section",
+    "table",
+    "tool",
+    "label",
+    "meaning",
+    "text",
+)
+"""Tables of findings, outcomes and verdicts, and of the engineer's page."""
 SHARED = {"order.case", "study.more"}
 """Strings that hold nothing but signs around braces."""
 JARGON = {

@@ -8,22 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.model.finding import Severity, changes_answer, info, texted
+from harness.model.finding import changes_answer, info, texted
 from harness.model.history import History, Outcome
 from harness.model.run import EngineRunRecord, Intervention
 from harness.statics.plan import Step
+from reports.blocks import Details, Group, Text, notes
 from reports.messages import ENGLISH
 from reports.source import run_source
-from reports.text.limits import (
-    HEADINGS,
-    before_fall,
-    by_severity,
-    fall_times,
-    interventions_row,
-    limit_rows,
-    plan_rows,
-    skipped_rows,
-)
+from reports.text.limits import before_fall, fall_times, interventions_row, limit_rows, plan_lines
 from tests.reports.invented_run import invented_history, invented_run, write_invented
 
 VALIDITY = {"yaw_rad": 0.9, "statue_slip_m": 0.02, "energy_gained_j": 9.6, "touching_vertices": 12}
@@ -50,8 +42,8 @@ def test_before_the_fall_stands_what_the_history_says(fallen: tuple[EngineRunRec
 
 def test_only_models_that_fall_are_spoken_of(tmp_path: Path) -> None:
     stands, falls = (run_source(write_invented(tmp_path / str(k), disagree=bool(k))) for k in (0, 1))
-    assert fall_times(stands) == ""
-    said = fall_times(falls)
+    assert fall_times(stands) == []
+    ((said,),) = (each.lines for each in fall_times(falls))
     assert "(pybullet)" in said
     assert "(analytic)" not in said
     assert set(limit_rows(falls)) == {"analytic", "pymunk", "pybullet"}
@@ -72,31 +64,29 @@ def test_a_fall_is_told_beside_what_was_before(fallen: tuple[EngineRunRecord, Hi
     assert rows["energy gained"] == "9.600 J"
 
 
-def test_engines_of_one_reason_stand_together_in_plain_words() -> None:
+def test_engines_of_one_reason_stand_together_with_what_each_left_out_and_saved(tmp_path: Path) -> None:
     plan = [Step("no_history", name, False, info("plan_histories_asked")) for name in ("analytic", "pymunk")]
     plan.append(Step("base_only", "pybullet", True, info("plan_shape", shape="base")))
-    assert plan_rows(plan) == [
-        (False, "the histories", "analytic and pymunk", ENGLISH.say(plan[0].reason)),
-        (True, "contact of parts other than the base", "pybullet", ENGLISH.say(plan[-1].reason)),
-    ]
-
-
-def test_a_skip_is_told_in_words_with_the_time_that_it_saved() -> None:
     run = invented_run("pybullet", invented_history(0.0), Outcome.STANDS, 1e-3)
-    skipped = replace(run, skipped={"base_only": None, "quiet_start": 0.25})
-    assert skipped_rows({"pybullet": skipped}) == [
-        ("pybullet", "contact of parts other than the base"),
-        ("pybullet", "the time before anything can move (0.250\u00a0s)"),
+    runs = {"pybullet": replace(run, skipped={"base_only": None, "quiet_start": 0.25})}
+    record = replace(run_source(write_invented(tmp_path)).record, plan=plan, runs=runs)
+    histories, base, quiet = (ENGLISH(f"skip.{name}") for name in ("no_history", "base_only", "quiet_start"))
+    assert plan_lines(record) == [
+        f"computed: {histories} (analytic and pymunk): {ENGLISH.say(plan[0].reason)}",
+        f"left out: {base} (pybullet): {ENGLISH.say(plan[-1].reason)}",
+        f"pybullet: {base}",
+        f"pybullet: {quiet} (0.250\u00a0s)",
     ]
 
 
-def test_findings_stand_under_their_severity() -> None:
+def test_findings_stand_under_their_severity_and_the_lightest_are_folded() -> None:
     heavy, light = changes_answer("near_tie", margin=1e-4), info("histories_agree")
-    shown = by_severity(texted([light, heavy.of("analytic"), light], ENGLISH.say))
-    assert [*shown] == [*HEADINGS.values()]
-    assert shown[HEADINGS[Severity.CHANGES_ANSWER]] == [f"analytic: {ENGLISH.say(heavy)}"]
-    assert shown[HEADINGS[Severity.INFO]] == [ENGLISH.say(light)]
-    assert by_severity([]) == {}
+    first, last = notes(ENGLISH, texted([light, heavy.of("analytic"), light], ENGLISH.say))
+    heading = ENGLISH("severity.changes_answer")
+    assert first == Group("", [Text([f"analytic: {ENGLISH.say(heavy)}"], "warnings")], heading)
+    assert isinstance(last, Details)
+    assert last.blocks == [Text([ENGLISH.say(light)], "notes")]
+    assert notes(ENGLISH, []) == []
 
 
 def test_what_was_written_to_bodies_is_one_line() -> None:
