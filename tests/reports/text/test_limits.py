@@ -69,7 +69,7 @@ def test_engines_of_one_reason_stand_together_with_what_each_left_out_and_saved(
     plan.append(Step("base_only", "pybullet", True, info("plan_shape", shape="base")))
     run = invented_run("pybullet", invented_history(0.0), Outcome.STANDS, 1e-3)
     runs = {"pybullet": replace(run, skipped={"base_only": None, "quiet_start": 0.25})}
-    record = replace(run_source(write_invented(tmp_path)).record, plan=plan, runs=runs)
+    record = replace(run_source(write_invented(tmp_path)).record, plan=plan, runs=runs, histories=[])
     histories, base, quiet = (ENGLISH(f"skip.{name}") for name in ("no_history", "base_only", "quiet_start"))
     assert plan_lines(record) == [
         f"computed: {histories} (analytic and pymunk): {ENGLISH.say(plan[0].reason)}",
