@@ -6,6 +6,7 @@ as frames of pixels.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from html import escape
@@ -46,12 +47,10 @@ class Path:
 
     def svg(self) -> str:
         """As SVG; a fill is said only where lines enclose an area."""
-        known = np.isfinite(self.points_px).all(axis=1).tolist()
-        points = "".join(
-            f"{'L' if k and known[k - 1] else 'M'}{x:.1f} {y:.1f}"
-            for k, (x, y) in enumerate(self.points_px.tolist())
-            if known[k]
-        )
+        places = self.points_px.tolist()
+        known = [math.isfinite(x) and math.isfinite(y) for x, y in places]
+        starts = zip(places, known, [False, *known], strict=False)
+        points = "".join(f"{'L' if after else 'M'}{x:.1f} {y:.1f}" for (x, y), there, after in starts if there)
         style = f' fill="{self.fill or "none"}"' if self.fill or len(self.points_px) > 2 else ""
         if self.stroke:
             style += f' stroke="{self.stroke}" stroke-width="{self.width:g}"'

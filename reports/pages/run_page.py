@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from harness.model.run import MANY, EngineRunRecord
+from harness.model.run import MANY, RUN_FIELDS, EngineRunRecord
 from harness.records.run import RunRecord
 from reports.blocks import (
     Block,
@@ -42,10 +42,10 @@ from reports.text.glossary import score_rows
 from reports.text.limits import fall_times, limit_rows, plan_lines
 from reports.text.wording import run_verdict
 
-ANSWERS: Final = (
-    "outcome no_return_time_s overturn_time_s peak_theta_rad peak_time_s peak_slip_m residual_slip_m end_s "
-    "numerical_uncertainty_rad slip_uncertainty_m reliable_until_s steps wall_s impacts"
-)
+ANSWERS: Final = [
+    *(each.name for each in RUN_FIELDS if each.single and each.name not in ("engine", "message")),
+    "impacts",
+]
 """What the table of models holds of each."""
 
 
@@ -58,7 +58,7 @@ def blocks(folder: Path, record: RunRecord, say: Language) -> list[Block]:
     answered = [] if record.answer is None else [each.text for each in record.answer.findings]
     told = [each for each in record.findings if not each.code.startswith("pair_") and each.text not in answered]
     pairs = [(_pair(name), item.verdict_sentence) for name, item in record.scores.items() if item.verdict_sentence]
-    models = turned(say, "answers", names, ANSWERS.split(), [*source.runs.values()], 4)
+    models = turned(say, "answers", names, ANSWERS, [*source.runs.values()], 4)
     return [
         Group("beginning", [first, replay(source, chips)]) if source.histories else first,
         *(section(say, "histories", _histories(source, say)) if source.histories else ()),

@@ -1,0 +1,102 @@
+"""Every kind of page is a list of blocks: its answer first, tables whole, every finding there, every word in each language."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from html import unescape
+from pathlib import Path
+
+import pytest
+
+from harness.model.run import RUN_FIELDS
+from harness.records.base import Record
+from harness.records.kinds import read_result
+from reports.blocks import Block, Chart, Section, Table, walk
+from reports.messages import ENGLISH, LANGUAGES, language
+from reports.pages.page import page_blocks, write_report
+from tests.reports import invented_records, invented_study
+from tests.reports.invented_effects import write_effects
+from tests.reports.invented_run import write_invented
+from tests.reports.page_parts import answer, cell_text, every
+
+WRITERS: dict[str, Callable[[Path], Path]] = {
+    "run": lambda folder: write_invented(folder, disagree=True),
+    "table": invented_study.write_table_study,
+    "map": invented_study.write_map_study,
+    "rose": invented_study.write_rose_study,
+    "effects": write_effects,
+    "assessment": invented_records.write_assessment,
+    "comparison": invented_records.write_comparison,
+    "validation": invented_records.write_validation,
+    "bench": invented_records.write_bench,
+    "stress": invented_records.write_stress,
+    "trust": invented_records.write_trust,
+}
+"""A folder of every kind of record that has an invented one."""
+
+
+@pytest.fixture(scope="module", params=WRITERS)
+def page(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Record]:
+    folder = WRITERS[request.param](tmp_path_factory.mktemp("pages") / request.param)
+    return folder, read_result(folder)
+
+
+def of_language(page: tuple[Path, Record], code: str) -> list[Block]:
+    say = language(code)
+    return page_blocks(page[0], page[1].texted(say.say), say)
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_the_answer_comes_first_and_what_follows_is_whole(page: tuple[Path, Record], code: str) -> None:
+    blocks = of_language(page, code)
+    told = answer(blocks)
+    assert told in [*walk(blocks[:1])]
+    assert told.headline
+    assert told.tone in ("agree", "differ", "failed")
+    sections = every(blocks, Section)
+    names = [each.name for each in sections]
+    assert names[-1] in ("repeat", "details")
+    assert len(set(names)) == len(names)
+    assert all(each.blocks for each in sections)
+    for found in every(blocks, Table):
+        assert found.rows, "a table of nothing is not shown"
+        assert {len(row) for row in found.rows} == {len(found.heads)}, found.caption
+        assert all(isinstance(cell_text(cell), str) for row in found.rows for cell in row)
+    charts = [each.name for each in every(blocks, Chart)]
+    assert len(set(charts)) == len(charts)
+
+
+def test_another_language_says_everything_in_its_own_words(page: tuple[Path, Record]) -> None:
+    english, other = (of_language(page, code) for code in ("en", "it"))
+    headings = [[each.heading for each in every(blocks, Section)] for blocks in (english, other)]
+    assert len(headings[0]) == len(headings[1])
+    assert all(mine != theirs for mine, theirs in zip(*headings, strict=True))
+    captions = [[each.caption for each in every(blocks, Table)] for blocks in (english, other)]
+    assert len(captions[0]) == len(captions[1])
+    known = {key for key in ENGLISH.strings if key.startswith("table.")}
+    assert {ENGLISH.strings[key] for key in known}.isdisjoint(captions[1])
+
+
+def test_the_page_shows_every_finding_row_and_chart_and_markup_stays_text(page: tuple[Path, Record]) -> None:
+    folder, record = page
+    html = write_report(folder).read_text(encoding="utf-8")
+    shown = unescape(html)
+    for each in record.findings:
+        assert ENGLISH.say(each) in shown or each.code.startswith("pair_"), each.code
+    for block in of_language(page, "en"):
+        for found in every([block], Table):
+            assert unescape(html).count(f"<caption>{found.caption}</caption>") >= 1
+        for chart in every([block], Chart):
+            assert (f'id="chart-{chart.name}"' in html) is bool(chart.width)
+    assert "<statue>" not in html
+    for version in record.versions.values():
+        assert version in shown
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_a_runs_values_have_words_in_each_language_and_the_english_ones_are_the_tables(code: str) -> None:
+    say = language(code)
+    for each in RUN_FIELDS:
+        if each.single and each.name not in ("engine", "message"):
+            assert f"label.{each.name}" in say.strings
+            assert code != "en" or say.label(each.name) == each.head
