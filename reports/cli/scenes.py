@@ -127,7 +127,7 @@ def compare(
     from harness.model.finding import info
     from harness.model.run import to_plain
     from reports.messages import ENGLISH
-    from reports.text.glossary import scores_text
+    from reports.text.wording import scores_text
 
     compared = compared_of(
         files,

@@ -35,7 +35,7 @@ from reports.charts.palette import INK, MUTED
 from reports.drawing.conservator_pictures import plan_svg
 from reports.drawing.floor_plan import probable_plan
 from reports.messages import Language, probability_text
-from reports.text.chance import tone_of_answers
+from reports.text.wording import tone_of_answers
 
 TICKS: Final = [0.25, 0.5, 1.0, 2.0, 4.0]
 """Factors written on the axis."""

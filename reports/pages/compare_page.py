@@ -21,7 +21,7 @@ from reports.charts.palette import MUTED, look
 from reports.charts.samples import packed_array, shown_samples
 from reports.messages import Language
 from reports.source import MOVED_SHARE, event_s
-from reports.text.glossary import score_rows
+from reports.text.wording import score_rows
 
 DIFFERENCE: Final = "difference, first less second"
 ROWS: Final = (((0.52, 1.0), "rotation θ  [rad]"), ((0.27, 0.47), "difference  [rad]"), ((0.0, 0.21), "slip  [mm]"))

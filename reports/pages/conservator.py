@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -14,18 +15,110 @@ from harness.model.in_space import support_m
 from harness.model.run import EngineRunRecord
 from harness.records.assess import Assessment, worst
 from harness.records.run import RunRecord, has_answer, tips_s
+from harness.records.scene import MotionRecord, SceneRecord
+from harness.records.study import SupportRecord
 from harness.scene_run.answer import STILL_RAD
-from reports.blocks import Block, Drawing
-from reports.drawing.conservator_pictures import plan_svg, reach_svg
+from reports.blocks import Block, Drawing, Section, Text, Verdict
+from reports.drawing.conservator_pictures import order_svg, plan_svg, push_svg, reach_svg
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import Plan, floor_plan
 from reports.drawing.kinematics import Array, section
 from reports.messages import ENGLISH, Language, probability_text
-from reports.pages.conservator_parts import end_words, order_picture, plain_page, push_picture
 from reports.source import RunSource, source_of
-from reports.text.giving_way import support_of
-from reports.text.limits import TIPS_RAD, tilt_rad
-from reports.text.wording import horizon_s, prediction_s, tone, unlike_motions
+from reports.text.giving_way import compass, levels, order_words, slips, support_of, weakest_words
+from reports.text.wording import TIPS_RAD, horizon_s, prediction_s, tilt_rad, tone, unlike_motions
+
+LIMITS: Final = ("hard", "steady", "friction", "next")
+ENDS: Final = {
+    Outcome.STANDS: "stands",
+    Outcome.TOUCHES_WALL: "wall",
+    Outcome.LEFT_PEDESTAL: "left",
+    Outcome.LIFT_OFF: "lifted",
+    Outcome.UNDECIDED: "undecided",
+}
+"""The key of each outcome's words; other ends are none that a model can follow."""
+
+
+def plain_page(
+    headline: str,
+    tone: str,
+    points: Sequence[str],
+    todo: Sequence[str],
+    pictures: Sequence[Drawing],
+    basis: Sequence[str],
+    say: Language,
+) -> list[Block]:
+    """The blocks of every conservator's page: answer with its picture and what to do, further pictures, what it rests on."""
+    limits = Text([say(f"limit.{key}") for key in LIMITS], "points")
+    return [
+        Verdict(headline, tone, points, drawing=pictures[0], todo=todo),
+        Section("pictures", "", pictures[1:], "pictures"),
+        *([Section("basis", say("page.basis"), [Text(basis, "points")])] if basis else ()),
+        Section("limits", say("page.limits"), [limits], "caveat"),
+    ]
+
+
+def end_words(outcome: str, say: Language) -> str:
+    """An outcome in a museum's words."""
+    kind = Outcome(outcome)
+    return say("end.falls" if kind.overturned else f"end.{ENDS.get(kind, 'other')}")
+
+
+def push_picture(
+    scene: SceneRecord,
+    support: SupportRecord,
+    say: Language,
+    motion: MotionRecord | None = None,
+    borne: Mapping[float, float] | None = None,
+) -> Drawing:
+    """Which push the statue bears, by direction, seen from above; `borne` are shakings without a fall by azimuth in degrees."""
+    heading = say("push.heading")
+    words = [say("push.seen"), f"{weakest_words(scene, say)} {say('push.tipping')}"]
+    if support.statue_keys:
+        varied = say.listed(dict.fromkeys(say.key(key) or say("key.other") for key in support.statue_keys))
+        words.append(say("push.varied", keys=varied))
+    # A push of the statue's own weight is none of an earthquake's: no circle is drawn for it.
+    sliding = [(push, what) for push, what in slips(support) if push < 1.0]
+    circles = list(dict.fromkeys(push for push, _ in sliding))
+    if circles:
+        words.append(say("push.circle" if len(circles) == 1 else "push.circles", slides=_slides(sliding, say)))
+    points = None
+    if borne:
+        azimuths = sorted(borne)
+        turned = np.radians(azimuths)
+        points = np.array([borne[key] for key in azimuths])[:, None] * np.column_stack([np.cos(turned), np.sin(turned)])
+        worst = min(borne, key=lambda key: borne[key])
+        least = say("push.borne_least", side=compass(worst, say), push=say.percent(borne[worst]))
+        words.append(f"{say('push.borne')} {least}")
+    axes = motion.accel_m_s2.keys() if motion is not None else set()
+    if axes & {"x", "y"}:
+        words.append(say("push.moment_level" if "z" in axes else "push.moment"))
+    drawn = push_svg(scene, motion, circles, f"{heading} {' '.join(words)}", say, points)
+    return Drawing(drawn, words, heading=heading)
+
+
+def _slides(sliding: Sequence[tuple[float, str]], say: Language) -> str:
+    """From which pushes what slides."""
+    by_body: dict[str, list[float]] = {}
+    for push, what in sliding:
+        by_body.setdefault(what, []).append(push)
+    to = f" {say('push.to')} "
+    return say.listed(
+        say(f"push.{what}_slides", pushes=to.join(map(say.percent, dict.fromkeys((pushes[0], pushes[-1])))))
+        for what, pushes in by_body.items()
+    )
+
+
+def order_picture(
+    scene: SceneRecord, support: SupportRecord, say: Language, motion: MotionRecord | None = None
+) -> Drawing:
+    """What gives way first, and so what the pedestal does for the statue."""
+    push = None if motion is None else motion.push
+    heading = say("order.heading_pedestal" if list(support.pedestal) == [True] and push else "order.heading")
+    words = order_words(scene, support, push, rising=motion is not None and motion.z_m_s2 is not None, say=say)
+    peak, title = None if push is None else push.peak, f"{heading} {' '.join(words)}"
+    return Drawing(order_svg(levels(scene, support, say), peak, title, say), words, heading=heading)
+
 
 VISIBLE_M: Final = 1e-3
 """Less than a millimetre is no movement that anyone keeps room for."""
@@ -92,17 +185,17 @@ def _shaking(source: RunSource, say: Language) -> list[str]:
 
 def _todo(source: RunSource, answered: Mapping[str, EngineRunRecord], plan: Plan, say: Language) -> list[str]:
     """What the record gives reason to do: room to keep free, a fall to reckon with, remedies to have compared."""
-    rooms = _rooms(plan, say)
-    said = [say("todo.free", rooms=rooms)] if rooms else []
-    if any(run.outcome is Outcome.TOUCHES_WALL for run in answered.values()):
-        said.append(say("todo.wall"))
+    rooms, unsafe = _rooms(plan, say), tone(source) != "agree"
     slip_m = max((run.peak_slip_m for run in answered.values()), default=0.0)
-    if source.scene.pedestal is not None and slip_m > VISIBLE_M:
-        said.append(say("todo.slide", length=say.length(slip_m)))
-    if tone(source) != "agree":
-        if _may_fall(source, answered):
-            said.append(say("todo.fall", height=say.length(source.scene.statue.height_m)))
-        said.append(say("todo.ask"))
+    reasons = {
+        "free": rooms,
+        "wall": any(run.outcome is Outcome.TOUCHES_WALL for run in answered.values()),
+        "slide": source.scene.pedestal is not None and slip_m > VISIBLE_M,
+        "fall": unsafe and _may_fall(source, answered),
+        "ask": unsafe,
+    }
+    lengths = {"length": say.length(slip_m), "height": say.length(source.scene.statue.height_m)}
+    said = [say(f"todo.{key}", rooms=rooms, **lengths) for key, there in reasons.items() if there]
     return said or [say("todo.nothing")]
 
 
@@ -131,13 +224,10 @@ def _answer(source: RunSource, nominal: str, say: Language) -> tuple[str, list[s
 
 def _falls(item: Assessment, say: Language) -> str:
     """How probable a fall is; next to none and next to all have no digits."""
-    if item.high < NEXT_TO_NONE:
-        return say("chance.rarely")
-    if item.low > 1.0 - NEXT_TO_NONE:
-        return say("chance.mostly")
     share, low, high = (f"{100.0 * value:.0f}" for value in (item.probability_overturned, item.low, item.high))
     wide = item.high - item.low > WIDE or item.probability_overturned < NEXT_TO_NONE
-    return say("chance.between", share=share, low=low, high=high) if wide else say("chance.falls", share=share)
+    sure = "rarely" if item.high < NEXT_TO_NONE else "mostly" if item.low > 1.0 - NEXT_TO_NONE else ""
+    return say(f"chance.{sure or ('between' if wide else 'falls')}", share=share, low=low, high=high)
 
 
 def _share(value: float, say: Language) -> str:
@@ -146,53 +236,38 @@ def _share(value: float, say: Language) -> str:
 
 def _nominal(source: RunSource, answered: Mapping[str, EngineRunRecord], say: Language) -> str:
     """What happens with the values as given."""
-    ends = {end_words(run.outcome, say) for run in answered.values()}
-    begins = _begins(source, say)
+    ends = dict.fromkeys(end_words(run.outcome, say) for run in answered.values())
     if not ends:
         return say("run.none")
-    if len(ends) == 1:
-        return say("run.one_end", begins=begins, end=ends.pop())
-    if say("end.falls") in ends:
-        return say("run.may_fall", begins=begins)
-    return say("run.disagree")
+    key = "one_end" if len(ends) == 1 else "may_fall" if say("end.falls") in ends else "disagree"
+    return say(f"run.{key}", begins=_begins(source, say), end=next(iter(ends)))
 
 
 def _begins(source: RunSource, say: Language) -> str:
     """What the statue is put through: shaking, a start off its rest, both or neither."""
-    start, shaking = source.scene.initial, bool(source.record.motion.accel_m_s2)
-    if start.pose is not None:
-        return say("begin.shaking_pose" if shaking else "begin.pose")
-    if start.theta_rad:
-        lean = say.digits(math.degrees(abs(start.theta_rad)), 2)
-        return say("begin.shaking_lean" if shaking else "begin.lean", lean=lean)
-    if start.theta_rate_rad_s:
-        return say("begin.shaking_turn" if shaking else "begin.turn")
-    return say("begin.shaking" if shaking else "begin.alone")
+    start, shaken = source.scene.initial, "shaking_" if source.record.motion.accel_m_s2 else ""
+    kinds = {"pose": start.pose is not None, "lean": start.theta_rad, "turn": start.theta_rate_rad_s, "alone": True}
+    kind = next(name for name, there in kinds.items() if there)
+    return say(f"begin.{shaken}{kind}", lean=say.digits(math.degrees(abs(start.theta_rad)), 2))
 
 
 def _who(runs: Mapping[str, EngineRunRecord], answered: Mapping[str, EngineRunRecord], say: Language) -> list[str]:
     """How many models say what; which they are stands in the engineer's report."""
-    silent = len(runs) - len(answered)
-    none = (
-        [say("run.silent_one") if silent == 1 else say("run.silent", count=_begun(say.count(silent)))] if silent else []
-    )
-    groups: dict[str, int] = {}
-    for run in answered.values():
-        end = end_words(run.outcome, say)
-        groups[end] = groups.get(end, 0) + 1
+    silent, total = len(runs) - len(answered), say.count(len(answered))
+    none = [say("run.silent_one" if silent == 1 else "run.silent", count=_begun(say.count(silent)))] if silent else []
     if len(answered) == 1:
         return [say("run.answered_one" if silent else "run.asked_one"), *none]
     unlike = [say("run.motion")] if unlike_motions(answered.values()) else []
-    if len(groups) == 1:
+    ends = Counter(end_words(run.outcome, say) for run in answered.values())
+    if len(ends) == 1:
         sides = {run.outcome for run in answered.values()}
-        side = [say("run.only_side")] if len(sides) > 1 and all(Outcome(end).overturned for end in sides) else []
-        return [" ".join([say("run.all_agree", count=_begun(say.count(len(answered)))), *side]), *unlike, *none]
-    total = say.count(len(answered))
-    ends = [
+        side = [say("run.only_side")] if len(sides) > 1 and all(end.overturned for end in sides) else []
+        return [" ".join([say("run.all_agree", count=_begun(total)), *side]), *unlike, *none]
+    each = [
         say("run.some_one" if count == 1 else "run.some", end=end, count=say.count(count), total=total)
-        for end, count in groups.items()
+        for end, count in ends.items()
     ]
-    return [*ends, *unlike, *none]
+    return [*each, *unlike, *none]
 
 
 def _begun(word: str) -> str:
@@ -224,43 +299,33 @@ def _lean(source: RunSource, say: Language) -> list[str]:
     if not standing:
         return []
     share, lean_rad, side = _worst_lean(source)
-    where = (
-        []
-        if all(source.runs[name].outcome == Outcome.STANDS for name in _answering(source))
-        else [say("run.of_standing")]
-    )
-    if lean_rad < STILL_RAD:
-        return [" ".join([*where, say("run.no_rocking")])]
     degrees, balance = (
         say.digits(math.degrees(value), 2) for value in (lean_rad, source.scene.statue.slenderness_rad(side))
     )
-    if share < 1.0:
-        leans = say("run.leans", degrees=degrees, share=f"{100.0 * share:.0f}", balance=balance)
-    else:
-        back = "run.floor_back" if source.record.motion.accel_m_s2 else "run.swing_back"
-        leans = f"{say('run.leans_past', degrees=degrees, balance=balance)} {say(back)}"
-    return [" ".join([*where, leans])]
+    back = "floor_back" if source.record.motion.accel_m_s2 else "swing_back"
+    keys = ["no_rocking"] if lean_rad < STILL_RAD else ["leans"] if share < 1.0 else ["leans_past", back]
+    keys = keys if standing == _answering(source) else ["of_standing", *keys]
+    values = {"degrees": degrees, "balance": balance, "share": f"{100.0 * share:.0f}"}
+    return [" ".join(say(f"run.{key}", **values) for key in keys)]
 
 
 def _pedestal_slip(source: RunSource, answered: Mapping[str, EngineRunRecord], say: Language) -> list[str]:
+    """How far its pedestal slides and tips; that it stays put only where no model says that it tips."""
     if source.scene.pedestal is None or not answered:
         return []
     most = max(run.peak_slip_m for run in answered.values())
     tilt = max(tilt_rad(run, source.histories.get(name)) for name, run in answered.items())
-    tips = [say("run.tips", degrees=say.digits(math.degrees(tilt), 2))] if tilt > TIPS_RAD else []
-    if most > VISIBLE_M:
-        return [say("run.slides", length=say.length(most)), *tips]
-    # A model that says that its pedestal tips, and another whose pedestal hardly does: it is not said to stay put.
-    return tips or ([say("run.put")] if all(tips_s(run) is None for run in source.runs.values()) else [])
+    said = [say("run.slides", length=say.length(most))] if most > VISIBLE_M else []
+    said += [say("run.tips", degrees=say.digits(math.degrees(tilt), 2))] if tilt > TIPS_RAD else []
+    still = all(tips_s(run) is None for run in source.runs.values())
+    return said or ([say("run.put")] if still else [])
 
 
 def _trust(source: RunSource, say: Language) -> list[str]:
-    end_s = source.scene.duration_s
-    until, predictable_s = horizon_s(source), prediction_s(source)
-    if predictable_s is not None and predictable_s < end_s:
-        return [f"{say('run.unpredictable', time=say.short(predictable_s, 2))} {say('run.typical')}"]
-    if until is not None and until < end_s:
-        return [f"{say('run.inexact', time=say.short(until, 2))} {say('run.typical')}"]
+    """Until when the motion can be followed: as far as anybody can, else as far as numbers are exact."""
+    for key, until_s in (("unpredictable", prediction_s(source)), ("inexact", horizon_s(source))):
+        if until_s is not None and until_s < source.scene.duration_s:
+            return [f"{say(f'run.{key}', time=say.short(until_s, 2))} {say('run.typical')}"]
     return []
 
 

@@ -13,7 +13,7 @@ from reports.blocks import Block, Chart, Verdict, facts, grid, repeat, section, 
 from reports.blocks import verdict as verdict_of
 from reports.charts.figure import figure
 from reports.messages import Language
-from reports.text.chance import SAFE, SAFE_HIGH
+from reports.text.wording import SAFE, SAFE_HIGH
 
 MOST_CELLS: Final = 80
 """Sizes and slendernesses that a picture shows at most: a page grows with their product."""

@@ -38,9 +38,7 @@ from reports.messages import Language
 from reports.messages.numbers import angle, given, length, short, unit
 from reports.pages.assets import three_js
 from reports.source import RunSource, source_of
-from reports.text.glossary import score_rows
-from reports.text.limits import fall_times, limit_rows, plan_lines
-from reports.text.wording import run_verdict
+from reports.text.wording import fall_times, limit_rows, plan_lines, run_verdict, score_rows
 
 ANSWERS: Final = [
     *(each.name for each in RUN_FIELDS if each.single and each.name not in ("engine", "message")),

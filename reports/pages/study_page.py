@@ -46,7 +46,6 @@ from reports.charts.study_figures import (
 from reports.drawing.scene_picture import scene_svg
 from reports.messages import Language
 from reports.messages.numbers import heading, label, plain, short
-from reports.text.chance import tone_of_study
 from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import (
     FAILED,
@@ -59,6 +58,7 @@ from reports.text.study_rows import (
     runs_of,
     varying_keys,
 )
+from reports.text.wording import tone_of_study
 
 MOST_MATRIX_ROWS: Final = 300
 """Longer matrices are not read; the map shows them."""

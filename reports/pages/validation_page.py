@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
+from harness.model.finding import info
+from harness.records.scores import Scores
 from harness.records.scores import Verdict as Verdicts
-from harness.records.validation import ValidationRecord
+from harness.records.validation import Fitted, PairScores, TestRow, ValidationRecord
 from reports.blocks import (
     Block,
     Cell,
@@ -38,11 +39,9 @@ def blocks(_folder: Path, record: ValidationRecord, say: Language) -> list[Block
     """The blocks of a validation's page."""
     models = record.models
     unstated = sorted({name for pair in record.pairs for name in pair.unstated})
-    pairs = [
-        Facts([(say("text.and", a=each.a, b=each.b), " ".join(_both(each, say))) for each in record.pairs], "sentences")
-    ]
+    pairs = [Facts([(say("text.and", a=each.a, b=each.b), _both(each, say)) for each in record.pairs], "sentences")]
     beside = Text([say("text.pairs"), *([say("text.unstated", names=say.listed(unstated))] if unstated else [])])
-    fitted = Facts([(name, "; ".join(_fitted(item.fitted, say))) for name, item in models.items()], "")
+    fitted = Facts([(name, _fitted(item.fitted, say)) for name, item in models.items()], "")
     told = [
         (f"{name}, {item.test}", _history(item.scores, say))
         for name, scores in models.items()
@@ -110,54 +109,32 @@ def _scores(record: ValidationRecord, say: Language) -> Table:
     return Table(say("table.validation", fitted_on=baseline.fitted_on), ["", *record.models, BASELINE], rows)
 
 
-def _both(pair: Any, say: Language) -> Iterator[str]:
+def _both(pair: PairScores, say: Language) -> str:
     """In how many tests two models say the same, and how their largest rotations compare."""
     same = pair.outcomes.side_accuracy
-    if same:
-        yield say("text.same_outcome", share=say.value([same.value, same.low, same.high], "rate"), count=pair.cases)
-    shares = {verdict: pair.verdicts.get(verdict, 0.0) for verdict in Verdicts}
-    yield (
-        "; ".join(f"{say(f'pair.{name.name.lower()}')}: {100 * share:.0f}\u00a0%" for name, share in shares.items())
-        + "."
-    )
-    if pair.flips:
-        yield say("text.pair_flips", count=pair.flips)
+    shares = {say(f"pair.{each.name.lower()}"): say.value(pair.verdicts.get(each, 0.0), "share") for each in Verdicts}
+    rate = [same.value, same.low, same.high] if same else None
+    return say.say(info("pair_in_tests", same=rate, cases=pair.cases, verdicts=shares, flips=pair.flips))
 
 
-def _fitted(own: Any, say: Language) -> Iterator[str]:
+def _fitted(own: Fitted, say: Language) -> str:
     """What was fitted for a model: friction, and by body its direction and its contact."""
-    if not own.tests:
-        yield say("text.nothing_fitted")
-        return
-    yield say("text.fitted_tests", tests=own.tests, runs=own.runs)
-    if own.friction is not None:
-        yield say("text.fitted_friction", friction=say.short(own.friction))
-    by_body = {
-        "azimuth": {body: f"{say.short(float(angle))}°" for body, angle in own.azimuth_deg.items()},
-        "tolerance": {body: say.value(value, "m") for body, value in own.contact_tolerance_m.items()},
-        "inset": {body: say.value(value, "m") for body, value in own.inset_m.items()},
-    }
-    for kind, values in by_body.items():
-        yield from (
-            say(f"text.fitted_{kind}", body=PurePosixPath(body).name, value=value) for body, value in values.items()
-        )
+    azimuths = {PurePosixPath(body).name: f"{say.short(float(angle))}°" for body, angle in own.azimuth_deg.items()}
+    lengths = [
+        {PurePosixPath(body).name: say.length(value) for body, value in each.items()}
+        for each in (own.contact_tolerance_m, own.inset_m)
+    ]
+    values = {"friction": own.friction, "azimuths": azimuths, "tolerances": lengths[0], "insets": lengths[1]}
+    return say.say(info("fitted", any=bool(own.tests), tests=own.tests, runs=own.runs, **values))
 
 
-def _history(own: Any, say: Language) -> str:
+def _history(own: Scores | None, say: Language) -> str:
     """How far a computed history is from the measured one."""
     if own is None:
         return say("text.no_history")
-    parts = [
-        say(
-            "text.rms_apart",
-            until=say.value(own.compared_until_s, "s"),
-            rms=f"{say.digits(own.rms_theta_rad)}\u00a0rad",
-        )
-    ]
-    parts += [] if own.peak_ratio is None else [say("text.peak_times", ratio=say.digits(own.peak_ratio))]
-    errors = {"magnitude": own.magnitude, "phase": own.phase} if own.combined is not None else {}
-    parts += [f"{say.label(key)} {say.digits(value)}" for key, value in errors.items()]
-    return f"{', '.join(parts)}. {own.verdict_sentence}"
+    errors = {} if own.combined is None else {"magnitude": own.magnitude, "phase": own.phase}
+    values = {"until_s": own.compared_until_s, "rms_rad": own.rms_theta_rad, "ratio": own.peak_ratio, **errors}
+    return f"{say.say(info('history_apart', **values))} {own.verdict_sentence}"
 
 
 def _tests(record: ValidationRecord, say: Language) -> Table:
@@ -172,7 +149,7 @@ def _tests(record: ValidationRecord, say: Language) -> Table:
     return Table(say("table.tests"), [*map(say.label, keys), *record.models], rows, "matrix")
 
 
-def _predicted(row: Any, name: str, say: Language, *, fell: bool) -> Cell:
+def _predicted(row: TestRow, name: str, say: Language, *, fell: bool) -> Cell:
     end, chance = row.predicted[name], row.probability[name]
     sign, said = SYMBOLS.get(end, FAILED)
     said += "" if chance is None else say("text.overturns_in", share=f"{100 * chance:.0f}")

@@ -1,24 +1,67 @@
-"""The verdict of a run's page: the record's answer, and how far the statue and its pedestal move."""
+"""What a run says beside its findings: verdict and colour, how far it moves, scores of pairs, limits met, what was left out."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import Final
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields
+from typing import Final, Literal
 
 import numpy as np
 
 from harness.model.finding import Finding, info
 from harness.model.history import Array, History, Outcome
 from harness.model.in_space import support_m
-from harness.model.run import EngineRunRecord
-from harness.records.run import has_answer
-from reports.blocks import Chip, Verdict, code, verdict
+from harness.model.run import EngineRunRecord, Intervention
+from harness.records.assess import Assessment
+from harness.records.base import Table
+from harness.records.run import RunRecord, has_answer
+from harness.records.scores import AfterHorizon, Scores
+from reports.blocks import Chip, Text, Verdict, code, verdict, words
 from reports.drawing.kinematics import section
 from reports.messages import ENGLISH, Language
+from reports.messages.numbers import digits, split_unit
 from reports.source import RunSource
-from reports.text.chance import Tone, tone_of_outcomes, worse_tone
-from reports.text.limits import TIPS_RAD, tilt_rad
 from reports.text.study_rows import family
+
+SAFE: Final = 0.05
+"""Green only where the probability of falling is at most this, and"""
+SAFE_HIGH: Final = 0.10
+"""its interval stays below this."""
+LIKELY: Final = 0.5
+"""From here on a fall is the likelier end."""
+Tone = Literal["agree", "differ", "failed"]
+SEVERITY: Final[tuple[str, ...]] = ("agree", "differ", "failed")
+
+
+def tone_of_outcomes(families: Iterable[str]) -> Tone:
+    """The colour of outcomes by their families (`study_rows.family`): `agree` only where every answer is that it stands."""
+    ends = set(families)
+    return "agree" if ends == {"stands"} else "differ" if ends & {"stands", "wall"} else "failed"
+
+
+def tone_of_study(families: Iterable[str]) -> Tone:
+    """The colour of a study's outcomes: without a probability of a fall never green, however many situations are stood."""
+    tone = tone_of_outcomes(families)
+    return "differ" if tone == "agree" else tone
+
+
+def tone_of_probability(item: Assessment) -> Tone:
+    """The colour of a probability: `agree` only where a fall is improbable, and its interval says so too."""
+    if item.probability_overturned <= SAFE and item.high < SAFE_HIGH:
+        return "agree"
+    return "failed" if item.probability_overturned >= LIKELY else "differ"
+
+
+def tone_of_answers(answers: Mapping[str, Assessment]) -> Tone:
+    """The worst colour of several models' probabilities; no green where all leave a part of the shaking out."""
+    known = any(not item.plane_only for item in answers.values())
+    return max([*map(tone_of_probability, answers.values()), "agree" if known else "differ"], key=SEVERITY.index)
+
+
+def worse_tone(answers: Mapping[str, Assessment], colour: str) -> str:
+    """The worse of a run's colour and that of its probabilities: a probability makes no run's green greener."""
+    return max([colour, tone_of_answers(answers)], key=SEVERITY.index)
+
 
 STUCK_M: Final = 1e-5
 """Slips of a pedestal, and ways of a top, below this are the give of a contact engine at rest."""
@@ -101,3 +144,182 @@ def horizon_s(source: RunSource) -> float | None:
         if run.reliable_until_s is not None and run.reliable_until_s < run.end_s
     ]
     return min(times) if times else None
+
+
+SCORES: Final = (
+    "together_until_s together_tolerance_rad horizon_s compared_until_s rms_theta_rad largest_difference_rad peak_theta_a_rad "
+    "peak_theta_b_rad peak_ratio peak_time_difference_s uplift_time_differences_s impact_times_a_s impact_time_differences_s "
+    "impacts_alone_a impacts_alone_b uplifts_alone_a uplifts_alone_b impact_energy_lost_a_j impact_energy_lost_b_j "
+    "impact_energy_share_lost_a impact_energy_share_lost_b rms_slip_m residual_slip_difference_m residual_theta_difference_rad "
+    "magnitude phase combined no_return_time_difference_s coverage outcome_agrees side_agrees after_horizon"
+)
+"""The scores in the order of the table; any other follows."""
+LISTED: Final = 6
+"""Items of a list that fit on a terminal's line."""
+SCORES_LEFT_OUT: Final = frozenset(
+    {
+        *("a", "b", "outcome_a", "outcome_b", "verdict", "verdict_sentence", "compared_from_s"),
+        *("numerical_uncertainty", "evidence", "iso", "findings"),
+    }
+)
+"""Keys whose content stands elsewhere on the page, or in the record alone."""
+
+
+def score_rows(scores: Mapping[str, Scores], say: Language = ENGLISH) -> list[tuple[str, str, list[str]]]:
+    """The table of scores: words, meaning, one cell per pair; each with its numerical uncertainty where it is stated."""
+    keys = dict.fromkeys([*SCORES.split(), *(each.name for each in fields(Scores))])
+    rows = []
+    for key in keys:
+        values = [getattr(item, key) for item in scores.values()]
+        if key not in SCORES_LEFT_OUT and not all(value is None or value == [] for value in values):
+            cells = [_score(item, key, say) for item in scores.values()]
+            rows.append((say.label(key), say.strings.get(f"meaning.{key}", ""), cells))
+    return rows
+
+
+def scores_text(pair: str, scores: Scores) -> str:
+    """One pair's scores as lines for a terminal: the verdict and what is to be said beside it, a table in words."""
+    lines = [f"{pair.replace('_vs_', ' against ')}:", *(f"  {ENGLISH.say(each)}" for each in scores.findings)]
+    rows = [(words, _short(cells[0])) for words, _, cells in score_rows({pair: scores})]
+    if scores.iso is not None:
+        rows.append((ENGLISH.label("iso"), digits(scores.iso.overall, 4)))
+    width = max((len(words) for words, _ in rows), default=0)
+    return "\n".join([*lines, *(f"  {words:{width}}  {cell}" for words, cell in rows)])
+
+
+def _short(cell: str) -> str:
+    """A list too long for a line is counted."""
+    count = cell.count(", ") + 1
+    return cell if count <= LISTED else f"{count} of them (see --json)"
+
+
+def _score(scores: Scores, key: str, say: Language) -> str:
+    value, uncertainty = getattr(scores, key), scores.numerical_uncertainty.get(key)
+    if isinstance(value, AfterHorizon):
+        return say.say(info("after_horizon", **after_horizon_values(value)))
+    return say.plain(value) + (
+        "" if uncertainty is None or value is None else f" ± {say.digits(float(uncertainty), 2)}"
+    )
+
+
+def after_horizon_values(item: AfterHorizon) -> dict[str, object]:
+    """What two histories are beyond the horizon, as its sentence wants it: whether chance alone would part them as far."""
+    peaks = item.peaks
+    chance = None if peaks is None else peaks.area_by_chance_rad
+    more = None if peaks is None or chance is None else peaks.area_rad > chance
+    return {
+        "from_s": item.from_s,
+        "until_s": item.until_s,
+        "area_rad": item.rotation.area_rad,
+        "peaks_rad": None if peaks is None else peaks.area_rad,
+        "chance_rad": chance,
+        "kind": "few" if more is None else "more" if more else "chance",
+    }
+
+
+def validity_rows(
+    validity: Table, before: Mapping[str, float], until_s: float | None, say: Language = ENGLISH
+) -> Sequence[tuple[str, str]]:
+    """The limits met in one run: words and value with unit; what did not happen is left out.
+
+    `before` holds values until the outcome was decided, at `until_s`, which are told beside those of the whole run.
+    """
+    rows = []
+    for key, value in validity.items():
+        if value is None or value in ("", []):
+            continue
+        words, name = split_unit(key)
+        told = say.plain(value).replace("_", " ")
+        if name and not isinstance(value, list):
+            told = f"{told} {name}"
+        if key in before:
+            low, until = f"{say.digits(before[key], 2)} {name}", say.plain(until_s)
+            told = say("text.before_fall", before=low, until=until, whole=told)
+        rows.append((say.strings.get(f"label.{key}", words), told))
+    return rows
+
+
+FOLLOWED: Final[Mapping[str, str]] = {
+    "yaw_rad": "yaw_rad",
+    "out_of_plane_rad": "out_of_plane_rad",
+    "statue_across_m": "statue_y_m",
+    "statue_slip_m": "statue_slip_m",
+    "pedestal_tilt_rad": "pedestal_tilt_rad",
+}
+"""Limits that a history follows, with its column: there the part before the outcome was decided can be told."""
+
+TIPS_RAD: Final = 1e-3
+"""A pedestal that tips by more is said to."""
+
+
+def limit_rows(source: RunSource, say: Language = ENGLISH) -> dict[str, Sequence[tuple[str, str]]]:
+    """Each model's limits as words and value; of one that overturns also what they were until its point of no return."""
+    by_name: dict[str, Sequence[tuple[str, str]]] = {}
+    for name, run in source.runs.items():
+        if not run.validity:
+            continue
+        before = before_fall(run, source.histories.get(name))
+        rows = validity_rows(run.validity, before, run.no_return_time_s, say)
+        by_name[name] = [*rows, *interventions_row(run.interventions, run.validity, say)]
+    return by_name
+
+
+def interventions_row(
+    written: Mapping[str, Intervention], validity: Table, say: Language = ENGLISH
+) -> list[tuple[str, str]]:
+    """What was written to the engine's bodies on the way, in one line; none for an unmodified engine."""
+    if not written:
+        return []
+    kinds = say.listed(f"{kind.replace('_', ' ')} {item.count or item.steps_again}" for kind, item in written.items())
+    parts = ("moved_m", "velocity_m_s", "rate_rad_s", "given_j", "taken_j")
+    sums = {part: say.digits(sum(vars(item)[part] for item in written.values()), 2) for part in parts}
+    lost = validity.get("lost_in_impacts_j")
+    beside = say("text.impacts_lost", lost=say.digits(lost, 2)) if isinstance(lost, float) else ""
+    again = sum(item.steps_again for item in written.values())
+    return [(say("label.interventions"), say("text.interventions", kinds=kinds, again=again, beside=beside, **sums))]
+
+
+def before_fall(run: EngineRunRecord, history: History | None) -> dict[str, float]:
+    """Largest values, until the balance point is passed for good, of the limits that a fallen statue's history follows."""
+    until = run.no_return_time_s
+    if history is None or until is None:
+        return {}
+    upright = history.t_s <= until
+    rows = {}
+    for key, column in FOLLOWED.items():
+        if key in run.validity and column in history.extra and upright.any():
+            values = np.asarray(history.extra[column])
+            start = float(values[0]) if key == "yaw_rad" else 0.0
+            rows[key] = float(np.max(np.abs(values[upright] - start)))
+    return rows
+
+
+def tilt_rad(run: EngineRunRecord, history: History | None) -> float:
+    """The pedestal's largest tilt, of a statue that falls until it passes its balance point; 0 for a model that has none."""
+    until, whole = before_fall(run, history), run.validity.get("pedestal_tilt_rad")
+    return until.get("pedestal_tilt_rad", whole if isinstance(whole, float) else 0.0)
+
+
+def fall_times(source: RunSource, say: Language = ENGLISH) -> list[Text]:
+    """When the statue passes its balance point for good, by model; nothing where none overturns."""
+    falls = {name: run.no_return_time_s for name, run in source.runs.items() if run.no_return_time_s is not None}
+    times = say.listed(f"{say.short(time_s, 3)} s ({name})" for name, time_s in falls.items())
+    return [words(say, "fall", "caveat", times=times)] if falls else []
+
+
+def plan_lines(record: RunRecord, say: Language = ENGLISH) -> list[str]:
+    """What was left out and what was computed, for which engines (those of one reason together), and why; what each saved."""
+    together: dict[tuple[bool, str, str], list[str]] = {}
+    for step in record.plan:
+        place = step.applies, say(f"skip.{step.skip}"), say.say(step.reason)
+        together.setdefault(place, []).append(step.engine)
+    lines = [
+        say("text.plan_left_out" if applies else "text.plan_computed", what=what, reason=reason,
+            engines="" if "*" in engines else f" ({say.listed(engines)})")
+        for (applies, what, reason), engines in together.items()
+    ]  # fmt: skip
+    saved = {(name, skip): time_s for name, run in record.runs.items() for skip, time_s in run.skipped.items()}
+    return lines + [
+        f"{name}: {say(f'skip.{skip}')}" + ("" if time_s is None else f" ({say.value(time_s, 's')})")
+        for (name, skip), time_s in saved.items()
+    ]

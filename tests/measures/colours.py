@@ -28,8 +28,7 @@ from harness.scene_run.scene_run import run_scene, write_result
 from reports.pages.assess_page import assess_verdict
 from reports.pages.conservator import of_run
 from reports.source import run_source
-from reports.text.chance import SAFE
-from reports.text.wording import run_verdict
+from reports.text.wording import SAFE, run_verdict
 from tests.measures.calibration import FACTORS
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of

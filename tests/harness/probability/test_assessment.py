@@ -24,7 +24,7 @@ from harness.probability.model_draws import ModelDraws, model_draws
 from harness.probability.stratified import jeffreys
 from harness.probability.variation import varied
 from harness.records.assess import AssessRecord, NotAssessed
-from reports.text.chance import tone_of_answers, worse_tone
+from reports.text.wording import tone_of_answers, worse_tone
 from tests import budgets_assess as budget
 from tests.engines_for_tests import ready
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, rectangle, scene

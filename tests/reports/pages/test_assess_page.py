@@ -15,7 +15,7 @@ from harness.records.assess import Assessment, Index, ProbabilityDifference
 from reports.messages import ENGLISH
 from reports.pages.assess_page import assess_verdict
 from reports.pages.page import write_report
-from reports.text.chance import tone_of_probability, worse_tone
+from reports.text.wording import tone_of_probability, worse_tone
 from tests.harness.probability.measure_own_runs import SCENE
 from tests.reports.invented_records import write_assessment
 from tests.scenes_for_tests import paestum

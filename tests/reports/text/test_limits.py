@@ -15,7 +15,7 @@ from harness.statics.plan import Step
 from reports.blocks import Details, Group, Text, notes
 from reports.messages import ENGLISH
 from reports.source import run_source
-from reports.text.limits import before_fall, fall_times, interventions_row, limit_rows, plan_lines
+from reports.text.wording import before_fall, fall_times, interventions_row, limit_rows, plan_lines
 from tests.reports.invented_run import invented_history, invented_run, write_invented
 
 VALIDITY = {"yaw_rad": 0.9, "statue_slip_m": 0.02, "energy_gained_j": 9.6, "touching_vertices": 12}
