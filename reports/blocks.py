@@ -174,7 +174,7 @@ def walk(blocks: Iterable[Block]) -> Iterator[Block]:
 
 def verdict(record: Record, tone: str, more: Sequence[str] = (), chips: Sequence[Chip] = ()) -> Verdict:
     """A record's answer as headline and points, and what else a page says with it."""
-    first, *points = [each.text for each in record.answer.findings] if record.answer else [record.title]
+    first, *points = [each.text for each in record.answer.findings] if record.answer else [record.title or record.kind]
     return Verdict(first, tone, [*points, *more], chips)
 
 

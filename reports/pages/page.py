@@ -29,6 +29,8 @@ CONSERVATOR_PAGES: Final[Mapping[str, str]] = {
     "effects3d": "reports.pages.conservator_study",
 }
 """Which module knows the conservator's page of a kind of record."""
+COUNTED: Final = {"validation": "tests", "tosses": "count"}
+"""What a page's title counts of a kind of record, which has no title of its own."""
 SCRIPTS: Final[Mapping[type, str]] = {Panels: "panels.js", Replay: "replay.js"}
 """What a page needs to run where it holds such a block."""
 
@@ -98,12 +100,14 @@ def _render(
     say: Language,
     scripts: Sequence[str] = (),
 ) -> str:
+    count = getattr(record, COUNTED.get(record.kind, ""), None)
+    title = str(record.title) if count is None else say(f"text.title_{record.kind}", count=count)
     live = {"chart_library": chart_library(), "dark": DARK} if scripts else {}
     return (
         environment()
         .get_template("page.html.j2")
         .render(
-            live, title=printable(str(record.title)), kind=kind, blocks=blocks, links=links, say=say,
+            live, title=printable(title), kind=kind, blocks=blocks, links=links, say=say,
             css=source_text("page.css") + Markup(dark_css()), scripts=[*map(source_text, scripts)],
             version=record.versions.get("rockcheck", ""), most_points=SHOWN_POINTS,
         )
