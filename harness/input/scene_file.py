@@ -152,13 +152,13 @@ def resolve(
         _reader=changed,
     )
     try:
-        _check_wall(scene, path)
+        check_wall(scene, path)
     except AnalyticInputError as error:  # of a scan, whose base is known only now
         raise InputError(Mistake(str(path), "statue", "a body that rocks on its base", str(error))) from error
     return scene
 
 
-def _check_wall(scene: Scene, path: Path) -> None:
+def check_wall(scene: Scene, path: Path) -> None:
     """Raise `InputError` for a wall that the statue, as it begins, or its pedestal reaches."""
     wall, block, pedestal, theta = wall_of(scene), block_of(scene), pedestal_of(scene), scene.initial.theta_rad
     if wall is None:

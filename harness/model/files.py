@@ -71,26 +71,37 @@ def check_own(path: Path, sums: Collection[str] = (), option: str = "") -> None:
 
 
 @contextmanager
-def writing(path: Path, sums: Collection[str] = ()) -> Iterator[Path]:
+def writing(path: Path, sums: Collection[str] = (), *, new: bool = False) -> Iterator[Path]:
     """A name beside `path` that becomes it when all is written, and is removed when not; sealed where its kind can be.
 
-    Raises `InputError` where a file would be lost (see `is_own`); an `OSError` names the file.
+    With `new` a file that is there stays. Raises `InputError` where a file would be lost (see `is_own`); an
+    `OSError` names the file.
     """
-    check_own(path, sums)
+    if not new:
+        check_own(path, sums)
     fresh = path.with_name(f"{FRESH}{token_hex(8)}{path.suffix}")
     try:
         fresh.touch(exist_ok=False)
         yield fresh
         if path.suffix in ENDS:
             _add_seal(fresh, path.suffix)
-        check_own(path, sums)
-        fresh.replace(path)
+        if new:
+            try:
+                os.link(fresh, path)
+            except FileExistsError:
+                pass
+            except OSError:  # a file system without links
+                fresh.replace(path)
+        else:
+            check_own(path, sums)
+            fresh.replace(path)
     except OSError as error:
         if error.errno is None or error.filename not in (None, str(fresh)):
             raise
         raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
-        fresh.unlink(missing_ok=True)
+        if fresh.exists():  # on a read-only file system even what is not there cannot be removed
+            fresh.unlink()
 
 
 def write_text(path: Path, text: str) -> None:

@@ -10,6 +10,7 @@ from typing import Annotated, Final
 from pydantic import Field
 
 from harness.input.mistakes import Table
+from harness.input.scene_file import check_wall
 from harness.input.tables import read_model
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene, scan_azimuth_deg, written
@@ -49,7 +50,8 @@ def options_of(scene: Scene) -> tuple[list[Option], dict[str, str]]:
     options, left_out = _of_pedestal(scene) if scene.pedestal is not None else [], {}
     if scene.wall is not None:
         left_out["another base"] = "beside a wall its distance would change with the base"
-        return options, left_out
+        left_out |= {each.name: "it would reach the wall" for each in options if not _before_wall(each.change(scene))}
+        return [each for each in options if each.name not in left_out], left_out
     what = f"a plate under the statue reaches {100.0 * BASE_M:g} cm further on each side"
     options.append(Option("base widened", what, _base_widened))
     if scene.pedestal is not None:
@@ -62,6 +64,14 @@ def options_of(scene: Scene) -> tuple[list[Option], dict[str, str]]:
     else:
         options.append(Option(TURNED, "statue and pedestal stand with another side before the shaking", _turned))
     return options, left_out
+
+
+def _before_wall(scene: Scene) -> bool:
+    try:
+        check_wall(scene, scene.source)
+    except InputError:
+        return False
+    return True
 
 
 def _of_pedestal(scene: Scene) -> list[Option]:

@@ -177,7 +177,8 @@ def check_begun(folder: Path, what: str) -> None:
 def _begin(path: Path, kind: str) -> None:
     """Make a store where there is none, whole or not at all; raises `InputError` for what is no store of this kind.
 
-    What a file is stands in its head, and its head is read before SQLite is: of another program's nothing is touched.
+    What a file is stands in its head, and its head is read before SQLite is: of another program's nothing is touched. Of two
+    calls that begin at once the second takes the store of the first.
     """
     fresh_store = not os.path.lexists(path)
     for end, heads in BESIDE.items():
@@ -185,11 +186,10 @@ def _begin(path: Path, kind: str) -> None:
         if os.path.lexists(beside) and (fresh_store or not beside.is_file() or not _begins(beside, heads)):
             raise InputError(Mistake(str(beside), "", "nothing that SQLite would write over", "a file", "move it away"))
     if fresh_store:
-        with writing(path) as fresh, closing(sqlite3.connect(fresh)) as db:
+        with writing(path, new=True) as fresh, closing(sqlite3.connect(fresh)) as db:
             db.executescript(_SCHEMA)
             db.execute(f"PRAGMA application_id={STORE_NUMBER + STORE_KINDS.index(kind)}")
             db.execute(f"PRAGMA user_version={STORE_VERSION}")
-        return
     found_kind = store_kind(path)
     if found_kind != kind:
         got = "no store of this version" if found_kind is None else f"that of a {found_kind}"

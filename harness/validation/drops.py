@@ -101,8 +101,9 @@ def _drop(name: str, frames: Array, body: Scene) -> Drop | str:
     start, scatter = np.empty((3, 2)), np.empty((3, 2, 2))
     for k, seen in enumerate((x[flight], z[flight] - lowest[-1] + 0.5 * fall * t_s**2, theta[flight])):
         start[k], missed = np.linalg.lstsq(design, seen, rcond=None)[:2]
-        variance = float(missed[0]) / (t_s.size - 2)
-        scatter[k] = np.linalg.cholesky(variance * np.linalg.inv(design.T @ design))
+        # Of the spread alone: a flight without any scatter has no root of its covariance.
+        spread = math.sqrt(float(missed[0]) / (t_s.size - 2))
+        scatter[k] = spread * np.linalg.cholesky(np.linalg.inv(design.T @ design))
     face = round(start[2, 0] / QUARTER_RAD)
     return Drop(name, start, scatter, fall, FRAME_S * (len(z) - first), turn, face)
 

@@ -113,7 +113,8 @@ def _check_spectrum(export: Path | None, resume: bool, dask: str | None) -> None
 
 @contextmanager
 def unbegun(folder: Path) -> Iterator[None]:
-    """Take a store away that was made here when the study turns out to be wrong before anything was computed."""
+    """Take a store away that was made here, and that no other call uses, when the study turns out to be wrong before anything
+    was computed."""
     store = folder / STORE_NAME
     made = [path for path in (folder, *folder.parents) if not path.exists()]
     fresh = not store.exists()
@@ -123,9 +124,11 @@ def unbegun(folder: Path) -> Iterator[None]:
         if not fresh or not store.is_file():
             raise
         try:
-            with closing(sqlite3.connect(store)) as db:
-                empty = db.execute("SELECT 1 FROM result LIMIT 1").fetchone() is None
-        except sqlite3.Error:  # a full disk: what is there stays
+            with closing(sqlite3.connect(store, timeout=0.0)) as db:
+                # Only who is alone with it may leave the mode in which stores are used.
+                alone = db.execute("PRAGMA journal_mode=DELETE").fetchone()[0] == "delete"
+                empty = alone and db.execute("SELECT 1 FROM result LIMIT 1").fetchone() is None
+        except sqlite3.Error:  # a full disk, or used by another call: what is there stays
             empty = False
         if empty:
             store.unlink()

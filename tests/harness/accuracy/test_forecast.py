@@ -24,9 +24,19 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
-def test_the_steps_that_are_told_are_those_that_are_taken(scene: Scene) -> None:
-    told, taken = expected_steps("pymunk", scene), simulate(scene, "pymunk").work["steps_of_all_runs"]
+@pytest.mark.parametrize(
+    ("engine", "scene"),
+    [
+        *(pytest.param("pymunk", scene, id=f"pymunk, {name}") for name, scene in SCENES.items()),
+        *(
+            pytest.param("pybullet", scene, id=f"pybullet, {name}")
+            for name, scene in SCENES.items()
+            if "tips" not in name
+        ),
+    ],
+)
+def test_the_steps_that_are_told_are_those_that_are_taken(engine: str, scene: Scene) -> None:
+    told, taken = expected_steps(engine, scene), simulate(scene, engine).work["steps_of_all_runs"]
     assert told.least / FORECAST_TIMES < taken < told.most * FORECAST_TIMES
     # Of three levels each costs twice as much as those before it: no more than these is left open.
     assert told.most < 12.0 * told.least

@@ -11,7 +11,7 @@ import pytest
 
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
-from harness.model.scene import Pedestal, Scene, Uncertain
+from harness.model.scene import Pedestal, Scene, Uncertain, Wall
 from harness.probability import options as made
 from harness.probability.answer import best_option, of_options
 from harness.probability.bodies import as_one, sliding, turned_block
@@ -51,6 +51,15 @@ def test_a_turned_block_has_its_other_side_in_the_plane() -> None:
     turned = turned_block(replace(statue, inertia_tensor_kg_m2=np.diag([68.0, statue.inertia_kg_m2, 26.0])))
     assert (turned.corner_left_m, turned.corner_right_m, turned.depth_m) == (0.3, 0.3, 0.4)
     assert turned.inertia_kg_m2 == 68.0
+
+
+@pytest.mark.parametrize(("distance_m", "there"), [(0.1, False), (1.5, True)])
+def test_an_option_that_would_reach_the_wall_is_left_out(distance_m: float, there: bool) -> None:
+    """A pedestal half as wide again reaches some 0.15 m further."""
+    stand = Wall("right", distance_m)
+    wider = "pedestal wider"
+    options, left_out = made.options_of(replace(paestum(0.429, 3.0), wall=stand))
+    assert (wider in {each.name for each in options}, wider in left_out) == (there, not there)
 
 
 def test_draws_are_common() -> None:

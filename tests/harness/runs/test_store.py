@@ -13,12 +13,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.model.errors import InputError
+from harness.model.errors import InputError, Mistake
 from harness.model.history import History, Outcome
 from harness.model.run import Run
 from harness.records.result_folder import STORE_NUMBER
 from harness.runs.store import Store
 from harness.studies.study_record import export_csv
+from reports.cli.studies import unbegun
 from tests.stores_for_tests import is_sound, put
 
 
@@ -54,6 +55,33 @@ def test_a_result_reads_back_with_its_history(store: Store) -> None:
     assert store.seconds("a") == 1.0
     for name, values in run().history.columns().items():  # type: ignore[union-attr]
         assert np.array_equal(values, history.columns()[name])
+
+
+def test_of_two_calls_that_begin_at_once_both_use_one_store(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    put(store, [("first", run())])
+    # What the second saw before the first had made its store.
+    monkeypatch.setattr("harness.runs.store.os.path.lexists", lambda path: False)
+    with Store(store.path) as second:
+        assert second.keys() == {"first"}
+
+
+@pytest.mark.parametrize("used", [True, False])
+def test_a_store_that_another_call_uses_is_not_taken_away(tmp_path: Path, used: bool) -> None:
+    path, others = tmp_path / "store.sqlite", list[Store]()
+
+    @unbegun(tmp_path)
+    def refused() -> None:
+        others.append(Store(path))
+        assert others[0].keys() == set()
+        if not used:
+            others.pop().__exit__()
+        raise InputError(Mistake("study", "", "another", "this"))
+
+    with pytest.raises(InputError):
+        refused()
+    assert path.exists() == used
+    for other in others:
+        put(other, [("first", run())])
 
 
 def test_a_key_keeps_its_first_result(store: Store) -> None:

@@ -82,6 +82,14 @@ def test_a_drop_is_read_by_its_flight_and_begins_just_before_it_lands(tmp_path: 
     assert drop.turn == round(frames[-1, 3] / (0.5 * math.pi))
 
 
+def test_a_drop_straight_down_is_read_without_scatter_aside(tmp_path: Path, square: Scene) -> None:
+    frames = thrown(square, 0)
+    frames[:, 1] = 0.0
+    (drop,), _ = read_drops(written(tmp_path, {"a": frames}), square)
+    assert not drop.scatter[0].any()
+    assert drop.scatter[1].any()
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
