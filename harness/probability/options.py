@@ -68,7 +68,7 @@ def options_of(scene: Scene) -> tuple[list[Option], dict[str, str]]:
 
 def _before_wall(scene: Scene) -> bool:
     try:
-        check_wall(scene, scene.source)
+        check_wall(scene, scene.source or Path())
     except InputError:
         return False
     return True
