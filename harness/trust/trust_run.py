@@ -149,20 +149,27 @@ class Map:
     def _word(
         self, point: Point, changes: Mapping[Point, selection.Answer], fill: str
     ) -> tuple[TrustClass, Basis, Said]:
-        own: Basis = "checked" if point in self.checks else "runs"
+        """What is less known of the two counts: what those in the plane say, what an engine in space makes of it around."""
         if point in self.whole:
-            return self.whole[point].kind, own, self.whole[point]
-        if fill != SAME:
-            nearest = min(
-                (each for each in self.whole if changes[each].outcome == fill), key=lambda at: math.dist(at, point)
-            )
-            return self.whole[nearest].kind, "between", self.whole[nearest]
+            return self.whole[point].kind, self._basis(point), self.whole[point]
+        kind, basis, said = self._in_plane(point)
+        if fill == SAME or _doubt(fill) < _doubt(kind):
+            return kind, basis, said
+        alike = (each for each in self.whole if changes[each].outcome == fill)
+        nearest = self.whole[min(alike, key=lambda at: math.dist(at, point))]
+        return nearest.kind, "between", nearest
+
+    def _in_plane(self, point: Point) -> tuple[TrustClass, Basis, Said]:
+        """What those in the plane say."""
         if point in self.ran:
-            return self.ran[point].kind, own, self.ran[point]
+            return self.ran[point].kind, self._basis(point), self.ran[point]
         if point in self.rest:
             return "nothing_moves", "rest", self.model[point]
         other = self.ran[point[0], below(point[1], self._along(point[0]))]
         return other.kind, "between", other
+
+    def _basis(self, point: Point) -> Basis:
+        return "checked" if point in self.checks else "runs"
 
     def check(self, points: Sequence[Point], kept: Mapping[Point, Kept | None]) -> None:
         """Take checks in; where one is not what was said, its surroundings are no longer decided."""
@@ -187,6 +194,11 @@ class Map:
     def _along(self, i: int) -> dict[int, tuple[object, ...]]:
         """What engines in the plane found along a frequency, by strength."""
         return {point[1]: said.found for point, said in self.ran.items() if point[0] == i}
+
+
+def _doubt(kind: str) -> int:
+    """How little a class says is known."""
+    return [str(each) for each in CLASSES].index(kind)
 
 
 def run_trust(

@@ -213,6 +213,15 @@ def test_between_points_that_one_engine_refutes_the_model_is_refuted() -> None:
     assert words[1, 4][1] == "between"
 
 
+def test_what_engines_in_the_plane_leave_open_is_not_confirmed_by_points_around() -> None:
+    """One in space bounds its error nowhere, so nothing is confirmed to the end; a matter of probability stays one."""
+    known = wide()
+    known.ran |= {(1, 4): word("probability"), (1, 5): word("confirmed")}
+    known.whole = {(i, j): word("outcome_confirmed") for i in (0, 2) for j in (0, 8)}
+    words = known.words()
+    assert [words[1, j][0] for j in (4, 5)] == ["probability", "outcome_confirmed"]
+
+
 def test_the_strength_up_to_which_a_model_holds_ends_at_the_first_doubt() -> None:
     kinds = {0: "confirmed", 4: "outcome_confirmed", 5: "probability", 6: "confirmed", 8: "confirmed"}
     known = found(kinds)
