@@ -21,7 +21,7 @@ from harness.studies.file import Value
 WEAKEST_G, STRONGEST_G = 0.05, 1.0
 SLOWEST_HZ, FASTEST_HZ = 0.8, 8.0
 """A museum floor's strengths and frequencies in an earthquake."""
-RESOLUTION: Final = {False: 1.05, True: 1.2}
+RESOLUTION: Final = {False: 1.05, True: 1.25}
 """Ratio of neighbouring strengths, of a whole and of a coarse map: a border between classes is known to that."""
 FREQUENCIES: Final = {False: 10, True: 5}
 FARTHEST: Final = math.log(2.0)

@@ -344,7 +344,7 @@ def map_of(found: Map, points: Points, *, coarse: bool) -> TrustMap:
     return TrustMap(
         stands_on="floor" if plane.scene.pedestal is None else "pedestal",
         shares={kind: sum(cell["class"] == kind for cell in cells) / len(cells) for kind in CLASSES},
-        confirmed_up_to_g=confirmed_up_to_g(plane, words),
+        confirmed_up_to_g=confirmed_up_to_g(found, words),
         contours={name: contour(name, cells, plane) for name in CONTOURS},
         cells=cells,
     )
@@ -393,14 +393,16 @@ def doubtful(chances: Mapping[Point, Interval]) -> list[Point]:
     return list(nearest.values())
 
 
-def confirmed_up_to_g(plane: Plane, words: Mapping[Point, tuple[TrustClass, Basis, Said]]) -> float | None:
-    """The largest strength up to which outcome and peak are confirmed at every frequency."""
+def confirmed_up_to_g(found: Map, words: Mapping[Point, tuple[TrustClass, Basis, Said]]) -> float | None:
+    """The largest strength up to which outcome and peak are confirmed at every frequency, and the model's outcome stays the same:
+    between two strengths where it changes it is a matter of probability.
+    """
+    strengths, each = found.plane.amplitudes_g, range(len(found.plane.frequencies_hz))
 
     def confirmed(j: int) -> bool:
-        each = [words[i, j] for i in range(len(plane.frequencies_hz))]
-        return all(kind in HELD and said.peak_confirmed for kind, _, said in each)
+        known = all(words[i, j][0] in HELD and words[i, j][2].peak_confirmed for i in each)
+        return known and all(found.model[i, j].outcomes == found.model[i, max(j - 1, 0)].outcomes for i in each)
 
-    strengths = plane.amplitudes_g
     held = list(takewhile(confirmed, range(len(strengths))))
     return strengths[held[-1]] if held else None
 

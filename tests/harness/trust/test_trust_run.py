@@ -225,11 +225,13 @@ def test_what_engines_in_the_plane_leave_open_is_not_confirmed_by_points_around(
 def test_the_strength_up_to_which_a_model_holds_ends_at_the_first_doubt() -> None:
     kinds = {0: "confirmed", 4: "outcome_confirmed", 5: "probability", 6: "confirmed", 8: "confirmed"}
     known = found(kinds)
-    assert confirmed_up_to_g(known.plane, known.words()) == pytest.approx(0.1 * 1.05**4)
+    assert confirmed_up_to_g(known, known.words()) == pytest.approx(0.1 * 1.05**4)
     known.whole[0, 4] = word("outcome_confirmed", apart_rad=0.5)
-    assert confirmed_up_to_g(known.plane, known.words()) == pytest.approx(0.1 * 1.05**3)
+    assert confirmed_up_to_g(known, known.words()) == pytest.approx(0.1 * 1.05**3)
+    known.model[0, 2].outcomes["analytic"] = "overturned"
+    assert confirmed_up_to_g(known, known.words()) == pytest.approx(0.1 * 1.05)
     known.whole[0, 0] = word("refuted")
-    assert confirmed_up_to_g(known.plane, known.words()) is None
+    assert confirmed_up_to_g(known, known.words()) is None
 
 
 def test_an_engine_is_asked_for_a_probability_where_it_is_nearest_a_half() -> None:
