@@ -162,7 +162,7 @@ def best_option(record: OptionsRecord) -> Finding:
     )
     now = record.as_it_is
     if not helping:
-        needed = record.plane_only or now.high + now.undecided >= NEGLIGIBLE
+        needed = record.plane_only or now.high >= NEGLIGIBLE
         return info("no_option_helps", needed=needed)
     best, *others = helping
     return info(

@@ -169,14 +169,16 @@ def answer_of(
     option: Option | None, ends: Ends, before: Ends | None, slips_m: tuple[float | None, float | None]
 ) -> OptionAnswer:
     """What is told of an option (None: the scene as it is), by its draws and the same ones of the scene as it is."""
-    fell = ends.fell
-    share = wilson(int(fell.sum()), fell.size, LEVEL)
-    if share is None:
+    fell, may_fall = (int(each.sum()) for each in (ends.fell, ends.fell | ~ends.decided))
+    share, most = (wilson(count, ends.fell.size, LEVEL) for count in (fell, may_fall))
+    if share is None or most is None:
         raise ValueError("an option without draws")
     name, what, source = (AS_IT_IS, "", "") if option is None else (option.name, option.what, option.source)
     change = None if before is None else difference_of(ends, before)
-    undecided = 1.0 - float(ends.decided.mean())
-    return OptionAnswer(name, what, source, fell.size, share.value, share.low, share.high, *slips_m, change, undecided)
+    interval = share.value, share.low, most.high
+    return OptionAnswer(
+        name, what, source, ends.fell.size, *interval, *slips_m, change, 1.0 - float(ends.decided.mean())
+    )
 
 
 def difference_of(ends: Ends, before: Ends) -> Interval:

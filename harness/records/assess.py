@@ -107,7 +107,8 @@ class Index:
 class OptionAnswer:
     """One option: probability of a fall, the pedestal's slip (median, 95 %; None: not followed), difference to as it is.
 
-    `undecided` is the share of draws that neither fall nor stand; the difference's interval counts them against either claim.
+    `undecided` is the share of draws that neither fall nor stand: they stand in `low` and fall in `high`, and the difference's
+    interval counts them against either claim.
     """
 
     name: str
@@ -121,6 +122,11 @@ class OptionAnswer:
     slip_high_m: float | None
     difference: Interval | None
     undecided: float = 0.0
+
+    @property
+    def tells(self) -> bool:
+        """Whether the interval is narrow enough for a number."""
+        return self.high - self.low <= MOSTLY
 
     @property
     def helps(self) -> bool:

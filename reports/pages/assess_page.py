@@ -99,7 +99,7 @@ def _options(record: AssessRecord, say: Language) -> list[Section]:
     rows = [
         {
             "option": item.name,
-            "probability": _share(say, item.probability_overturned)
+            "probability": (_share(say, item.probability_overturned) if item.tells else "–")
             + (f" ({say('text.no_end', share=_share(say, item.undecided))})" if item.undecided else ""),
             "shown": "" if item.difference is None
             else say("text.helps" if item.helps else "text.harms" if item.harms else "text.not_shown"),

@@ -147,6 +147,9 @@ def test_an_option_whose_draws_come_to_no_end_is_not_recommended(tmp_path: Path)
     wall = record.options[-1]
     assert record.as_it_is.probability_overturned > wall.probability_overturned + 0.4
     assert wall.undecided > 0.5
+    assert wall.high > wall.probability_overturned + wall.undecided
+    assert not wall.tells
+    assert record.as_it_is.tells
     assert not wall.helps
     assert best_option(record).code == "no_option_helps"
 
