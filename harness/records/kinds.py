@@ -5,20 +5,16 @@ from __future__ import annotations
 import json
 from importlib import import_module
 from pathlib import Path
-from typing import Final
 
 from harness.model.errors import InputError, Mistake
 from harness.model.run import SCHEMA_VERSION
 from harness.records.base import REWRITE, Record, validated
 from harness.records.result_folder import KINDS, RECORD
 
-IN: Final = {"compare": "scores"}
-"""The module of a kind's record that is in none of its own name."""
-
 
 def class_of(kind: str) -> type[Record]:
-    """The class of a kind's record, in the module of that name or of `IN`."""
-    module = import_module(f"harness.records.{IN.get(kind, kind)}")
+    """The class of a kind's record."""
+    module = import_module(KINDS[kind])
     return next(
         each for each in vars(module).values() if isinstance(each, type) and getattr(each, "kind", None) == kind
     )
@@ -42,6 +38,6 @@ def read_result(folder: Path | str) -> Record:
         got = record.get("schema_version") if isinstance(record, dict) else type(record).__name__
         raise InputError(Mistake(str(path), "schema_version", str(SCHEMA_VERSION), repr(got), REWRITE))
     kind = record.get("kind")
-    if kind not in KINDS:
+    if not isinstance(kind, str) or kind not in KINDS:
         raise InputError(Mistake(str(path), "kind", f"one of {', '.join(KINDS)}", repr(kind)))
     return validated(class_of(kind), text, path)

@@ -23,10 +23,12 @@ COMING: Final = ".coming.json"
 """The record of a result while its files are moved into place: until then the files of both are the folder's own."""
 PAGES: Final = ("report.html", "conservator.html")
 """Written of a record alone, by whoever reads it: each is sealed, and goes with the record of which it was made."""
-KINDS: Final = (
-    "run", "assess", "study", "effects3d", "rocking_spectrum", "bench", "stress", "validation", "tosses", "compare",
-    "trust", "measured",
-)  # fmt: skip
+KINDS: Final[Mapping[str, str]] = {
+    kind: f"harness.records.{kind}" for kind in (
+        "run", "assess", "study", "effects3d", "rocking_spectrum", "bench", "stress", "validation", "tosses", "trust", "measured",
+    )
+} | {"compare": "harness.records.scores"}  # fmt: skip
+"""The module of the class of each kind of record: a new kind is a line here."""
 STORE: Final = "store.sqlite"
 STORE_KINDS: Final = (
     "study",

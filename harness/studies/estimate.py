@@ -45,7 +45,7 @@ def seconds(study: StudyFile, base: Base, workers: int, *, witness: bool = False
     What is the same to an engine by its physics counts once.
     """
     rows = study.points * sum(REFERENCE in variant.engines for variant in study.variant)
-    if in_columns(study, base):
+    if in_columns(study, base) and not witness:
         return RESULT_S + rows * ROW_S * base.scene({**study.variant[0].set}).duration_s
     stream, spent = random.Random(study.seed), 0.0
     steps: dict[tuple[str, bool], float] = defaultdict(float)

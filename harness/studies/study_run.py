@@ -50,14 +50,17 @@ def run_study(
     store: Store,
     pool: Pool,
     on_progress: OnProgress = silent,
+    *,
+    singly: bool = False,
 ) -> Summary:
     """Run what the study asks and the store does not hold; `on_progress(done, all)` hears of progress.
 
     The analytic model runs first where the question needs its answers, then the others in as many rounds as it takes. Every
-    result is in the store as soon as it is finished. Raises `InputError` for a case that is no scene.
+    result is in the store as soon as it is finished. Many runs of the model alone are computed in blocks, unless each is wanted
+    `singly`, as a witness judges them. Raises `InputError` for a case that is no scene.
     """
     base = base_of(study, path)
-    if in_columns(study, base):
+    if in_columns(study, base) and not singly:
         return _run_blocks(study, base, store, Campaign(store, pool, on_progress))
     plan = Plan(study, base)
     campaign = Campaign(store, pool, on_progress, BATCH, free=plan.free)

@@ -93,7 +93,7 @@ def _run(
         on_progress = stack.enter_context(progress(study.title, quiet, size))
         stack.enter_context(unbegun(folder))
         store = stack.enter_context(Store(folder / STORE_NAME))
-        summary = run_study(study, path, store, pool, on_progress)
+        summary = run_study(study, path, store, pool, on_progress, singly=witness)
         seen = witness_study(study, path, store, pool, on_progress) if witness else None
         finished = study_record(study, path, store, summary, time.perf_counter() - start, seen)
         if export is not None:

@@ -227,6 +227,15 @@ def test_what_was_changed_is_refused(tmp_path: Path) -> None:
             list(every_row(store, study_name(load_study(path))))
 
 
+def test_what_a_witness_judges_stays_rows(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    study, name = load_study(path), study_name(load_study(path))
+    with Store(tmp_path / "s.sqlite") as store:
+        run_study(study, path, store, InlinePool(), singly=True)
+        assert table(store, name, 0) is None
+        assert all(row.key is not None for row in every_row(store, name))
+
+
 def test_few_cases_or_other_questions_stay_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = written(tmp_path)
     base = case_blocks.Base(path, {})
