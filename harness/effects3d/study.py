@@ -281,7 +281,7 @@ class Questions:
         )
 
 
-def run_effects(
+def run_file(
     path: Path,
     folder: Path,
     pool: Pool,
@@ -409,6 +409,7 @@ def side_azimuths(scene: Scene) -> list[float]:
     return sorted(azimuths | {round((a + 180.0) % 360.0, 6) for a in azimuths})
 
 
+REFUSES: Final = {"--export": "a study of cases: all of one of the third dimension stands in its result.json"}
 KIND = "effects3d"
 
 

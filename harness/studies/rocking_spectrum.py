@@ -30,9 +30,15 @@ from harness.model.history import Array
 from harness.model.run import machine, versions
 from harness.records.result_folder import write_whole
 from harness.records.rocking_spectrum import RockingSpectrumRecord, SpectrumMotion, SpectrumSummary
+from harness.runs.execute import OnProgress
+from harness.runs.runner import Pool
 
 KIND: Final = "rocking_spectrum"
 MAP_NAME: Final = "spectrum.csv"
+REFUSES: Final = dict.fromkeys(
+    ("--export", "--resume", "--dask"),
+    f"a study of cases: a rocking spectrum is computed at once, its map is {MAP_NAME}",
+)
 RING_DOWN_S: Final = 5.0
 """Time after a motion's end in which rocking may still decide."""
 HIGH: Final = 0.84
@@ -163,18 +169,23 @@ def compute(
     return Spectrum(np.isinf(every).mean(axis=0), median, high, open_ends / every.size, len(cases))
 
 
-def run_spectrum(
+def run_file(
     path: Path,
     folder: Path,
-    threads: int | None,
-    on_progress: Callable[[int, int], None],
+    pool: Pool,
+    on_progress: OnProgress,
+    *,
+    resume: bool = False,
     say: Say = lambda finding: "",
 ) -> RockingSpectrumRecord:
-    """The spectrum of a file: its record, with the sentences of `say`, and its map (CSV) into `folder`."""
+    """The spectrum of a file: its record, with the sentences of `say`, and its map (CSV) into `folder`.
+
+    It is one sweep for each motion, in this process, by as many threads as the pool has workers.
+    """
     begin = time.process_time()
     spectrum = read_model(SpectrumFile, path)
     excitations = motions_of(spectrum, path)
-    answer = compute(spectrum, excitations, threads=threads, on_progress=on_progress)
+    answer = compute(spectrum, excitations, threads=pool.workers, on_progress=on_progress)
     motions = []
     for source, item in zip(spectrum.motion, excitations, strict=True):
         pgv_m_s = float(np.max(np.abs(item.velocity_m_s(np.linspace(0.0, item.end_s, 20_001)))))

@@ -110,7 +110,7 @@ def study(
         witness=witness, say=ENGLISH.say,
     )  # fmt: skip
     say_result(as_file(record), "\n".join(study_lines(record, verbose=saying.verbose)), folder, saying, language)
-    raise typer.Exit(FAILED if record.summary.failed else OK)
+    raise typer.Exit(FAILED if getattr(getattr(record, "summary", None), "failed", 0) else OK)
 
 
 @command(

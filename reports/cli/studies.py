@@ -7,28 +7,33 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
+from typing import Any, Final
 
-from harness.effects3d.study import KIND as EFFECTS
-from harness.effects3d.study import run_effects
 from harness.input.tables import kind_of
 from harness.model.errors import InputError, Mistake
 from harness.model.files import check_own, checksum, is_sealed
 from harness.model.finding import Say
-from harness.records.effects3d import EffectsRecord
+from harness.records.base import Record
 from harness.records.result_folder import RECORD, check_folder, read_own, write_whole
-from harness.records.rocking_spectrum import RockingSpectrumRecord
 from harness.records.study import ExportRecord, StudyRecord
 from harness.runs.dask_pool import DaskPool
 from harness.runs.progress import progress
 from harness.runs.runner import LIMIT_S, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, check_begun
-from harness.studies import estimate, rocking_spectrum
+from harness.studies import estimate
 from harness.studies.cases import base_of
 from harness.studies.file import StudyFile, load_study
 from harness.studies.study_record import export_csv, export_parquet, study_record
 from harness.studies.study_run import run_study, study_name
 from harness.studies.witnessed import witness_study
+
+QUESTIONS: Final = {
+    "rocking_spectrum": "harness.studies.rocking_spectrum",
+    "effects3d": "harness.effects3d.study",
+}
+"""By the kind that a file names the module that answers it: `run_file`, and `REFUSES`: by option what it wants instead."""
 
 
 def run(
@@ -44,7 +49,7 @@ def run(
     pool: Pool | None = None,
     witness: bool = False,
     say: Say = lambda finding: "",
-) -> StudyRecord | EffectsRecord | RockingSpectrumRecord:
+) -> Record:
     """Run a study into `folder` (store.sqlite, result.json); returns its record.
 
     `large` lets a study run that would take more than a day; `pool` is used, and not closed, where the caller has one;
@@ -52,26 +57,22 @@ def run(
     for a wrong study, a store that cannot be used, or `resume` where there is nothing to go on with.
     """
     kind = kind_of(path)
-    check_folder(folder, (kind if kind in (rocking_spectrum.KIND, EFFECTS) else "study",))
+    question: Any = import_module(QUESTIONS[kind]) if isinstance(kind, str) and kind in QUESTIONS else None
+    check_folder(folder, ("study" if question is None else str(kind),))
     with ExitStack() as stack:
-        if kind == rocking_spectrum.KIND:
-            _check_spectrum(export, resume, dask)
-            on_progress = stack.enter_context(progress(path.stem, quiet))
-            return rocking_spectrum.run_spectrum(path, folder, jobs, on_progress, say)
-        if kind == EFFECTS:
-            if export is not None:
-                got = "one of the third dimension: see its result.json"
-                raise InputError(Mistake("--export", "", "a study of cases", got))
-            study = None
-        else:
-            study = load_study(path)
+        study = load_study(path) if question is None else None
+        if study is not None:
             _check(folder, resume, export)
+        for name, given in (("--export", export), ("--resume", resume), ("--dask", dask)):
+            if given and question is not None and name in question.REFUSES:
+                raise InputError(Mistake(name, "", question.REFUSES[name], str(given)))
         if pool is None:
             limit_s = LIMIT_S if study is None else estimate.limit_s(study, base_of(study, path).scene({}))
             pool = stack.enter_context(closing(LocalPool(jobs, limit_s) if dask is None else DaskPool(dask, limit_s)))
         if study is None:
             on_progress = stack.enter_context(progress(path.stem, quiet))
-            return run_effects(path, folder, pool, on_progress, resume=resume, say=say)
+            answered: Record = question.run_file(path, folder, pool, on_progress, resume=resume, say=say)
+            return answered
         return _run(study, path, folder, pool, export, large, quiet, witness, say)
 
 
@@ -101,14 +102,6 @@ def _run(
             writer(store, study_name(study), export, _exported(export, folder))
             finished = replace(finished, export=ExportRecord(str(export.resolve()), checksum(export)))
         return write_whole(folder, finished.texted(say))
-
-
-def _check_spectrum(export: Path | None, resume: bool, dask: str | None) -> None:
-    """A rocking spectrum is one sweep for each motion in this process: it keeps no store, and writes its map itself."""
-    for name, given in (("--export", export), ("--resume", resume), ("--dask", dask)):
-        if given:
-            wanted = f"a study of cases: a rocking spectrum is computed at once, its map is {rocking_spectrum.MAP_NAME}"
-            raise InputError(Mistake(name, "", wanted, str(given)))
 
 
 @contextmanager
