@@ -74,22 +74,19 @@ class Pattern(NamedTuple):
 
 
 class Column(NamedTuple):
-    """What a run says under one name: what people call it, its unit, and whether it is one value, a column of tables."""
+    """What a run says under one name: its unit, and whether it is one value, a column of tables.
+
+    What people call it stands in the catalogues of messages, by its name.
+    """
 
     name: str
-    label: str
     unit: str
     single: bool
 
-    @property
-    def head(self) -> str:
-        """The head of its column."""
-        return f"{self.label} [{self.unit}]" if self.unit else self.label
 
-
-def said(label: str, unit: str = "", *, single: bool = True) -> dict[str, Column]:
+def said(unit: str = "", *, single: bool = True) -> dict[str, Column]:
     """The metadata of a run's field."""
-    return {"column": Column("", label, unit, single)}
+    return {"column": Column("", unit, single)}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -102,25 +99,23 @@ class RunRow:
     the motion that the engine was given (None: not stated).
     """
 
-    engine: str = field(metadata=said("engine"))
-    outcome: Outcome = field(metadata=said("outcome"))
-    peak_theta_rad: float = field(metadata=said("largest rotation", "rad"))
-    peak_time_s: float = field(metadata=said("at", "s"))
-    end_s: float = field(metadata=said("computed until", "s"))
-    overturn_time_s: float | None = field(default=None, metadata=said("counts as overturned", "s"))
-    no_return_time_s: float | None = field(default=None, metadata=said("passes its balance point for good", "s"))
-    peak_slip_m: float = field(default=0.0, metadata=said("largest slip of the pedestal", "m"))
-    residual_slip_m: float = field(default=0.0, metadata=said("slip that remains", "m"))
-    numerical_uncertainty_rad: float | None = field(
-        default=None, metadata=said("numerical error of the rotation ±", "rad")
-    )
-    slip_uncertainty_m: float | None = field(default=None, metadata=said("numerical error of the slip ±", "m"))
-    reliable_until_s: float | None = field(default=None, metadata=said("stated until", "s"))
-    steps: int = field(metadata=said("integration steps"))
-    validity: Mapping[str, Any] = field(default_factory=dict, metadata=said("limits met", single=False))
-    findings: Sequence[Finding] = field(default=(), metadata=said("findings", single=False))
-    labels: Sequence[str] = field(default=(), metadata=said("labels", single=False))
-    motion_axes: Sequence[str] | None = field(default=None, metadata=said("axes of the motion", single=False))
+    engine: str = field(metadata=said())
+    outcome: Outcome = field(metadata=said())
+    peak_theta_rad: float = field(metadata=said("rad"))
+    peak_time_s: float = field(metadata=said("s"))
+    end_s: float = field(metadata=said("s"))
+    overturn_time_s: float | None = field(default=None, metadata=said("s"))
+    no_return_time_s: float | None = field(default=None, metadata=said("s"))
+    peak_slip_m: float = field(default=0.0, metadata=said("m"))
+    residual_slip_m: float = field(default=0.0, metadata=said("m"))
+    numerical_uncertainty_rad: float | None = field(default=None, metadata=said("rad"))
+    slip_uncertainty_m: float | None = field(default=None, metadata=said("m"))
+    reliable_until_s: float | None = field(default=None, metadata=said("s"))
+    steps: int = field(metadata=said())
+    validity: Mapping[str, Any] = field(default_factory=dict, metadata=said(single=False))
+    findings: Sequence[Finding] = field(default=(), metadata=said(single=False))
+    labels: Sequence[str] = field(default=(), metadata=said(single=False))
+    motion_axes: Sequence[str] | None = field(default=None, metadata=said(single=False))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -132,17 +127,15 @@ class EngineRunRecord(RunRow):
     to the engine's bodies, by kind; empty for an unmodified engine.
     """
 
-    settings: Mapping[str, Any] = field(metadata=said("settings", single=False))
-    wall_s: float = field(metadata=said("time to compute", "s"))
-    impact_times_s: Sequence[float] = field(default=(), metadata=said("impacts", "s", single=False))
-    uplift_times_s: Sequence[float] = field(default=(), metadata=said("uplifts", "s", single=False))
-    patterns: Sequence[Pattern] = field(default=(), metadata=said("motion patterns", single=False))
-    work: Mapping[str, int] = field(default_factory=dict, metadata=said("work", single=False))
-    skipped: Mapping[str, float | None] = field(default_factory=dict, metadata=said("left out", single=False))
-    message: str = field(default="", metadata=said("why it failed"))
-    interventions: Mapping[str, Intervention] = field(
-        default_factory=dict, metadata=said("interventions", single=False)
-    )
+    settings: Mapping[str, Any] = field(metadata=said(single=False))
+    wall_s: float = field(metadata=said("s"))
+    impact_times_s: Sequence[float] = field(default=(), metadata=said("s", single=False))
+    uplift_times_s: Sequence[float] = field(default=(), metadata=said("s", single=False))
+    patterns: Sequence[Pattern] = field(default=(), metadata=said(single=False))
+    work: Mapping[str, int] = field(default_factory=dict, metadata=said(single=False))
+    skipped: Mapping[str, float | None] = field(default_factory=dict, metadata=said(single=False))
+    message: str = field(default="", metadata=said())
+    interventions: Mapping[str, Intervention] = field(default_factory=dict, metadata=said(single=False))
 
     @property
     def impacts(self) -> int:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
-from harness.model.run import RUN_FIELDS
 from harness.model.shown import Shown, library, new_axes
 
 if TYPE_CHECKING:
@@ -120,8 +119,7 @@ class RunSet(Shown):
             own = ran & some & (self.table["engine"] == chosen)
             if own.any():
                 ax.scatter(x[own], self.table[keys[1]][own], marker=marker, label=f"{chosen} {label}")
-        peak = next(each.head for each in RUN_FIELDS if each.name == "peak_theta_rad")
-        ax.set(xlabel=keys[0], ylabel=keys[1] if len(keys) > 1 else peak, title=self.title)
+        ax.set(xlabel=keys[0], ylabel=keys[1] if len(keys) > 1 else "largest rotation [rad]", title=self.title)
         return ax
 
     def _at(self, places: Sequence[int]) -> RunSet:

@@ -84,7 +84,7 @@ def test_told_to_end_a_study_says_what_it_keeps_and_leaves_no_process(tmp_path: 
     child.send_signal(signal.SIGTERM)
     _, said = child.communicate(timeout=LONGEST_S)
     assert child.returncode == 130
-    assert "kept in its store" in said
+    assert "what was finished is kept" in said
     assert not [word for word in ("Traceback", "leaked", "Warning", "Error") if word in said], said
     assert len(workers) >= 2
     assert all(ended(int(pid)) for pid in workers)
