@@ -21,6 +21,7 @@ from harness.runs.store import STORE_NAME, Store, stored_runs
 from harness.runs.task import Answer
 from harness.scene_run.scene_run import run_scene, write_result
 from harness.trust.trust_run import run_trust
+from reports.checked import write_checked
 from reports.cli import studies
 from reports.cli.ending import guarded
 from reports.messages import ENGLISH
@@ -36,6 +37,7 @@ IN_STUDY: Final = ("paestum_pedestal", "paestum_floor")
 """Scenes that are conditions of the study: what it has computed is not computed again."""
 MAPPED: Final = "paestum_pedestal"
 MAP: Final = f"{MAPPED}-trust"
+CHECKED: Final = "checked"
 ALWAYS: Final = ("free_rocking",)
 WITH_DATA: Final = ("maria",)
 
@@ -96,6 +98,8 @@ def main() -> int:
     assert isinstance(record, StudyRecord)
     assert record.usage is not None
     pages = [write_report(OUT / STUDY), write_report(OUT / MAP), *(OUT / name / "report.html" for name in answers)]
+    write_checked(OUT / CHECKED, ENGLISH.say)
+    pages.append(write_report(OUT / CHECKED))
     seconds = time.perf_counter() - start
     busy_s = record.usage.busy_s + sum(answer.seconds for answer in answers.values()) + mapped.summary.cpu_s
     busy = f"{pool.workers} workers {100.0 * busy_s / (seconds * pool.workers):.0f} % busy"

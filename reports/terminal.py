@@ -19,7 +19,6 @@ from harness.records.measured import MeasuredRecord
 from harness.records.run import RunRecord
 from harness.records.scores import Interval, Scores, Verdict
 from harness.records.study import StudyRecord, StudyRow
-from harness.records.tosses import TossesRecord
 from harness.records.trust import CLASSES, TrustRecord
 from harness.records.validation import BaselineRecord, ModelRecord, ValidationRecord
 from harness.scene_run.answer import STILL_RAD
@@ -27,7 +26,6 @@ from harness.statics.plan import Step
 from reports.messages import ENGLISH
 from reports.messages.numbers import digits, length
 from reports.pages.measured_page import measured_table
-from reports.pages.tosses_page import means_table
 from reports.text.study_rows import family
 
 if TYPE_CHECKING:
@@ -93,8 +91,8 @@ def _model_rows(rows: Sequence[StudyRow]) -> list[list[str]]:
 
 
 def validation_lines(record: ValidationRecord, *, verbose: bool = False) -> list[str]:
-    """A validation: title, answer, how often each model and the bare threshold are right, what to beware of."""
-    bare = record.baseline
+    """A validation: title, answer, how often each model and the bare threshold are right, the same by body, what to beware of."""
+    bare, ceiling = record.baseline, record.repeats
     cells = [
         [
             name,
@@ -105,9 +103,27 @@ def validation_lines(record: ValidationRecord, *, verbose: bool = False) -> list
         for name, item in record.models.items()
     ]
     cells.append(["PGV threshold", rate(bare.outcomes.accuracy), "–", *_chances(bare)])
+    if ceiling is not None:
+        best = f"{ENGLISH.percent(ceiling.best_accuracy)} at most"
+        cells.append(["best by repeats", best, best, digits(ceiling.best_brier), "–"])
     heading = ["model", "right", "right by P ≥ 1/2", "Brier score", "area under the curve"]
     shown = cells if verbose or len(cells) <= MODEL_LINES else [*cells[: MODEL_LINES - 1], cells[-1]]
-    return _headed(record, table([heading, *shown]), verbose=verbose)
+    bodies = _body_rows(record)
+    room = LINES - LAST_LINES - SHORT_ANSWER_LINES - len(shown) - 3
+    few = bodies if verbose or len(bodies) <= room else bodies[: max(room, 1)]
+    more = [] if len(few) == len(bodies) else [f"  {len(bodies) - len(few)} further bodies (--verbose)"]
+    return _headed(record, [*table([heading, *shown]), *(table(few) if len(few) > 1 else []), *more], verbose=verbose)
+
+
+def _body_rows(record: ValidationRecord) -> list[list[str]]:
+    """How many tests of each body every model has right: by P ≥ ½ where there are draws."""
+    by_body: dict[str, list[str]] = {}
+    for item in record.models.values():
+        for each in item.by_body:
+            row = by_body.setdefault(each.body, [each.body, str(each.tests), str(each.fell)])
+            known = each.by_probability or each.accuracy
+            row.append("–" if known is None else ENGLISH.percent(known.value))
+    return [["body", "tests", "fell", *record.models], *by_body.values()] if len(by_body) > 1 else []
 
 
 def _chances(item: ModelRecord | BaselineRecord) -> list[str]:
@@ -139,9 +155,9 @@ def trust_lines(record: TrustRecord, *, verbose: bool = False) -> list[str]:
     )
 
 
-def measured_lines(record: MeasuredRecord | TossesRecord, *, verbose: bool = False) -> list[str]:
+def measured_lines(record: MeasuredRecord, *, verbose: bool = False) -> list[str]:
     """A measured set: title, answer, the first columns of its first table, what to beware of."""
-    first = means_table(record) if isinstance(record, TossesRecord) else measured_table(record.tables[0], ENGLISH)
+    first = measured_table(record.tables[0], ENGLISH)
     rows = [[str(cell) for cell in row[:TOLD_COLUMNS]] for row in (first.heads, *first.rows)]
     return _headed(record, table(rows), verbose=verbose)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from analytic.kernel.codes import NONE, SAMPLED
@@ -16,6 +17,8 @@ from analytic.kernel.validity import note_rest
 CLEAR: Final = 1e-9
 """Relative distance to a limit below which nothing is skipped: far above the rounding of the moments compared, so that what
 is skipped is at rest for the integrator too."""
+WEAKER: Final = 1e-6
+"""Relative distance to the nearest limit below which a sample is weak: far above `CLEAR`."""
 
 
 @jit
@@ -57,6 +60,32 @@ def _before(motion: Motion, time: float, own: bool) -> float:
 
 
 @jit
+def _pass_weak(task: Task) -> None:
+    """Pass the samples inside a record that are weaker than any limit, at once where nobody hears of them."""
+    params, state, x = task.params, task.state, task.motion_x
+    if params.output_step_s > 0.0 or params.keep_validity or x.params.kind != SAMPLED or not is_over(task.motion_z):
+        return
+    g = params.gravity_m_s2
+    weak = (1.0 - WEAKER) * params.floor_static * g if params.has_pedestal else math.inf
+    for side in (1, -1):
+        along, up, _ = corner(task, state.facet, side)
+        weak = min(weak, (1.0 - WEAKER) * abs(g * along / up))
+    if not (stays(task, weak, g, 0.0) and stays(task, -weak, g, 0.0)):
+        return
+    passed, begun = x.breaks_passed, x.breaks_passed
+    while (
+        1 <= passed < x.params.n_samples - 1
+        and load_double(x.params.times, passed) < params.duration_s
+        and abs(x.params.scale * load_double(x.params.samples, passed)) <= weak
+    ):
+        passed += 1
+    if passed > begun:
+        x.breaks_passed = passed
+        task.counts.quiet_samples += passed - begun
+        hold(task, load_double(x.params.times, passed - 1))
+
+
+@jit
 def _look_through(task: Task) -> None:
     """Pass every sample up to which the statue certainly stays at rest: between two of them the acceleration is a straight line,
     so that what holds at its ends holds between them."""
@@ -84,6 +113,7 @@ def _look_through(task: Task) -> None:
         if params.keep_validity:
             note_rest(task, until, ax, g + az)
             note_rest(task, until, after_x, g + after_z)
+        _pass_weak(task)
 
 
 @jit

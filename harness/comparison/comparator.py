@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from harness.comparison.scores import events, pointwise
+from harness.comparison.scores.against_measured import Measured, comparison_error
 from harness.comparison.scores.events import after_horizon
 from harness.comparison.scores.iso import rate as rate_by_iso
 from harness.comparison.scores.matched import RockingInertia, event_scores, numerical_uncertainty
@@ -36,6 +37,7 @@ def compare(
     uncertainties_rad: tuple[float | None, float | None] = (None, None),
     slip_uncertainties_m: tuple[float | None, float | None] = (None, None),
     iso: bool = False,
+    measured: Measured | None = None,
 ) -> Scores:
     """Score answer a against answer b, which is the reference.
 
@@ -46,6 +48,7 @@ def compare(
     each model where they were computed (`accuracy.horizon`). Scores of instants reach to the nearer horizon of the two, or to
     the time up to which a side's numerical error is stated; beyond it distributions are compared.
     `uncertainties_rad` and `slip_uncertainties_m` are the numerical errors of bare histories, where they are known.
+    `measured`: b is a measurement of this uncertainty, against which the error of a is told (ASME V&V 20).
     Raises `InputError` naming the answer when there is nothing to
     compare, or when the two do not overlap in time.
     """
@@ -66,10 +69,13 @@ def compare(
     peaks = pointwise.peak(history_a, within.end_s), pointwise.peak(history_b, within.end_s)
     excursions = events.excursions(history_a), events.excursions(history_b)
     longest_s = max(history_a.duration_s, history_b.duration_s) - both.start_s
+    inertia = None if scene is None else RockingInertia.of(scene.statue)
+    scores = _scores(a, b, sides, both, peaks, excursions, inertia, until)
+    if measured is not None:
+        error, said = comparison_error(within, peaks, sides[0].open_rad, measured)
+        scores = replace(scores, comparison_error=error, findings=[*scores.findings, said])
     return replace(
-        _scores(
-            a, b, sides, both, peaks, excursions, None if scene is None else RockingInertia.of(scene.statue), until
-        ),
+        scores,
         compared_from_s=within.start_s,
         compared_until_s=within.end_s,
         coverage=(within.end_s - within.start_s) / longest_s if longest_s > 0.0 else 1.0,

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.comparison.comparator import compare
+from harness.comparison.scores.against_measured import Measured
 from harness.input.history_file import UNIFORM, between_samples, gaps, read_history
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import caution
@@ -24,12 +25,14 @@ def compare_files(
     uncertainty_rad: float | None = None,
     slip_uncertainty_m: float | None = None,
     iso: bool = False,
+    measured: Measured | None = None,
 ) -> Scores:
     """Score history file a against history file b, the reference, of whatever software; raises `InputError`.
 
     >>> scores = harness.compare_files("mine.csv", "theirs.csv")
 
     `uncertainty_rad` and `slip_uncertainty_m` are the numerical errors of either rotation and slip, where they are known.
+    `measured` are the uncertainties where b is a measurement: a alone has a numerical error then.
     """
     if slip_uncertainty_m is not None and not 0.0 <= slip_uncertainty_m < math.inf:
         raise InputError(Mistake("--slip-uncertainty", "", "a length from 0 m", f"{slip_uncertainty_m!r}"))
@@ -51,9 +54,10 @@ def compare_files(
     scores = compare(
         *histories,
         names=(a.name, b.name),
-        uncertainties_rad=(uncertainty_rad, uncertainty_rad),
+        uncertainties_rad=(uncertainty_rad, uncertainty_rad if measured is None else None),
         slip_uncertainties_m=(slip_uncertainty_m, slip_uncertainty_m),
         iso=iso,
+        measured=measured,
     )
     begin_s, end_s = scores.compared_from_s, scores.compared_until_s
     if begin_s is not None and end_s is not None and end_s <= begin_s:

@@ -1,4 +1,4 @@
-"""The record of a measured set that is told by tables: planar drops, or ratios at first impacts."""
+"""The record of a measured set that is told by tables: tosses, planar drops, impact ratios; or of all that was checked."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from harness.model.run import OMITTED
 from harness.records.base import Record
 
 Cell = str | float | None
+About = Literal["tosses", "drops", "impact_ratios", "checked"]
 
 
 @dataclass(frozen=True)
@@ -23,11 +24,11 @@ class MeasuredTable:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasuredRecord(Record):
-    """`result.json` of `rockcheck validate` on measured drops or impact ratios; the first table is the one to read."""
+    """`result.json` of `rockcheck validate` on a measured set; the first table is the one to read."""
 
     kind: Literal["measured"] = "measured"
     title: str = ""
-    about: Literal["drops", "impact_ratios"]
+    about: About
     source: str
     body: str | None = field(default=None, metadata=OMITTED)
     samples: int | None = field(default=None, metadata=OMITTED)

@@ -25,7 +25,7 @@ PAGES: Final = ("report.html", "conservator.html")
 """Written of a record alone, by whoever reads it: each is sealed, and goes with the record of which it was made."""
 KINDS: Final[Mapping[str, str]] = {
     kind: f"harness.records.{kind}" for kind in (
-        "run", "assess", "study", "effects3d", "rocking_spectrum", "bench", "stress", "validation", "tosses", "trust", "measured",
+        "run", "assess", "study", "effects3d", "rocking_spectrum", "bench", "stress", "validation", "trust", "measured",
     )
 } | {"compare": "harness.records.scores"}  # fmt: skip
 """The module of the class of each kind of record: a new kind is a line here."""

@@ -236,6 +236,23 @@ class Outcomes:
     no_return_time_difference_s: float | None
 
 
+@dataclass(frozen=True, kw_only=True)
+class ComparisonError:
+    """The largest rotation simulated (S) and measured (D), E = S − D, over the history its rms and the share of the time in which
+    |E| exceeds 2 u_val, and the standard uncertainties of ASME V&V 20: u_val² = u_num² + u_input² + u_D².
+    """
+
+    simulated_rad: float
+    measured_rad: float
+    error_rad: float
+    rms_error_rad: float
+    beyond_share: float
+    u_num_rad: float
+    u_input_rad: float
+    u_data_rad: float
+    u_val_rad: float
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Scores(Shown, Outcomes, SpragueGeers, Residuals, EventScores, Together, Peaks, Pointwise, Window):
     """How far answer a is from answer b (the reference); None where a score is not defined or a history is missing.
@@ -245,7 +262,7 @@ class Scores(Shown, Outcomes, SpragueGeers, Residuals, EventScores, Together, Pe
     up to `horizon_s`, the earlier of both sides' horizons (None: neither has one); `after_horizon` compares distributions beyond
     it, where no instant of one can be asked of the other. `impact_*` are over matched impacts, `*_alone_*` count those without a
     partner; `together_until_s`, outcomes and no-return times are of the whole runs. `numerical_uncertainty` gives, beside each
-    score, what the stated numerical errors of both sides can change in it.
+    score, what the stated numerical errors of both sides can change in it. `comparison_error` holds a against a measured b.
     """
 
     after_horizon: AfterHorizon | None
@@ -253,6 +270,7 @@ class Scores(Shown, Outcomes, SpragueGeers, Residuals, EventScores, Together, Pe
     verdict: Verdict
     evidence: Evidence
     iso: IsoRating | None = None
+    comparison_error: ComparisonError | None = field(default=None, metadata=OMITTED)
     findings: Sequence[Finding] = ()
     """The verdict with its values, and what is to be known beside it."""
     verdict_sentence: str = ""

@@ -65,16 +65,55 @@ class Curves:
 
 
 @dataclass(frozen=True)
+class FittedInput:
+    """The most probable value of one input of a body (on one day), its probability, and whether it ends its list."""
+
+    body: str
+    day: str
+    input: str
+    value: float | str | Sequence[float] | None
+    weight: float
+    at_end: bool
+
+
+@dataclass(frozen=True)
 class Fitted:
-    """The unknown inputs that were chosen, on how many tests, the share of these that came out right, the runs it took."""
+    """What was fitted on how many tests: −ln of the mean probability given to each by all others (`log_score`), the factor on the
+    scatter of draws and the counts added to theirs, the unknown inputs, the runs it took.
+    """
 
     tests: int
-    accuracy: float | None
-    friction: float | None
-    azimuth_deg: Mapping[str, float]
-    contact_tolerance_m: Mapping[str, float] = field(default_factory=dict)
-    inset_m: Mapping[str, float] = field(default_factory=dict)
+    log_score: float | None
+    width: float
+    width_at_end: bool
+    counts: float
+    inputs: Sequence[FittedInput] = ()
     runs: int = 0
+
+
+@dataclass(frozen=True)
+class BodyScores:
+    """Scores on the tests of one body: how many nominal runs are right; with draws P ≥ ½ and Brier's score."""
+
+    body: str
+    tests: int
+    fell: int
+    accuracy: Interval | None
+    by_probability: Interval | None
+    brier: float | None
+
+
+@dataclass(frozen=True)
+class Repeats:
+    """Tests of the same body, motion and inputs: how many in how many groups, and what no prediction of all tests exceeds: the
+    share right (each group's more frequent outcome), and Brier's score.
+    """
+
+    tests: int
+    groups: int
+    disagreeing: int
+    best_accuracy: float
+    best_brier: float
 
 
 @dataclass(frozen=True)
@@ -117,13 +156,17 @@ class ModelScores(Curves):
     by_probability: FallScores | None
     probability: ProbabilityScores
     by_intensity: Sequence[IntensityClass]
+    by_body: Sequence[BodyScores] = ()
 
 
 @dataclass(frozen=True)
 class ModelRecord(ModelScores, ModelSetting):
-    """One model: its setting, its scores, and its histories beside measured ones."""
+    """One model: its setting, its scores, and its histories beside measured ones; where it is asked only `near` the boundary of
+    another one, on how many tests it was."""
 
-    histories: Sequence[MeasuredHistory]
+    histories: Sequence[MeasuredHistory] = ()
+    near: str = field(default="", metadata=OMITTED)
+    asked: int | None = field(default=None, metadata=OMITTED)
 
 
 @dataclass(frozen=True)
@@ -191,6 +234,7 @@ class ValidationRecord(Record):
     baseline: BaselineRecord
     rows: Sequence[TestRow]
     unexplained: Sequence[str] = ()
+    repeats: Repeats | None = None
     experiments: str
     runs: RunCounts
     seed: int = 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from functools import partial
@@ -12,13 +11,10 @@ from typing import Final
 import numpy as np
 
 from harness import engines
-from harness.input.paths import read_files
-from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Answer, Finding, Say, caution, info
 from harness.model.history import Array
 from harness.records.measured import Cell, MeasuredRecord, MeasuredTable
-from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.runs.progress import progress
 from harness.runs.runner import LocalPool
 from harness.validation.drops import (
@@ -35,12 +31,10 @@ from harness.validation.drops import (
     smoothed,
 )
 from harness.validation.jobs import parse_model
-from harness.validation.kinds import thrown_body
+from harness.validation.measured_set import MeasuredSet, Rows, shares
 
 ENGINES: Final = ("spatial", "pymunk", "pymunk:plain", "pybullet:plain")
 """pybullet, which locates plastic impacts alone, takes as long as the others together: who wants it names it."""
-FITTED: Final = 1.0 / 3.0
-"""Share of the drops on which the draws' weights are fitted."""
 SAMPLES: Final = 32
 MOST_SAMPLES: Final = 1000
 TOLD: Final = 2.0
@@ -69,20 +63,17 @@ def validate_drops(
     Each drop is run in `samples` draws (0: 32) of its measured start and of the two coefficients; how the draws are weighed is
     fitted on a seeded third. Raises `InputError` for a wrong table, scene, model or number.
     """
-    start_s = time.perf_counter()
     if not 0 <= samples <= MOST_SAMPLES:
         raise InputError(Mistake("--samples", "", f"a whole number from 0 to {MOST_SAMPLES}", str(samples)))
-    base, count = thrown_body(body), samples or SAMPLES
-    names = [RECORD, COMING, *PAGES]
-    check_folder(folder, ("measured",), names)
-    check_inputs(folder, names, [table, *read_files(base.given, base.source)])
+    measured, count = MeasuredSet(table, folder, body), samples or SAMPLES
+    base = measured.base
     known = [parse_model(name) for name in dict.fromkeys(models or ENGINES)]
     drops, refused = read_drops(table, base)
     if len(drops) < 4:
         raise InputError(Mistake(str(table), "", "four drops that begin in flight and come to rest", str(len(drops))))
     sets = _Sets(drops, seed)
-    rows: list[Sequence[Cell]] = []
-    each: list[Sequence[Cell]] = []
+    rows: Rows = []
+    each: Rows = []
     failed: list[Finding] = []
     with closing(LocalPool(jobs)) as pool, progress(table.name, quiet) as on_progress:
         for place, model in enumerate(known):
@@ -103,21 +94,16 @@ def validate_drops(
         *failed,
         *([caution("drops_refused", count=len(refused), names=list(refused))] if refused else []),
     ]
-    result = MeasuredRecord(
-        title=f"{len(drops)} measured planar drops",
+    return measured.written(
+        "drops",
+        f"{len(drops)} measured planar drops",
+        [MeasuredTable("models", SCORES, rows), MeasuredTable("drops", ROWS, each)],
+        say,
         answer=_answer(rows, len(sets.rest), len(drops)),
         findings=found,
-        about="drops",
-        source=table.name,
-        body=body.name,
         samples=count,
-        tables=[MeasuredTable("models", SCORES, rows), MeasuredTable("drops", ROWS, each)],
         seed=seed,
-        versions=record.versions(),
-        machine=record.machine(),
-        seconds=time.perf_counter() - start_s,
     )
-    return write_whole(folder, result.texted(say))
 
 
 def _told(on_progress: Callable[[int, int], None], before: int, of: int, done: int) -> None:
@@ -128,18 +114,14 @@ class _Sets:
     """The drops that are fitted on and those that are scored, with what needs no model of each."""
 
     def __init__(self, drops: Sequence[Drop], seed: int) -> None:
-        order = np.random.default_rng(seed).permutation(len(drops)).tolist()
-        most = max(round(FITTED * len(drops)), 1)
-        self.fitted, self.rest, self.drops = sorted(order[:most]), sorted(order[most:]), drops
+        (self.fitted, self.rest), self.drops = shares(len(drops), seed), drops
         turned = [drops[k].turn - drops[k].face for k in self.fitted]
         self.behind = np.array([smoothed([turn + drop.face for turn in turned]) for drop in drops])
         self.seen = [drops[k].turn for k in self.rest]
         self.bare = {name: values[self.rest] for name, values in baselines(drops).items()}
         self.bare_scores = {name: log_scores(values, self.seen) for name, values in self.bare.items()}
 
-    def scored(
-        self, name: str, answers: dict[str, list[int | None]], drawn: Array
-    ) -> tuple[Sequence[Cell], list[Sequence[Cell]]]:
+    def scored(self, name: str, answers: dict[str, list[int | None]], drawn: Array) -> tuple[Sequence[Cell], Rows]:
         """A model's row, and one for each scored drop."""
         drops = self.drops
         fitting, rest = ({drops[k].name: answers[drops[k].name] for k in part} for part in (self.fitted, self.rest))
@@ -149,13 +131,13 @@ class _Sets:
         lost = float(np.mean([turn is None for found in answers.values() for turn in found]))
         (e, mu), (e_sd, mu_sd) = best.means, best.widths
         row = [*self._row(name, scores, ranked), e, e_sd, mu, mu_sd, best.background, lost]
-        one: list[Sequence[Cell]] = [
+        one: Rows = [
             [drop, name, turn, float(np.exp(-score)), float(score), float(rank)]
             for drop, turn, score, rank in zip(rest, self.seen, scores, ranked, strict=True)
         ]
         return row, one
 
-    def bare_rows(self) -> list[Sequence[Cell]]:
+    def bare_rows(self) -> Rows:
         """Rows of the baselines."""
         return [
             [*self._row(name, self.bare_scores[name], crps(values, self.seen)), *[None] * 6]

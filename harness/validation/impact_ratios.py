@@ -6,7 +6,6 @@ One line a trial: `group` (trials of one block), `trial`, `width_m, height_m, de
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,12 +14,11 @@ from typing import Final
 import numpy as np
 
 from analytic.closed_form import rectangle_ratio
-from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Answer, Say, caution, info
 from harness.model.history import Array
 from harness.records.measured import Cell, MeasuredRecord, MeasuredTable
-from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
+from harness.validation.measured_set import MeasuredSet, Rows
 from harness.validation.number_table import read_groups
 
 COLUMNS: Final = ("group", "trial", "width_m", "height_m", "depth_m", "mass_kg", "ratio_measured")
@@ -82,13 +80,10 @@ def validate_ratios(table: Path, folder: Path, say: Say = str) -> MeasuredRecord
 
     Raises `InputError` for a wrong table.
     """
-    start_s = time.perf_counter()
-    names = [RECORD, COMING, *PAGES]
-    check_folder(folder, ("measured",), names)
-    check_inputs(folder, names, [table])
+    measured = MeasuredSet(table, folder)
     groups = read_ratios(table)
     scatter, given = repeats_sd(groups), imposed(groups)
-    rows: list[Sequence[Cell]] = []
+    rows: Rows = []
     for group, ratio in sorted(zip(groups, given, strict=True), key=lambda pair: pair[0].slenderness):
         mean, count = float(group.measured.mean()), group.measured.size
         own = float(group.measured.std(ddof=1)) if count > 1 else None
@@ -104,8 +99,12 @@ def validate_ratios(table: Path, folder: Path, say: Say = str) -> MeasuredRecord
         misses[law] = bias, rms = float(missed.mean()), float(np.sqrt(np.mean(missed**2)))
         sums.append([law, bias, rms, rms / scatter, every.size, scatter])
     bias, rms = misses["housner"]
-    result = MeasuredRecord(
-        title=f"{every.size} measured ratios at first impacts",
+    above = int(np.sum(every > 1.0))
+    return measured.written(
+        "impact_ratios",
+        f"{every.size} measured ratios at first impacts",
+        [MeasuredTable("laws", SUMS, sums), MeasuredTable("groups", ROWS, rows)],
+        say,
         answer=Answer(
             "impact_ratios", [info("ratios_missed", bias=bias, rms=rms, scatter=scatter, share=rms / scatter)]
         ),
@@ -115,13 +114,6 @@ def validate_ratios(table: Path, folder: Path, say: Say = str) -> MeasuredRecord
                 ratio=float(np.mean([group.measured.mean() for group in groups])),
                 rms=misses["imposed"][1],
             ),
-            *([caution("ratios_gain", count=above, of=every.size)] if (above := int(np.sum(every > 1.0))) else []),
+            *([caution("ratios_gain", count=above, of=every.size)] if above else []),
         ],
-        about="impact_ratios",
-        source=table.name,
-        tables=[MeasuredTable("laws", SUMS, sums), MeasuredTable("groups", ROWS, rows)],
-        versions=record.versions(),
-        machine=record.machine(),
-        seconds=time.perf_counter() - start_s,
     )
-    return write_whole(folder, result.texted(say))

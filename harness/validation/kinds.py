@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
-from harness.model.scene import Scene
 from harness.validation import drops, impact_ratios, tosses
 from harness.validation.number_table import header
 
@@ -38,12 +36,3 @@ def kind_of(table: Path, **options: object) -> str:
     if mistakes:
         raise InputError(mistakes)
     return kind
-
-
-def thrown_body(path: Path) -> Scene:
-    """The scene whose statue is thrown. Raises `InputError` for one with a pedestal or a wall, which no measured throw has."""
-    base = load_scene(path)
-    beside = [name for name in ("pedestal", "wall") if getattr(base, name) is not None]
-    if beside:
-        raise InputError([Mistake(str(path), name, "a body alone over the floor", "one beside it") for name in beside])
-    return base

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import itertools
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -20,11 +18,11 @@ from harness.input.mesh_statue import statue_of
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Array
 from harness.model.options import Capabilities
-from harness.model.scene import Contact, Form, Scene, Statue
+from harness.model.scene import BaseExcitation, Contact, Form, Scene, Statue
 from harness.runs.cache_key import scene_key
 from harness.studies.rocking_spectrum import RING_DOWN_S
-from harness.validation.motions import Intensity, intensity, shaking
-from harness.validation.table import UNKNOWN, Trial
+from harness.validation.motions import Intensity, intensity, scaled, shaking
+from harness.validation.table import Inputs, Trial
 
 AZIMUTH_SD_DEG: Final = 2.0
 """Scatter of the body's azimuth on the table: what placing by hand leaves."""
@@ -36,52 +34,74 @@ FRICTION_SD: Final = 0.05
 
 @dataclass(frozen=True)
 class Variant:
-    """One choice of a test's unknown inputs (their indices in the lists), slightly perturbed unless `sample` is 0."""
+    """A test at one value of all its inputs: as it is, or a draw (`sample` from 1 on) of what no table knows, its scatter times
+    `width`. `stated`: its numerical error is wanted too.
+    """
 
-    azimuth: int = 0
-    friction: int = 0
-    tolerance: int = 0
-    inset: int = 0
+    inputs: Inputs
     sample: int = 0
+    width: float = 1.0
+    stated: bool = False
 
 
-INPUTS: Final = {
-    "azimuth": "azimuth_deg", "friction": "friction", "tolerance": "contact_tolerance_m", "inset": "inset_m",
-}  # fmt: skip
-"""The table's column of each input of a variant, in the variant's order."""
-
-
-def settings(trial: Trial) -> Iterator[Variant]:
-    """Every choice of a test's unknown inputs, each nominal."""
-    counts = (len(getattr(trial, UNKNOWN[column])) for column in INPUTS.values())
-    return (Variant(*choice) for choice in itertools.product(*map(range, counts)))
-
-
-def scene_of(trial: Trial, variant: Variant, seed: int = 0) -> Scene:
-    """The scene of one variant. Raises `InputError` that names the test and its file."""
-    turn_deg, edge_m, friction = _perturbation(trial, variant, seed)
-    scene = _base_scene(trial)
-    if scene.statue.solid is None:
+def scene_of(trial: Trial, variant: Variant, seed: int = 0, motion: BaseExcitation | None = None) -> Scene:
+    """The scene of one variant, its `motion` as `motion_of` has it read already. Raises `InputError` that names test and file."""
+    inputs, (turn_deg, edge_m, rough) = variant.inputs, _scatter(trial, variant, seed)
+    shaken = scaled(motion_of(trial, inputs) if motion is None else motion, inputs.sign, inputs.scale)
+    own = None if trial.scene is None else _scene(trial.scene)
+    if own is not None and own.statue.solid is None:
         turn_deg = 0.0  # numbers of one plane say nothing of others: only a turn that the table asks for is refused
-    turn_deg += trial.azimuths_deg[variant.azimuth]
-    edge_m += trial.insets_m[variant.inset]
-    chosen = trial.frictions[variant.friction]
-    statue = _turned(trial, turn_deg, edge_m, trial.contact_tolerances_m[variant.tolerance])
-    contact = scene.contact if chosen is None else replace(scene.contact, statue=chosen)
-    contact = replace(contact, statue=contact.statue * friction)
-    return replace(scene, title=trial.name, statue=statue, contact=contact)
+    statue = _turned(trial, inputs.azimuth_deg + turn_deg, inputs.inset_m + edge_m, inputs.contact_tolerance_m)
+    scene = own or Scene(trial.name, 1.0, GRAVITY_M_S2, Form(), statue, None, Contact(0.2, 0.15, 1.0), shaken)
+    friction = rough * (scene.contact.statue if inputs.friction is None else inputs.friction)
+    return replace(
+        scene,
+        title=trial.name,
+        duration_s=_duration_s(trial, shaken, scene.duration_s),
+        statue=statue,
+        contact=replace(scene.contact, statue=friction),
+        base_excitation=shaken,
+    )
 
 
-def _perturbation(trial: Trial, variant: Variant, seed: int) -> tuple[float, float, float]:
-    """Azimuth in degrees, base's edge in m, factor on friction.
+def _duration_s(trial: Trial, motion: BaseExcitation, otherwise_s: float) -> float:
+    if trial.duration_s is not None:
+        return trial.duration_s
+    return motion.end_s + RING_DOWN_S if trial.motion is not None and math.isfinite(motion.end_s) else otherwise_s
 
-    A statue is drawn once for all tests of its body: making one costs more than a run of the model. Friction is each test's own.
+
+def motion_of(trial: Trial, inputs: Inputs) -> BaseExcitation:
+    """The motion of a test before its sign and scale: of its file, or of its scene. Raises `InputError`."""
+    if trial.motion is None and trial.scene is not None:
+        return _scene(trial.scene).base_excitation
+    return shaking(trial, inputs)
+
+
+def _scatter(trial: Trial, variant: Variant, seed: int) -> tuple[float, float, float]:
+    """What a draw adds to the azimuth in degrees and the base's edge in m, and its factor on friction.
+
+    A statue is drawn once for all tests of its body and day: making one costs more than a run of the model. Friction is each
+    test's own.
     """
     if variant.sample == 0:
         return 0.0, 0.0, 1.0
-    turn, edge = np.random.default_rng([seed, variant.sample, *trial.body_name.encode()]).standard_normal(2)
-    rough = np.random.default_rng([seed, variant.sample, *trial.name.encode()]).standard_normal()
+    set_up = f"{trial.body_name}{trial.day and '/'}{trial.day}"
+    size = 1 << variant.sample.bit_length()
+    turn, edge = variant.width * _scores(set_up, seed, size)[variant.sample, 1:3]
+    rough = variant.width * _scores(trial.name, seed, size)[variant.sample, 3]
     return AZIMUTH_SD_DEG * float(turn), BASE_SD_M * float(edge), math.exp(FRICTION_SD * float(rough))
+
+
+@lru_cache(maxsize=4096)
+def _scores(name: str, seed: int, size: int) -> Array:
+    """Normal scores (size, 4) of a Halton sequence scrambled by a name: few draws fill what they scatter over evenly.
+
+    The first column's base, 2, is left to the settings of unknown inputs (`harness.validation.fit`).
+    """
+    from scipy.special import ndtri
+    from scipy.stats.qmc import Halton
+
+    return np.asarray(ndtri(Halton(4, rng=np.random.default_rng([seed, *name.encode()])).random(size)))
 
 
 def inset(statue: Statue, by_m: float) -> Statue:
@@ -99,49 +119,33 @@ def inset(statue: Statue, by_m: float) -> Statue:
     )
 
 
-@lru_cache(maxsize=1024)
-def _base_scene(trial: Trial) -> Scene:
-    """The scene of a test before its body is turned: what its scene file says, or its mesh alone on the floor."""
-    if trial.scene is not None:
-        scene = load.load_scene(trial.scene)
-        base_excitation = scene.base_excitation if trial.motion is None else shaking(trial)
-    else:
-        base_excitation = shaking(trial)
-        statue = _turned(trial, 0.0, 0.0, None)
-        scene = Scene(trial.name, 1.0, GRAVITY_M_S2, Form(), statue, None, Contact(0.2, 0.15, 1.0), base_excitation)
-    if trial.duration_s is not None:
-        duration = trial.duration_s
-    elif trial.motion is not None and math.isfinite(base_excitation.end_s):
-        duration = base_excitation.end_s + RING_DOWN_S
-    else:
-        duration = scene.duration_s
-    return replace(scene, base_excitation=base_excitation, duration_s=duration)
+_scene = lru_cache(maxsize=64)(load.load_scene)
 
 
 def _turned(trial: Trial, azimuth_deg: float, inwards_m: float, tolerance_m: float | None) -> Statue:
     """The body of a trial, turned, every edge of its base moved inwards."""
-    if trial.mesh is not None:
+    if trial.scene is None:
         density = None if trial.mass_kg is not None else trial.density_kg_m3
-        solid = _solid(trial.mesh, trial.unit, trial.up, density, trial.mass_kg, tolerance_m)
-        return _statue(solid, trial.mesh, azimuth_deg, inwards_m)
-    statue = _base_scene(trial).statue
+        solid = _solid(Path(trial.body), trial.unit, trial.up, density, trial.mass_kg, tolerance_m)
+        return _statue(solid, trial.body, azimuth_deg, inwards_m)
+    statue = _scene(trial.scene).statue
     if not azimuth_deg and not inwards_m:
         return statue
     if statue.solid is not None:
-        return statue_of(_pared(statue.solid.rotated(azimuth_deg), inwards_m))
+        return _statue(statue.solid, trial.body, azimuth_deg, inwards_m)
     if azimuth_deg:
         wanted = "0: the scene's statue is given by numbers alone, which say nothing of other directions"
         raise InputError(Mistake(str(trial.scene), f"test {trial.name}: azimuth_deg", wanted, f"{azimuth_deg:g}"))
     return inset(statue, inwards_m)
 
 
-@lru_cache(maxsize=256)
-def _statue(solid: meshes.Solid, file: Path, azimuth_deg: float, inwards_m: float) -> Statue:
+@lru_cache(maxsize=1024)
+def _statue(solid: meshes.Solid, file: str, azimuth_deg: float, inwards_m: float) -> Statue:
     try:
         return statue_of(_pared(solid.rotated(azimuth_deg) if azimuth_deg else solid, inwards_m))
     except meshes.MeshError as error:
         place = f"azimuth {azimuth_deg:g}"
-        raise InputError(Mistake(str(file), place, "a body that can stand", str(error))) from error
+        raise InputError(Mistake(file, place, "a body that can stand", str(error))) from error
 
 
 def _pared(solid: meshes.Solid, inwards_m: float) -> meshes.Solid:
@@ -176,19 +180,25 @@ def _solid(
 
 
 def intensity_of(trial: Trial) -> Intensity:
-    """Peaks of a test's motion along the rocking plane."""
-    scene = _base_scene(trial)
-    return intensity(scene.base_excitation.x, scene.duration_s)
+    """Peaks of a test's motion along the rocking plane, at the first value of each list; reads all of the test's files.
+
+    Raises `InputError` where the body does not stand within one of its tolerances too.
+    """
+    inputs = trial.inputs()
+    otherwise_s = 1.0 if trial.scene is None else _scene(trial.scene).duration_s
+    for tolerance in trial.contact_tolerance_m:
+        _turned(trial, inputs.azimuth_deg, inputs.inset_m, tolerance)
+    motion = motion_of(trial, inputs)
+    return intensity(motion.x, _duration_s(trial, motion, otherwise_s)).times(inputs.scale)
 
 
 def digest_of(trial: Trial) -> str:
-    """What names a test's input: the bytes of its files, and what its row says of them."""
+    """What names a test's input but for what a variant chooses: the bytes of its files, and what its row says of them."""
     files = [None if path is None else _file_digest(path) for path in (trial.mesh, trial.motion)]
     files.append(None if trial.scene is None else _scene_digest(trial.scene))
-    body = (trial.unit, trial.up, trial.density_kg_m3, trial.mass_kg, trial.body_name)
-    motion = (trial.column, trial.column_y, trial.column_z, trial.motion_unit, trial.time_column, trial.sign)
-    treated = (trial.baseline, trial.bandpass_hz, trial.scale, trial.duration_s, trial.name)
-    return hashlib.sha256(repr((files, body, motion, treated)).encode()).hexdigest()
+    body = (trial.unit, trial.up, trial.density_kg_m3, trial.mass_kg, trial.body_name, trial.day)
+    motion = (trial.column, trial.column_y, trial.column_z, trial.motion_unit, trial.time_column)
+    return hashlib.sha256(repr((files, body, motion, trial.duration_s, trial.name)).encode()).hexdigest()
 
 
 @lru_cache(maxsize=4096)
@@ -199,4 +209,4 @@ def _file_digest(path: Path) -> str:
 @lru_cache(maxsize=64)
 def _scene_digest(path: Path) -> str:
     # An engine that looks at everything: the digest then covers all that any engine could see.
-    return scene_key(load.load_scene(path), Capabilities(3, uses_mesh=True, statue_slips=True))
+    return scene_key(_scene(path), Capabilities(3, uses_mesh=True, statue_slips=True))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Final
 
@@ -27,12 +27,14 @@ from harness.model.history import Outcome
 from harness.records.study import CaseRun
 from harness.records.validation import (
     BaselineRecord,
+    BodyScores,
     Curves,
     FallScores,
     IntensityClass,
     ModelScores,
     PairScores,
     ProbabilityScores,
+    Repeats,
 )
 from harness.studies.ensembles import score_sets
 from harness.studies.rows import KeyedRow
@@ -74,29 +76,44 @@ def _flips(trial: Trial, variant: Variant, answer: CaseRun) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Answered:
-    """One model's answers to all tests: what was chosen of the unknown inputs, every run, perturbed `samples` of each test."""
+    """One model's answers to all tests: what was chosen of the unknown inputs, every run, `samples` draws of each test.
+
+    Tests that are not `asked` (None: all are) are another model's, whose boundary is nowhere near.
+    """
 
     model: Model
     choice: Choice
     answers: Answers
     samples: int
+    asked: frozenset[str] | None = field(default=None, kw_only=True)
 
-    def run(self, trial: Trial, sample: int = 0) -> CaseRun:
-        """The nominal run of a test, or a perturbed one."""
-        return self.answers[trial.name, self.choice.variant(trial, sample)]
+    def run(self, trial: Trial) -> CaseRun:
+        """The nominal run of a test."""
+        return self.answers[trial.name, self.choice.nominal(trial)]
+
+    def drawn(self, trial: Trial) -> list[CaseRun]:
+        """The draws of a test."""
+        return (
+            [self.answers[trial.name, each] for each in self.choice.draws(trial, self.samples)] if self.samples else []
+        )
+
+    def disagrees(self, trial: Trial) -> bool:
+        """Whether a test's runs end differently: it is near the boundary."""
+        return len({run.outcome.fell for run in (self.run(trial), *self.drawn(trial))}) > 1
 
     def probability(self, trial: Trial) -> float | None:
-        """Share of the nominal and perturbed runs that overturn, over those that say whether it fell; None: none does."""
-        falls = [self.run(trial, k).outcome.fell for k in range(self.samples + 1)]
-        known = [fell for fell in falls if fell is not None]
-        return sum(known) / len(known) if known else None
+        """That a test falls, by its draws; without any by its nominal run alone. None where none says whether it fell."""
+        if not self.samples:
+            fell = self.run(trial).outcome.fell
+            return None if fell is None else float(fell)
+        return self.choice.probability(self.drawn(trial))
 
 
 def score_model(
     trials: Sequence[Trial], scored: Sequence[Trial], answered: Answered, intensities: Mapping[str, Intensity]
 ) -> ModelScores:
     """All scores of one model on the `scored` tests; curves are over all `trials`."""
-    cases = {trial.name: case_of(trial, answered.choice.variant(trial), answered.run(trial)) for trial in scored}
+    cases = {trial.name: case_of(trial, answered.choice.nominal(trial), answered.run(trial)) for trial in scored}
     sure = {trial: chance for trial in scored if (chance := answered.probability(trial)) is not None}
     seen = [trial.fell for trial in sure]
     drawn = curves(trials, intensities, lambda trial: answered.run(trial).outcome.fell)
@@ -109,9 +126,51 @@ def score_model(
         by_probability=_of_falls([p >= LIKELIER for p in sure.values()], seen) if samples else None,
         probability=replace(score_probabilities(list(sure.values()), seen), samples=samples),
         by_intensity=by_intensity(scored, intensities, lambda trial: _right(cases[trial.name])),
+        by_body=_by_body(scored, cases, sure if samples else {}),
         fragility_pgv=drawn.fragility_pgv,
         contour=drawn.contour,
     )
+
+
+def _by_body(scored: Sequence[Trial], cases: Mapping[str, Case], chances: Mapping[Trial, float]) -> list[BodyScores]:
+    """The scores of each body's tests, in the table's order."""
+    found = []
+    for body in dict.fromkeys(trial.body for trial in scored):
+        own = [trial for trial in scored if trial.body == body]
+        right = [known for trial in own if (known := _right(cases[trial.name])) is not None]
+        p = {trial: chances[trial] for trial in own if trial in chances}
+        likelier = [(chance >= LIKELIER) == trial.fell for trial, chance in p.items()]
+        found.append(
+            BodyScores(
+                own[0].body_name,
+                len(own),
+                sum(trial.fell for trial in own),
+                wilson(sum(right), len(right)),
+                wilson(sum(likelier), len(likelier)),
+                brier(list(p.values()), [trial.fell for trial in p]) if p else None,
+            )
+        )
+    return found
+
+
+def repeats_of(trials: Sequence[Trial]) -> Repeats | None:
+    """What disagreeing repeats leave to the best of models; None where no test is repeated.
+
+    A group's outcomes differ by chance: with n repeats of which k fell, k (n − k)/(n (n − 1)) estimates p (1 − p) without bias.
+    """
+    groups: dict[Trial, list[bool]] = {}
+    for trial in trials:
+        same = replace(trial, name="", row=0, observed="", share="", day="", history=None)
+        groups.setdefault(same, []).append(trial.fell)
+    again = [seen for seen in groups.values() if len(seen) > 1]
+    if not again:
+        return None
+    wrong = sum(min(sum(seen), len(seen) - sum(seen)) for seen in again)
+    spread = sum(sum(seen) * (len(seen) - sum(seen)) / (len(seen) - 1) for seen in again)
+    return Repeats(
+        sum(map(len, again)), len(again), sum(len(set(seen)) > 1 for seen in again),
+        1.0 - wrong / len(trials), spread / len(trials),
+    )  # fmt: skip
 
 
 def score_probabilities(p: Sequence[float], seen: Sequence[bool]) -> ProbabilityScores:

@@ -6,9 +6,9 @@ import csv
 import io
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from harness.comparison.statistics.outcomes import FELL
 from harness.input import paths
@@ -24,10 +24,10 @@ COLUMNS: Final[Mapping[str, str]] = {
     "up": "vertical axis of the mesh's file (default z)",
     "density_kg_m3": "density of the body (default 2700; without a pedestal it changes nothing)",
     "mass_kg": "mass of the body of a mesh as weighed (default: from its density)",
-    "contact_tolerance_m": "height above a mesh's lowest point within which it touches; several with ; (default 0.001)",
-    "inset_m": "how far the base's edge is worn inwards; several values with ; where it is not known (default 0)",
-    "azimuth_deg": "turn of the body about the vertical; several values with ; where it is not known (default 0)",
-    "friction": "friction of the body on its support; several values with ; where it is not known (default: the scene's)",
+    "contact_tolerance_m": "height above a mesh's lowest point within which it touches (default 0.001)",
+    "inset_m": "how far the base's edge is worn inwards (default 0)",
+    "azimuth_deg": "turn of the body about the vertical (default 0)",
+    "friction": "friction of the body on its support (default: the scene's)",
     "motion": "file of the table's motion, any format that a scene may name (default: the scene's)",
     "column": "channel along the rocking plane",
     "column_y": "channel across it",
@@ -35,25 +35,39 @@ COLUMNS: Final[Mapping[str, str]] = {
     "motion_unit": "unit of the motion where its file does not state it: m/s2, cm/s2, mm/s2, g",
     "time_column": "column of times of a motion's table, by its header or number, where no reader knows it",
     "baseline": "what is taken off the motion: none, mean, linear, quadratic, rest (default none)",
-    "bandpass_hz": "filter of the motion: two corner frequencies, low;high (default none)",
+    "bandpass_hz": "filter of the motion: two corner frequencies, low;high, or none; several with | (default none)",
     "sign": "1 or -1: whether the table's positive direction is the scene's (default 1)",
     "scale": "factor on the motion (default 1)",
     "duration_s": "time to simulate (default: the motion's end and a while for rocking to die down)",
     "observed": "0 or stands, 1 or overturned, or with its side: overturned_left, _right, _front, _back",
     "history": "file of the measured rotation (columns t_s, theta_rad)",
+    "history_uncertainty_rad": "standard uncertainty of the measured rotation",
+    "day": "day of testing, or whatever else was set up at once (default: all tests of a body)",
     "share": "name of the part of the tests that this one belongs to (unknown inputs are fitted on one named share)",
 }
 OBSERVED: Final = (FELL, *(outcome.value for outcome in Outcome if outcome is Outcome.STANDS or outcome.overturned))
 NUMBERED: Final[Mapping[str, str]] = {"0": Outcome.STANDS.value, "1": FELL}
 """Outcomes as a logbook writes them."""
 BASELINES: Final = ("none", "mean", "linear", "quadratic", "rest")
-UNKNOWN: Final[Mapping[str, str]] = {
-    "azimuth_deg": "azimuths_deg",
-    "contact_tolerance_m": "contact_tolerances_m",
-    "inset_m": "insets_m",
-    "friction": "frictions",
-}
-"""Columns that may list several values, which are fitted, and what a test calls them; all but friction are each body's own."""
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """One value of each column that may list several, in which case it is not known: it is fitted, and drawn."""
+
+    azimuth_deg: float = 0.0
+    contact_tolerance_m: float | None = None
+    inset_m: float = 0.0
+    friction: float | None = None
+    sign: int = 1
+    scale: float = 1.0
+    baseline: str = "none"
+    bandpass_hz: tuple[float, float] | None = None
+
+
+OPEN: Final = tuple(item.name for item in fields(Inputs))
+OF_BODY: Final = ("contact_tolerance_m", "inset_m", "friction")
+"""What a body keeps from day to day; the others are each day's own."""
 LARGEST: Final = 1e6
 """Larger than any azimuth, density, friction, factor on a motion or duration of a test."""
 LIST_SEPARATOR: Final = ";"
@@ -73,33 +87,45 @@ class Trial:
     up: str = "z"
     density_kg_m3: float = DEFAULT_DENSITY_KG_M3
     mass_kg: float | None = None
-    contact_tolerances_m: tuple[float | None, ...] = (None,)
-    insets_m: tuple[float, ...] = (0.0,)
-    azimuths_deg: tuple[float, ...] = (0.0,)
-    frictions: tuple[float | None, ...] = (None,)
+    azimuth_deg: tuple[float, ...] = (0.0,)
+    contact_tolerance_m: tuple[float | None, ...] = (None,)
+    inset_m: tuple[float, ...] = (0.0,)
+    friction: tuple[float | None, ...] = (None,)
+    sign: tuple[int, ...] = (1,)
+    scale: tuple[float, ...] = (1.0,)
+    baseline: tuple[str, ...] = ("none",)
+    bandpass_hz: tuple[tuple[float, float] | None, ...] = (None,)
     motion: Path | None = None
     column: str | None = None
     column_y: str | None = None
     column_z: str | None = None
     motion_unit: str | None = None
     time_column: str | None = None
-    baseline: str = "none"
-    bandpass_hz: tuple[float, float] | None = None
-    sign: int = 1
-    scale: float = 1.0
     duration_s: float | None = None
     history: Path | None = None
+    history_uncertainty_rad: float | None = None
+    day: str = ""
     share: str = ""
 
     @property
     def body(self) -> str:
-        """What names the body: tests of one body share an unknown azimuth."""
+        """What names the body."""
         return str(self.mesh or self.scene)
 
     @property
     def body_name(self) -> str:
         """The body's file, wherever it lies."""
         return Path(self.body).name
+
+    @property
+    def unknown(self) -> dict[str, tuple[Any, ...]]:
+        """The columns of this row that list several values, with them."""
+        return {name: values for name in OPEN if len(values := getattr(self, name)) > 1}
+
+    def inputs(self, chosen: Inputs | None = None) -> Inputs:
+        """The row's values; of what it does not know the chosen ones (none: the first of each list)."""
+        first = Inputs(**{name: getattr(self, name)[0] for name in OPEN})
+        return first if chosen is None else replace(first, **{name: getattr(chosen, name) for name in self.unknown})
 
     @property
     def fell(self) -> bool:
@@ -165,11 +191,14 @@ def _set_of_tests(path: Path, tests: Sequence[Trial]) -> list[Mistake]:
                 Mistake(str(path), f"row {test.row}: test", wanted, f"{test.name!r}, as row {seen[test.name]}")
             )
         seen.setdefault(test.name, test.row)
-    for column, attribute in UNKNOWN.items():
-        lists = {getattr(test, attribute) for test in tests if len(getattr(test, attribute)) > 1}
-        if len(lists) > 1:
-            got = f"{len(lists)} different lists"
-            mistakes.append(Mistake(str(path), column, "the same list of values wherever it is not known", got))
+    lists: dict[tuple[str, str], set[tuple[Any, ...]]] = {}
+    for test in tests:
+        for column, values in test.unknown.items():
+            lists.setdefault((test.body, column), set()).add(values)
+    for (body, column), several in lists.items():
+        if len(several) > 1:
+            wanted = f"one list of values for {Path(body).name}, wherever it is not known"
+            mistakes.append(Mistake(str(path), column, wanted, f"{len(several)} different lists"))
     return mistakes
 
 
@@ -195,9 +224,8 @@ class _Row:
             self._wrong("motion", "a file with the table's motion", "nothing")
         if scene and (self._cell("mass_kg") or self._cell("contact_tolerance_m")):
             self._wrong("scene", "mass_kg and contact_tolerance_m of a mesh", "a scene", "say them in its own file")
-        band = self._numbers("bandpass_hz", above=0.0)
-        if band and (len(band) != 2 or band[0] >= band[1]):
-            self._wrong("bandpass_hz", "two frequencies, low;high", repr(self._cell("bandpass_hz")))
+        if not self._cell("motion") and (self._cell("baseline") or self._cell("bandpass_hz")):
+            self._wrong("motion", "a file, whose motion baseline and bandpass_hz treat", "the scene's own")
         return Trial(
             name=self._cell("test") or self._missing("test"),
             row=self._number,
@@ -208,22 +236,24 @@ class _Row:
             up=self._choice("up", ("x", "y", "z", "-x", "-y", "-z"), "z"),
             density_kg_m3=self._number_in("density_kg_m3", DEFAULT_DENSITY_KG_M3, above=0.0),
             mass_kg=self._number_in("mass_kg", 0.0, above=0.0) or None,
-            contact_tolerances_m=tuple(self._numbers("contact_tolerance_m", above=0.0)) or (None,),
-            insets_m=tuple(self._numbers("inset_m")) or (0.0,),
-            azimuths_deg=tuple(self._numbers("azimuth_deg")) or (0.0,),
-            frictions=tuple(self._numbers("friction", above=0.0)) or (None,),
+            azimuth_deg=tuple(self._numbers("azimuth_deg")) or (0.0,),
+            contact_tolerance_m=tuple(self._numbers("contact_tolerance_m", above=0.0)) or (None,),
+            inset_m=tuple(self._numbers("inset_m")) or (0.0,),
+            friction=tuple(self._numbers("friction", above=0.0)) or (None,),
+            sign=tuple(int(each) for each in self._choices("sign", ("1", "-1", "+1"), "1")),
+            scale=tuple(self._numbers("scale", above=0.0)) or (1.0,),
+            baseline=tuple(self._choices("baseline", BASELINES, "none")),
+            bandpass_hz=self._bands(),
             motion=motion,
             column=self._cell("column") or None,
             column_y=self._cell("column_y") or None,
             column_z=self._cell("column_z") or None,
             motion_unit=self._choice("motion_unit", ("m/s2", "cm/s2", "mm/s2", "g"), "") or None,
             time_column=self._cell("time_column") or None,
-            baseline=self._choice("baseline", BASELINES, "none"),
-            bandpass_hz=(band[0], band[1]) if len(band) == 2 else None,
-            sign=int(self._choice("sign", ("1", "-1", "+1"), "1")),
-            scale=self._number_in("scale", 1.0, above=0.0),
             duration_s=self._number_in("duration_s", 0.0, above=0.0) or None,
             history=self._file("history"),
+            history_uncertainty_rad=self._number_in("history_uncertainty_rad", 0.0, above=0.0) or None,
+            day=self._cell("day"),
             share=self._cell("share"),
         )
 
@@ -249,15 +279,37 @@ class _Row:
             return None
 
     def _choice(self, column: str, known: Sequence[str], otherwise: str) -> str:
-        cell = self._cell(column) or otherwise
+        return self._known(column, self._cell(column) or otherwise, known, otherwise)
+
+    def _choices(self, column: str, known: Sequence[str], otherwise: str) -> list[str]:
+        cells = (self._cell(column) or otherwise).split(LIST_SEPARATOR)
+        return list(dict.fromkeys(self._known(column, cell.strip(), known, otherwise) for cell in cells))
+
+    def _known(self, column: str, cell: str, known: Sequence[str], otherwise: str) -> str:
         if cell in known or (cell == otherwise and column != "observed"):
             return cell
         self._wrong(column, f"one of {', '.join(known)}", repr(cell), nearest(cell, known))
         return otherwise or known[0]
 
+    def _bands(self) -> tuple[tuple[float, float] | None, ...]:
+        bands: list[tuple[float, float] | None] = []
+        for cell in self._cell("bandpass_hz").split("|"):
+            if cell.strip() in ("", "none"):
+                bands.append(None)
+                continue
+            band = self._parsed("bandpass_hz", cell, 0.0)
+            if len(band) == 2 and band[0] < band[1]:
+                bands.append((band[0], band[1]))
+            else:
+                self._wrong("bandpass_hz", "two frequencies, low;high (several with |)", repr(cell.strip()))
+        return tuple(dict.fromkeys(bands)) or (None,)
+
     def _numbers(self, column: str, above: float = -math.inf) -> list[float]:
+        return list(dict.fromkeys(self._parsed(column, self._cell(column), above)))
+
+    def _parsed(self, column: str, cell: str, above: float) -> list[float]:
         numbers = []
-        for text in self._cell(column).split(LIST_SEPARATOR) if self._cell(column) else []:
+        for text in cell.split(LIST_SEPARATOR) if cell else []:
             try:
                 value = decimal(text.replace(",", self._comma))
             except ValueError:

@@ -20,7 +20,6 @@ from analytic.rotation import rotation_matrices
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Array
 from harness.model.scene import Pose, Statue
-from harness.records.tosses import Clock
 from harness.validation.number_table import read_groups
 
 PLACE: Final = ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")
@@ -31,6 +30,16 @@ UNIT: Final = 1e-3
 EVEN: Final = 1e-3
 """Share of a frame by which a frame's time may be off the even grid (six printed digits leave 1e-4)."""
 FEWEST_FRAMES: Final = 3
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Free fall by the table's clock, its standard error, and the rate of frames with which it is the scene's gravity."""
+
+    fall_m_s2: float
+    error_m_s2: float
+    stated_hz: float
+    rate_hz: float
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
 from harness import engines
 from harness.comparison.comparator import compare
+from harness.comparison.scores.against_measured import Measured
 from harness.input.history_file import read_history
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
@@ -35,12 +37,12 @@ from harness.runs.execute import Campaign
 from harness.runs.progress import progress
 from harness.runs.runner import LocalPool
 from harness.runs.store import STORE_NAME, Store, check_begun
-from harness.validation.fit import Answers, choose
-from harness.validation.jobs import BATCH, BATCH_OTHERWISE, Model, parse_model, task_of
+from harness.validation.fit import Answers, Choice, choose, planned
+from harness.validation.jobs import BATCH, BATCH_OTHERWISE, Model, parse_model, tasks_of
 from harness.validation.motions import Intensity
-from harness.validation.scenes import Variant, intensity_of, settings
-from harness.validation.scoring import Answered, curves, score_baseline, score_model, score_pairs
-from harness.validation.table import UNKNOWN, Trial, read_table
+from harness.validation.scenes import Variant, intensity_of
+from harness.validation.scoring import Answered, curves, repeats_of, score_baseline, score_model, score_pairs
+from harness.validation.table import Trial, read_table
 
 # What a validation says: which models are right most often, and whether any beats a bare threshold on PGV.
 
@@ -67,6 +69,8 @@ def findings_of(record: ValidationRecord) -> list[Finding]:
     found = [each.of(name) for name, item in record.models.items() for each in _of_model(item)]
     if record.unexplained:
         found.append(caution("tests_unexplained", tests=list(record.unexplained)))
+    if record.repeats is not None:
+        found.append(info("repeats_disagree", **vars(record.repeats)))
     if record.unfitted:
         found.append(caution("not_fitted", keys=list(record.unfitted), fit_share=record.fit_share.name))
     return [*found, info("runs_computed", computed=record.runs.computed, wanted=record.runs.wanted)]
@@ -83,6 +87,13 @@ def _of_model(item: ModelRecord) -> Iterator[Finding]:
     """What a model leaves open, and where what it says of a fall is no true probability."""
     within = item.outcomes.within_uncertainty
     left = item.outcomes.undecided + within
+    ends = sorted({f"{each.input} ({each.body})" for each in item.fitted.inputs if each.at_end})
+    if ends:
+        yield caution("fitted_at_end", inputs=ends)
+    if item.fitted.width_at_end:
+        yield caution("width_at_end", width=item.fitted.width)
+    if item.near:
+        yield info("asked_near", near=item.near, asked=item.asked)
     if left or item.failed:
         yield caution("tests_left_open", left=left, within=within, failed=item.failed)
     for each in item.probability.reliability:
@@ -95,8 +106,6 @@ def _values(item: Interval) -> list[float]:
     return [item.value, item.low, item.high]
 
 
-MOST_SETTINGS: Final = 64
-"""Combinations of unknown inputs that are tried of a test that nothing has explained so far."""
 MAX_SAMPLES: Final = 1000
 """More perturbed runs of each test than this would measure the draws, not the model: their error is already 1.6 %."""
 
@@ -122,35 +131,39 @@ def run_validation(
     `InputError` for a wrong table, model, file or number, or `resume` where there is nothing to go on.
     """
     start = time.perf_counter()
-    _check(folder, samples, resume)
     chosen = [parse_model(text) for text in dict.fromkeys(models or engines.DEFAULT_ENGINES)]
+    _check(folder, samples, resume, chosen)
     trials = read_table(experiments)
-    intensities = _intensities(trials)
-    with closing(LocalPool(jobs)) as pool, Store(folder / STORE_NAME, "validation") as store:
-        with progress(experiments.name, quiet) as on_progress:
-            campaign = Campaign(store, pool, on_progress, BATCH, BATCH_OTHERWISE)
-            answered = [
-                _answered(
-                    model,
-                    trials,
-                    *(Runs(store, campaign, model, seed, stated) for stated in (True, False)),
-                    samples=samples,
-                    fit_share=fit_share,
+    share = [trial for trial in trials if trial.share == fit_share]
+    with closing(LocalPool(jobs)) as pool, progress(experiments.name, quiet) as on_progress:
+        of_model = planned(trials, share, samples)
+        plan = _Plan(on_progress, [0 if each.near else of_model for each in chosen])
+        intensities = _intensities(trials)
+        with Store(folder / STORE_NAME, "validation") as store:
+            campaign = Campaign(store, pool, plan, BATCH, BATCH_OTHERWISE)
+            answered: list[Computed] = []
+            for model in chosen:
+                plan.next_model()
+                runs = Runs(store, campaign, model, seed, plan)
+                base = next((each for each in answered if each.model.name == model.near), None)
+                answered.append(
+                    _answered(runs, trials, share, samples) if base is None else _near(runs, trials, base, samples)
                 )
-                for model in chosen
-            ]
-            unexplained = _unexplained(trials, answered) if samples else []
-        scored, unknown = _scored(trials, answered, intensities, fit_share), sorted(_unknown(trials))
+            plan.next_model()
+            plan(campaign.computed, campaign.computed)
+            scored = _scored(trials, answered, intensities, fit_share)
+    unknown = sorted({name for trial in trials for name in trial.unknown})
     result = ValidationRecord(
         **vars(scored),
         title=f"Validation against {len(trials)} measured tests",
         tests=len(trials),
         bodies=len({trial.body for trial in trials}),
-        fit_share=FitShare(fit_share, sum(trial.share == fit_share for trial in trials)),
+        fit_share=FitShare(fit_share, len(share)),
         samples=samples,
         unknown=unknown,
-        unfitted=[] if any(trial.share == fit_share for trial in trials) else unknown,
-        unexplained=unexplained,
+        unfitted=[] if share else unknown,
+        unexplained=_unexplained(trials, answered) if samples else [],
+        repeats=repeats_of([trial for trial in trials if trial.share != fit_share] or trials),
         experiments=experiments.name,
         runs=RunCounts(campaign.computed + len(campaign.reused), campaign.computed),
         seed=seed,
@@ -162,20 +175,41 @@ def run_validation(
     return write_whole(folder, result.texted(say))
 
 
+class _Plan:
+    """Tells how many runs are done, of all that are planned for the models: those that a campaign has not heard of yet too."""
+
+    def __init__(self, on_progress: Callable[[int, int], None], runs: Sequence[int]) -> None:
+        self._on_progress, self._of_models, self._left = on_progress, list(runs), 0
+        self(0, 0)
+
+    def next_model(self) -> None:
+        """The first model's runs begin, or the next one's: what the one before did not need is none any more."""
+        self._left = self._of_models.pop(0) if self._of_models else 0
+
+    def begin(self, runs: int) -> None:
+        """So many of the model's runs are the campaign's from now on."""
+        self._left = max(self._left - runs, 0)
+
+    def __call__(self, done: int, expected: int) -> None:
+        """Hear the campaign."""
+        self._on_progress(done, expected + self._left + sum(self._of_models))
+
+
 class Runs:
     """The answers of one model, by test and variant; what is asked and not in the store is run."""
 
-    def __init__(self, store: Store, campaign: Campaign, model: Model, seed: int, stated: bool) -> None:
-        self._store, self._campaign = store, campaign
-        self._task = partial(task_of, model=model, seed=seed, stated=stated)
+    def __init__(self, store: Store, campaign: Campaign, model: Model, seed: int, plan: _Plan) -> None:
+        self._store, self._campaign, self._plan, self._seed = store, campaign, plan, seed
+        self.model = model
         self._answers: dict[tuple[str, Variant], CaseRun] = {}
-        self.keys: dict[tuple[str, Variant], str] = {}
+        self._keys: dict[tuple[str, Variant], str] = {}
 
     def __call__(self, pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
         wanted = [pair for pair in dict.fromkeys(pairs) if (pair[0].name, pair[1]) not in self._answers]
-        # Those of one body side by side: a worker then makes each of its statues once.
-        wanted.sort(key=lambda pair: pair[0].body)
-        tasks = [self._task(*pair) for pair in wanted]
+        # Those of one body side by side, and of one motion: a worker then makes each statue once, and hears each motion once.
+        wanted.sort(key=lambda pair: (pair[0].body, str(pair[0].motion)))
+        self._plan.begin(len(wanted))
+        tasks = tasks_of(wanted, self.model, self._seed)
         found = self._campaign.ask(tasks) if tasks else []
         for (trial, variant), task, stored in zip(wanted, tasks, found, strict=True):
             if stored is None:
@@ -183,50 +217,60 @@ class Runs:
                     Mistake(str(self._store.path), task.key, "the result of every run", "none", "run again")
                 )
             self._answers[trial.name, variant] = CaseRun.stored(stored)
-            self.keys[trial.name, variant] = task.key
+            self._keys[trial.name, variant] = task.key
         return self._answers
 
     def history(self, trial: Trial, variant: Variant) -> Run | None:
         """The run of a variant with its history, as the store keeps it."""
-        return self._store.run(self.keys[trial.name, variant])
+        return self._store.run(self._keys[trial.name, variant])
 
 
 @dataclass(frozen=True, eq=False)
 class Computed(Answered):
-    """One model's answers with its runs in the store, and with those that are only counted, at inputs that were not chosen."""
+    """One model's answers, with its runs in the store."""
 
     runs: Runs
-    counted: Runs
 
 
-def _answered(
-    model: Model, trials: Sequence[Trial], runs: Runs, counted: Runs, *, samples: int, fit_share: str
-) -> Computed:
+def _answered(runs: Runs, trials: Sequence[Trial], share: Sequence[Trial], samples: int) -> Computed:
     """Fit the model on its share, then run every test as given and in its draws."""
-    choice = choose([trial for trial in trials if trial.share == fit_share] if _unknown(trials) else [], counted)
-    answers = runs([(trial, choice.variant(trial, k)) for trial in trials for k in range(samples + 1)])
-    return Computed(model, choice, answers, samples, runs, counted)
+    choice = choose(share, runs, samples)
+    return Computed(runs.model, choice, runs(_wanted(trials, choice, samples)), samples, runs)
+
+
+def _near(runs: Runs, trials: Sequence[Trial], base: Computed, samples: int) -> Computed:
+    """Run the tests of which another model's draws disagree, at what was fitted for that; all others are as that says."""
+    near = [trial for trial in trials if base.disagrees(trial)]
+    answers = {**base.answers, **runs(_wanted(near, base.choice, samples))}
+    return Computed(runs.model, base.choice, answers, samples, runs, asked=frozenset(trial.name for trial in near))
+
+
+def _wanted(trials: Sequence[Trial], choice: Choice, samples: int) -> list[tuple[Trial, Variant]]:
+    return [
+        (trial, variant)
+        for trial in trials
+        for variant in (choice.nominal(trial), *(choice.draws(trial, samples) if samples else ()))
+    ]
 
 
 def _unexplained(trials: Sequence[Trial], answered: Sequence[Computed]) -> list[str]:
-    """Tests whose outcome no model gives: not as fitted, in no draw, and at no other value of what the table does not know."""
+    """Tests whose outcome no run of any model gives: not as fitted, in no draw, and at no value that was tried."""
     odd = {trial.name: trial for trial in trials}
-
-    def leave_out_explained(answers: Answers) -> None:
-        for (name, _), answer in answers.items():
+    for item in answered:
+        for (name, _), answer in item.answers.items():
             # A run that comes to no end excludes neither outcome.
             if name in odd and answer.outcome.fell in (odd[name].fell, None):
                 del odd[name]
-
-    for item in answered:
-        leave_out_explained(item.answers)
-    for item in answered:
-        others = [(trial, variant) for trial in odd.values() for variant in list(settings(trial))[:MOST_SETTINGS]]
-        leave_out_explained(item.counted(others))
     return list(odd)
 
 
-def _check(folder: Path, samples: int, resume: bool) -> None:
+def _check(folder: Path, samples: int, resume: bool, models: Sequence[Model]) -> None:
+    for place, model in enumerate(models):
+        before = [each.name for each in models[:place] if not each.near]
+        if model.near and model.near not in before:
+            raise InputError(Mistake("--engine", "", "near= a model that is named before", model.name))
+        if model.near and not samples:
+            raise InputError(Mistake("--samples", "", f"draws, which tell what is near, for {model.name}", "0"))
     if not 0 <= samples <= MAX_SAMPLES:
         raise InputError(Mistake("--samples", "", f"a whole number from 0 to {MAX_SAMPLES}", str(samples)))
     if resume:
@@ -273,6 +317,8 @@ def _scored(
             accuracy_rad=item.model.accuracy_rad,
             dt_s=item.model.dt_s,
             histories=_histories(trials, item),
+            near=item.model.near,
+            asked=None if item.asked is None else len(item.asked),
             **vars(score_model(trials, scored, item, intensities)),
         )
         for item in answered
@@ -286,22 +332,26 @@ def _scored(
     )
 
 
-def _unknown(trials: Sequence[Trial]) -> set[str]:
-    return {name for name, values in UNKNOWN.items() for trial in trials if len(getattr(trial, values)) > 1}
-
-
 def _histories(trials: Sequence[Trial], item: Computed) -> list[MeasuredHistory]:
     """Scores against each measured history, which is a history like any other, up to where the run's own error is stated."""
     histories = []
     for trial in trials:
-        if trial.history is not None:
-            computed = item.runs.history(trial, item.choice.variant(trial))
+        if trial.history is not None and (item.asked is None or trial.name in item.asked):
+            computed = item.runs.history(trial, item.choice.nominal(trial))
             scores = None
             if computed is not None and not computed.outcome.failed:
                 names = item.model.name, f"measured {trial.name}"
-                scores = compare(computed, read_history(trial.history), names=names)
+                scores = compare(computed, read_history(trial.history), names=names, measured=_measured(trial, item))
             histories.append(MeasuredHistory(trial.name, scores))
     return histories
+
+
+def _measured(trial: Trial, item: Computed) -> Measured | None:
+    """The uncertainty of a test's history, where it is stated; of the inputs is the scatter of the draws' largest rotations."""
+    if trial.history_uncertainty_rad is None:
+        return None
+    peaks = [abs(run.peak_theta_rad) for run in item.drawn(trial) if run.outcome.fell is False]
+    return Measured(trial.history_uncertainty_rad, float(np.std(peaks, ddof=1)) if len(peaks) > 1 else 0.0)
 
 
 def _rows(trials: Sequence[Trial], answered: Sequence[Answered], intensities: Mapping[str, Intensity]) -> list[TestRow]:

@@ -29,7 +29,6 @@ from reports.cli.result import check_language, say_result
 
 if TYPE_CHECKING:
     from harness.records.measured import MeasuredRecord
-    from harness.records.tosses import TossesRecord
 
 
 @command(
@@ -161,7 +160,7 @@ def validate(
     engine: Annotated[
         list[str] | None,
         typer.Option(
-            "--engine", "-e", help="A model, with a setting where wanted: pymunk@dt=5e-4, pybullet@accuracy=1e-3."
+            "--engine", "-e", help="A model, with a setting where wanted: pymunk@dt=5e-4, spatial@near=analytic."
         ),
     ] = None,
     samples: Annotated[int, typer.Option("--samples", help="Draws of each test, for probabilities.")] = 0,
@@ -218,7 +217,7 @@ def _measured(
     seed: int,
     jobs: int | None,
     quiet: bool,
-) -> TossesRecord | MeasuredRecord:
+) -> MeasuredRecord:
     """The record of a table of tosses, drops or impact ratios."""
     from harness.validation.drop_run import validate_drops
     from harness.validation.impact_ratios import validate_ratios

@@ -19,6 +19,7 @@ from reports.cli.options import OUT, EngineOptions, InLanguage, JsonOnly, Out, O
 from reports.cli.result import check_language, say_result
 
 if TYPE_CHECKING:
+    from harness.comparison.scores.against_measured import Measured
     from harness.model.options import RunOptions
     from harness.model.scene import Scene
     from harness.records.scores import Scores
@@ -119,6 +120,13 @@ def compare(
         float | None,
         typer.Option("--slip-uncertainty", metavar="M", help="Numerical error of the slip in two histories."),
     ] = None,
+    measured: Annotated[
+        float | None,
+        typer.Option("--measured-uncertainty", metavar="RAD", help="B is measured, with this standard uncertainty."),
+    ] = None,
+    from_inputs: Annotated[
+        float, typer.Option("--input-uncertainty", metavar="RAD", help="That of A because of its inputs.")
+    ] = 0.0,
     out: Annotated[
         Path | None, typer.Option("--out", help="Of two histories: the folder of a page with their chart.")
     ] = None,
@@ -138,6 +146,7 @@ def compare(
         horizon=horizon,
         uncertainty=uncertainty,
         slip_uncertainty=slip_uncertainty,
+        measured=_measured(measured, from_inputs),
         out=out,
     )
     lines = [scores_text(pair, scores) for pair, scores in compared.pairs.items()]
@@ -150,6 +159,15 @@ def compare(
         lines.append(f"report: {write_report(out)}")
     over_all = {"over_all_scenes": compared.over_all} if compared.over_all else {}
     saying.say(to_plain(compared.pairs | over_all), "\n".join(lines))
+
+
+def _measured(data_rad: float | None, input_rad: float) -> Measured | None:
+    """What is stated of a measured history. Raises `InputError` for what is stated of inputs alone."""
+    from harness.comparison.scores.against_measured import Measured
+
+    if data_rad is None and input_rad:
+        raise InputError(Mistake("--input-uncertainty", "", "beside --measured-uncertainty", "alone"))
+    return None if data_rad is None else Measured(data_rad, input_rad)
 
 
 @command(app, None, "rockcheck engines")
@@ -196,6 +214,7 @@ def compared_of(
     horizon: bool = False,
     uncertainty: float | None = None,
     slip_uncertainty: float | None = None,
+    measured: Measured | None = None,
     out: Path | None = None,
 ) -> Compared:
     """The scores of engines on scenes, or of two history files (written into `out` where it is given).
@@ -213,7 +232,9 @@ def compared_of(
         from harness.comparison.history_files import compare_files, write_comparison
 
         a, b = files
-        scores = compare_files(a, b, uncertainty_rad=uncertainty, slip_uncertainty_m=slip_uncertainty, iso=iso)
+        scores = compare_files(
+            a, b, uncertainty_rad=uncertainty, slip_uncertainty_m=slip_uncertainty, iso=iso, measured=measured
+        )
         if out is not None:
             write_comparison(a, b, scores, out)
         return Compared({f"{a.name}_vs_{b.name}": scores})
@@ -222,8 +243,12 @@ def compared_of(
     from harness.studies.ensembles import score_sets
     from harness.studies.rows import KeyedRow
 
-    if uncertainty is not None or slip_uncertainty is not None:
-        named = "--slip-uncertainty" if uncertainty is None else "--uncertainty"
+    of_files = {
+        "--uncertainty": uncertainty,
+        "--slip-uncertainty": slip_uncertainty,
+        "--measured-uncertainty": measured,
+    }
+    for named in (name for name, value in of_files.items() if value is not None):
         raise InputError(Mistake(named, "", "two .csv histories: runs state their own", "scenes"))
     if out is not None:
         raise InputError(

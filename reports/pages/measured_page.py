@@ -29,12 +29,15 @@ def measured_table(table: MeasuredTable, say: Language) -> Table:
 
 def command(record: MeasuredRecord) -> str:
     """The command that repeats it."""
+    if record.about == "checked":
+        return "python -m tests.measures.checked"
     parts = [f"rockcheck validate {shlex.quote(record.source)}"]
     if record.body is not None:
-        models = [row[0] for row in record.tables[0].rows if row[-1] is not None]
+        rows = [row for row in record.tables[0].rows if row[-1] is not None and "published" not in row]
+        models = dict.fromkeys(str(row[0]) for row in rows)
         parts += [
             f"--body {shlex.quote(record.body)}",
             *(f"-e {name}" for name in models),
-            f"--samples {record.samples}",
+            *([] if record.samples is None else [f"--samples {record.samples}"]),
         ]
     return " ".join([*parts, f"--seed {record.seed}"] if record.seed else parts)

@@ -29,7 +29,7 @@ CONSERVATOR_PAGES: Final[Mapping[str, str]] = {
     "effects3d": "reports.pages.conservator_study",
 }
 """Which module knows the conservator's page of a kind of record."""
-COUNTED: Final = {"validation": "tests", "tosses": "count"}
+COUNTED: Final = {"validation": "tests"}
 """What a page's title counts of a kind of record, which has no title of its own."""
 SCRIPTS: Final[Mapping[type, str]] = {Panels: "panels.js", Replay: "replay.js"}
 """What a page needs to run where it holds such a block."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any, Final
 
 from harness.model.finding import info
@@ -42,6 +42,19 @@ def blocks(_folder: Path, record: ValidationRecord, say: Language) -> list[Block
     pairs = [Facts([(say("text.and", a=each.a, b=each.b), _both(each, say)) for each in record.pairs], "sentences")]
     beside = Text([say("text.pairs"), *([say("text.unstated", names=say.listed(unstated))] if unstated else [])])
     fitted = Facts([(name, _fitted(item.fitted, say)) for name, item in models.items()], "")
+    chosen = [
+        [
+            name,
+            each.body,
+            each.day,
+            say.word(each.input).replace("_", " "),
+            say.plain(each.value),
+            say.percent(each.weight),
+        ]
+        for name, item in models.items()
+        for each in item.fitted.inputs
+    ]
+    inputs = Table(say("table.fitted"), [*map(say.label, ("model", "body", "day", "input", "value", "weight"))], chosen)
     told = [
         (f"{name}, {item.test}", _history(item.scores, say))
         for name, scores in models.items()
@@ -62,7 +75,7 @@ def blocks(_folder: Path, record: ValidationRecord, say: Language) -> list[Block
         *section(
             say, "scores", _scores(record, say),
             Group("", [*pairs, beside], say("text.beside_each_other")) if record.pairs else None,
-            Group("", [fitted], say("text.fitted")),
+            Group("", [fitted, *([inputs] if chosen else [])], say("text.fitted")),
         ),
         *section(say, "charts", grid(Chart(*each) for each in charts(record))),
         *section(
@@ -118,14 +131,15 @@ def _both(pair: PairScores, say: Language) -> str:
 
 
 def _fitted(own: Fitted, say: Language) -> str:
-    """What was fitted for a model: friction, and by body its direction and its contact."""
-    azimuths = {PurePosixPath(body).name: f"{say.short(float(angle))}°" for body, angle in own.azimuth_deg.items()}
-    lengths = [
-        {PurePosixPath(body).name: say.length(value) for body, value in each.items()}
-        for each in (own.contact_tolerance_m, own.inset_m)
-    ]
-    values = {"friction": own.friction, "azimuths": azimuths, "tolerances": lengths[0], "insets": lengths[1]}
-    return say.say(info("fitted", any=bool(own.tests), tests=own.tests, runs=own.runs, **values))
+    """On how many tests a model's inputs were fitted, and how wide draws scatter."""
+    values = {
+        "tests": own.tests,
+        "runs": own.runs,
+        "log_score": own.log_score,
+        "width": own.width,
+        "counts": own.counts,
+    }
+    return say.say(info("fitted", any=bool(own.tests), **values))
 
 
 def _history(own: Scores | None, say: Language) -> str:

@@ -35,6 +35,20 @@ def test_quiet_times_are_skipped_bit_for_bit(scene: dict[str, object], vertical:
     assert on.events == off.events
 
 
+@pytest.mark.parametrize("scene", [FLOOR, ON_PEDESTAL], ids=["floor", "pedestal"])
+@pytest.mark.parametrize("factor", [-3.0, 0.1, 0.3, 0.5, 1.0])
+def test_weak_samples_are_passed_at_once_where_the_outcome_alone_is_asked(
+    scene: dict[str, object], factor: float
+) -> None:
+    """The same steps and the same samples left out, to the bit of the peak: with the forces looked at each sample is weighed."""
+    asked = {"dt_s": None, "events": False} | scene
+    bare, looked = (simulate(STATUE, RECORD.scaled(factor), validity=each, **asked) for each in (False, True))  # type: ignore[arg-type]
+    assert (bare.outcome, bare.peak_theta_rad, bare.end_s) == (looked.outcome, looked.peak_theta_rad, looked.end_s)
+    assert (bare.work.steps, bare.work.quiet_samples_skipped) == (looked.work.steps, looked.work.quiet_samples_skipped)
+    assert bare.work.quiet_samples_skipped > 200
+    assert bare.work.skipped_s == pytest.approx(looked.work.skipped_s)
+
+
 def test_a_motion_below_every_limit_is_not_integrated_at_all() -> None:
     weak = RECORD.scaled(0.1)
     on = simulate(STATUE, weak, **ON_PEDESTAL)  # type: ignore[arg-type]

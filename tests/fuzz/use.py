@@ -87,7 +87,7 @@ def experiments(path: Path) -> None:
 
     for trial in read_table(path)[:FEW]:
         for sample in (0, 1):
-            simulate(_short(scene_of(trial, Variant(sample=sample))), "analytic")
+            simulate(_short(scene_of(trial, Variant(trial.inputs(), sample))), "analytic")
 
 
 def validate(path: Path) -> None:

@@ -12,29 +12,25 @@ from pathlib import Path
 from typing import Final
 
 from harness.records.measured import MeasuredRecord
-from harness.records.tosses import TossesRecord
 from harness.validation.drop_run import validate_drops
 from harness.validation.impact_ratios import validate_ratios
 from harness.validation.toss_run import validate_tosses
 from reports.messages import ENGLISH
 from reports.pages.measured_page import measured_table
-from reports.pages.tosses_page import means_table
 from tests.measures.pages import DOCS, renew_tables, table
 
 MODULE: Final = "tests.measures.measured_sets"
 PAGE: Final = "measured/measured_sets.md"
 SCENES: Final = DOCS.parent / "scenes"
 DATA: Final = Path(os.environ.get("ROCKCHECK_DATA", DOCS.parents[1] / "shared" / "data"))
-TOSS_MODELS: Final = ("spatial", "pybullet:plain")
+TOSS_MODELS: Final = ("spatial", "pybullet", "pybullet:plain")
+LONG: Final = ("drops", "tosses", "poses", "losses", "groups")
 
 
-def told(record: MeasuredRecord | TossesRecord) -> str:
-    """The answer, and the table to read first."""
+def told(record: MeasuredRecord) -> str:
+    """The answer, and the tables that are short."""
     said = "" if record.answer is None else record.texted(ENGLISH.say).answer.text  # type: ignore[union-attr]
-    tables = (
-        [means_table(record)] if isinstance(record, TossesRecord)
-        else [measured_table(each, ENGLISH) for each in record.tables if each.name != "drops"]
-    )  # fmt: skip
+    tables = (measured_table(each, ENGLISH) for each in record.tables if each.name not in LONG)
     return f"{said}\n\n" + "\n\n".join(
         table(map(str, each.heads), (map(str, row) for row in each.rows)) for each in tables
     )

@@ -124,7 +124,16 @@ def _model(
         "dt_s": None,
         "tests": 60,
         "failed": 0,
-        "fitted": {"tests": 0, "accuracy": None, "friction": 0.6, "azimuth_deg": {"stone 1": 30.0}},
+        "fitted": {
+            "tests": 9,
+            "log_score": 0.2,
+            "width": 1.0,
+            "width_at_end": False,
+            "counts": 0.25,
+            "inputs": [
+                {"body": "stone 1", "day": "", "input": "azimuth_deg", "value": 30.0, "weight": 0.8, "at_end": False}
+            ],
+        },
         "outcomes": score_outcomes(cases),
         "by_probability": None,
         "probability": {"samples": 0, "tests": 60, "brier": 0.08, "brier_skill": 0.6},

@@ -36,7 +36,10 @@ def text_of(raw: bytes, where: str) -> str:
 
     Programs of tapes and disks filled lines, or the file's last block, with NULs, and ended a text with DOS's mark.
     """
-    plain = raw if raw.startswith(UTF16_MARKS) else _PADDING.sub(b"", raw.rstrip(DOS_END + b"\x00"))
+    plain = raw
+    if not raw.startswith(UTF16_MARKS):
+        ended = raw.rstrip(DOS_END + b"\x00")
+        plain = _PADDING.sub(b"", ended) if b"\x00" in ended else ended
     return decoded(plain.rstrip(DOS_END), where, "an accelerogram", latin=True)
 
 

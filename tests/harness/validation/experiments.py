@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,8 @@ import numpy as np
 import trimesh
 
 from harness.records.base import as_file
+from harness.validation.scenes import Variant
+from harness.validation.table import Trial
 from harness.validation.validation_run import run_validation
 
 RATE_HZ = 800.0
@@ -53,6 +56,11 @@ def write_experiments(folder: Path, amplitudes: Sequence[float], **columns: Any)
         row = {"test": f"t{number}", "mesh": "stone.ply", "motion": f"burst{number}.csv", "column": "table"}
         rows.append(row | {"motion_unit": "m/s2", "observed": "stands"} | columns)
     return write_table(folder / "experiments.csv", rows)
+
+
+def variant(trial: Trial, sample: int = 0, **chosen: Any) -> Variant:
+    """A test at these values of what it does not know, or a draw of it."""
+    return Variant(trial.inputs(replace(trial.inputs(), **chosen)), sample)
 
 
 def validate(experiments: Path, folder: Path, **options: Any) -> dict[str, Any]:

@@ -7,10 +7,10 @@ from pathlib import Path
 from harness.accuracy.simulation import simulate
 from harness.comparison.statistics.outcomes import FELL
 from harness.model.options import RunOptions
-from harness.validation.scenes import Variant, scene_of
+from harness.validation.scenes import scene_of
 from harness.validation.table import read_table
 from reports.pages.page import write_report
-from tests.harness.validation.experiments import validate, write_table
+from tests.harness.validation.experiments import validate, variant, write_table
 
 RECORDS = (
     ("coalinga1983_PFZ14.csv", "a_90_ms2", "a_UP_ms2", (2, 2.5, 3, 3.5, 4, 5)),
@@ -36,7 +36,11 @@ def write_posed(folder: Path, data_dir: Path) -> Path:
             rows.append(row | {"observed": "stands", "share": "fit" if len(rows) % 2 else "rest"})
     path = write_table(folder / "posed.csv", rows)
     for row, trial in zip(rows, read_table(path), strict=True):
-        true = simulate(scene_of(trial, Variant(azimuth=TRUE_POSE)), "analytic", options=RunOptions(history=False))
+        true = simulate(
+            scene_of(trial, variant(trial, azimuth_deg=float(POSES_DEG[TRUE_POSE]))),
+            "analytic",
+            options=RunOptions(history=False),
+        )
         row["observed"] = FELL if true.outcome.overturned else "stands"
     return write_table(path, rows)
 
@@ -48,8 +52,7 @@ def test_a_real_scan_is_fitted_scored_and_shown(tmp_path: Path, data_dir: Path) 
         assert {row["observed"] for row in found["rows"] if row["share"] == share} == {"stands", FELL}
     assert model["failed"] == 0
     assert model["fitted"]["tests"] == model["tests"] == 6
-    assert model["fitted"]["accuracy"] == 1.0
-    assert set(model["fitted"]["azimuth_deg"].values()) == {float(POSES_DEG[TRUE_POSE])}
+    assert [each["value"] for each in model["fitted"]["inputs"]] == [float(POSES_DEG[TRUE_POSE])]
     assert model["outcomes"]["precision"]["value"] == model["outcomes"]["recall"]["value"] == 1.0
     page = write_report(tmp_path / "out").read_text(encoding="utf-8")
     assert "maria_acephalous.obj" in page

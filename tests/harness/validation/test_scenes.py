@@ -16,15 +16,13 @@ from harness.validation.scenes import (
     BASE_SD_M,
     FRICTION_SD,
     GRAVITY_M_S2,
-    Variant,
     digest_of,
     intensity_of,
     scene_of,
-    settings,
 )
 from harness.validation.table import Trial, read_table
 from tests.budgets_compare import QUANTILE_SE, SAMPLED_SINE_REL, TRAPEZOID_REL
-from tests.harness.validation.experiments import BASE, write_experiments, write_table
+from tests.harness.validation.experiments import BASE, variant, write_experiments, write_table
 
 TURNED = 90.0
 
@@ -35,7 +33,7 @@ def trial(tmp_path: Path) -> Trial:
 
 
 def test_the_stone_stands_on_its_scanned_base(trial: Trial) -> None:
-    scene = scene_of(trial, Variant())
+    scene = scene_of(trial, variant(trial))
     assert scene.statue.corner_left_m + scene.statue.corner_right_m == pytest.approx(np.ptp(BASE[:, 0]), rel=1e-6)
     assert scene.contact.statue == 0.5
     assert scene.pedestal is None
@@ -43,25 +41,21 @@ def test_the_stone_stands_on_its_scanned_base(trial: Trial) -> None:
 
 
 def test_turned_by_a_right_angle_width_and_depth_exchange(trial: Trial) -> None:
-    straight, turned = scene_of(trial, Variant()), scene_of(trial, Variant(azimuth=1, friction=1))
+    straight, turned = (
+        scene_of(trial, variant(trial)),
+        scene_of(trial, variant(trial, azimuth_deg=TURNED, friction=0.8)),
+    )
     assert turned.statue.depth_m == pytest.approx(straight.statue.corner_left_m + straight.statue.corner_right_m)
     assert turned.contact.statue == 0.8
 
 
-def test_settings_are_every_choice_of_what_is_not_known(trial: Trial) -> None:
-    found = list(settings(replace(trial, insets_m=(0.0, 0.002), contact_tolerances_m=(None, 0.002, 0.003))))
-    assert len(found) == len(set(found)) == 2 * 2 * 2 * 3
-    assert found[0] == Variant()
-    assert all(variant.sample == 0 for variant in found)
-
-
 def test_perturbations_are_seeded_small_and_of_the_stated_spread(trial: Trial) -> None:
-    nominal = scene_of(trial, Variant())
-    drawn = [scene_of(trial, Variant(sample=k)) for k in range(1, 101)]
-    again = scene_of(trial, Variant(sample=1))
+    nominal = scene_of(trial, variant(trial))
+    drawn = [scene_of(trial, variant(trial, k)) for k in range(1, 101)]
+    again = scene_of(trial, variant(trial, 1))
     assert again.statue.corner_left_m == drawn[0].statue.corner_left_m
     assert again.contact.statue == drawn[0].contact.statue
-    other = scene_of(trial, Variant(sample=1), seed=1)
+    other = scene_of(trial, variant(trial, 1), seed=1)
     assert other.contact.statue != drawn[0].contact.statue
     rough = np.log([scene.contact.statue / nominal.contact.statue for scene in drawn])
     # The standard deviation of 100 normal draws errs by 1/√200 of itself.
@@ -74,9 +68,9 @@ def test_perturbations_are_seeded_small_and_of_the_stated_spread(trial: Trial) -
 def test_a_pared_base_is_narrower_by_twice_the_cut(trial: Trial, monkeypatch: pytest.MonkeyPatch) -> None:
     from harness.validation import scenes
 
-    whole = scene_of(trial, Variant()).statue
-    monkeypatch.setattr(scenes, "_perturbation", lambda *_: (0.0, 0.004, 1.0))
-    pared = scene_of(trial, Variant(sample=1)).statue
+    whole = scene_of(trial, variant(trial)).statue
+    monkeypatch.setattr(scenes, "_scatter", lambda *_: (0.0, 0.004, 1.0))
+    pared = scene_of(trial, variant(trial, 1)).statue
     assert pared.corner_left_m + pared.corner_right_m == pytest.approx(
         whole.corner_left_m + whole.corner_right_m - 2 * 0.004
     )
@@ -117,16 +111,19 @@ def test_bodies_are_drawn_once_for_all_their_tests(tmp_path: Path, monkeypatch: 
     whole = scenes.statue_of
     monkeypatch.setattr(scenes, "statue_of", lambda solid: made.append(1.0) or whole(solid))
     tests = read_table(write_experiments(tmp_path, np.linspace(2.0, 4.0, 40), friction="0.5"))
-    drawn = [[scene_of(test, Variant(sample=k)) for k in range(6)] for test in tests]
+    drawn = [[scene_of(test, variant(test, k)) for k in range(6)] for test in tests]
     assert len(made) == 1 + 5
     assert len({row[3].statue.corner_left_m for row in drawn}) == 1
     assert len({row[3].contact.statue for row in drawn}) == 40
 
 
 def test_mass_tolerance_and_worn_edge_reach_the_statue(trial: Trial) -> None:
-    given = replace(trial, azimuths_deg=(0.0,), mass_kg=33.0, contact_tolerances_m=(0.9, None), insets_m=(0.0, 0.004))
-    high, worn = scene_of(given, Variant()).statue, scene_of(given, Variant(tolerance=1, inset=1)).statue
-    plain = scene_of(given, Variant(tolerance=1)).statue
+    given = replace(trial, azimuth_deg=(0.0,), mass_kg=33.0, contact_tolerance_m=(0.9, None), inset_m=(0.0, 0.004))
+    high, worn = (
+        scene_of(given, variant(given)).statue,
+        scene_of(given, variant(given, contact_tolerance_m=None, inset_m=0.004)).statue,
+    )
+    plain = scene_of(given, variant(given, contact_tolerance_m=None)).statue
     assert plain.mass_kg == pytest.approx(33.0)
     width = plain.corner_left_m + plain.corner_right_m
     assert worn.corner_left_m + worn.corner_right_m == pytest.approx(width - 2 * 0.004)
@@ -136,10 +133,10 @@ def test_mass_tolerance_and_worn_edge_reach_the_statue(trial: Trial) -> None:
 
 
 def test_sign_and_scale_reach_the_motion(trial: Trial) -> None:
-    mirrored = scene_of(replace(trial, sign=-1, scale=2.0), Variant())
+    mirrored = scene_of(trial, variant(replace(trial, sign=(-1,), scale=(2.0,))))
     t = np.linspace(0.0, 2.0, 50)
     assert mirrored.base_excitation.x.accel_m_s2(t) == pytest.approx(
-        -2.0 * np.asarray(scene_of(trial, Variant()).base_excitation.x.accel_m_s2(t))
+        -2.0 * np.asarray(scene_of(trial, variant(trial)).base_excitation.x.accel_m_s2(t))
     )
 
 
@@ -147,7 +144,7 @@ def test_the_digest_follows_the_files_content(trial: Trial, tmp_path: Path) -> N
     from harness.validation import scenes
 
     before = digest_of(trial)
-    assert digest_of(replace(trial, scale=2.0)) != before
+    assert digest_of(replace(trial, duration_s=2.0)) != before
     assert digest_of(replace(trial, observed="overturned", share="x")) == before
     assert trial.motion is not None
     trial.motion.write_text(trial.motion.read_text() + "9.0,0.0\n")
@@ -177,12 +174,12 @@ def test_a_scene_of_numbers_keeps_its_motion_and_cannot_be_turned(tmp_path: Path
     (tmp_path / "block.toml").write_text(SCENE)
     rows = [{"test": "a", "scene": "block.toml", "observed": "stands", "azimuth_deg": "0;30"}]
     block = read_table(write_table(tmp_path / "table.csv", rows))[0]
-    scene = scene_of(block, Variant())
+    scene = scene_of(block, variant(block))
     assert scene.duration_s == 3.0
     assert intensity_of(block).pga_g == pytest.approx(0.3, rel=1e-3)
-    narrower = scene_of(replace(block, azimuths_deg=(0.0,)), Variant())
+    narrower = scene_of(block, variant(block))
     assert narrower.statue.corner_left_m == 0.1
-    drawn = scene_of(block, Variant(sample=1)).statue  # its base's edge is drawn, its turn is not
+    drawn = scene_of(block, variant(block, 1)).statue  # its base's edge is drawn, its turn is not
     assert 0.0 < abs(drawn.corner_left_m - 0.1) < 5 * BASE_SD_M
     with pytest.raises(InputError, match="numbers alone"):
-        scene_of(block, Variant(azimuth=1))
+        scene_of(block, variant(block, azimuth_deg=30.0))

@@ -2,75 +2,192 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+import math
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import pytest
 
 from harness.comparison.statistics.outcomes import FELL
 from harness.model.history import Outcome
 from harness.records.study import CaseRun
-from harness.validation.fit import DESIGN, Choice, choose, design
+from harness.validation.fit import (
+    COUNTS_TRIED,
+    DESIGN,
+    DRAWS,
+    OWN,
+    WIDTHS,
+    Answers,
+    Ask,
+    Choice,
+    choose,
+    designed,
+    fitted,
+    planned,
+)
 from harness.validation.jobs import parse_model
 from harness.validation.motions import Intensity
 from harness.validation.scenes import GRAVITY_M_S2, Variant
-from harness.validation.scoring import Answered, by_intensity, case_of, curves, score_baseline, score_model
-from harness.validation.table import Trial, read_table
+from harness.validation.scoring import Answered, by_intensity, case_of, curves, repeats_of, score_baseline, score_model
+from harness.validation.table import Inputs, Trial, read_table
 from tests import doubles
-from tests.harness.validation.experiments import write_experiments
+from tests.harness.validation.experiments import variant, write_experiments
 
 STANDS, FALLS = Outcome.STANDS.value, Outcome.OVERTURNED_RIGHT
 
 
-def trial(name: str, fell: bool, *, body: str = "a", azimuths: int = 1, frictions: int = 1) -> Trial:
-    return Trial(
-        name,
-        1,
-        FELL if fell else STANDS,
-        mesh=Path(body),
-        azimuths_deg=tuple(30.0 * k for k in range(azimuths)),
-        frictions=tuple(0.2 * (k + 1) for k in range(frictions)),
-    )
+def trial(name: str, fell: bool, *, body: str = "a", **lists: Any) -> Trial:
+    return Trial(name, 1, FELL if fell else STANDS, mesh=Path(body), **lists)
 
 
 def answer(fell: bool, **fields: Any) -> CaseRun:
     return doubles.case_run(**{"outcome": FALLS if fell else Outcome.STANDS} | fields)
 
 
-def test_each_body_s_azimuth_and_the_common_friction_are_fitted() -> None:
-    """Body a is right at azimuth 1, body b at azimuth 0, both with friction 1 only."""
-    trials = [
-        trial(f"{body}{k}", k % 2 == 0, body=body, azimuths=2, frictions=2) for body in ("a", "b") for k in range(4)
-    ]
-    right = {"a": 1, "b": 0}
-    answers = {
-        (each.name, Variant(azimuth, friction)): answer(
-            each.fell if (azimuth == right[each.body] and friction == 1) else not each.fell
-        )
-        for each in trials
-        for azimuth in (0, 1)
-        for friction in (0, 1)
+def says(right: Callable[[Trial, Inputs], bool]) -> Ask:
+    """A model that is right in each draw of a test at the inputs that are said to be."""
+    return answering(lambda each, one: answer(each.fell == right(each, one.inputs)))
+
+
+def answering(of: Callable[[Trial, Variant], CaseRun]) -> Ask:
+    """Gives all answers so far."""
+    answers: dict[tuple[str, Variant], CaseRun] = {}
+
+    def ask(pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
+        answers.update({(each.name, one): of(each, one) for each, one in pairs})
+        return answers
+
+    return ask
+
+
+LISTS: Final = {"azimuth_deg": (0.0, 30.0), "friction": (0.2, 0.4)}
+
+
+def test_each_body_s_own_inputs_are_fitted() -> None:
+    """Body a is right at 30° with a friction of 0.4, body b at 0° with 0.2."""
+    truth = {"a": Inputs(azimuth_deg=30.0, friction=0.4), "b": Inputs(azimuth_deg=0.0, friction=0.2)}
+    trials = [trial(f"{body}{k}", k % 2 == 0, body=body, **LISTS) for body in ("a", "b") for k in range(4)]
+    found = choose(trials, says(lambda each, inputs: inputs == truth[each.body]), 0)
+    assert {body: weighed.best for (body, _), weighed in found.of_set_up.items()} == truth
+    # Four settings of eight tests, as they are and in four draws.
+    assert (found.fitted_on, found.runs, found.width) == (8, 4 * 4 * 2 * (1 + DRAWS), 1.0)
+    known = trial("known", True, friction=(0.7,))
+    assert found.nominal(known) == Variant(Inputs(friction=0.7), stated=True)
+    assert choose([], says(lambda each, inputs: True), 0).fitted_on == 0
+
+
+def test_the_likelihood_weighs_what_the_tests_tell_apart_and_no_more() -> None:
+    """Friction changes no outcome: both values stay as probable, and draws take both; the azimuth is as good as known."""
+    trials = [trial(f"a{k}", k % 2 == 0, **LISTS) for k in range(8)]
+    found = choose(trials, says(lambda each, inputs: inputs.azimuth_deg == 30.0), 0)
+    rows = {each.input: each for each in fitted(trials, found).inputs}
+    assert rows["friction"].weight == pytest.approx(0.5)
+    assert (rows["azimuth_deg"].value, rows["azimuth_deg"].weight) == (30.0, pytest.approx(1.0, abs=1e-6))
+    drawn = [each.inputs for each in found.draws(trial("other", True, **LISTS), 10)]
+    assert {each.azimuth_deg for each in drawn} == {30.0}
+    assert [each.friction for each in drawn].count(0.2) == 5
+
+
+def test_a_body_of_which_little_is_known_is_taken_as_the_others_are() -> None:
+    """Bodies a and b are worn, of c one test says nothing: OWN/2 + 2 against OWN/2."""
+    lists = {"inset_m": (0.0, 0.01)}
+    trials = [trial(f"{body}{k}", True, body=body, **lists) for body in "ab" for k in range(12)]
+    trials.append(trial("c0", True, body="c", **lists))
+    found = choose(trials, says(lambda each, inputs: each.body == "c" or inputs.inset_m == 0.01), 0)
+    worn = (0.5 * OWN + 2.0) / (OWN + 2.0)
+    assert found.of_set_up["c", ""].best.inset_m == 0.01
+    assert found.of_set_up["c", ""].weights.max() == pytest.approx(worn, abs=1e-3)
+
+
+def test_a_test_of_the_share_is_drawn_as_all_others_say() -> None:
+    """One test alone tells the two apart: to itself both are as probable."""
+    trials = [trial(f"a{k}", True, inset_m=(0.0, 0.01)) for k in range(3)]
+    found = choose(trials, says(lambda each, inputs: each.name != "a0" or inputs.inset_m > 0.0), 0)
+    assert found.of_set_up["a", ""].best.inset_m == 0.01
+    assert found.of_others["a0"].weights == pytest.approx([0.5, 0.5])
+    assert found.of_others["a1"].best.inset_m == 0.01
+
+
+def test_days_share_what_the_body_keeps_and_have_their_own_set_up() -> None:
+    """The worn edge is told by the second day alone; the sign changes from day to day."""
+    lists = {"inset_m": (0.0, 0.01), "sign": (1, -1)}
+    signs = {"one": -1, "two": 1}
+    trials = [trial(f"{day}{k}", True, day=day, **lists) for day in signs for k in range(6)]
+
+    def right(each: Trial, inputs: Inputs) -> bool:
+        return inputs.sign == signs[each.day] and (each.day == "one" or inputs.inset_m == 0.01)
+
+    found = choose(trials, says(right), 0)
+    assert {day: weighed.best for (_, day), weighed in found.of_set_up.items()} == {
+        day: Inputs(inset_m=0.01, sign=sign) for day, sign in signs.items()
     }
-    found = choose(trials, lambda pairs: answers)
-    assert found == Choice(1, {"a": Variant(1), "b": Variant(0)}, 8, 1.0, runs=32)
-    assert found.variant(trials[0]) == Variant(1, 1)
-    assert found.variant(trial("known", True)) == Variant(0, 0)
-    assert choose([], lambda pairs: {}) == Choice(0, {}, 0, None)
+    assert all(weighed.weights.max() > 0.99 for weighed in found.of_set_up.values())
 
 
-def test_probability_is_the_share_of_runs_that_fall_and_failures_do_not_count() -> None:
+@pytest.mark.parametrize(("inset_m", "warned"), [(0.0, True), (0.01, False), (0.02, True)])
+def test_a_value_at_the_end_of_its_list_is_told(inset_m: float, warned: bool) -> None:
+    trials = [trial(f"a{k}", True, inset_m=(0.0, 0.01, 0.02)) for k in range(3)]
+    found = choose(trials, says(lambda each, inputs: inputs.inset_m == inset_m), 0)
+    assert [(each.value, each.at_end) for each in fitted(trials, found).inputs] == [(inset_m, warned)]
+
+
+def test_the_scatter_is_as_wide_as_makes_the_tests_likeliest() -> None:
+    """Narrow draws tell nothing, of wide ones nine in ten end as the test did."""
+    trials = [trial(f"a{k}", k % 2 == 0) for k in range(40)]
+    ask = answering(
+        lambda each, one: answer(one.sample % 2 == 0 if one.width < 4.0 else each.fell == (one.sample % 10 > 0))
+    )
+    found = choose(trials, ask, 20)
+    assert found.width == WIDTHS[-1]
+    assert fitted(trials, found).width_at_end
+    assert found.counts == COUNTS_TRIED[0]
+    assert found.log_score == pytest.approx(-math.log((9 + found.counts) / (10 + 2 * found.counts)))
+
+
+def test_what_is_planned_is_what_is_run() -> None:
+    lists = {"inset_m": (0.0, 0.01, 0.02), "scale": (0.8, 0.9, 1.0), "sign": (1, -1), "friction": (0.2, 0.4, 0.6)}
+    share = [trial(f"a{k}", k % 2 == 0, body=body, **lists) for k, body in enumerate("aabbccaabb")]
+    tests = [*share, *(trial(f"r{k}", True, body="b", **lists) for k in range(5))]
+    model, ran = says(lambda each, inputs: inputs.sign == 1), set[tuple[str, Variant]]()
+
+    def ask(pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
+        ran.update((each.name, one) for each, one in pairs)
+        return model(pairs)
+
+    choice = choose(share, ask, 6)
+    ask([(each, one) for each in tests for one in (choice.nominal(each), *choice.draws(each, 6))])
+    # A draw of width 1 may be one of a finalist.
+    assert 0.95 * planned(tests, share, 6) < len(ran) <= planned(tests, share, 6)
+
+
+def test_probability_counts_the_runs_that_fall_and_failures_do_not_count() -> None:
     one = trial("t", True)
-    outcomes = [answer(True), answer(False), answer(True), answer(True), answer(True, outcome=Outcome.CRASHED)]
-    answers = {(one.name, Variant(sample=k)): outcome for k, outcome in enumerate(outcomes)}
-    model, choice = parse_model("analytic"), Choice(0, {}, 0, None)
-    assert Answered(model, choice, answers, 4).probability(one) == 0.75
-    outcomes[1] = answer(True, outcome=Outcome.UNDECIDED)
-    answers = {(one.name, Variant(sample=k)): outcome for k, outcome in enumerate(outcomes)}
-    assert Answered(model, choice, answers, 4).probability(one) == 1.0
-    crashed = {(one.name, Variant()): answer(True, outcome=Outcome.CRASHED)}
-    assert Answered(model, choice, crashed, 0).probability(one) is None
+    outcomes = [answer(True), answer(True), answer(True), answer(False), answer(True, outcome=Outcome.CRASHED)]
+    model, choice = parse_model("analytic"), Choice(counts=0.5)
+
+    def probability(runs: Sequence[CaseRun], samples: int) -> float | None:
+        variants = [choice.nominal(one), *choice.draws(one, samples)]
+        answers = {(one.name, each): run for each, run in zip(variants, runs, strict=True)}
+        return Answered(model, choice, answers, samples).probability(one)
+
+    assert probability(outcomes, 4) == (2 + 0.5) / (3 + 1)
+    assert probability([*outcomes[:3], answer(True, outcome=Outcome.UNDECIDED), outcomes[4]], 4) == 2.5 / 3.0
+    assert probability([answer(True, outcome=Outcome.CRASHED)], 0) is None
+    assert probability([answer(True)], 0) == 1.0
+
+
+def test_repeats_that_disagree_are_a_ceiling() -> None:
+    """Of four repeats one stood, two repeats agree, one test is alone."""
+    tests = [trial(f"a{k}", k > 0, motion=Path("m0")) for k in range(4)]
+    tests += [trial(f"b{k}", True, motion=Path("m1")) for k in range(2)] + [trial("c", False, motion=Path("m2"))]
+    found = repeats_of(tests)
+    assert found is not None
+    assert (found.tests, found.groups, found.disagreeing) == (6, 2, 1)
+    assert found.best_accuracy == pytest.approx(6 / 7)
+    # 3 of 4: 3 · 1/(4 · 3) is the mean of p (1 − p), for each of four tests.
+    assert found.best_brier == pytest.approx(4 * 0.25 / 7)
+    assert repeats_of(tests[-1:]) is None
 
 
 @pytest.mark.parametrize(
@@ -82,7 +199,7 @@ def test_probability_is_the_share_of_runs_that_fall_and_failures_do_not_count() 
     ],
 )
 def test_a_fall_decided_after_the_reliable_time_flips(fields: dict[str, Any], flips: bool) -> None:
-    assert case_of(trial("t", True), Variant(), answer(True, **fields)).within_uncertainty is flips
+    assert case_of(trial("t", True), Variant(Inputs()), answer(True, **fields)).within_uncertainty is flips
 
 
 @pytest.mark.parametrize(("below", "flips"), [(1.9, True), (2.1, False)])
@@ -92,10 +209,10 @@ def test_a_stand_within_twice_the_uncertainty_of_the_balance_point_flips(
     one = read_table(write_experiments(tmp_path, [3.0]))[0]
     from harness.validation.scenes import scene_of
 
-    statue = scene_of(one, Variant()).statue
+    statue = scene_of(one, variant(one)).statue
     limit = min(statue.slenderness_rad(1), statue.slenderness_rad(-1))
     run = answer(False, numerical_uncertainty_rad=1e-3, peak_theta_rad=limit - below * 1e-3)
-    assert case_of(one, Variant(), run).within_uncertainty is flips
+    assert case_of(one, variant(one), run).within_uncertainty is flips
 
 
 def test_classes_of_intensity_are_of_equal_size() -> None:
@@ -115,10 +232,12 @@ def test_a_model_is_scored_whole() -> None:
     # One wrong of twelve: the strongest that stood is said to fall, in half of its runs.
     shaking = {each.name: Intensity(0.1 * (k + 1), 0.01 * (k + 1) * GRAVITY_M_S2) for k, each in enumerate(trials)}
     answers: dict[tuple[str, Variant], CaseRun] = {}
+    choice = Choice(counts=0.0)
     for k, each in enumerate(trials):
-        answers[each.name, Variant()] = answer(k >= 5)
-        answers[each.name, Variant(sample=1)] = answer(k >= 6)
-    found = score_model(trials, trials, Answered(parse_model("analytic"), Choice(0, {}, 0, None), answers, 1), shaking)
+        answers[each.name, choice.nominal(each)] = answer(k >= 5)
+        for one in choice.draws(each, 2):
+            answers[each.name, one] = answer(k >= 6 or (k == 5 and one.sample == 1))
+    found = score_model(trials, trials, Answered(parse_model("analytic"), choice, answers, 2), shaking)
     assert found.outcomes.accuracy is not None
     assert found.outcomes.accuracy.value == pytest.approx(11 / 12)
     assert found.outcomes.confusion["stands"]["overturned_right"] == 1
@@ -130,6 +249,10 @@ def test_a_model_is_scored_whole() -> None:
     assert found.probability.area is not None
     assert found.probability.area.value == 1.0
     assert [(item.cases, item.fell.value) for item in found.probability.reliability] == [(5, 0.0), (1, 0.0), (6, 1.0)]
+    (body,) = found.by_body
+    assert (body.body, body.tests, body.fell, body.brier) == ("a", 12, 6, found.probability.brier)
+    assert body.accuracy == found.outcomes.accuracy
+    assert body.by_probability == found.by_probability.accuracy
     assert found.fragility_pgv is not None
     assert found.fragility_pgv.separated
     assert found.contour is not None
@@ -182,31 +305,34 @@ def test_no_test_helps_to_predict_itself() -> None:
 
 
 def test_inputs_that_explain_the_tests_together_alone_are_fitted() -> None:
-    """Only tolerance 1 with inset 1 is right: of each alone no change is better, so that one after another stays at the first."""
-    tests = [replace(trial(f"t{k}", True), contact_tolerances_m=(1e-3, 2e-3), insets_m=(0.0, 0.01)) for k in range(3)]
-
-    def ask(pairs: Sequence[tuple[Trial, Variant]]) -> dict[tuple[str, Variant], CaseRun]:
-        return {(each.name, one): answer(one.tolerance == one.inset == 1) for each, one in pairs}
-
-    found = choose(tests, ask)
-    assert found.bodies["a"] == Variant(tolerance=1, inset=1)
-    assert (found.accuracy, found.runs) == (1.0, 12)
+    """Only one of the tolerances with one of the insets is right: of each alone no change is better."""
+    lists = {"contact_tolerance_m": (1e-3, 2e-3, 3e-3, 4e-3), "inset_m": tuple(0.001 * k for k in range(12))}
+    tests = [trial(f"t{k}", True, **lists) for k in range(3)]
+    true = Inputs(contact_tolerance_m=3e-3, inset_m=0.001 * 7)
+    near = (2e-3, 3e-3)
+    found = choose(
+        tests, says(lambda each, own: own == true or (each.name == "t0" and own.contact_tolerance_m in near)), 0
+    )
+    assert found.of_set_up["a", ""].best == true
 
 
 def test_a_design_of_many_inputs_is_small_and_holds_every_value() -> None:
-    counts = {"azimuth": 9, "tolerance": 3, "inset": 4}
-    rows = design(counts)
-    assert rows[0] == dict.fromkeys(counts, 0)
-    assert len(rows) <= DESIGN
-    assert all({row[name] for row in rows} == set(range(count)) for name, count in counts.items())
-    assert len(design({"azimuth": 4, "tolerance": 4})) == DESIGN
+    lists = {"azimuth_deg": range(9), "contact_tolerance_m": range(3), "inset_m": range(4)}
+    rows = designed(lists, DESIGN)
+    assert len(rows) == DESIGN
+    assert all({getattr(row, name) for row in rows} == set(values) for name, values in lists.items())
+    every = designed({"azimuth_deg": range(4), "inset_m": range(4)}, DESIGN)
+    assert [every.count(each) for each in set(every)] == [2] * 16
 
 
 def test_what_is_undecided_counts_neither_as_standing_nor_as_fallen() -> None:
+    trials = [trial(f"stood{k}", False, inset_m=(0.0, 0.01)) for k in range(2)]
     undecided = answer(True, outcome=Outcome.UNDECIDED)
-    trials = [trial("stood", False, azimuths=2), trial("fell", True, azimuths=2)]
-    answers = {(each.name, Variant(0)): undecided for each in trials}
-    answers |= {(each.name, Variant(1)): answer(each.name == "fell") for each in trials}
-    assert choose(trials, lambda pairs: answers) == Choice(0, {"a": Variant(1)}, 2, 1.0, runs=4)
+    found = choose(
+        trials,
+        answering(lambda each, one: answer(False) if one.inputs.inset_m else undecided),
+        0,
+    )
+    assert found.of_set_up["a", ""].best.inset_m == 0.01
     shaken = {each.name: Intensity(0.3, 0.2 * (k + 1)) for k, each in enumerate(trials)}
     assert curves(trials, shaken, lambda each: None).fragility_pgv is None

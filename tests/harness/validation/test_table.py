@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from harness.model.errors import InputError
-from harness.validation.table import COLUMNS, read_table
+from harness.validation.table import COLUMNS, Inputs, read_table
 from tests.harness.validation.experiments import write_experiments, write_table
 
 
@@ -16,10 +16,10 @@ def test_a_table_is_read_with_its_defaults(tmp_path: Path) -> None:
     trials = read_table(write_experiments(tmp_path, [2.0, 4.0], azimuth_deg="0;45;90", share="fit"))
     assert [trial.name for trial in trials] == ["t0", "t1"]
     first = trials[0]
-    assert first.azimuths_deg == (0.0, 45.0, 90.0)
-    assert first.frictions == (None,)
+    assert first.azimuth_deg == (0.0, 45.0, 90.0)
+    assert first.friction == (None,)
     assert first.mesh == (tmp_path / "stone.ply").resolve()
-    assert (first.unit, first.up, first.sign, first.scale) == ("m", "z", 1, 1.0)
+    assert (first.unit, first.up, first.sign, first.scale) == ("m", "z", (1,), (1.0,))
     assert first.share == "fit"
     assert not first.fell
 
@@ -58,9 +58,10 @@ def test_all_mistakes_come_at_once_with_their_place(tmp_path: Path) -> None:
         ({"friction": "0.5;-1"}, "above 0"),
         ({"azimuth_deg": "north"}, "a finite number"),
         ({"sign": "2"}, "one of 1, -1"),
-        ({"scale": "1;2"}, "one number"),
+        ({"mass_kg": "1;2"}, "one number"),
         ({"scene": "stone.ply"}, "either a scene or a mesh"),
         ({"bandpass_hz": "20;0.2"}, "two frequencies, low;high"),
+        ({"bandpass_hz": "0.2;20|5"}, "two frequencies, low;high"),
         ({"bandpass_hz": "20"}, "two frequencies, low;high"),
         ({"baseline": "parabola"}, "one of none, mean"),
         ({"observed": "2"}, "one of 0, 1, overturned, stands"),
@@ -78,8 +79,8 @@ def test_outcomes_may_be_numbers_and_motions_are_treated(tmp_path: Path) -> None
     first = read_table(path)[0]
     assert first.fell
     assert first.observed == "overturned"
-    assert (first.mass_kg, first.baseline, first.bandpass_hz) == (12.5, "linear", (0.2, 20.0))
-    assert first.insets_m == (0.0, 0.002)
+    assert (first.mass_kg, first.baseline, first.bandpass_hz) == (12.5, ("linear",), ((0.2, 20.0),))
+    assert first.inset_m == (0.0, 0.002)
     assert not read_table(write_experiments(tmp_path, [2.0], observed="0"))[0].fell
 
 
@@ -93,11 +94,30 @@ def test_a_table_may_be_parted_by_semicolons_and_have_decimal_commas(tmp_path: P
     assert read_table(other) == read_table(path)
 
 
+def test_every_input_of_a_test_may_be_a_list_each_body_s_own(tmp_path: Path) -> None:
+    path = write_experiments(
+        tmp_path, [2.0], sign="1;-1", scale="0.9;1;1.1", baseline="none;linear", bandpass_hz="none|0.2;20|0.5;30"
+    )
+    first = read_table(path)[0]
+    assert first.unknown == {
+        "sign": (1, -1),
+        "scale": (0.9, 1.0, 1.1),
+        "baseline": ("none", "linear"),
+        "bandpass_hz": (None, (0.2, 20.0), (0.5, 30.0)),
+    }
+    assert first.inputs() == Inputs(scale=0.9)
+    with path.open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    (tmp_path / "other.ply").write_bytes((tmp_path / "stone.ply").read_bytes())
+    rows.append(rows[0] | {"test": "t1", "mesh": "other.ply", "scale": "0.5;0.6"})
+    assert [trial.scale for trial in read_table(write_table(path, rows))] == [(0.9, 1.0, 1.1), (0.5, 0.6)]
+
+
 def test_unknown_inputs_share_one_list(tmp_path: Path) -> None:
     path = write_experiments(tmp_path, [2.0, 3.0], friction="0.3;0.6")
     lines = path.read_text().splitlines()
     path.write_text("\n".join([*lines[:2], lines[2].replace("0.3;0.6", "0.4;0.6")]) + "\n")
-    with pytest.raises(InputError, match="the same list of values"):
+    with pytest.raises(InputError, match="one list of values for stone"):
         read_table(path)
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,15 +20,16 @@ from harness.model.errors import InputError
 from harness.model.options import RunOptions
 from harness.validation import validation_run as run
 from harness.validation.jobs import parse_model
-from harness.validation.scenes import Variant, intensity_of, scene_of
+from harness.validation.scenes import intensity_of, scene_of
 from harness.validation.table import read_table
 from reports.cli import app
 from reports.pages.page import write_report
 from reports.terminal import LINES
-from tests.harness.validation.experiments import validate, write_experiments, write_table
+from tests.harness.validation.experiments import validate, variant, write_experiments, write_table
 
+intensities = run._intensities
 AMPLITUDES = (2.0, 3.0, 4.0, 5.0, 7.0, 8.0, 9.0, 10.0)
-TRUE_AZIMUTH = 1
+TRUE_AZIMUTH_DEG = 90.0
 
 
 class Inline:
@@ -60,7 +62,9 @@ def measured(folder: Path) -> Path:
     with path.open(newline="") as stream:
         rows = list(csv.DictReader(stream))
     for number, (row, trial) in enumerate(zip(rows, read_table(path), strict=True)):
-        true = simulate(scene_of(trial, Variant(azimuth=TRUE_AZIMUTH)), "analytic", options=RunOptions(history=False))
+        true = simulate(
+            scene_of(trial, variant(trial, azimuth_deg=TRUE_AZIMUTH_DEG)), "analytic", options=RunOptions(history=False)
+        )
         row["observed"] = FELL if true.outcome.overturned else true.outcome.value
         row["share"] = "rest" if number % 3 == 2 else "fit"
     return write_table(path, rows)
@@ -73,13 +77,16 @@ def test_the_unknown_azimuth_is_found_and_the_rest_predicted(tmp_path: Path) -> 
     stands = [row["observed"] == "stands" for row in found["rows"]]
     assert 0 < sum(stands) < len(stands)
     assert model["fitted"]["tests"] == 6
-    assert model["fitted"]["accuracy"] == 1.0
-    assert set(model["fitted"]["azimuth_deg"].values()) <= {0.0, 90.0, 180.0}
+    (azimuth,) = model["fitted"]["inputs"]
+    assert (azimuth["body"], azimuth["input"], azimuth["at_end"]) == ("stone.ply", "azimuth_deg", False)
+    assert azimuth["value"] in {0.0, 90.0, 180.0}
+    assert 1 / 3 < azimuth["weight"] < 1.0
     assert model["tests"] == 2
     assert model["failed"] == 0
-    # Six tests of the share at three azimuths, once each; then what is missing of eight tests as fitted and in two draws.
-    assert model["fitted"]["runs"] == 6 * 3
-    assert found["runs"]["computed"] == found["runs"]["wanted"] == 6 * 3 + 8 + 8 * 2
+    # Six tests of the share at three azimuths as they are and in four draws, and in two draws of four widths (of which some are
+    # the same); then eight tests as fitted, and the two of the other share in two draws.
+    assert 6 * 3 * 5 + 6 * 3 * 2 <= model["fitted"]["runs"] <= 6 * 3 * 5 + 6 * 4 * 2
+    assert found["runs"]["computed"] == found["runs"]["wanted"] == model["fitted"]["runs"] + 8 + 2 * 2
     assert found["baseline"]["fitted_on"] == "the named share"
     said = json.loads((tmp_path / "out" / "result.json").read_text(encoding="utf-8"))
     assert said == found | {"seal": said["seal"]}
@@ -90,7 +97,9 @@ def test_what_was_fitted_on_one_share_is_scored_by_the_falls_of_the_other(tmp_pa
     with path.open(newline="") as stream:
         rows = list(csv.DictReader(stream))
     for number, (row, trial) in enumerate(zip(rows, read_table(path), strict=True)):
-        true = simulate(scene_of(trial, Variant(azimuth=2)), "analytic", options=RunOptions(history=False))
+        true = simulate(
+            scene_of(trial, variant(trial, azimuth_deg=180.0)), "analytic", options=RunOptions(history=False)
+        )
         row["observed"] = FELL if true.outcome.overturned else true.outcome.value
         row["share"] = "fit" if number % 2 else "rest"
     rest = rows[::2]
@@ -99,8 +108,7 @@ def test_what_was_fitted_on_one_share_is_scored_by_the_falls_of_the_other(tmp_pa
     rest[0]["observed"], rest[2]["observed"] = FELL, "stands"
     found = validate(write_table(path, rows), tmp_path / "out", models=["analytic"], quiet=True)
     model = found["models"]["analytic"]
-    assert set(model["fitted"]["azimuth_deg"].values()) == {180.0}
-    assert model["fitted"]["accuracy"] == 1.0
+    assert [each["value"] for each in model["fitted"]["inputs"]] == [180.0]
     scores = model["outcomes"]
     assert (scores["cases"], scores["undecided"], scores["within_uncertainty"]) == (4, 0, 0)
     # Of two predicted falls one was seen, of two seen falls one was predicted.
@@ -152,6 +160,38 @@ def test_settings_are_scored_apart(tmp_path: Path) -> None:
     assert found["runs"]["computed"] == 4
 
 
+def test_an_engine_is_asked_near_the_boundary_of_another_model_alone(tmp_path: Path) -> None:
+    """Of bursts that leave it standing, that may throw it, and that do, the exact body is asked in the middle alone."""
+    path = write_experiments(tmp_path, (1.0, 5.0, 5.25, 10.0))
+    names = ["analytic", "spatial@near=analytic"]
+    found = validate(path, tmp_path / "out", models=names, samples=6, quiet=True)
+    model = found["models"]["spatial@near=analytic"]
+    assert (model["near"], model["asked"]) == ("analytic", 2)
+    p = [[row["probability"][name] for name in names] for row in found["rows"]]
+    assert all(p[k][0] == p[k][1] for k in (0, 3))
+    # Four tests as they are and in six draws by the model, two again by the exact body.
+    assert found["runs"]["computed"] == 6 * 7
+    assert {each["code"] for each in found["findings"]} >= {"asked_near"}
+
+
+def test_progress_tells_the_whole_plan_before_anything_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[tuple[int, int]] = []
+
+    @contextmanager
+    def heard(title: str, quiet: bool) -> Iterator[Callable[[int, int], None]]:
+        yield lambda done, of: told.append((done, of))
+
+    monkeypatch.setattr(run, "progress", heard)
+    monkeypatch.setattr(run, "_intensities", lambda trials: told.append((-1, -1)) or intensities(trials))
+    found = validate(measured(tmp_path), tmp_path / "out", models=["analytic"], samples=2, quiet=True)
+    first, read, *others = told
+    assert (first[0], read) == (0, (-1, -1))
+    wanted = found["runs"]["wanted"]
+    # Some draws of a width are those of a setting: known before they are asked again.
+    assert wanted <= first[1] <= 1.1 * wanted
+    assert others[-1] == (wanted, wanted)
+
+
 def test_models_stand_beside_each_other_with_the_four_verdicts(tmp_path: Path) -> None:
     path = write_experiments(tmp_path, (4.0, 5.0, 7.0))
     names = ["analytic", "analytic@accuracy=1e-5", "pymunk@dt=0.002"]
@@ -179,7 +219,7 @@ def test_a_swapped_label_is_named_on_terminal_and_page(tmp_path: Path) -> None:
     with path.open(newline="") as stream:
         rows = list(csv.DictReader(stream))
     for row, trial in zip(rows, read_table(path), strict=True):
-        true = simulate(scene_of(trial, Variant()), "analytic", options=RunOptions(history=False))
+        true = simulate(scene_of(trial, variant(trial)), "analytic", options=RunOptions(history=False))
         row["observed"] = str(int(true.outcome.overturned))
     assert rows[-1]["observed"] == "1"
     rows[-1]["observed"] = "0"
@@ -207,13 +247,15 @@ def test_a_swapped_label_is_named_on_terminal_and_page(tmp_path: Path) -> None:
 
 
 def test_a_label_that_another_value_of_the_list_explains_is_none_to_doubt(tmp_path: Path) -> None:
-    """Worn by a tenth of its base the stone falls in what it stands whole; nothing was fitted, so the list's first is taken."""
+    """Worn by a tenth of its base the stone falls in what it stands whole; nothing was fitted, so draws take both."""
     path = write_experiments(tmp_path, [4.0, 4.25, 6.0], inset_m="0;0.02", observed="stands")
     trials = read_table(path)
     ends = [
         [
-            simulate(scene_of(trial, Variant(inset=k)), "analytic", options=RunOptions(history=False)).outcome
-            for k in (0, 1)
+            simulate(
+                scene_of(trial, variant(trial, inset_m=worn)), "analytic", options=RunOptions(history=False)
+            ).outcome
+            for worn in (0.0, 0.02)
         ]
         for trial in trials
     ]
@@ -224,7 +266,7 @@ def test_a_label_that_another_value_of_the_list_explains_is_none_to_doubt(tmp_pa
     for row, (whole, _) in zip(rows, ends, strict=True):
         row["observed"] = str(int(whole.overturned))
     rows[differ[0]]["observed"] = "1"
-    found = validate(write_table(path, rows), tmp_path / "out", models=["analytic"], samples=1, quiet=True)
+    found = validate(write_table(path, rows), tmp_path / "out", models=["analytic"], samples=8, quiet=True)
     assert found["unexplained"] == []
     assert found["unfitted"] == ["inset_m"]
 
@@ -253,12 +295,18 @@ def test_a_motion_of_any_named_columns_is_read(tmp_path: Path) -> None:
 def test_a_measured_history_is_a_history_like_any_other(tmp_path: Path) -> None:
     path = write_experiments(tmp_path, [4.5], history="measured.csv")
     trial = replace(read_table(_with_history(tmp_path, path))[0])
-    true = simulate(scene_of(trial, Variant()), "analytic")
+    true = simulate(scene_of(trial, variant(trial)), "analytic")
     assert true.history is not None
     louder = replace(true.history, theta_rad=1.1 * true.history.theta_rad)
     louder.write_csv(tmp_path / "measured.csv")
-    found = validate(path, tmp_path / "out", models=["analytic"], quiet=True)
+    with path.open(newline="") as stream:
+        rows = [row | {"history_uncertainty_rad": 0.001} for row in csv.DictReader(stream)]
+    found = validate(write_table(path, rows), tmp_path / "out", models=["analytic"], samples=6, quiet=True)
     scores = found["models"]["analytic"]["histories"][0]["scores"]
+    error = scores["comparison_error"]
+    assert error["u_data_rad"] == 0.001
+    assert error["u_input_rad"] > 0.0
+    assert error["error_rad"] == pytest.approx(-0.1 * abs(true.peak_theta_rad), rel=1e-2)
     assert scores["b"] == "measured t0"
     assert scores["evidence"]["uncertainty_a_rad"] == true.numerical_uncertainty_rad
     assert scores["horizon_s"] == true.reliable_until_s
@@ -278,6 +326,8 @@ def _with_history(folder: Path, path: Path) -> Path:
         ({"models": ["pymunk@dt=fast"]}, "ENGINE@dt=S"),
         ({"models": ["pymunk@dt=5"]}, "a step between"),
         ({"samples": -1}, "from 0 to"),
+        ({"models": ["spatial@near=analytic"], "samples": 2}, "a model that is named before"),
+        ({"models": ["analytic", "spatial@near=analytic"]}, "draws, which tell what is near"),
         ({"resume": True}, "begun"),
     ],
 )

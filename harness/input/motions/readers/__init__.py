@@ -107,9 +107,12 @@ def _of_a_network(text: str, where: str) -> RecordFile | None:
 def _versions(text: str) -> Iterator[tuple[str, tuple[Finding, ...]]]:
     """The text; without its blank lines; with the blanks at the left that all lines share taken off; what is said of each."""
     yield text, ()
-    filled = "\n".join(line for line in text.splitlines() if line.strip())
-    yield filled, (info("record_blank_lines"),)
-    yield textwrap.dedent(filled.expandtabs()), (info("record_blanks"),)
+    lines = text.splitlines()
+    indented = next((line for line in lines if line.strip()), "")[:1].isspace()
+    if indented or not all(map(str.strip, lines)):
+        filled = "\n".join(line for line in lines if line.strip())
+        yield filled, (info("record_blank_lines"),)
+        yield textwrap.dedent(filled.expandtabs()), (info("record_blanks"),)
 
 
 def _with_proposal(error: InputError, text: str, where: str) -> InputError:

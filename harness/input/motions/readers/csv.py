@@ -48,8 +48,13 @@ class _Table:
 
 def recognises(text: str) -> bool:
     """Whether the last row that is no comment begins with a number."""
-    rows = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith(_COMMENT)]
-    return bool(rows) and bool(re.match(r"^\s*[+-]?[.,]?\d", rows[-1]))
+    last = next((line for line in reversed(text.splitlines()) if _counts(line)), "")
+    return bool(re.match(r"^\s*[+-]?[.,]?\d", last))
+
+
+def _counts(line: str) -> bool:
+    """Whether a line is neither blank nor a comment."""
+    return not (bare := line.lstrip()).startswith(_COMMENT) and bool(bare)
 
 
 def names_times(text: str) -> bool:
@@ -126,8 +131,9 @@ def _has_decimal_commas(line: str) -> bool:
 
 
 def _table(text: str, where: str) -> _Table:
-    every = [(i + 1, line) for i, line in enumerate(text.splitlines()) if line.strip()]
-    rows = [(i, line) for i, line in every if not line.lstrip().startswith(_COMMENT)]
+    every = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line and not line.isspace()]
+    marked = any(mark in text for mark in _COMMENT)
+    rows = [(number, line) for number, line in every if _counts(line)] if marked else list(every)
     comma = _has_decimal_commas(rows[-1][1])
 
     def cells(line: str) -> list[str]:

@@ -1,0 +1,152 @@
+"""Invented tests of stones on a shaking table, of which the truth is known: `python -m tests.measures.invented_stones [--alike]`.
+
+Each stone's contact tolerance, worn edge, sign and strength of the motion are drawn from the lists that its rows give; every test
+has its own azimuth, base and friction within the scatter that `validate` assumes. Half of the tests, drawn at random, are the
+share that is fitted on. The best possible is what the true probability of each test says, from draws at the true inputs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import resource
+import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import trimesh
+
+from harness.accuracy.simulation import simulate
+from harness.model.options import RunOptions
+from harness.validation.scenes import Variant, scene_of
+from harness.validation.table import Inputs, Trial, read_table
+from tests.harness.validation.experiments import validate, write_table
+from tests.measures.pages import renew, table
+
+LISTS: Final[Mapping[str, Sequence[float]]] = {
+    "contact_tolerance_m": (0.002, 0.004, 0.007),
+    "inset_m": (0.0, 0.002, 0.004, 0.006),
+    "sign": (1, -1),
+    "scale": (0.8, 0.9, 1.0, 1.1, 1.2),
+}
+TRUTH_SEED: Final = 1_000_000
+"""Of the draw that each test's truth is: no draw of a validation is one of these."""
+TRUE_DRAWS: Final = 101
+SAMPLES: Final = 20
+MODULE: Final = "tests.measures.invented_stones"
+
+
+def write_scan(path: Path, seed: int) -> None:
+    """A stone of some 0.25 × 0.2 × 0.7 m with 2 500 vertices: a dented sphere cut flat with some roughness."""
+    stream = np.random.default_rng(seed)
+    ball = trimesh.creation.icosphere(subdivisions=4)
+    points = ball.vertices * (0.125, 0.1, 0.35) * stream.uniform(0.9, 1.1, 3)
+    for _ in range(12):
+        direction = stream.standard_normal(3)
+        direction /= np.linalg.norm(direction)
+        points *= 1.0 + 0.06 * stream.standard_normal() * np.maximum(ball.vertices @ direction, 0.0)[:, None] ** 2
+    low = -0.25 + 0.0005 * stream.standard_normal(len(points))
+    points[:, 2] = np.maximum(points[:, 2], low)
+    trimesh.Trimesh(points, ball.faces).convex_hull.export(path)
+
+
+def write_shaking(path: Path, seed: int, lines: int) -> None:
+    """A burst of a sine with noise in a record of 49 s, as a table writes it."""
+    stream = np.random.default_rng([7, seed])
+    times = 49.0 * np.arange(lines) / lines
+    strength, frequency = stream.uniform(1.2, 4.0), stream.uniform(1.2, 4.5)
+    swell = np.exp(-(((times - 15.0) / 3.0) ** 2))
+    wave = np.sin(2.0 * np.pi * frequency * times) + 0.5 * np.sin(2.0 * np.pi * 1.7 * frequency * times + 1.0)
+    noise = np.interp(times, np.linspace(0.0, 49.0, 981), 0.3 * stream.standard_normal(981))
+    table = np.column_stack([times, strength * swell * (wave + noise)])
+    np.savetxt(path, table, delimiter=",", header="time_s,table", comments="", fmt="%.6g")
+
+
+def write_tests(
+    folder: Path, stones: int, motions: int, lines: int, seed: int, alike: bool = False
+) -> tuple[Path, list[Inputs]]:
+    """The table of tests, with what was observed, and each test's true inputs."""
+    stream = np.random.default_rng(seed)
+    truth = [Inputs(**{name: stream.choice(values).item() for name, values in LISTS.items()}) for _ in range(stones)]
+    truth = truth[:1] * stones if alike else truth
+    for stone in range(stones):
+        write_scan(folder / f"stone{stone}.ply", 100 * seed + stone)
+    for motion in range(motions):
+        write_shaking(folder / f"motion{motion}.csv", 1000 * seed + motion, lines)
+    listed = {name: ";".join(f"{each:g}" for each in values) for name, values in LISTS.items()}
+    rows: list[dict[str, Any]] = [
+        {"test": f"s{stone}m{motion}", "mesh": f"stone{stone}.ply", "motion": f"motion{motion}.csv", "column": "table",
+         "motion_unit": "m/s2", "observed": "stands", "friction": 0.6, "share": "fit" if stream.random() < 0.5 else "rest"}
+        | listed for stone in range(stones) for motion in range(motions)
+    ]  # fmt: skip
+    inputs = [truth[k // motions] for k in range(len(rows))]
+    path = write_table(folder / "tests.csv", rows)
+    for k, (row, trial) in enumerate(zip(rows, read_table(path), strict=True)):
+        row["observed"] = str(int(_falls(trial, Variant(trial.inputs(inputs[k]), k + 1), TRUTH_SEED)))
+    return write_table(path, rows), inputs
+
+
+def _falls(trial: Trial, variant: Variant, seed: int) -> bool:
+    run = simulate(scene_of(trial, variant, seed), "analytic", options=RunOptions(history=False, stated=False))
+    return run.outcome.overturned
+
+
+def told(table_file: Path, inputs: Sequence[Inputs], out: Path, samples: int = SAMPLES) -> str:
+    """Validate the table by the analytic model, and hold what it says of the scored tests against their true probabilities."""
+    begin = time.process_time()
+    found = validate(table_file, out, models=["analytic"], samples=samples, jobs=1, quiet=True)
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    spent = time.process_time() - begin + children.ru_utime + children.ru_stime
+    rows = [row for row in found["rows"] if row["share"] != "fit"]
+    trials = [trial for trial in read_table(table_file) if trial.share != "fit"]
+    p, fell = np.array([row["probability"]["analytic"] for row in rows]), np.array([trial.fell for trial in trials])
+    by_name = {row["test"]: own for row, own in zip(found["rows"], inputs, strict=True)}
+    true = np.array(
+        [
+            np.mean(
+                [
+                    _falls(trial, Variant(trial.inputs(by_name[trial.name]), k), 2 * TRUTH_SEED)
+                    for k in range(1, TRUE_DRAWS)
+                ]
+            )
+            for trial in trials
+        ]
+    )
+    model = found["models"]["analytic"]
+    bins = model["probability"]["reliability"]
+    held = sum(each["band_low"] <= each["fell"]["value"] <= each["band_high"] for each in bins)
+    best = {(each["body"], each["input"]): each["value"] for each in model["fitted"]["inputs"]}
+    truth = {(Path(trial.body).name, name): getattr(by_name[trial.name], name) for trial in trials for name in LISTS}
+    hit = {name: np.mean([best[key] == value for key, value in truth.items() if key[1] == name]) for name in LISTS}
+    scores = [
+        ("right by P ≥ ½, as it came", (p >= 0.5) == fell, (true >= 0.5) == fell),
+        ("right by P ≥ ½, expected", np.where(p >= 0.5, true, 1.0 - true), np.maximum(true, 1.0 - true)),
+        ("Brier's score", (p - fell) ** 2, (true - fell) ** 2),
+    ]
+    lines = [[name, str(len(p)), *(f"{np.mean(each):.3f}" for each in both)] for name, *both in scores]
+    lines.append(["bins of the reliability diagram in their band", str(len(p)), f"{held} of {len(bins)}", "–"])
+    lines += [
+        [f"{name}: most probable value is true", str(len({trial.body for trial in trials})), f"{share:.2f}", "1"]
+        for name, share in hit.items()
+    ]
+    own = model["fitted"]
+    said = f"The scatter of draws was fitted as {own['width']:g} times the true one, {own['counts']:.2g} counts added."
+    spent_on = f"{found['runs']['computed']} runs, {spent:.0f} s of processor."
+    return f"{table(['score', 'tests', 'fitted', 'best possible'], lines)}\n\n{said} {spent_on}"
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--stones", type=int, default=10)
+    parser.add_argument("--motions", type=int, default=50)
+    parser.add_argument("--lines", type=int, default=4900)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--alike", action="store_true", help="what is unknown is the same of all stones")
+    asked = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        table_file, inputs = write_tests(Path(folder), **vars(asked))
+        made = f"{asked.stones} stones, {asked.motions} motions of {asked.lines} lines, seed {asked.seed}, {SAMPLES} draws."
+        command = f"{MODULE} --alike" if asked.alike else MODULE
+        renew("measured/invented_stones.md", command, f"{made}\n\n{told(table_file, inputs, Path(folder) / 'out')}")
