@@ -145,8 +145,12 @@ class EngineRunRecord(RunRow):
 
 RUN_FIELDS: Final = tuple(each.metadata["column"]._replace(name=each.name) for each in fields(EngineRunRecord))
 """All that a run says beside its history: records, stores, tables and exports are made by it."""
-NUMBERS: Final = tuple(each.name for each in fields(RunRow) if each.metadata["column"].unit)
-"""What a table tells of each run in numbers with a unit, beside its outcome and counts."""
+NUMBERS: Final = {
+    each.name: each.default if isinstance(each.default, float) else math.nan
+    for each in fields(RunRow)
+    if each.metadata["column"].unit
+}
+"""What a table tells of each run in numbers with a unit, beside its outcome and counts: what each is where nobody says it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

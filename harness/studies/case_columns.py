@@ -113,7 +113,8 @@ def _numbers(rows: CertifiedRows, slenderness_rad: NDArray[np.float64], pedestal
     signed = results["peak_theta_rad"]
     peak = np.abs(signed)
     falls = np.isin(states["outcome"], [k for k, item in enumerate(OUTCOMES) if Outcome(item.value).overturned])
-    columns: Columns = {
+    columns: Columns = {name: np.full(peak.size, value) for name, value in NUMBERS.items()}
+    columns |= {
         "outcome": texts([OUTCOMES[code].value for code in states["outcome"].tolist()]),
         "end_s": states["time_s"],
         "peak_theta_rad": peak,
