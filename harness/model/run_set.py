@@ -64,18 +64,23 @@ class RunSet(Shown):
         >>> amplitudes, frequencies, outcomes = runs.pivot("motion.x.amplitude_g", "motion.x.frequency_hz")
         """
         self._check(down, across, value)
-        (rows, i), (columns, j) = (np.unique(self.table[key], return_inverse=True) for key in (down, across))
-        values = np.full((rows.size, columns.size), None, dtype=object)
+        rows, columns = self._distinct(down), self._distinct(across)
+        values = np.full((len(rows), len(columns)), None, dtype=object)
+        i, j = (
+            [list(own).index(repr(each)) for each in self.table[key].tolist()]
+            for own, key in ((rows, down), (columns, across))
+        )
         values[i, j] = self.table[value]
-        return rows, columns, values
+        return column_of([*rows.values()]), column_of([*columns.values()]), values
 
     def pairs(self, reference: str = "analytic") -> dict[str, tuple[RunSet, RunSet]]:
         """Of each other engine the cases that it and the reference answered: its runs and the reference's, case by case.
 
         >>> own, model = runs.pairs()["pymunk"]
         """
-        cases = [*zip(*(self.table[key].tolist() for key in self.varied), strict=True)] or [()] * len(self)
-        place: dict[str, dict[Any, int]] = {name: {} for name in self.engines}
+        cases = [repr(case) for case in zip(*(self.table[key].tolist() for key in self.varied), strict=True)]
+        cases = cases or [""] * len(self)
+        place: dict[str, dict[str, int]] = {name: {} for name in self.engines}
         for k, (engine, outcome) in enumerate(zip(self.table["engine"], self.table["outcome"], strict=True)):
             if outcome is not None:
                 place[engine][cases[k]] = k
@@ -89,7 +94,7 @@ class RunSet(Shown):
 
     def facts(self) -> dict[str, str]:
         """Title, what varies, how many runs, in how many of them the statue overturns, by engine."""
-        axes = [f"{key} ({len(dict.fromkeys(self.table[key].tolist()))})" for key in self.varied]
+        axes = [f"{key} ({len(self._distinct(key))})" for key in self.varied]
         ran, falls = self.table["outcome"] != None, self._falls()  # noqa: E711 - by element
         facts = {"title": self.title, "varied": ", ".join(axes) or "lists of cases", "runs": str(int(ran.sum()))}
         for name in self.engines:
@@ -134,14 +139,16 @@ class RunSet(Shown):
             if name not in self.table:
                 raise InputError(Mistake(self.title, name, f"a column: {', '.join(self.table)}", "none of this name"))
 
+    def _distinct(self, key: str) -> dict[str, Any]:
+        """The values of a column, each once: numbers by size, anything else in its order; a list is a value, too."""
+        values = {repr(each): each for each in self.table[key].tolist()}
+        numbers = all(type(each) in (int, float) for each in values.values())
+        return dict(sorted(values.items(), key=lambda item: item[1])) if numbers else values
+
     def _axes(self) -> list[str]:
         """The keys of numbers that vary, at most two."""
-        columns = {key: self.table[key].tolist() for key in self.varied}
-        numbers = [
-            key
-            for key, some in columns.items()
-            if len(set(map(repr, some))) > 1 and all(type(v) in (int, float) for v in some)
-        ]
+        columns = {key: [*self._distinct(key).values()] for key in self.varied}
+        numbers = [key for key, some in columns.items() if len(some) > 1 and all(type(v) in (int, float) for v in some)]
         if not numbers:
             raise InputError(Mistake(self.title, "vary", "a number that varies", ", ".join(columns) or "nothing"))
         return numbers[:2]

@@ -24,7 +24,7 @@ import trimesh
 import harness
 from harness import engines
 from harness.model.history import Outcome
-from harness.model.run_set import column_of
+from harness.model.run_set import RunSet, column_of
 from harness.model.shown import Shown
 from harness.records.study import CaseRun, StudyRecord, StudyRow
 from harness.runs.cache_key import scene_key
@@ -257,6 +257,17 @@ def test_a_set_of_runs_is_chosen_from_arranged_and_paired() -> None:
     assert mine.table["a_g"].tolist() == model.table["a_g"].tolist() == [0.1]
     with pytest.raises(harness.InputError, match="no_such"):
         runs.where({"no_such": 1})
+
+
+def test_what_varies_in_a_set_of_runs_may_be_lists_and_words() -> None:
+    table = {"a": column_of([[1], [2], [1], [2]]), "b": column_of(["keep", "keep", 2.0, 2.0])}
+    said = {"engine": column_of(["analytic"] * 4), "outcome": column_of(["stands", "overturned_left", "stands", None])}
+    runs = RunSet("lists", ["a", "b"], table | said)
+    assert runs.facts()["varied"] == "a (2), b (2)"
+    rows, columns, outcomes = runs.pivot("a", "b")
+    assert (rows.tolist(), columns.tolist()) == ([[1], [2]], ["keep", 2.0])
+    assert outcomes.tolist() == [["stands", "stands"], ["overturned_left", None]]
+    assert runs.pairs() == {}
 
 
 def test_a_set_of_runs_is_an_arrow_table() -> None:
