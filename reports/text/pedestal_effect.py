@@ -38,7 +38,9 @@ class PedestalEffect:
 def pedestal_effect(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition]) -> PedestalEffect | None:
     """The effect in a study with and without pedestal, by its first analytic model; None for other studies."""
     keys = list(cases[0].varied) if cases else []
-    pace = next((key for key in keys if key.endswith("frequency_hz")), None)
+    paces = (key for key in keys if key.endswith("frequency_hz"))
+    # "keep" is no number.
+    pace = next((key for key in paces if all(isinstance(item.varied[key], (int, float)) for item in cases)), None)
     if len({item.varied["pedestal"] for item in cases if "pedestal" in keys}) < 2:
         return None
     shape = section(record.scene)

@@ -218,6 +218,14 @@ def test_what_the_pedestal_prevents_is_counted_by_condition(tmp_path: Path) -> N
     assert figures["saved"]["data"][0]["text"] == ["6/6", "6/6", "0/6", "0/6", "0/6"]
 
 
+def test_a_frequency_that_is_kept_is_no_number(tmp_path: Path) -> None:
+    record = study(write_table_study(tmp_path))
+    rows = [replace(row, varied={**row.varied, "motion.x.frequency_hz": "keep"}) for row in record.rows]
+    found = pedestal_effect(record, *conditions(rows))
+    assert found is not None
+    assert not found.charts
+
+
 def test_a_study_without_pedestals_has_no_such_effect(tmp_path: Path) -> None:
     record = study(write_map_study(tmp_path))
     assert pedestal_effect(record, *conditions(record.rows)) is None
