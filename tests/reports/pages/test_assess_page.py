@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -14,10 +13,8 @@ from harness.probability.assessment import assess
 from harness.records.assess import Assessment, Index, ProbabilityDifference
 from reports.messages import ENGLISH
 from reports.pages.assess_page import assess_verdict
-from reports.pages.page import write_report
 from reports.text.wording import tone_of_probability, worse_tone
 from tests.harness.probability.measure_own_runs import SCENE
-from tests.reports.invented_records import write_assessment
 from tests.scenes_for_tests import paestum
 
 
@@ -71,13 +68,6 @@ def test_answer_and_findings_name_what_helps_what_room_it_needs_and_what_decides
     assert told.findings[-3].values["kind"] == "none"
     (decides,) = (each for each in findings_of(record) if each.code == "decisive_input")
     assert decides.values == {"input": "contact.floor", "share": 0.77, "planar": False}
-
-
-def test_a_page_is_written_of_an_assessment(tmp_path: Path) -> None:
-    page = write_report(write_assessment(tmp_path / "out")).read_text(encoding="utf-8")
-    assert "Overturning probability" in page
-    assert "assumed" in page
-    assert "By strength" in page
 
 
 @pytest.mark.parametrize(("p", "high", "colour"), [(0.01, 0.02, "agree"), (0.3, 0.32, "differ"), (0.9, 0.95, "failed")])

@@ -93,23 +93,14 @@ def test_a_page_is_read_in_five_minutes_and_its_scores_are_folded(html: str) -> 
         assert f'<details id="{name}">' in html
 
 
-def test_names_from_the_record_are_text_and_not_markup(html: str) -> None:
-    assert "An invented &lt;statue&gt; &amp; its pedestal" in html
-    assert "<statue>" not in without_data(html)
-
-
-def test_every_finding_and_skip_is_there(folder: Path, html: str) -> None:
+def test_every_skip_and_reason_is_there(folder: Path, html: str) -> None:
     shown = unescape(without_data(html))
     record = run_source(folder).record
     for name, run in record.runs.items():
         assert name in shown
         for skip in run.skipped:
             assert ENGLISH.strings[f"skip.{skip}"] in shown
-    assert record.findings
-    for text in (*(each.text for each in record.findings), *(ENGLISH.say(step.reason) for step in record.plan)):
-        assert text in shown
-    for version in record.versions.values():
-        assert version in shown
+    assert all(ENGLISH.say(step.reason) in shown for step in record.plan)
 
 
 def test_the_curves_are_the_recorded_histories(folder: Path, html: str) -> None:
