@@ -22,9 +22,8 @@ def blocks(_folder: Path, record: MeasuredRecord, say: Language) -> list[Block]:
 
 def measured_table(table: MeasuredTable, say: Language) -> Table:
     """A table with its columns' names in words and its numbers to three digits."""
-    heads = [say.word(name).replace("_", " ") for name in table.columns]
     rows = [[say.plain(value, 3) for value in row] for row in table.rows]
-    return Table(say(f"measured.{table.name}"), heads, rows)
+    return Table(say(f"measured.{table.name}"), [*map(say.label, table.columns)], rows)
 
 
 def command(record: MeasuredRecord) -> str:
