@@ -331,18 +331,15 @@ def _trust(source: RunSource, say: Language) -> list[str]:
 
 def _extremes(source: RunSource) -> list[tuple[float, float]]:
     """Rotation and the support's displacement at the top's farthest shifts to each side, over the models in which it stands."""
-    shape, extremes = section(source.scene), []
+    shape, stone = section(source.scene), source.scene.pedestal
+    standing = [source.histories[name] for name in _standing(source)]
+    poses = [(item.theta_rad, support_m(stone, item.slip_m, item.extra)) for item in standing]
+    extremes = []
     for side in (-1.0, 1.0):
-        best: tuple[float, float, float] | None = None
-        for name in _standing(source):
-            history = source.histories[name]
-            moved_m = support_m(source.scene.pedestal, history.slip_m, history.extra)
-            moved = side * shape.top_displacement_m(history.theta_rad, moved_m)
-            k = int(np.argmax(moved))
-            if best is None or moved[k] > best[0]:
-                best = (float(moved[k]), float(history.theta_rad[k]), float(moved_m[k]))
-        if best is not None and best[0] > VISIBLE_M:
-            extremes.append(best[1:])
+        tops = [(side * shape.top_displacement_m(*pose), *pose) for pose in poses]
+        farthest = [(top[k], theta[k], moved[k]) for top, theta, moved in tops for k in [int(np.argmax(top))]]
+        top_m, theta_rad, moved_m = map(float, max(farthest, default=(0.0, 0.0, 0.0)))
+        extremes += [(theta_rad, moved_m)] if top_m > VISIBLE_M else []
     return extremes
 
 
@@ -363,8 +360,8 @@ def reach_picture(source: RunSource, say: Language, heading: str = "reach.headin
     ends = [run.outcome for run in source.runs.values() if has_answer(run)]
     fell = [end for end in ends if end.overturned]
     if fell:
-        key = "reach.fell_all" if len(fell) == len(ends) else "reach.fell_one" if len(fell) == 1 else "reach.fell"
-        words.append(say(key, count=say.count(len(fell)), total=say.count(len(ends))))
+        many = "fell_all" if len(fell) == len(ends) else "fell_one" if len(fell) == 1 else "fell"
+        words.append(say(f"reach.{many}", count=say.count(len(fell)), total=say.count(len(ends))))
     statue, (_, lean_rad, side) = source.scene.statue, _worst_lean(source)
     sides = {1 if end is Outcome.OVERTURNED_RIGHT else -1 for end in fell if end in SIDEWAYS and not standing}
     if not sides:

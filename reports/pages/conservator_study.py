@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -133,34 +134,27 @@ def _borne(cases: Sequence[Condition], key: str) -> float | None:
     """The strongest level of the shaking up to which the statue stood in every situation and every model; None without one."""
     ends: dict[float, set[str]] = {}
     for item in cases:
-        for row in item.answers.values():
-            if row.run is not None:
-                ends.setdefault(abs(float(item.varied[key])), set()).add(family(row.run.outcome))
-    safe = None
-    for level in sorted(ends):
-        if ends[level] != {"stands"}:
-            break
-        safe = level
-    return safe
+        answered = {family(row.run.outcome) for row in item.answers.values() if row.run is not None}
+        ends.setdefault(abs(float(item.varied[key])), set()).update(answered)
+    safe = itertools.takewhile(lambda level: ends[level] == {"stands"}, sorted(level for level in ends if ends[level]))
+    return max(safe, default=None)
 
 
 def _bore(cases: Sequence[Condition], say: Language) -> list[str]:
+    """The strongest shaking that it bore; where there is none, the weakest that was tried."""
     key = _strength(cases)
     if key is None:
         return []
-    safe = _borne(cases, key)
-    if safe is None:
-        weakest = min(abs(float(item.varied[key])) for item in cases)
-        return [say("study.weakest", level=_level(key, weakest, say))]
-    return [say("study.borne", level=_level(key, safe, say))]
+    safe, tried = _borne(cases, key), [abs(float(item.varied[key])) for item in cases]
+    level = min(tried) if safe is None else safe
+    return [say("study.weakest" if safe is None else "study.borne", level=_level(key, level, say))]
 
 
 def _level(key: str, value: float, say: Language) -> str:
-    if key.endswith("_g"):
-        return say("study.level_weight", push=say.percent(value))
-    if key.endswith("scale"):
-        return say("study.level_record", factor=say.short(value))
-    return say("study.level_other", key=say.key(key) or say("key.other"), value=say.short(value))
+    """How strong a shaking is, by the key that varies it."""
+    kind = "weight" if key.endswith("_g") else "record" if key.endswith("scale") else "other"
+    words, number = say.key(key) or say("key.other"), say.short(value)
+    return say(f"study.level_{kind}", push=say.percent(value), factor=number, key=words, value=number)
 
 
 def _by_direction(record: StudyRecord, cases: Sequence[Condition]) -> dict[float, float]:
