@@ -66,7 +66,7 @@ def blocks(_folder: Path, record: BenchRecord, say: Language) -> list[Block]:
         ]
     sizes = [{**vars(row), "size": f"{row.engine}, {heading(row.quantity)}"} for row in record.scaling]
     covered = [
-        {"engine": name, "inside": say("text.of", part=item.inside, whole=item.total), "missed": item.missed}
+        {"engine": name, "inside": say("text.of", part=item.inside, whole=item.total), "missed_seed": item.missed}
         for name, item in record.coverage.items()
     ]
     return [
@@ -75,7 +75,7 @@ def blocks(_folder: Path, record: BenchRecord, say: Language) -> list[Block]:
         *section(say, "work", words(say, "work"), grid(work)),
         *section(
             say, "choice", _choices(say, "target", record.choice, record.target_rad), _choices(say, "seeded", record.seeded),
-            table(say, "coverage", "engine inside missed", covered),
+            table(say, "coverage", "engine inside missed_seed", covered),
         ),
         *section(
             say, "skips", table(say, "skips", "skip scenes on_s off_s gain result", [_skip(row, say) for row in record.skips])
