@@ -29,6 +29,8 @@ FINEST: Final = 1e-17
 LEAST_ORDER: Final = 6
 """Least order of a step; reached only above an aimed error of 0.2 rad."""
 _EMPTY: Final = np.empty(0)
+_NOWHERE: Final = (_EMPTY.ctypes.data, _EMPTY.ctypes.data, 0)
+"""The outline of a statue without a wall."""
 
 
 def _params(kind: int, peak: float, omega: float = 0.0, phase: float = 0.0, ramp: float = 0.0) -> MotionParams:
@@ -64,10 +66,9 @@ def encode_motion(motion: Excitation) -> tuple[MotionParams, Floats, Floats]:
 def encode_base(problem: Problem) -> Base:
     """Where the arrays of a block's base and of what can touch a wall stand, which live as long as the block and the wall."""
     block, wall = problem.block, problem.wall
-    x, z, facets = block.arrays
-    across, up = (_EMPTY, _EMPTY) if wall is None else wall.arrays
-    outline = block.stands_m.ctypes.data, across.ctypes.data, up.ctypes.data, across.size
-    return Base(x.ctypes.data, z.ctypes.data, facets.ctypes.data, facets.size, *outline)
+    x, z, facets, stands = block.addresses
+    outline = _NOWHERE if wall is None else (*(each.ctypes.data for each in wall.arrays), wall.arrays[0].size)
+    return Base(x, z, facets, block.arrays[2].size, stands, *outline)
 
 
 def order_for(tolerance: float) -> int:

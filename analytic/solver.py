@@ -25,9 +25,9 @@ ALONE: Final = (0, 0, 0, 0, 0, 1, 0, 0, 0)
 """Arguments after a task that is run as it stands."""
 
 
-def address(memory: bytearray) -> int:
-    """Where it stands, for as long as it lives."""
-    return ctypes.addressof(ctypes.c_char.from_buffer(memory))
+def address(memory: bytearray | NDArray[np.generic]) -> int:
+    """Where it stands, for as long as it lives; numpy itself takes a microsecond to say so."""
+    return ctypes.addressof(ctypes.c_char.from_buffer(memory))  # type: ignore[arg-type]
 
 
 def _offset(*names: str) -> int:
@@ -91,15 +91,16 @@ def prepare(problem: Problem, params: Params, event_rows: int) -> Prepared:
     instants = math.floor(params.duration_s / dt * WHOLE) + 2 if dt > 0.0 else 0
     memory = bytearray(TASK.itemsize)
     history, events = np.zeros((5, instants)), np.zeros(event_rows, EVENT_ROW)
-    output = Output(history.ctypes.data, max(instants - 1, 0), 0, events.ctypes.data, event_rows)
+    table, rows = (address(each) if each.size else 0 for each in (history, events))
+    output = Output(table, max(instants - 1, 0), 0, rows, event_rows)
     for place, record in zip(_WRITTEN, (params, x, z, encode_base(problem), output), strict=True):
         _PACKING[type(record)].pack_into(memory, place, *vars(record).values())
     return Prepared(memory, history, events, (problem.block, problem.wall, times_x, times_z, samples_x, samples_z))
 
 
-def _read(params: Params, finished: Prepared) -> Solution:
+def _read(params: Params, finished: Prepared, counts: Counts) -> Solution:
     """The solution that a finished task holds; its arrays are read-only."""
-    counts, n_samples = finished.read(Counts), finished.read(Output).next_sample
+    n_samples = finished.read(Output).next_sample
     finished.history.setflags(write=False)
     written = finished.history[:, :n_samples], finished.events[: counts.events]
     return solution_of(params, finished.read(State), finished.read(Results), counts, *written)
@@ -110,11 +111,12 @@ def solve(problem: Problem, options: Options = DEFAULT_OPTIONS) -> Solution:
     params = encode(problem, options)
     task = prepare(problem, params, FIRST_EVENTS if options.events else 0)
     task.run()
-    most = task.read(Counts).events
-    if options.events and most > FIRST_EVENTS:
-        task = prepare(problem, params, most)
+    counts = task.read(Counts)
+    if options.events and counts.events > FIRST_EVENTS:
+        task = prepare(problem, params, counts.events)
         task.run()
-    return _read(params, task)
+        counts = task.read(Counts)
+    return _read(params, task, counts)
 
 
 def simulate(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import fields
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 
 import analytic
-from analytic import AnalyticInputError, Harmonic, Keywords, Options, Problem, simulate, solve
+from analytic import AnalyticInputError, Block, Harmonic, Keywords, Options, Problem, simulate, solve
 from analytic.encode import encode
 from analytic.kernel import records
 from analytic.kernel.layout import PARAMS, layout, packing, row
@@ -79,3 +80,13 @@ def test_every_number_of_a_problem_reaches_the_kernel_by_its_name() -> None:
     given = np.array([row(params)], PARAMS)[0]
     for name in PARAMS.names or ():
         assert given[name] == getattr(params, name)
+
+
+def test_a_copied_block_has_arrays_and_addresses_of_its_own() -> None:
+    block = Block.rectangle(width_m=0.2, height_m=1.0)
+    assert block.addresses == tuple(each.ctypes.data for each in (*block.arrays, block.stands_m))
+    copied = copy.deepcopy(block)
+    assert "addresses" not in vars(copied)
+    assert "arrays" not in vars(copied)
+    assert copied == block
+    assert copied.addresses != block.addresses
