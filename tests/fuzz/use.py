@@ -136,10 +136,11 @@ def trust(path: Path) -> None:
     """The trust map of the scene at its weakest and strongest sine of one frequency, for an instant."""
     from harness.input.scene_file import load_scene
     from harness.records.result_folder import write_whole
+    from harness.runs.execute import Campaign
     from harness.runs.runner import InlinePool
     from harness.runs.store import STORE_NAME, Store
     from harness.trust.plane import Plane
-    from harness.trust.trust_run import engines_of, trust_map
+    from harness.trust.trust_run import Points, engines_of, trust_map
     from reports.messages import ENGLISH
 
     whole = Plane.of(replace(load_scene(path), duration_s=INSTANT_S), "sine", coarse=True)
@@ -147,7 +148,7 @@ def trust(path: Path) -> None:
     plane = replace(whole, amplitudes_g=ends, frequencies_hz=whole.frequencies_hz[-1:])
     names = engines_of(plane.at(plane.points[-1]), ("pymunk",), coarse=True)
     with Store(path.with_name(WRITTEN) / STORE_NAME, "trust") as kept:
-        record = trust_map(plane, names, kept, InlinePool(), lambda done, of: None, coarse=True, seed=0)
+        record = trust_map(plane, names, Points(kept, Campaign(kept, InlinePool())), coarse=True, seed=0)
     write_whole(path.with_name(WRITTEN), record.texted(ENGLISH.say))
 
 
