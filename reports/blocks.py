@@ -101,14 +101,6 @@ class Chart:
 
 
 @dataclass(frozen=True)
-class Panels:
-    """A study's histories in the paper's arrangement: the data of all, and a still picture of each group."""
-
-    data: Mapping[str, Any]
-    stills: Sequence[Markup]
-
-
-@dataclass(frozen=True)
 class Drawing:
     """A finished picture with what stands below it; with a `heading` one of a row of pictures."""
 
@@ -160,9 +152,7 @@ class Section:
 
 
 Row: TypeAlias = Sequence[str | Cell]
-Block: TypeAlias = (
-    Verdict | Text | Legend | Facts | Table | Chart | Panels | Drawing | Replay | Details | Group | Section
-)
+Block: TypeAlias = Verdict | Text | Legend | Facts | Table | Chart | Drawing | Replay | Details | Group | Section
 
 
 def walk(blocks: Iterable[Block]) -> Iterator[Block]:

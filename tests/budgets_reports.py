@@ -22,11 +22,8 @@ CONTRAST: Final = 4.5
 STILL_PX: Final = 0.06
 """Places in a still picture are written to 0.1 px."""
 
-DRAWN_SHARE: Final = 5e-3
-"""A peak is placed among 2400 drawn of 10 000 samples, its place written to 0.1 px of some 100 px from the start."""
-
-LIBRARY_SHARE: Final = 1.0 / 3.0
-"""Reading a script takes a browser a time in proportion to its length: a third of the wheel's library, a third of its time."""
+ROUNDED_INCH: Final = 5e-4
+"""Sizes on paper are written to a hundredth of a millimetre and of a point."""
 
 PUSH: Final = 1e-12
 """Pushes are quotients of lengths in double precision."""

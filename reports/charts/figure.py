@@ -1,62 +1,261 @@
-"""Parts of which every chart is made: curves, bands, intervals, axes, and the whole with its legend above."""
+"""Parts of which every chart is made. A chart is a Vega-Lite specification whose data are columns (`charts.drawn`)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import groupby
 from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from harness.records.scores import Interval
 from reports.charts import Json
-from reports.charts.palette import HAIRLINE, MUTED, Look, faint
+from reports.charts.palette import HAIRLINE, INK, MUTED, Look
 
-ABOVE: Final = {"orientation": "h", "y": 1.0, "yanchor": "bottom"}
-"""A legend in one row over its chart."""
-BELOW: Final = {"orientation": "h", "yanchor": "top"}
-LOG: Final = {"type": "log", "exponentformat": "power"}
-"""A logarithmic axis with its powers written."""
-
-
-def stroke(style: Look, wider: float = 0.0) -> Json:
-    """How a model's line is drawn."""
-    return {"color": style.colour, "dash": style.dash, "width": style.width + wider}
+LETTER: Final = 7.2
+"""Width of a letter of the charts' type in pixels, on average."""
+ZOOMED: Final = [{"name": name, "value": None} for name in "XY"]
+"""What a page zooms by: the stretch of each axis that is shown, all of it where there is none."""
+CHOSEN: Final = {"name": "chosen", "select": {"type": "point", "fields": ["name"]}, "bind": "legend"}
+"""Which names are chosen in the legend; the others stand back."""
 
 
-def curve(x: Any, y: Any, line: Json, **more: Any) -> Json:
-    """A line through points; `mode` makes it marks, or both: without a line where that is empty."""
-    return {"type": "scatter", "mode": "lines", "x": x, "y": y, **({"line": line} if line else {}), **more}
+DASHED: Final = Look(MUTED, "6 4", 1.0)
+"""A line of reference."""
 
 
-def band(x: Any, y: Any, colour: str, opacity: float, **more: Any) -> Json:
-    """The area within an outline, without a name and without an answer to the pointer."""
-    fill = {"fill": "toself", "fillcolor": faint(colour, opacity), "hoverinfo": "skip", "showlegend": False}
-    return curve(x, y, {"width": 0}, **fill, **more)
+def axis(field: str, title: str = "", zoom: str = "", scale: Json | None = None, **more: Any) -> Json:
+    """An axis of numbers with its grid; `zoom` names the parameter that zooms it, `more` is the library's own of an axis."""
+    zero = {} if scale and scale.get("type") == "log" else {"zero": False}
+    shown = {**zero, **(scale or {}), **({"domainRaw": {"expr": zoom}} if zoom else {})}
+    return {"field": field, "type": "quantitative", "title": title or None, "scale": shown, "axis": more}
 
 
-def intervals(values: Sequence[Interval], factor: float = 1.0, **more: Any) -> Json:
-    """The error bars of estimates, in units of one `factor`-th."""
-    above, below = (
-        [factor * (item.high - item.value) for item in values],
-        [factor * (item.value - item.low) for item in values],
+def across(field: str, title: str = "", scale: Json | None = None, **more: Any) -> Json:
+    """The level axis of a chart."""
+    return axis(field, title, "X", {"nice": False, "padding": 8, **(scale or {})}, **more)
+
+
+def upwards(field: str, title: str = "", scale: Json | None = None, **more: Any) -> Json:
+    """The upright axis of a chart."""
+    return axis(field, title, "Y", scale, **more)
+
+
+def log(**more: Any) -> Json:
+    """A logarithmic scale."""
+    return {"type": "log", **more}
+
+
+def names(field: str, order: Sequence[str], title: str = "", **more: Any) -> Json:
+    """An axis of names in their order."""
+    return {
+        "field": field,
+        "type": "nominal",
+        "title": title or None,
+        "sort": list(order),
+        "axis": {"labelLimit": 0, **more},
+    }
+
+
+def kinds(colours: Mapping[str, str], key: bool = True) -> Json:
+    """The colour of each kind of area, with a key in their order."""
+    scale = {"domain": list(colours), "range": list(colours.values())}
+    legend = {"symbolType": "square", "symbolStrokeWidth": 0, **wrapped(colours)} if key else None
+    return {"field": "kind", "type": "nominal", "scale": scale, "legend": legend}
+
+
+def wrapped(words: Iterable[str]) -> Json:
+    """As many columns of a key as fit the chart's width `W`."""
+    return {"columns": {"expr": f"max(1, floor((W - 80) / {50 + LETTER * max(map(len, words), default=1):.0f}))"}}
+
+
+def named(looks: Mapping[str, Look], legend: bool = True, chosen: bool = True) -> Json:
+    """How the lines and signs of each name are drawn, with a key of them over the chart, of which some may be chosen."""
+    key = {"symbolType": "stroke", "symbolSize": 300, "labelOffset": 8, **wrapped(looks)} if legend else None
+    ranges: dict[str, list[Any]] = {"color": [], "strokeDash": [], "strokeWidth": []}
+    for style in looks.values():
+        each = style.colour, [float(part) for part in style.dash.split()] or [1, 0], style.width
+        for values, value in zip(ranges.values(), each, strict=True):
+            values.append(value)
+    scales = {name: {"domain": list(looks), "range": values} for name, values in ranges.items()}
+    field = {"field": "name", "type": "ordinal", "legend": key}
+    channels: Json = {channel: field | {"scale": scale} for channel, scale in scales.items()}
+    if len(looks) == 1:  # a key of one name has no room for what more it says
+        channels |= {name: {"value": ranges[name][0]} for name in ("strokeDash", "strokeWidth")}
+    return channels | ({"opacity": {"condition": {"param": "chosen", "value": 1}, "value": 0.12}} if chosen else {})
+
+
+def marks(kind: str, data: str = "", encoding: Json | None = None, **more: Any) -> Json:
+    """A layer of signs of one kind, of what stands in the data of that name; `more` is the library's own of a mark."""
+    drawn: Json = {"mark": {"type": kind, "clip": True, **more}}
+    return drawn | ({"data": {"name": data}} if data else {}) | ({"encoding": encoding} if encoding else {})
+
+
+def span(low: str, high: str, letter: str = "y") -> Json:
+    """From one column to another along an axis: bars of intervals, bands."""
+    return {letter: {"field": low}, f"{letter}2": {"field": high}}
+
+
+def level(at: float, words: str = "", letter: str = "y", line: Look = DASHED, **text: Any) -> list[Json]:
+    """A line across the whole chart at a place of an axis, with small words at its end."""
+    there = {"data": {"values": [{"at": at, "words": words}]}}
+    place: Json = {letter: {"field": "at", "type": "quantitative"}}
+    whole: Json
+    end: Json
+    if letter == "y":
+        whole, end = {"x": {"value": 0}, "x2": WIDTH}, {"x": WIDTH}
+        side: Json = {"align": "right", "baseline": "bottom"}
+    else:
+        whole, end = {"y": {"value": 0}, "y2": HEIGHT}, {"y": {"value": 0}}
+        # Of a line far to the right the words stand before it.
+        late = "scale('x', datum.at) > 0.6 * width"
+        side = {"align": {"expr": f"{late} ? 'right' : 'left'"}, "baseline": "top", "dx": {"expr": f"{late} ? -4 : 4"}}
+    if text.get("baseline") == "bottom" and letter == "x":
+        end = {"y": HEIGHT}
+    drawn = there | marks("rule", "", place | whole, **stroke(line))
+    written = marks("text", "", place | end | {"text": {"field": "words"}}, color=MUTED, fontSize=11, **(side | text))
+    return [drawn, *([there | written] if words else [])]
+
+
+HEIGHT: Final = {"value": "height"}
+"""The foot of a plot."""
+WIDTH: Final = {"value": "width"}
+"""The right side of a plot."""
+
+
+def stroke(style: Look) -> Json:
+    """A line drawn as a look says, as the library says it of a mark."""
+    dash = {"strokeDash": [float(part) for part in style.dash.split()]} if style.dash else {}
+    return {"color": style.colour, "strokeWidth": style.width, **dash}
+
+
+def figure(
+    layers: Sequence[Json], height: float, data: Mapping[str, Sequence[Json]], x: Json, y: Json, **more: Any
+) -> Json:
+    """A chart of one pair of axes over named data: each a list of columns of one length, single values beside them."""
+    return {
+        "datasets": dict(data), "params": [*ZOOMED], "height": height, "width": 1, "encoding": {"x": x, "y": y},
+        "layer": list(layers), **more,
+    }  # fmt: skip
+
+
+def chosen(layers: Sequence[Json]) -> list[Json]:
+    """Layers of which the first carries the legend's choice."""
+    first, *rest = layers
+    return [first | {"params": [CHOSEN]}, *rest]
+
+
+def points(data: str, looks: Mapping[str, Look], y: Json, first: bool) -> list[Json]:
+    """Lines with a disc at each of their points; the first row of several carries the key."""
+    drawn = {"y": y} | named(looks, legend=first)
+    layers = [
+        marks("line", data, drawn),
+        discs(data, {"y": y, "fill": drawn["color"], "opacity": drawn["opacity"]}),
+    ]
+    return chosen(layers) if first else layers
+
+
+def discs(data: str, encoding: Json, **more: Any) -> Json:
+    """A disc at each point."""
+    return marks("point", data, encoding, **{"filled": True, "size": 40, "opacity": 1, "strokeWidth": 0, **more})
+
+
+def estimates(data: str, drawn: Json, letter: str = "y") -> list[Json]:
+    """Discs with the intervals of their estimates: columns `low` and `high`."""
+    plain = {channel: drawn[channel] for channel in ("color", "opacity") if channel in drawn}
+    fill = {"fill": drawn["color"]} if "color" in drawn else {}
+    return [
+        marks("rule", data, span("low", "high", letter) | plain, strokeWidth=1.2),
+        discs(data, fill | {key: value for key, value in plain.items() if key == "opacity"}),
+    ]
+
+
+def band(data: str, drawn: Json, opacity: float) -> Json:
+    """The area between the columns `low` and `high`, in the colour of its name."""
+    return marks("area", data, span("low", "high") | {"fill": drawn["color"]}, fillOpacity=opacity)
+
+
+def columns_of(values: Sequence[Interval], factor: float = 1.0, letter: str = "y") -> Json:
+    """The columns of estimates with their intervals, in units of one `factor`-th."""
+    return {
+        letter: [factor * item.value for item in values], "low": [factor * item.low for item in values],
+        "high": [factor * item.high for item in values],
+    }  # fmt: skip
+
+
+LOOKING: Final = ("color", "fill", "strokeDash", "strokeWidth", "shape")
+"""Scales of which charts that stand together each have their own."""
+
+
+def rows_of(
+    rows: Sequence[tuple[Json, float]],
+    x: Json,
+    data: Mapping[str, Sequence[Json]],
+    layers_of: Callable[[Json, bool], Sequence[Json]],
+) -> Json:
+    """Rows over one level axis, each of an upright axis and a height; `layers_of` gives the layers of an upright axis."""
+    made: list[Json] = []
+    for y, height in rows:
+        first, last = not made, len(made) == len(rows) - 1
+        named_below = x if last else x | {"title": None, "axis": x["axis"] | {"labels": False, "ticks": False}}
+        made.append({"layer": list(layers_of(y, first)), "height": height, "width": 1, "encoding": {"x": named_below}})
+    return {
+        "datasets": dict(data), "params": [*ZOOMED], "vconcat": made, "spacing": 12,
+        "resolve": {"scale": dict.fromkeys(LOOKING, "independent") | {"x": "shared"}},
+    }  # fmt: skip
+
+
+def cell_edges(centres: ArrayLike) -> list[float]:
+    """Bounds of the cells around places: halfway to the neighbours; one place alone has half a unit to each side."""
+    places = np.asarray(centres, dtype=np.float64)
+    if len(places) < 2:
+        return [float(places[0]) - 0.5, float(places[0]) + 0.5]
+    middle = 0.5 * (places[1:] + places[:-1])
+    return [float(2.0 * places[0] - middle[0]), *middle.tolist(), float(2.0 * places[-1] - middle[-1])]
+
+
+def cells(xs: Sequence[float], ys: Sequence[float], kinds_of: Iterable[Sequence[Any]]) -> Json:
+    """The cells of a map between the bounds of its columns and rows as columns `x`, `x2`, `y`, `y2`, `kind`.
+
+    Neighbours of a row that are of one kind are one; those of none are left out.
+    """
+    found: list[tuple[Any, ...]] = []
+    for i, row in enumerate(kinds_of):
+        j = 0
+        for kind, alike in groupby(row):
+            end = j + len(list(alike))
+            if kind is not None:
+                found.append((xs[j], xs[end], ys[i], ys[i + 1], kind))
+            j = end
+    return dict(
+        zip(("x", "x2", "y", "y2", "kind"), map(list, zip(*found, strict=True)) if found else [[]] * 5, strict=True)
     )
-    return {"type": "data", "symmetric": False, "array": above, "arrayminus": below, **more}
 
 
-def axis(title: str, **more: Any) -> Json:
-    """An axis with its grid."""
-    return {"title": {"text": title}, "gridcolor": HAIRLINE, **more}
-
-
-def figure(data: Sequence[Json], height: float, x: Json, y: Json, **more: Any) -> Json:
-    """A chart of one pair of axes."""
-    legend = {} if more.get("showlegend") is False else {"legend": ABOVE}
-    return {"data": list(data), "layout": {"height": height, "xaxis": x, "yaxis": y, **legend, **more}}
-
-
-def level(y: float, line: Json, **more: Any) -> Json:
-    """A line across the whole chart."""
-    return {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": y, "y1": y, "line": line, **more}
-
-
-def note(x: Any, y: Any, text: str, **more: Any) -> Json:
-    """Small words at a place."""
-    return {"x": x, "y": y, "text": text, "showarrow": False, "font": {"size": 11, "color": MUTED}, **more}
+CELL: Final = {"x2": {"field": "x2"}, "y2": {"field": "y2"}}
+"""How far a cell reaches."""
+GRID: Final = {"condition": {"test": "datum.value === 0", "value": MUTED}, "value": HAIRLINE}
+"""The colour of an upright axis' grid, nought seen."""
+CONFIG: Final = {
+    "aria": False,
+    "background": "transparent",
+    "font": "sans-serif",
+    "padding": {"left": 4, "right": 14, "top": 6, "bottom": 4},
+    "axis": {
+        "labelColor": INK, "titleColor": INK, "gridColor": HAIRLINE, "domain": False, "tickColor": HAIRLINE, "labelFontSize": 12,
+        "titleFontSize": 13, "titleFontWeight": "normal", "labelOverlap": True, "labelSeparation": 6,
+    },
+    "axisY": {"gridColor": GRID},
+    "legend": {
+        "orient": "top", "offset": 8, "title": None, "labelColor": INK, "labelFontSize": 13, "labelLimit": 0,
+        "direction": "horizontal",
+        "titleColor": INK, "titleFontWeight": "normal", "columnPadding": 16,
+        "layout": {"top": {"direction": "vertical", "anchor": "start"}},
+    },
+    "header": {"labelColor": INK, "labelFontSize": 12, "title": None, "labelFontWeight": "normal"},
+    "title": {"color": INK, "fontSize": 13, "fontWeight": "normal", "anchor": "start", "offset": 8, "subtitleColor": MUTED},
+    "text": {"color": INK, "fontSize": 12},
+    "view": {"stroke": None},
+}  # fmt: skip
+"""How all charts look."""

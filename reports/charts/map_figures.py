@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.records.stress import Cell
 from harness.records.study import CaseRun
+from harness.records.trust import CLASSES, TrustCell, TrustMap
 from harness.studies.case_selection import SAME_CELL, Answer, Place, filled
+from harness.trust.point import MODEL
 from reports.charts import Json
-from reports.charts.figure import curve, figure, stroke
-from reports.charts.palette import model_looks
-from reports.charts.static_svg import cell_edges
-from reports.messages.numbers import heading
+from reports.charts.figure import CELL, axis, cell_edges, cells, chosen, figure, kinds, marks, named, names
+from reports.charts.palette import INK, Look, model_looks
+from reports.messages import ENGLISH
+from reports.messages.numbers import digits, heading
 from reports.text.study_rows import SYMBOLS, Condition, family
 
 FAMILIES: Final = ("none", "stands", "other", "wall", "overturns", "failed")
@@ -24,6 +27,8 @@ COLOURS: Final = ("#ffffff", "#bfe0ee", "#b9bec6", "#E69F00", "#c8562d", "#00000
 PALE: Final = {"stands": "#e3f2f8", "other": "#e3e5e9", "wall": "#f8e1b8", "overturns": "#edc3b3", "failed": "#808080"}
 """Places that were not computed, since all around them agree."""
 CODES: Final = (*FAMILIES, *(f"around {name}" for name in PALE))
+SHADES: Final = 24
+"""Steps of colour over a map of numbers."""
 LEAST: Final = 3
 """Fewer values than this along an axis make no map: the table shows them better."""
 
@@ -119,58 +124,112 @@ def _grid(
 
 
 def _map(grid: Grid, axes: tuple[str, str], xs: Sequence[float], ys: Sequence[float]) -> Json:
-    steps, colours = len(CODES), (*COLOURS, *PALE.values())
-    scale = [[(k + side) / steps, colours[k]] for k in range(steps) for side in (0, 1)]
-    trace = {
-        "type": "heatmap", "x": xs, "y": ys, "z": grid.codes.tolist(), "zmin": -0.5, "zmax": steps - 0.5, "text": grid.tips,
-        "colorscale": scale, "showscale": False, "xgap": 0.5, "ygap": 0.5,
-        "hovertemplate": f"{heading(axes[0])} %{{x:.4g}}<br>{heading(axes[1])} %{{y:.4g}}<br>%{{text}}<extra></extra>",
-    }  # fmt: skip
-    return figure(
-        [trace], 380, map_axis(heading(axes[0]), xs), map_axis(heading(axes[1]), ys), showlegend=False, margin_top=12
-    )
+    met = {CODES[code] for row in grid.codes.tolist() for code in row}
+    shades = dict(zip(CODES, zip(map(_said, CODES), (*COLOURS, *PALE.values()), strict=True), strict=True))
+    colours = dict(shades[code] for code in CODES if code in met)
+    words = [[shades[CODES[code]][0] for code in row] for row in grid.codes.tolist()]
+    titles = [heading(key) for key in axes]
+    return map_of(words, xs, ys, titles, grid.tips, kinds(colours))
+
+
+def _said(code: str) -> str:
+    """What a map's key says of a code."""
+    name = code.removeprefix("around ")
+    words = ENGLISH(f"text.map_{'not_sent' if name == 'none' else name}")
+    return ENGLISH("text.map_around", what=words) if code.startswith("around ") else words
+
+
+def map_of(
+    kinds_of: Sequence[Sequence[Any]],
+    xs: Sequence[float],
+    ys: Sequence[float],
+    titles: Sequence[str],
+    tips: Sequence[Sequence[str]],
+    colour: Json,
+    height: float = 380,
+    over: Mapping[str, tuple[Sequence[Json], Json]] | None = None,
+) -> Json:
+    """A map with the kind of each place (rows of y) in its encoding's colours; `over` it layers with their data, by name."""
+    more = over or {}
+    places = [(x, y, tip) for y, row in zip(ys, tips, strict=True) for x, tip in zip(xs, row, strict=True)]
+    told = dict(zip(("x", "y", "tip"), map(list, zip(*places, strict=True)), strict=True))
+    data = {"cells": [cells(_edges(xs), _edges(ys), kinds_of)], "tips": [told]} | {
+        name: parts for name, (parts, _) in more.items()
+    }
+    # A rim of the same colour, so that no ground shows between cells.
+    layers = [marks("rect", "cells", CELL | {"fill": colour, "stroke": colour}, strokeWidth=0.8)]
+    x, y = map_axis("x", titles[0], xs), map_axis("y", titles[1], ys)
+    return figure([*layers, *(layer for _, layer in more.values())], height, data, x, y)
+
+
+def number_map(
+    values: NDArray[np.float64],
+    xs: Sequence[float],
+    ys: Sequence[float],
+    titles: Sequence[str],
+    unit: str,
+    ends: tuple[float, float] | None = None,
+    over: Mapping[str, tuple[Sequence[Json], Json]] | None = None,
+) -> Json:
+    """A map of numbers (rows of y), the darker the larger; white where there is none."""
+    low, high = ends or (float(np.nanmin(values)), float(np.nanmax(values)))
+    step = (high - low) / SHADES or 1.0
+    shades = [
+        [None if np.isnan(value) else low + step * (min((value - low) // step, SHADES - 1) + 0.5) for value in row]
+        for row in values
+    ]
+    tips = [
+        [
+            f"{titles[0]} {x:.4g}\n{titles[1]} {y:.4g}\n" + ("–" if np.isnan(value) else f"{value:.4g} {unit}")
+            for x, value in zip(xs, row, strict=True)
+        ]
+        for y, row in zip(ys, values.tolist(), strict=True)
+    ]
+    scale = {"scheme": "cividis", "reverse": True, "domain": [low, high]}
+    key = {
+        "title": unit,
+        "orient": "top",
+        "gradientLength": 160,
+        "gradientThickness": 10,
+        "titleOrient": "left",
+        "tickCount": 4,
+    }
+    colour = {"field": "kind", "type": "quantitative", "scale": scale, "legend": key}
+    return map_of(shades, xs, ys, titles, tips, colour, over=over)
 
 
 def _boundaries(grids: Sequence[Grid], axes: tuple[str, str], xs: Sequence[float], ys: Sequence[float]) -> Json:
     """Lines between the places where the statue overturns and those where it does not, one colour a model."""
-    looks = model_looks([grid.model for grid in grids])
-    data = [border(grid.falls, xs, ys, stroke(looks[grid.model], 0.6), grid.model) for grid in grids]
-    return figure(data, 380, *(map_axis(heading(key), values) for key, values in zip(axes, (xs, ys), strict=True)))
+    looks = {
+        model: replace(look, width=look.width + 0.6)
+        for model, look in model_looks([grid.model for grid in grids]).items()
+    }
+    data = {"borders": [border(grid.falls, xs, ys, grid.model) for grid in grids]}
+    x, y = (map_axis(letter, heading(key), values) for letter, key, values in zip("xy", axes, (xs, ys), strict=True))
+    return figure(chosen([marks("rule", "borders", CELL | named(looks))]), 380, data, x, y)
 
 
-def border(falls: NDArray[np.bool_], xs: Sequence[float], ys: Sequence[float], line: Json, name: str) -> Json:
-    """The line between the places (rows of y) where the statue overturns and those where it does not."""
+def border(falls: NDArray[np.bool_], xs: Sequence[float], ys: Sequence[float], name: str) -> Json:
+    """The lines between the places (rows of y) where the statue overturns and those where it does not."""
     across, along = _edges(xs), _edges(ys)
-    points: list[tuple[float | None, float | None]] = []
-    for i, j in np.argwhere(np.diff(falls, axis=1)):
-        points += [(across[j + 1], along[i]), (across[j + 1], along[i + 1]), (None, None)]
-    for i, j in np.argwhere(np.diff(falls, axis=0)):
-        points += [(across[j], along[i + 1]), (across[j + 1], along[i + 1]), (None, None)]
-    return curve([x for x, _ in points], [y for _, y in points], line, name=name, hoverinfo="skip")
+    lines = [(across[j + 1], across[j + 1], along[i], along[i + 1]) for i, j in np.argwhere(np.diff(falls, axis=1))]
+    lines += [(across[j], across[j + 1], along[i + 1], along[i + 1]) for i, j in np.argwhere(np.diff(falls, axis=0))]
+    columns = map(list, zip(*lines, strict=True)) if lines else [[]] * 4
+    return {"name": name, **dict(zip(("x", "x2", "y", "y2"), columns, strict=True))}
 
 
-def map_axis(title: str, values: Sequence[float]) -> Json:
+def map_axis(letter: str, title: str, values: Sequence[float]) -> Json:
     """The axis of a map, as long as its cells."""
-    return _map_axis(title, values) | {"range": _range(_edges(values), values)}
+    edges, kind = _edges(values), _axis_kind(values)
+    ticks = {"values": list(values[:: max(1, len(values) // 6)]), "format": ".3~g"} if kind == "log" else {}
+    scale = {"type": kind, "domain": [edges[0], edges[-1]], "nice": False}
+    return axis(letter, title, letter.upper(), scale, **ticks, grid=False, ticks=True)
 
 
 def _edges(values: Sequence[float]) -> list[float]:
     """Bounds of the cells around values, on the scale on which they are drawn."""
     array = np.asarray(values, dtype=np.float64)
     return np.exp(cell_edges(np.log(array))).tolist() if _axis_kind(values) == "log" else cell_edges(array)
-
-
-def _range(edges: Sequence[float], values: Sequence[float]) -> list[float]:
-    ends = [edges[0], edges[-1]]
-    return [float(np.log10(value)) for value in ends] if _axis_kind(values) == "log" else ends
-
-
-def _map_axis(title: str, values: Sequence[float]) -> Json:
-    axis: Json = {"title": {"text": title}, "type": _axis_kind(values)}
-    if axis["type"] == "log":
-        shown = values[:: max(1, len(values) // 6)]
-        axis |= {"tickvals": list(shown), "ticktext": [f"{value:.3g}" for value in shown]}
-    return axis
 
 
 def _axis_kind(values: Sequence[float]) -> str:
@@ -180,3 +239,76 @@ def _axis_kind(values: Sequence[float]) -> str:
         return "linear"
     ratios, steps = np.diff(np.log(array)), np.diff(array)
     return "log" if np.ptp(ratios) / ratios.mean() < np.ptp(steps) / steps.mean() else "linear"
+
+
+# The maps that one page each shows: of trust, of stability, of blocks.
+
+
+CLASS_COLOURS: Final = dict(
+    zip(CLASSES, ("#e3e6ea", "#0072b2", "#9ccbe8", "#e69f00", "#aa4499", "#f0e442", "#8c1d2f", "#000000"), strict=True)
+)
+"""Told apart by every form of colour vision: blue where the model is confirmed, the darker the more."""
+
+
+def trust_map(record: TrustMap) -> Json:
+    """Strength upwards, frequency across (of a scene's own motion one column): each point in its class's colour."""
+    frequencies = list(dict.fromkeys(cell["frequency_hz"] for cell in record.cells))
+    strengths = list(dict.fromkeys(cell["amplitude_g"] for cell in record.cells))
+    rows = [record.cells[j :: len(strengths)] for j in range(len(strengths))]
+    own = frequencies == [None]
+    along = [0.0] if own else [each for each in frequencies if each is not None]
+    colours = {ENGLISH.word(kind): CLASS_COLOURS[kind] for kind in CLASSES if record.shares.get(kind)}
+    classes = [[ENGLISH.word(cell["class"]) for cell in row] for row in rows]
+    falls = np.array([[cell["outcomes"].get(MODEL) == "overturned" for cell in row] for row in rows])
+    where = "where the statue falls, by the analytic model"
+    line = marks("rule", "border", CELL | named({where: Look(INK, "", 2.4)}, chosen=False))
+    titles = "" if own else "frequency  [Hz]", "strength, peak of the floor  [g]"
+    tips = [[tip(cell) for cell in row] for row in rows]
+    spec = map_of(
+        classes,
+        along,
+        strengths,
+        titles,
+        tips,
+        kinds(colours),
+        460,
+        {"border": ([border(falls, along, strengths, where)], line)},
+    )
+    if own:
+        spec["encoding"]["x"]["axis"] = {"values": [0.0], "labelExpr": '"the scene\'s own motion"', "grid": False}
+    return spec
+
+
+def tip(cell: TrustCell) -> str:
+    """What a point says under the pointer."""
+    words = [f"{digits(cell['amplitude_g'])} g"]
+    words += [f"{digits(cell['frequency_hz'])} Hz"] if cell["frequency_hz"] else []
+    lines = [", ".join(words), f"{ENGLISH.word(cell['class'])}, {ENGLISH('text.basis_' + cell['basis'])}"]
+    lines += [f"why: {ENGLISH.listed(map(ENGLISH.word, cell['why']))}"] if cell["why"] else []
+    ends = [f"{name}: {ENGLISH.word(end)}" for name, end in cell["outcomes"].items()]
+    lines += [*ends, *([f"agree until {digits(cell['agree_until_s'])} s"] if cell["agree_until_s"] else [])]
+    for name, chance in cell["probability"].items():
+        low, high = ENGLISH.percent(chance.low), ENGLISH.percent(chance.high)
+        lines.append(f"overturning probability ({name}) {ENGLISH.percent(chance.value)} ({low} to {high})")
+    return "\n".join(lines)
+
+
+STABILITY: Final = {"stable": "#bfe0ee", "inaccurate": "#f8e1b8", "drifting": "#E69F00", "diverged": "#c8562d"}
+"""What becomes of a hard scene, and its colour."""
+
+
+def stability_figure(settings: Sequence[str], rows: Sequence[tuple[str, Sequence[Cell | None]]]) -> Json:
+    """What becomes of hard scenes, by difficulty (rows) and setting."""
+    found = [
+        (setting, words, cell.category)
+        for words, row in rows
+        for setting, cell in zip(settings, row, strict=True)
+        if cell is not None
+    ]
+    data = {"cells": [dict(zip(("x", "y", "kind"), map(list, zip(*found, strict=True)), strict=True))]}
+    layers = [
+        marks("rect", "cells", {"color": kinds(STABILITY, key=False)}, stroke="#ffffff"),
+        marks("text", "cells", {"text": {"field": "kind"}}),
+    ]
+    x = names("x", settings, labelAngle=0, grid=False)
+    return figure(layers, 44 * len(rows), data, x, names("y", [words for words, _ in rows], grid=False))

@@ -31,30 +31,32 @@ def dark_css() -> str:
 
 @dataclass(frozen=True)
 class Look:
-    """How one model is drawn everywhere: colour, plotly dash, line width in pixels."""
+    """How a line is drawn everywhere: colour, lengths of dashes and gaps in pixels (empty: unbroken), width in pixels."""
 
     colour: str
-    dash: str
-    width: float
+    dash: str = ""
+    width: float = 1.6
 
 
 LOOKS: Final = {
-    "analytic": Look(INK, "solid", 2.4),
-    "pymunk": Look("#0072B2", "solid", 1.6),
-    "pybullet": Look("#D55E00", "7px,2px", 1.6),
-    "spatial": Look("#56616F", "6px,2px,1px,2px", 2.0),
-    "pymunk:plain": Look("#3A8FC7", "3px,3px", 1.4),
-    "pybullet:plain": Look("#B07C00", "9px,3px,2px,3px", 1.4),
+    "analytic": Look(INK, "", 2.4),
+    "pymunk": Look("#0072B2", "", 1.6),
+    "pybullet": Look("#D55E00", "7 2", 1.6),
+    "spatial": Look("#56616F", "6 2 1 2", 2.0),
+    "pymunk:plain": Look("#3A8FC7", "3 3", 1.4),
+    "pybullet:plain": Look("#B07C00", "9 3 2 3", 1.4),
 }
-SPARE: Final = (Look("#AA4499", "9px,3px,2px,3px", 1.6), Look("#B07C00", "4px,3px", 1.6), Look("#3A8FC7", "solid", 1.2))
+SPARE: Final = (Look("#AA4499", "9 3 2 3", 1.6), Look("#B07C00", "4 3", 1.6), Look("#3A8FC7", "", 1.2))
 
-PATTERN_LOOKS: Final = {
-    "rest": ("#e3e6ea", ""),
-    "rocking": ("#56B4E9", ""),
-    "sliding": ("#E69F00", "/"),
-    "both": ("#AA4499", "x"),
-}
-"""Colour and hatching of each motion pattern (docs/model.md, section 6)."""
+PATTERN_COLOURS: Final = {"rest": "#e3e6ea", "rocking": "#56B4E9", "sliding": "#E69F00", "both": "#AA4499"}
+"""Colour of each motion pattern (docs/model.md, section 6); sliding is hatched, both crosswise."""
+PATTERN_FILLS: Final = {**PATTERN_COLOURS, "sliding": "url(#hatch-sliding)", "both": "url(#hatch-both)"}
+HATCHES: Final = "".join(
+    f'<pattern id="hatch-{name}" width="6" height="6" patternUnits="userSpaceOnUse"><rect width="6" height="6" '
+    f'fill="{PATTERN_COLOURS[name]}"/><path d="{lines}" stroke="#ffffff" stroke-width="1"/></pattern>'
+    for name, lines in {"sliding": "M-1 1L1-1M0 6L6 0M5 7L7 5", "both": "M0 6L6 0M0 0L6 6"}.items()
+)
+"""What those fills call: lines in white, which tell patterns apart where colours do not."""
 
 
 def look(name: str, names: list[str] | tuple[str, ...]) -> Look:
@@ -70,17 +72,3 @@ def model_looks(models: Sequence[str]) -> dict[str, Look]:
     engines = [model.partition(" (")[0] for model in models]
     own = [engine if engines.count(engine) == 1 else model for model, engine in zip(models, engines, strict=True)]
     return {model: look(name, list(models)) for model, name in zip(models, own, strict=True)}
-
-
-def faint(colour: str, opacity: float) -> str:
-    """A `#rrggbb` colour with an opacity, as CSS and plotly write it."""
-    red, green, blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
-    return f"rgba({red},{green},{blue},{opacity})"
-
-
-def solid(colour: str) -> tuple[str, float]:
-    """A colour of a figure as `#rrggbb` and its opacity: what `faint` wrote, taken apart again."""
-    if not colour.startswith("rgba("):
-        return colour, 1.0
-    red, green, blue, opacity = colour.removeprefix("rgba(").removesuffix(")").split(",")
-    return f"#{int(red):02x}{int(green):02x}{int(blue):02x}", float(opacity)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -15,9 +15,6 @@ Array = NDArray[np.float64]
 DISPLAYED_SAMPLES: Final = 12_000
 """Most samples of one curve on a page: a 10 s history at 1 ms stays whole, and four curves stay under 0.5 MB."""
 
-STRAIGHT_PX: Final = 0.05
-"""A point this near to the line between its neighbours is left out of a still curve."""
-STRAIGHTENINGS: Final = 6
 LEVELS: Final = 2**18
 """Steps over an array's range: a value on a page is at most a 500 000th of the range beside the record's."""
 ON_CLOCK: Final = 1e-3
@@ -42,20 +39,9 @@ def shown_samples(values: Array, most: int = DISPLAYED_SAMPLES) -> NDArray[np.in
     return np.unique(np.concatenate(chosen))
 
 
-def thinned_px(points_px: Array, most: int) -> Array:
-    """Of the points (n, 2) of a still curve at most so many, and few that lie on the line between their neighbours.
-
-    Each straightening may move the curve by `STRAIGHT_PX`.
-    """
-    points = points_px[shown_samples(points_px[:, 1], most)]
-    for _ in range(STRAIGHTENINGS):
-        before, middle, after = points[:-2:2], points[1:-1:2], points[2::2]
-        along, aside = after - before, middle - before
-        length2 = np.einsum("ij,ij->i", along, along)
-        share = np.clip(np.einsum("ij,ij->i", along, aside) / np.where(length2 > 0.0, length2, 1.0), 0.0, 1.0)
-        off = np.hypot(*(aside - share[:, None] * along).T)
-        points = np.delete(points, 1 + 2 * np.flatnonzero(off < STRAIGHT_PX), axis=0)
-    return points
+def shown_together(curves: Sequence[Array], most: int = DISPLAYED_SAMPLES) -> NDArray[np.intp]:
+    """Indices of the samples to draw of curves over one axis: at most so many of each, its extremes among them."""
+    return np.unique(np.concatenate([shown_samples(each, most) for each in curves]))
 
 
 def packed_array(values: ArrayLike, levels: int = LEVELS) -> Json:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -11,13 +11,27 @@ from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.fragility import fit
 from harness.records.study import CaseRun, Panel
 from reports.charts import Json
-from reports.charts.figure import axis, band, curve, figure, intervals, stroke
-from reports.charts.map_figures import LEAST, map_axes, numeric
+from reports.charts.drawn import BETWEEN
+from reports.charts.figure import (
+    ZOOMED,
+    across,
+    axis,
+    band,
+    chosen,
+    columns_of,
+    estimates,
+    figure,
+    marks,
+    named,
+    names,
+    points,
+    rows_of,
+    upwards,
+)  # fmt: skip
+from reports.charts.map_figures import LEAST, map_axes, number_map, numeric
 from reports.charts.palette import INK, Look, model_looks
-from reports.charts.samples import packed_array
-from reports.charts.static_svg import picture_of
 from reports.drawing.effects_figures import Curve, rose_of
-from reports.drawing.shapes import Picture, titled
+from reports.drawing.shapes import Picture
 from reports.messages.numbers import heading, short
 from reports.text.study_rows import FAILED, SYMBOLS, Condition, family, runs_of
 
@@ -43,10 +57,15 @@ def design_figures(
     figures = []
     for model in models if len(conditions) <= MOST_PLACES else ():
         peak = _value_map(
-            model, conditions, axes, lambda run: abs(run.peak_theta_rad) if run.outcome == "stands" else np.nan, "rad"
+            model,
+            conditions,
+            axes,
+            lambda run: abs(run.peak_theta_rad) if run.outcome == "stands" else np.nan,
+            "rad",
+            marked=False,
         )
         if peak is not None:
-            figures.append((f"{model}: largest rotation where the statue stands", {**peak, "data": peak["data"][:1]}))
+            figures.append((f"{model}: largest rotation where the statue stands", peak))
     for model in models:
         slip = _value_map(model, conditions, axes, lambda run: 1000.0 * run.peak_slip_m, "mm")
         if slip is not None:
@@ -84,7 +103,12 @@ def _tips(run: CaseRun) -> bool:
 
 
 def _value_map(
-    model: str, conditions: Sequence[Condition], axes: tuple[str, str], value_of: Callable[[CaseRun], float], unit: str
+    model: str,
+    conditions: Sequence[Condition],
+    axes: tuple[str, str],
+    value_of: Callable[[CaseRun], float],
+    unit: str,
+    marked: bool = True,
 ) -> Json | None:
     """A heatmap of one number of each run; None where it is nought everywhere."""
     xs, ys = (sorted({item.number(key) for item in conditions}) for key in axes)
@@ -97,19 +121,15 @@ def _value_map(
         tips += [(x, y)] if _tips(run) else []
     if not np.nanmax(values, initial=0.0) > 0.0:
         return None
-    shown = [[None if np.isnan(value) else float(f"{value:.4g}") for value in line] for line in values]
-    heat = {
-        "type": "heatmap", "x": xs, "y": ys, "z": shown, "colorscale": "Cividis", "reversescale": True,
-        "colorbar": {"title": {"text": unit}, "thickness": 12},
-        "hovertemplate": f"{heading(axes[0])} %{{x:.4g}}<br>{heading(axes[1])} %{{y:.4g}}<br>%{{z}} {unit}<extra></extra>",
-    }  # fmt: skip
-    marks = {
-        "type": "scatter", "mode": "markers", "x": [x for x, _ in tips], "y": [y for _, y in tips],
-        "marker": {"symbol": "x-thin", "size": 7, "line": {"width": 1.2, "color": INK}}, "hoverinfo": "skip",
-    }  # fmt: skip
-    return figure(
-        [heat, marks], 380, *({"title": {"text": heading(key)}} for key in axes), showlegend=False, margin_top=12
+    return number_map(
+        values, xs, ys, [heading(key) for key in axes], unit, over={"tipping": _crosses(tips)} if marked else None
     )
+
+
+def _crosses(places: Sequence[tuple[float, float]]) -> tuple[list[Json], Json]:
+    """Where the pedestal would tip."""
+    parts = [{"x": [x for x, _ in places], "y": [y for _, y in places]}]
+    return parts, marks("point", "tipping", shape="cross", angle=45, size=36, filled=True, color=INK)
 
 
 # Studies along one axis: each model's outcome, largest rotation and slip against what varies.
@@ -117,8 +137,6 @@ def _value_map(
 
 MOST_GROUPS: Final = 6
 """More combinations of what else varies are no curves of one axis: the table shows them."""
-ROWS: Final = (((0.70, 1.0), ""), ((0.36, 0.62), "rotation  [rad]"), ((0.0, 0.28), "slip  [mm]"))
-"""Share of the chart's height and title of each row, from above."""
 
 
 def curve_figures(
@@ -144,35 +162,25 @@ def curve_figures(
 
 
 def _curves(models: Sequence[str], members: Sequence[Condition], key: str) -> Json:
+    """Outcome, largest rotation and, where anything slides, slip; where the statue does not stand the last two say nothing."""
     looks, along = model_looks(models), sorted(members, key=lambda item: float(item.varied[key]))
-    answers = {model: runs_of(along, model) for model in models}
-    slips = any(run.peak_slip_m > 0.0 for runs in answers.values() for _, run in runs)
-    rows = ROWS if slips else (((0.58, 1.0), ""), ((0.0, 0.46), ROWS[1][1]))
-    data: list[Json] = []
-    for model, runs in answers.items():
-        shown = {"mode": "lines+markers", "name": model, "legendgroup": model, "marker": {"color": looks[model].colour}}
-        x = [float(item.varied[key]) for item, _ in runs]
-        for number, values in enumerate(_values([run for _, run in runs])[: len(rows)], start=1):
-            place = {"yaxis": f"y{number if number > 1 else ''}", "showlegend": number == 1}
-            data.append(curve(x, values, stroke(looks[model]), **shown, **place))
-    layout = {
-        f"yaxis{number if number > 1 else ''}": axis(
-            title, domain=list(domain), automargin=True, type="category" if number == 1 else "linear", rangemode="tozero",
-            nticks=4, exponentformat="none",
-        )
-        for number, (domain, title) in enumerate(rows, start=1)
-    }  # fmt: skip
-    return figure(data, 560, axis(heading(key), anchor=f"y{len(rows)}"), layout.pop("yaxis"), **layout)
-
-
-def _values(runs: Sequence[CaseRun]) -> tuple[list[str], list[float | None], list[float | None]]:
-    """Outcome in words, largest rotation in rad and slip in mm; where it does not stand these two say nothing."""
-    stands = [run.outcome == "stands" for run in runs]
-    return (
-        [SYMBOLS.get(run.outcome, FAILED)[1] for run in runs],
-        [abs(run.peak_theta_rad) if shown else None for run, shown in zip(runs, stands, strict=True)],
-        [1e3 * run.peak_slip_m if shown else None for run, shown in zip(runs, stands, strict=True)],
-    )
+    parts: list[Json] = [
+        {
+            "name": model, "x": [float(item.varied[key]) for item, _ in runs],
+            "outcome": [SYMBOLS.get(run.outcome, FAILED)[1] for _, run in runs],
+            "theta": [abs(run.peak_theta_rad) if run.outcome == "stands" else None for _, run in runs],
+            "slip": [1e3 * run.peak_slip_m if run.outcome == "stands" else None for _, run in runs],
+        }
+        for model in models for runs in [runs_of(along, model)]
+    ]  # fmt: skip
+    outcomes = list(dict.fromkeys(words for part in parts for words in part["outcome"]))
+    rows = [
+        (names("outcome", outcomes[::-1], grid=True), 40 + 26 * len(outcomes)),
+        (axis("theta", "rotation  [rad]", scale={"zero": True}), 180),
+    ]
+    if any(value for part in parts for value in part["slip"]):
+        rows.append((axis("slip", "slip  [mm]", scale={"zero": True}), 140))
+    return rows_of(rows, across("x", heading(key)), {"runs": parts}, lambda y, first: points("runs", looks, y, first))
 
 
 FLOOR_COLOUR: Final = "#0072B2"
@@ -186,8 +194,6 @@ PANEL_CURVES: Final = (
     ("pedestal", "slip_m", 0.1, SLIP_COLOUR, "slip of the pedestal (m ÷ 10)"),
 )
 """What a panel shows of a condition: setting, curve, factor, colour, words."""
-PANEL_POINTS: Final = 150
-"""Points of a curve in a small panel of a page's still."""
 LEAST_RUNS: Final = 10
 """Runs at one level below which a share says little."""
 
@@ -195,80 +201,51 @@ LEAST_DIRECTIONS: Final = 4
 """Directions in which the statue overturns below which a rose says little."""
 
 
-def panel_data(panels: Sequence[Panel]) -> Json:
-    """The paper's figures 7 to 9: per restitution a grid of amplitude by frequency, for every model that has curves."""
-    models: dict[str, None] = {}
-    groups: dict[float, list[Json]] = {}
-    for panel in panels:
-        curves = {}
-        for model, settings in panel.curves.items():
-            models[model] = None
-            curves[model] = {
-                setting: {name: packed_array(values) for name, values in vars(curve).items()}
-                for setting, curve in settings.items()
-            }
-        place = {"amplitude_g": panel.amplitude_g, "frequency_hz": panel.frequency_hz}
-        groups.setdefault(float(panel.restitution), []).append({**place, "curves": curves})
+def panels_figure(panels: Sequence[Panel], model: str | None = None, restitution: float | None = None) -> Json:
+    """The paper's figures 7 to 9: amplitudes across, frequencies down, of one model and restitution (default: the first).
+
+    The page's reader chooses another of both.
+    """
+    kinds_of = {name: Look(colour, "", 1.4) for *_, colour, name in PANEL_CURVES}
+    models = list(dict.fromkeys(model for panel in panels for model in panel.curves))
+    parts: list[Json] = [
+        {
+            "name": name, "model": of, "r": panel.restitution, "place": place(panel),
+            "t": np.asarray(curves[setting].t_s), "value": scale * np.asarray(getattr(curves[setting], column)),
+        }
+        for panel in panels for of, curves in panel.curves.items()
+        for setting, column, scale, _, name in PANEL_CURVES if setting in curves
+    ]  # fmt: skip
+    ends = {"domain": [0.0, max((float(part["t"][-1]) for part in parts), default=1.0)]}
+    shown = {"domain": [-SHOWN_RAD, SHOWN_RAD]}
+    order = [place(panel) for panel in sorted(panels, key=lambda each: (each.frequency_hz, each.amplitude_g))]
+    params = [
+        _choice("model", "Model", models, model),
+        _choice("r", "Restitution", sorted({panel.restitution for panel in panels}), restitution),
+    ]
+    lines = marks(
+        "line",
+        "",
+        {"x": across("t", "time  [s]", ends), "y": axis("value", "", scale=shown, tickCount=5)}
+        | named(kinds_of, chosen=False),
+    )
+    columns = len({panel.amplitude_g for panel in panels})
     return {
-        "models": list(models),
-        "groups": [{"restitution": value, "panels": groups[value]} for value in sorted(groups)],
-        "colours": {"floor": FLOOR_COLOUR, "pedestal": PEDESTAL_COLOUR, "slip": SLIP_COLOUR},
-        "shown_rad": SHOWN_RAD,
-    }
+        "datasets": {"panels": parts}, "params": [*ZOOMED, *params], "data": {"name": "panels"}, "columns": columns,
+        "facet": {"field": "place", "sort": list(dict.fromkeys(order)), "header": {"title": None}},
+        "spec": lines | {"height": 120}, "spacing": {"row": 14, "column": BETWEEN},
+    }  # fmt: skip
 
 
-def panel_groups(panels: Sequence[Panel] | None) -> list[list[Panel]]:
-    """The panels of each restitution."""
-    groups: dict[float, list[Panel]] = {}
-    for panel in panels or ():
-        groups.setdefault(panel.restitution, []).append(panel)
-    return list(groups.values())
+def _choice(name: str, words: str, known: Sequence[Any], value: Any) -> Json:
+    """What a page's reader chooses of the known values; default: the first."""
+    shown = {"input": "select", "options": list(known), "name": f"{words} "}
+    return {"name": name, "value": known[0] if value is None else value, "bind": shown}
 
 
-def panels_picture(group: Sequence[Panel], model: str, width_px: float, points: int) -> Picture:
-    """The arrangement of the paper's figures 7 to 9 for one model, named over it."""
-    drawn = picture_of(panels_figure(group, model), width_px, points)
-    return titled(drawn, f"{model}, r = {group[0].restitution:g}")
-
-
-def panels_figure(group: Sequence[Panel], model: str) -> Json:
-    """One model's panels of one restitution, arranged as in the paper's figures 7 to 9: amplitudes across, frequencies down."""
-    amplitudes = sorted({panel.amplitude_g for panel in group})
-    frequencies = sorted({panel.frequency_hz for panel in group})
-    wide, high = 1.0 / len(amplitudes), 1.0 / len(frequencies)
-    data: list[Json] = []
-    notes: list[Json] = []
-    layout: Json = {"height": 92 + 118 * len(frequencies), "showlegend": True}
-    curves_shown = [curve for panel in group for curve in panel.curves.get(model, {}).values()]
-    end_s = max((float(curve.t_s[-1]) for curve in curves_shown), default=1.0)
-    for number, panel in enumerate(group):
-        x, y = (f"{letter}{number + 1 if number else ''}" for letter in "xy")
-        column, row = amplitudes.index(panel.amplitude_g), frequencies.index(panel.frequency_hz)
-        left, top = column * wide, 1.0 - row * high
-        lowest = row == len(frequencies) - 1
-        layout[x.replace("x", "xaxis")] = {
-            "domain": [left, left + 0.84 * wide], "anchor": y, "nticks": 5, "range": [0.0, end_s],
-            "title": {"text": "time  [s]" if lowest else ""},
-        }  # fmt: skip
-        layout[y.replace("y", "yaxis")] = {
-            "domain": [top - 0.62 * high, top], "anchor": x, "range": [-SHOWN_RAD, SHOWN_RAD], "nticks": 5,
-            "title": {"text": "" if column else "θ  [rad]"},
-        }  # fmt: skip
-        curves = panel.curves.get(model, {})
-        for setting, name, scale, colour, words in PANEL_CURVES:
-            if setting in curves:
-                data.append({
-                    "type": "scatter", "mode": "lines", "x": curves[setting].t_s, "xaxis": x, "yaxis": y, "name": words,
-                    "y": (scale * np.asarray(getattr(curves[setting], name))).tolist(), "line": {"color": colour, "width": 1.4},
-                    "showlegend": words not in {trace["name"] for trace in data},
-                })  # fmt: skip
-        if curves:
-            words = f"{panel.amplitude_g:g} g, {panel.frequency_hz:g} Hz"
-            notes.append({
-                "xref": f"{x} domain", "x": 0, "yref": f"{y} domain", "y": 1, "yanchor": "bottom", "xanchor": "left",
-                "text": words,
-            })  # fmt: skip
-    return {"data": data, "layout": layout | {"annotations": notes}}
+def place(panel: Panel) -> str:
+    """What is said over a panel."""
+    return f"{panel.amplitude_g:g} g, {panel.frequency_hz:g} Hz"
 
 
 def fragility_figure(models: Sequence[str], conditions: Sequence[Condition], key: str) -> Json | None:
@@ -276,37 +253,40 @@ def fragility_figure(models: Sequence[str], conditions: Sequence[Condition], key
 
     Everything else that varies is pooled. None unless some model has at least three levels of ten runs each.
     """
-    data: list[Json] = []
-    for model, style in model_looks(models).items():
+    looks = model_looks(models)
+    data: dict[str, list[Json]] = {"points": [], "fits": []}
+    for model in models:
         levels: dict[float, list[bool]] = {}
         for item, run in runs_of(conditions, model):
             if family(run.outcome) != "failed":
                 levels.setdefault(float(item.varied[key]), []).append(run.outcome.overturned)
         if sum(len(fell) >= LEAST_RUNS for fell in levels.values()) >= 3:
-            data += _fragility(model, style, levels)
-    y = axis("share of runs that overturn", range=[-0.03, 1.03])
-    return figure(data, 420, axis(heading(key)), y) if data else None
+            points_, fitted = _fragility(model, levels)
+            data["points"].append(points_)
+            data["fits"] += fitted
+    if not data["points"]:
+        return None
+    y = upwards("y", "share of runs that overturn", {"domain": [0.0, 1.0]})
+    drawn = named({name: looks[name] for name in looks if any(part["name"] == name for part in data["points"])})
+    layers = [
+        band("fits", drawn, 0.12),
+        marks("line", "fits", drawn),
+        *estimates("points", drawn),
+    ]
+    return figure(chosen(layers), 420, data, across("x", heading(key)), y)
 
 
-def _fragility(model: str, style: Look, levels: Mapping[float, Sequence[bool]]) -> list[Json]:
+def _fragility(model: str, levels: Mapping[float, Sequence[bool]]) -> tuple[Json, list[Json]]:
     """Points with Wilson's intervals, the fitted curve and its band, of one model."""
     shares = [(x, share) for x, fell in sorted(levels.items()) for share in [wilson(sum(fell), len(fell))] if share]
     intensity = [x for x, fell in levels.items() for _ in fell]
     curve_fit = fit(intensity, [fell for runs in levels.values() for fell in runs])
+    estimated = {"name": model, "x": [x for x, _ in shares], **columns_of([share for _, share in shares])}
+    if curve_fit.median is None:
+        return estimated, []
     xs = np.linspace(min(intensity), max(intensity), 120)
     low, high = curve_fit.band(xs)
-    points = curve(
-        [x for x, _ in shares], [share.value for _, share in shares], {}, mode="markers", name=model, legendgroup=model,
-        marker={"color": style.colour}, error_y=intervals([share for _, share in shares], thickness=1),
-    )  # fmt: skip
-    if curve_fit.median is None:
-        return [points]
-    outline = packed_array(np.concatenate([xs, xs[::-1]])), packed_array(np.concatenate([high, low[::-1]]))
-    fitted = curve(
-        packed_array(xs), packed_array(curve_fit.probability(xs)), stroke(style), legendgroup=model, showlegend=False,
-        hoverinfo="skip",
-    )  # fmt: skip
-    return [band(*outline, style.colour, 0.12, legendgroup=model), fitted, points]
+    return estimated, [{"name": model, "x": xs, "y": curve_fit.probability(xs), "low": low, "high": high}]
 
 
 def rose_picture(models: Sequence[str], conditions: Sequence[Condition]) -> Picture | None:

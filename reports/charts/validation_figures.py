@@ -9,14 +9,26 @@ from harness.records.sets import ReliabilityBin
 from harness.records.validation import Curves, ValidationRecord
 from harness.validation.scenes import GRAVITY_M_S2
 from reports.charts import Json
-from reports.charts.figure import axis, band, curve, figure, intervals
-from reports.charts.palette import HAIRLINE, INK, look
+from reports.charts.figure import (
+    across,
+    band,
+    columns_of,
+    estimates,
+    figure,
+    log,
+    marks,
+    named,
+    names,
+    stroke,
+    upwards,
+)  # fmt: skip
+from reports.charts.palette import HAIRLINE, INK, Look, look
 
 T = TypeVar("T")
 BASELINE: Final = "PGV threshold"
-BASELINE_COLOUR: Final = "#8a6d00"
+BASELINE_LOOK: Final = Look("#8a6d00", "2 3")
 FELL: Final = "overturned"
-DASHES: Final = ("solid", "dash", "dot", "dashdot", "longdash")
+DASHES: Final = ("", "6 4", "1.5 3", "6 3 1.5 3", "10 4")
 
 
 def charts(record: ValidationRecord) -> list[tuple[str, str, Json]]:
@@ -24,98 +36,122 @@ def charts(record: ValidationRecord) -> list[tuple[str, str, Json]]:
     figures = [("accuracy", "Share of tests predicted right, with 95 % intervals", _accuracy(record))]
     figures.append(("plane", "Every test, and where half of them fall", _plane(record)))
     fragility = _fragility(record)
-    if fragility["data"]:
+    if fragility is not None:
         figures.append(("fragility", "Probability of overturning against PGV", fragility))
     diagram = reliability_diagram(
         [
-            *((name, *_styles(record)[name], item.probability.reliability) for name, item in record.models.items()),
-            (BASELINE, BASELINE_COLOUR, "dot", record.baseline.probability.reliability),
+            *((name, _styles(record)[name], item.probability.reliability) for name, item in record.models.items()),
+            (BASELINE, BASELINE_LOOK, record.baseline.probability.reliability),
         ]
     )
-    if record.samples and diagram["data"]:
+    if record.samples and diagram is not None:
         figures.append(("reliability", "Share that fell against the probability said, with 95 % intervals", diagram))
     return figures
 
 
-def _styles(record: ValidationRecord) -> dict[str, tuple[str, str]]:
+def _styles(record: ValidationRecord) -> dict[str, Look]:
     return styles({name: item.engine for name, item in record.models.items()})
 
 
-def styles(engine_of: Mapping[str, str]) -> dict[str, tuple[str, str]]:
+def styles(engine_of: Mapping[str, str]) -> dict[str, Look]:
     """Colour by engine; the settings of one engine differ by their dashes."""
     engines = list(engine_of.values())
-    looks: dict[str, tuple[str, str]] = {}
+    looks: dict[str, Look] = {}
     for index, (name, engine) in enumerate(engine_of.items()):
         own, earlier = look(engine, engines), engines[:index].count(engine)
         others = [dash for dash in DASHES if dash != own.dash]
-        looks[name] = own.colour, own.dash if earlier == 0 else others[(earlier - 1) % len(others)]
+        looks[name] = Look(own.colour, own.dash if earlier == 0 else others[(earlier - 1) % len(others)])
     return looks
 
 
 def _accuracy(record: ValidationRecord) -> Json:
-    looks = _styles(record)
-    rows = [(name, item.outcomes.accuracy) for name, item in record.models.items()]
-    rows = [*rows, (BASELINE, record.baseline.outcomes.accuracy)]
-    data = [
-        curve(
-            [100 * item.value], [name], {}, mode="markers", showlegend=False, error_x=intervals([item], 100.0, thickness=2),
-            marker={"size": 11, "color": looks.get(name, (BASELINE_COLOUR, ""))[0]},
-            hovertemplate=f"{name} %{{x:.0f}} %<extra></extra>",
-        )
-        for name, item in rows if item is not None
-    ]  # fmt: skip
-    y = {"autorange": "reversed", "automargin": True}
-    return figure(data, 130 + 44 * len(rows), axis("right  [%]", range=[0, 102]), y, margin_top=14)
+    looks = _styles(record) | {BASELINE: BASELINE_LOOK}
+    shares = {name: item.outcomes.accuracy for name, item in record.models.items()}
+    shares[BASELINE] = record.baseline.outcomes.accuracy
+    rows = {name: share for name, share in shares.items() if share is not None}
+    parts = [
+        {"name": name, "y": [name], "tip": [f"{name} {100 * item.value:.0f} %"], **columns_of([item], 100.0, "x")}
+        for name, item in rows.items()
+    ]
+    layers = estimates("shares", {"color": named(looks, legend=False)["color"]}, "x")
+    x = across("x", "right  [%]", {"domain": [0, 100]})
+    return figure(layers, 40 + 40 * len(rows), {"shares": parts}, x, names("y", list(rows), grid=False))
 
 
 def _plane(record: ValidationRecord) -> Json:
-    data: list[Json] = []
-    for fell, words, symbol, colour in ((False, "stood", "circle-open", "#0072B2"), (True, "fell", "x", "#D55E00")):
+    tests: list[Json] = []
+    for fell, words in ((False, "stood"), (True, "fell")):
         rows = [row for row in record.rows if row.observed.startswith(FELL) == fell and row.pga_g > 0.0]
-        x, y = [row.pgv_m_s / (GRAVITY_M_S2 * row.pga_g) for row in rows], [row.pga_g for row in rows]
-        marks = {
-            "name": words,
-            "marker": {"symbol": symbol, "size": 9, "color": colour},
-            "text": [row.test for row in rows],
-        }
-        data.append(curve(x, y, {}, mode="markers", hovertemplate="%{text}: %{y:.3f} g<extra></extra>", **marks))
-    for name, style, contour in _curves(record, lambda item: item.contour):
-        if contour is not None:
-            data.append(curve(contour.contour_50.ratio_s, contour.contour_50.pga_g, style, name=f"half fall: {name}"))
-    return figure(data, 440, *(axis(title, rangemode="tozero") for title in ("PGV / PGA  [s]", "PGA  [g]")))
-
-
-def _curves(record: ValidationRecord, of: Callable[[Curves], T]) -> list[tuple[str, Json, T]]:
-    """What was measured and each model by name: how its line is drawn, and its curve."""
-    styles = {"measured": {"color": INK, "dash": "solid", "width": 3}}
-    styles |= {name: {"color": colour, "dash": dash, "width": 1.6} for name, (colour, dash) in _styles(record).items()}
-    return [(name, styles[name], of(item)) for name, item in {"measured": record.observed, **record.models}.items()]
-
-
-def _fragility(record: ValidationRecord) -> Json:
-    data: list[Json] = []
-    for name, style, fitted in _curves(record, lambda item: item.fragility_pgv):
-        if fitted is None or fitted.median is None:
-            continue
-        x = fitted.intensity
-        if name == "measured":
-            data.append(band([*x, *reversed(x)], [*fitted.high, *reversed(fitted.low)], INK, 0.1))
-        data.append(curve(x, fitted.probability, style, name=name))
-    return figure(data, 400, axis("PGV  [m/s]", type="log"), axis("probability of overturning", range=[-0.02, 1.02]))
-
-
-def reliability_diagram(curves: Sequence[tuple[str, str, str, Sequence[ReliabilityBin]]]) -> Json:
-    """Of each name, colour, dash and bins: the share that fell over its bin's mean probability; true ones lie on the diagonal."""
-    data = [
-        curve(
-            [item.mean for item in bins], [item.fell.value for item in bins], {"color": colour, "dash": dash}, name=name,
-            mode="lines+markers", text=[f"{item.cases} tests" for item in bins],
-            error_y=intervals([item.fell for item in bins]),
-            hovertemplate=f"{name}, %{{text}}: said %{{x:.2f}}, fell %{{y:.2f}}<extra></extra>",
+        ratio = [row.pgv_m_s / (GRAVITY_M_S2 * row.pga_g) for row in rows]
+        tips = [f"{row.test}: {row.pga_g:.3f} g, {words}" for row in rows]
+        tests.append({"kind": words, "x": ratio, "y": [row.pga_g for row in rows], "tip": tips})
+    contours = {
+        f"half fall: {name}": (style, contour.contour_50) for name, style, contour in _curves(record, lambda item: item.contour)
+        if contour is not None
+    }  # fmt: skip
+    lines = [{"name": name, "x": each.ratio_s, "y": each.pga_g} for name, (_, each) in contours.items()]
+    kind: Json = {"field": "kind", "type": "nominal"}
+    sign = {
+        "shape": kind | {"scale": {"domain": ["stood", "fell"], "range": ["circle", "M-1-1L1 1M-1 1L1-1"]}},
+        "stroke": kind | {"scale": {"domain": ["stood", "fell"], "range": ["#0072B2", "#D55E00"]}},
+    }
+    layers = [marks("point", "tests", sign, size=50, strokeWidth=1.6, filled=False)]
+    if contours:
+        layers.append(
+            marks("line", "contours", named({name: style for name, (style, _) in contours.items()}, chosen=False))
         )
-        for name, colour, dash, bins in curves if bins
+    x, y = across("x", "PGV / PGA  [s]", {"zero": True}), upwards("y", "PGA  [g]", {"zero": True})
+    return figure(layers, 420, {"tests": tests, "contours": lines}, x, y)
+
+
+def _curves(record: ValidationRecord, of: Callable[[Curves], T]) -> list[tuple[str, Look, T]]:
+    """What was measured and each model by name: how its line is drawn, and its curve."""
+    looks = {"measured": Look(INK, "", 3.0)} | _styles(record)
+    return [(name, looks[name], of(item)) for name, item in {"measured": record.observed, **record.models}.items()]
+
+
+def _fragility(record: ValidationRecord) -> Json | None:
+    """The fitted curves, that of the measured tests with its band."""
+    fitted = {
+        name: (style, item) for name, style, item in _curves(record, lambda each: each.fragility_pgv)
+        if item is not None and item.median is not None
+    }  # fmt: skip
+    if not fitted:
+        return None
+    drawn = named({name: style for name, (style, _) in fitted.items()}, chosen=False)
+    parts = [{"name": name, "x": item.intensity, "y": item.probability} for name, (_, item) in fitted.items()]
+    around = [
+        {"name": name, "x": item.intensity, "low": item.low, "high": item.high}
+        for name, (_, item) in fitted.items() if name == "measured"
     ]  # fmt: skip
-    if data:
-        data.insert(0, curve([0, 1], [0, 1], {"color": HAIRLINE, "width": 2}, showlegend=False))
-    titles = "probability of overturning", "share that overturned"
-    return figure(data, 420, *(axis(title, range=[-0.02, 1.02]) for title in titles))
+    layers = [band("around", drawn, 0.1), marks("line", "curves", drawn)]
+    y = upwards("y", "probability of overturning", {"domain": [0.0, 1.0]})
+    return figure(layers, 380, {"curves": parts, "around": around}, across("x", "PGV  [m/s]", log(), tickCount=6), y)
+
+
+def reliability_diagram(curves: Sequence[tuple[str, Look, Sequence[ReliabilityBin]]]) -> Json | None:
+    """Of each name, look and bins: the share that fell over its bin's mean probability; true ones lie on the diagonal."""
+    drawn = named({name: style for name, style, bins in curves if bins}, chosen=False)
+    parts = [
+        {
+            "name": name, "x": [item.mean for item in bins], **columns_of([item.fell for item in bins]),
+            "tip": [f"{name}, {item.cases} tests: said {item.mean:.2f}, fell {item.fell.value:.2f}" for item in bins],
+        }
+        for name, _, bins in curves if bins
+    ]  # fmt: skip
+    if not parts:
+        return None
+    data = {"bins": parts, "true": [{"x": [0.0, 1.0], "y": [0.0, 1.0]}]}
+    layers = [
+        marks("line", "true", **stroke(Look(HAIRLINE, "", 2.0))),
+        marks("line", "bins", drawn),
+        *estimates("bins", drawn),
+    ]
+    shown = {"domain": [0.0, 1.0]}
+    return figure(
+        layers,
+        400,
+        data,
+        across("x", "probability of overturning", shown),
+        upwards("y", "share that overturned", shown),
+    )

@@ -51,12 +51,13 @@ def mesh_inspect(
     from harness.input.mesh_statue import mesh_mistake
     from harness.model.errors import InputError
     from reports.drawing.scan_picture import scan_picture
-    from reports.export.figures import write_picture
+    from reports.export.figures import printed, write_picture
 
     if inspection.refusal is not None:
         raise InputError(mesh_mistake(inspection.refusal, str(scan)))
     assert inspection.solid is not None  # without a refusal there is one
-    write_picture(scan_picture(inspection.solid, inspection.prepared.rotation, scan.name), picture, dpi=150)
+    drawn = scan_picture(inspection.solid, inspection.prepared.rotation, scan.name)
+    write_picture(printed(drawn, drawn.width), picture, dpi=150)
     _say_scan(inspection, saying, f"picture: {picture}")
 
 
@@ -150,8 +151,8 @@ def motion_inspect(
     from harness.records.base import plain
     from harness.records.inspection import InspectionRecord
     from harness.records.result_folder import INSPECTED, check_folder, listing, named_after
-    from reports.export.figures import write_picture
-    from reports.export.motion_figure import motion_picture
+    from reports.export.figures import printed, write_picture
+    from reports.export.motion_figure import WIDE, motion_picture
     from reports.messages import ENGLISH
     from reports.terminal import motion_lines
 
@@ -160,7 +161,7 @@ def motion_inspect(
     check_folder(folder, names=INSPECTED)
     inspected = _inspected(file, unit, axis, Layout(**vars(text)))
     folder.mkdir(parents=True, exist_ok=True)
-    write_picture(motion_picture(inspected), picture, dpi=150)
+    write_picture(printed(motion_picture(inspected), WIDE), picture, dpi=150)
     shown = InspectionRecord.of(inspected, ENGLISH.say)
     write_json(record, plain(replace(shown, files=listing([picture]))))
     lines = motion_lines(inspected, shown.findings, verbose=saying.verbose)

@@ -11,12 +11,11 @@ from markupsafe import Markup
 
 from harness.records.scene import MotionRecord, SceneRecord
 from reports.charts.palette import INK
-from reports.charts.static_svg_axes import nice_ticks
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import Plan
 from reports.drawing.kinematics import Array, section
-from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, box, line
+from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, box, line, nice_ticks
 from reports.messages import Language
 from reports.source import RunSource
 from reports.text.giving_way import Level, bearing

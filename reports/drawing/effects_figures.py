@@ -12,10 +12,9 @@ from markupsafe import Markup
 
 from harness.records.effects3d import BASELINE, Band, Effect, EffectsRecord
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
-from reports.charts.static_svg_axes import nice_ticks
 from reports.drawing.display_mesh import read_mesh
 from reports.drawing.scan_picture import Figure, directions_picture
-from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, box, line
+from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, box, line, nice_ticks
 from reports.source import RunSource
 
 SIZE: Final = 640.0
@@ -55,7 +54,7 @@ def curves(record: EffectsRecord) -> list[Curve]:
         style = look(name, engines)
         drawn.append(Curve(name, points, style.colour, style.dash, style.width + 0.4))
     sides = [(row.azimuth_deg, row.projected_g) for row in record.static]
-    return [*drawn, Curve("analytic, at the base's sides", sides, SIDES_COLOUR, "1.5,4", 2.6)]
+    return [*drawn, Curve("analytic, at the base's sides", sides, SIDES_COLOUR, "1.5 4", 2.6)]
 
 
 def rose(record: EffectsRecord) -> Picture:
@@ -127,7 +126,7 @@ def _band(bands: Sequence[Band], most_g: float) -> list[Shape]:
 
 
 def _dash(curve: Curve) -> str:
-    return "" if curve.dash == "solid" else curve.dash.replace("px", "").replace(",", " ")
+    return curve.dash
 
 
 def _curve(curve: Curve, asked: Sequence[float], most_g: float, unit: str) -> list[Shape]:

@@ -1,14 +1,16 @@
-"""Where the statue is at a rotation: the planar pose that pictures, replay and reach share (docs/model.md, section 1)."""
+"""Where the statue and its pedestal are at a sample: what pictures, replay and animation share (docs/model.md, section 1)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.model.in_space import SOLID_COLUMNS, rotations
+from harness.model.history import History
+from harness.model.in_space import SOLID_COLUMNS, Sides, centroid_shift_m, rotations
 from harness.records.scene import SceneRecord
 
 Array = NDArray[np.float64]
@@ -56,7 +58,60 @@ def section(scene: SceneRecord) -> Section:
     return Section(outline, statue.corner_left_m, statue.corner_right_m)
 
 
+MOVING: Final = (
+    *SOLID_COLUMNS,
+    "theta_rad",
+    "slip_m",
+    "statue_slip_m",
+    "pedestal_tilt_rad",
+    "pedestal_yaw_rad",
+    "pedestal_y_m",
+)
+"""Columns of a history that move the statue or the pedestal, where an engine records them."""
+
+
+def poses(scene: SceneRecord, history: History, t_s: ArrayLike) -> dict[str, Array]:
+    """Where the statue and its pedestal are at times (n,), each column (n,), of the history's last sample after its end.
+
+    `SOLID_COLUMNS` are the statue's, of an engine in the plane from its rotation and slips; `pedestal_*` the place of
+    the pedestal's centroid and its turns about y and then z.
+    """
+    known = {"theta_rad": history.theta_rad, "slip_m": history.slip_m, **history.extra}
+    times = np.atleast_1d(np.asarray(t_s, dtype=np.float64))
+    at = {
+        name: np.interp(times, history.t_s, known[name]) if name in known else np.zeros(len(times)) for name in MOVING
+    }
+    theta, slip, lean = at["theta_rad"], at["slip_m"], at["pedestal_tilt_rad"]
+    shape, pedestal, c, s = section(scene), scene.pedestal, np.cos(lean), np.sin(lean)
+    found: dict[str, Array] = {}
+    pivot = shape.pivot_m(theta - lean)
+    x, z = pivot + slip + at["statue_slip_m"], np.zeros(len(times))
+    if pedestal is not None:
+        middle, half = 0.5 * (shape.corner_right_m - shape.corner_left_m) + pedestal.offset_m, 0.5 * pedestal.height_m
+        centre = middle + slip + centroid_shift_m(pedestal, lean)
+        up = 0.5 * (pedestal.height_m * c + pedestal.width_m * np.abs(s))
+        # Along the top from its middle, which turns about the centroid.
+        along = pivot + at["statue_slip_m"] - middle
+        x, z = centre + along * c + half * s, up + half * c - along * s
+        turns = {"pedestal_tilt_rad": lean, "pedestal_yaw_rad": at["pedestal_yaw_rad"]}
+        found = {"pedestal_x_m": centre, "pedestal_y_m": at["pedestal_y_m"], "pedestal_z_m": up, **turns}
+    if all(name in history.extra for name in SOLID_COLUMNS):
+        return found | {name: at[name] for name in SOLID_COLUMNS}
+    to_right = shape.corner_right_m - pivot
+    still = dict.fromkeys(("roll_rad", "yaw_rad", "corner_right_y_m"), np.zeros(len(times)))
+    corner = {"corner_right_x_m": x + to_right * np.cos(theta), "corner_right_z_m": z - to_right * np.sin(theta)}
+    return found | {"pitch_rad": theta, **corner, **still}
+
+
 def posed_in_space_m(points_m: Array, corner_right_m: float, pose: Mapping[str, float]) -> Array:
     """Points (n, 3) of the statue frame at a 3D engine's pose (values of `SOLID_COLUMNS`), in the table's frame."""
     corner = [pose[name] for name in SOLID_COLUMNS[3:]]
     return np.asarray((points_m - [corner_right_m, 0.0, 0.0]) @ rotations(pose).T + corner)
+
+
+def posed_pedestal_m(pedestal: Sides, depth_m: float, pose: Mapping[str, float]) -> Array:
+    """The pedestal's corners (8, 3) at a pose, in the order of the signs of x, y, z."""
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
+    turn = rotations({"pitch_rad": pose["pedestal_tilt_rad"], "roll_rad": 0.0, "yaw_rad": pose["pedestal_yaw_rad"]})
+    centre = [pose[f"pedestal_{axis}_m"] for axis in "xyz"]
+    return np.asarray((0.5 * signs * [pedestal.width_m, depth_m, pedestal.height_m]) @ turn.T + centre)

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from harness.model.history import History
 from harness.model.in_space import SOLID_COLUMNS
-from harness.records.scene import MotionRecord
+from harness.records.scene import MotionRecord, SceneRecord
 from reports.charts.palette import look
 from reports.charts.samples import packed_array
 from reports.drawing.display_mesh import display_mesh
-from reports.drawing.kinematics import section
+from reports.drawing.kinematics import poses, section
 from reports.pages.assets import packed_json
 from reports.source import RunSource, run_event_s
 
@@ -24,8 +24,6 @@ FRAME_S: Final = 0.005
 MOST_FRAMES: Final = 20_000
 MESH_LEVELS: Final = 2**13
 """Steps over each extent of the mesh: a quarter of a millimetre in 2 m, a fifth of a pixel."""
-POSE_COLUMNS: Final = (*SOLID_COLUMNS, "statue_slip_m", "pedestal_tilt_rad", "pedestal_yaw_rad", "pedestal_y_m")
-"""Further columns of a history that move the statue or the pedestal in the replay, where an engine records them."""
 
 
 def replay_payload(source: RunSource) -> str:
@@ -55,7 +53,7 @@ def replay_payload(source: RunSource) -> str:
             "own": source.mesh is not None,
         },
         "models": [
-            {"name": name, "colour": look(name, names).colour, **_frames(history, step)}
+            {"name": name, "colour": look(name, names).colour, **_frames(source.scene, history, step)}
             for name, history in source.histories.items()
         ],
         "floor": _floor(source.record.motion, source.scene.gravity_m_s2, step, end),
@@ -63,14 +61,12 @@ def replay_payload(source: RunSource) -> str:
     return packed_json(payload)
 
 
-def _frames(history: History, step_s: float) -> dict[str, object]:
+def _frames(scene: SceneRecord, history: History, step_s: float) -> dict[str, object]:
+    """The model's rotation and the poses of its bodies by frame; what stays nought is left out."""
     end = float(history.t_s[-1])
     t_s = np.append(np.arange(0.0, end, step_s), end)
-    columns = {"theta_rad": history.theta_rad, "slip_m": history.slip_m}
-    columns |= {name: history.extra[name] for name in POSE_COLUMNS if name in history.extra}
-    sampled = {name: np.interp(t_s, history.t_s, values) for name, values in columns.items()}
-    used = {name: values for name, values in sampled.items() if name == "theta_rad" or np.any(values)}
-    return {"end_s": end, "frames": {name: packed_array(values) for name, values in used.items()}}
+    columns = {"theta_rad": np.interp(t_s, history.t_s, history.theta_rad), **poses(scene, history, t_s)}
+    return {"end_s": end, "frames": {name: packed_array(values) for name, values in columns.items() if np.any(values)}}
 
 
 def _floor(motion: MotionRecord, gravity_m_s2: float, step_s: float, end_s: float) -> dict[str, object]:

@@ -1,7 +1,6 @@
 """A picture as lines, areas, discs and texts in pixels from its upper left corner; every still picture is made of them.
 
-A page carries it as SVG, written here. `reports.export.figures` writes the same shapes for print and `reports.export.animation`
-as frames of pixels.
+A page carries it as SVG, written here, and `reports.export.figures` prints that.
 """
 
 from __future__ import annotations
@@ -10,7 +9,6 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from html import escape
-from textwrap import wrap
 from typing import Final
 
 import numpy as np
@@ -21,10 +19,6 @@ Array = NDArray[np.float64]
 
 LETTER: Final = 7.2
 """Width of a letter of the pictures' type in pixels, on average."""
-HEAD_PX: Final = 22.0
-"""Height of a line of title over a picture."""
-ANCHORS: Final = {"start": "left", "middle": "center", "end": "right"}
-"""Where a text stands at its place, in the words of SVG and of print."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,9 +154,13 @@ def moved(shapes: Iterable[Shape], dx: float, dy: float) -> list[Shape]:
     ]
 
 
-def titled(drawn: Picture, words: str) -> Picture:
-    """A picture with a line of title over it, in as many lines as it needs."""
-    lines = wrap(words, max(20, int((drawn.width - 16.0) / LETTER)))
-    heads = [Text(8.0, 16.0 + 16.0 * k, text, "start") for k, text in enumerate(lines)]
-    room = HEAD_PX + 16.0 * (len(lines) - 1)
-    return Picture(drawn.width, drawn.height + room, [*heads, *moved(drawn.shapes, 0.0, room)])
+def nice_ticks(low: float, high: float, most: int) -> list[float]:
+    """Round values within [low, high] at equal steps, two at least: as many as make no more than `most` (≥ 2) intervals."""
+    power = 10.0 ** (math.floor(math.log10((high - low) / most)) - 1)
+    ends = []
+    for step in (power * factor * 10.0**k for k in range(4) for factor in (1.0, 2.0, 5.0)):
+        first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+        if last > first:
+            ends.append((max(last - first - most, 0), first - last, first, last, step))
+    _, _, first, last, step = min(ends)
+    return [round(k * step, 12) for k in range(first, last + 1)]

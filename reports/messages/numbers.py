@@ -6,8 +6,6 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.model.terminal import printable
-
 
 def digits(value: float | None, count: int = 3) -> str:
     """A number to `count` significant digits, in plain form between 0.001 and 100 000; an en dash for None."""
@@ -71,12 +69,6 @@ def spread(values: Sequence[float], name: str, count: int = 3) -> str:
     low, high = digits(min(values), count), digits(max(values), count)
     space = "" if name == "°" else "\u00a0"
     return f"{low}{space}{name}" if low == high else f"{low} to {high}{space}{name}"
-
-
-def drawn_text(text: str) -> str:
-    """A user's own text in a figure for print, where dollars would begin a formula and a first underscore hides a curve."""
-    safe = printable(text).replace("$", r"\$")
-    return f"\u2009{safe}" if safe.startswith("_") else safe
 
 
 def plain(value: Any, count: int = 4) -> str:

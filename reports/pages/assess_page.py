@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Final
 
 from harness.input.uncertain import assumption
 from harness.model.scene import Uncertain
 from harness.probability.answer import CLEAR, clearance
 from harness.probability.by_model import MODEL
 from harness.probability.sensitivity import LEAST_DRAWS
-from harness.records.assess import Assessment, AssessRecord, ClearanceByModel, FragilityRecord, OptionAnswer
+from harness.records.assess import Assessment, AssessRecord, ClearanceByModel, OptionAnswer
 from reports.blocks import (
     Block,
     Chart,
@@ -29,16 +28,11 @@ from reports.blocks import (
     verdict,
     words,
 )
-from reports.charts import Json
-from reports.charts.figure import axis, band, curve, figure
-from reports.charts.palette import INK, MUTED
+from reports.charts.curve_figures import fragility_by_factor
 from reports.drawing.conservator_pictures import plan_svg
 from reports.drawing.floor_plan import probable_plan
 from reports.messages import Language, probability_text
 from reports.text.wording import tone_of_answers
-
-TICKS: Final = [0.25, 0.5, 1.0, 2.0, 4.0]
-"""Factors written on the axis."""
 
 
 def blocks(_folder: Path, record: AssessRecord, say: Language) -> list[Block]:
@@ -62,7 +56,7 @@ def blocks(_folder: Path, record: AssessRecord, say: Language) -> list[Block]:
         *_clearance(record, say),
         *(
             section(
-                say, "fragility", Chart("fragility", say("text.fragility_chart"), _chart(fragility), 1060),
+                say, "fragility", Chart("fragility", say("text.fragility_chart"), fragility_by_factor(fragility), 1060),
                 words(say, "fragility", model=fragility.model, draws=fragility.draws),
             )
             if fragility else ()
@@ -200,19 +194,3 @@ def _source(item: Uncertain, say: Language, *, assumed: bool) -> str:
     if given is None or (given.kind, given.width) != (item.kind, item.width):
         return say("text.own_width")
     return given.source if assumed else say("text.as_assumed", source=given.source)
-
-
-def _chart(fragility: FragilityRecord) -> Json:
-    factors, line = fragility.factor, {"color": INK, "width": 2}
-    tip = "× %{x:.2f}: %{y:.0%}<extra></extra>"
-    mean = curve(factors, fragility.probability_overturned, line, mode="lines+markers", name=fragility.model)
-    today = {"color": MUTED, "width": 1, "dash": "4px,3px"}
-    data = [
-        mean | {"showlegend": False, "hovertemplate": tip},
-        curve([1.0, 1.0], [0.0, 1.0], today, name="today's shaking", hoverinfo="skip"),
-    ]
-    if fragility.low:
-        around = [*factors, *reversed(factors)], [*fragility.high, *reversed(fragility.low)]
-        data.insert(0, band(*around, INK, 0.1))
-    x = axis("factor on the shaking, all axes", type="log", tickvals=TICKS)
-    return figure(data, 380, x, axis("probability of overturning", range=[-0.02, 1.02]))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import zipfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -19,12 +19,11 @@ from harness.model.run import to_plain
 from harness.model.terminal import printable_lines
 from meshes import array_cache
 from reports.charts import Json
-from reports.charts.static_svg import still
+from reports.charts.drawn import packed_data, still
+from reports.charts.figure import CONFIG
 from reports.messages.numbers import given, length, unit
 
 TEMPLATES: Final = Path(__file__).resolve().parents[1] / "templates"
-CHART_KINDS: Final = frozenset({"scatter", "bar", "heatmap"})
-"""The kinds of chart on all pages; the pages' chart library holds no others."""
 LETTERS: Final = np.array([code for code in range(33, 127) if chr(code) not in "<&>"], dtype=np.uint8)
 """The 91 letters of packed data: two of them hold 13 bits, so that text is 1.23 times as long as its bytes (base64: 1.33)."""
 VIEWER_OWN_CODE: Final = "var camera,controls,scene,renderer,tracklight;"
@@ -92,28 +91,9 @@ def packed_json(value: Any) -> Markup:
     return pack_text(json.dumps(to_plain(value), ensure_ascii=False, allow_nan=False, separators=(",", ":")))
 
 
-def packed_chart(figure: Json) -> Markup:
-    """A chart's figure as packed JSON. Raises `LookupError` for a kind of chart that the pages' library does not hold."""
-    unknown = {trace["type"] for trace in figure["data"]} - CHART_KINDS
-    if unknown:
-        raise LookupError(f"charts of kind {', '.join(sorted(unknown))} are left out of the pages: add to CHART_KINDS")
-    return packed_json({**figure, "data": _shared(figure["data"])})
-
-
-def _shared(traces: Iterable[Json]) -> list[Json]:
-    """The traces, each packed array written once: where it comes again, `same` gives the trace and the axis that hold it."""
-    first: dict[tuple[float, ...], tuple[int, str]] = {}
-    shared = []
-    for number, trace in enumerate(traces):
-        own = dict(trace)
-        for letter in "xy":
-            values = trace.get(letter)
-            if isinstance(values, Mapping):
-                place = first.setdefault((values["step"], values["order"], *values["deltas"]), (number, letter))
-                if place != (number, letter):
-                    own[letter] = {"same": place}
-        shared.append(own)
-    return shared
+def packed_chart(chart: Json) -> Markup:
+    """A chart as packed JSON: the samples of its curves as many as a page carries."""
+    return packed_json({**chart, "config": CONFIG, "datasets": packed_data(chart["datasets"])})
 
 
 def _shown(value: Any) -> Any:

@@ -8,15 +8,14 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from harness.model.history import Outcome
 from harness.records.effects3d import EffectsRecord
 from harness.records.study import StudyRecord, StudyRow, Value
 from reports.blocks import Block, Drawing
-from reports.charts import Json
+from reports.charts.drawn import still
 from reports.charts.map_figures import map_axes, map_figures
-from reports.charts.static_svg import still
 from reports.messages import ENGLISH, Language
 from reports.pages.conservator import ENDS, order_picture, plain_page, push_picture, reach_picture
 from reports.source import run_source
@@ -219,14 +218,14 @@ def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list
     if not figures:
         return []
     _, figure = figures[0]
-    layout = dict(figure["layout"])
-    for side, key in zip(("xaxis", "yaxis"), axes, strict=True):
+    for side, key in zip("xy", axes, strict=True):
         last = key.rsplit(".", 1)[-1]
         named = say(AXES[last]) if last in AXES else say.key(key) or say("key.other")
-        layout[side] = layout[side] | {"title": {"text": named}}
+        figure["encoding"][side]["title"] = named
+    figure["layer"][0]["encoding"]["fill"]["legend"] = None
     seen = sorted({_severity(row) for row in worst.values()} - {-1}, reverse=True)
     words = [say("map.seen"), " ".join(say(f"map.{SEVERE[k]}") for k in seen)]
-    return [Drawing(still({"data": figure["data"], "layout": layout}, WIDTH), words, heading=say("map.heading"))]
+    return [Drawing(still(figure, WIDTH), words, heading=say("map.heading"))]
 
 
 def _severity(row: StudyRow) -> int:
@@ -234,17 +233,13 @@ def _severity(row: StudyRow) -> int:
     return -1 if row.run is None else SEVERE.index(family(row.run.outcome))
 
 
-def _plainly(figure: Json, say: Language) -> Json:
-    """The figure with everything that stands in it in plain words."""
-
-    def plain(text: str) -> str:
-        return say(CHART[text]) if text in CHART else text
-
-    layout = dict(figure["layout"])
-    for axis in ("xaxis", "yaxis"):
-        layout[axis] = layout[axis] | {"title": {"text": plain(layout[axis]["title"]["text"])}}
-    layout["annotations"] = [note | {"text": plain(note["text"])} for note in layout.get("annotations", ())]
-    return {"data": [trace | {"name": plain(trace["name"])} for trace in figure["data"]], "layout": layout}
+def _plainly(part: Any, say: Language) -> Any:
+    """A chart, or a part of one, with everything that stands in it in plain words."""
+    if isinstance(part, dict):
+        return {key: _plainly(value, say) for key, value in part.items()}
+    if isinstance(part, list):
+        return [_plainly(value, say) for value in part]
+    return say(CHART[part]) if isinstance(part, str) and part in CHART else part
 
 
 def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> list[Block]:

@@ -15,9 +15,10 @@ from harness.model.files import write_text
 from harness.model.terminal import printable
 from harness.records.base import Record
 from harness.records.kinds import read_result
-from reports.blocks import SHOWN_POINTS, Block, Panels, Replay, Section, walk
+from reports.blocks import SHOWN_POINTS, Block, Replay, Section, walk
+from reports.charts.drawn import told_apart
 from reports.charts.library import chart_library
-from reports.charts.palette import DARK, dark_css
+from reports.charts.palette import dark_css
 from reports.messages import ENGLISH, Language, language
 from reports.pages.assets import environment, source_text
 
@@ -31,7 +32,7 @@ CONSERVATOR_PAGES: Final[Mapping[str, str]] = {
 """Which module knows the conservator's page of a kind of record."""
 COUNTED: Final = {"validation": "tests"}
 """What a page's title counts of a kind of record, which has no title of its own."""
-SCRIPTS: Final[Mapping[type, str]] = {Panels: "panels.js", Replay: "replay.js"}
+SCRIPTS: Final[Mapping[type, str]] = {Replay: "replay.js"}
 """What a page needs to run where it holds such a block."""
 
 
@@ -102,8 +103,8 @@ def _render(
 ) -> str:
     count = getattr(record, COUNTED.get(record.kind, ""), None)
     title = str(record.title) if count is None else say(f"text.title_{record.kind}", count=count)
-    live = {"chart_library": chart_library(), "dark": DARK} if scripts else {}
-    return (
+    live = {"chart_library": chart_library()} if scripts else {}
+    return told_apart(
         environment()
         .get_template("page.html.j2")
         .render(

@@ -6,12 +6,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
 from harness.comparison.statistics.distributions import wilson
 from harness.probability.stratified import LEVEL
 from harness.records.rocking_spectrum import RockingSpectrumRecord
 from reports.blocks import Block, Chart, Verdict, facts, grid, repeat, section, table, words
 from reports.blocks import verdict as verdict_of
-from reports.charts.figure import figure
+from reports.charts import Json
+from reports.charts.map_figures import number_map
 from reports.messages import Language
 from reports.text.wording import SAFE, SAFE_HIGH
 
@@ -55,17 +58,12 @@ def verdict(record: RockingSpectrumRecord) -> Verdict:
     return verdict_of(record, "agree" if safe else "differ")
 
 
-def _map(record: RockingSpectrumRecord, values: Map, name: str, most: float) -> dict[str, object]:
+def _map(record: RockingSpectrumRecord, values: Map, name: str, most: float) -> Json:
     """A map of at most `MOST_CELLS` a side; white where half of the cases overturn and there is no median."""
     rows, columns = (_picked(len(axis)) for axis in (record.size_m, record.slenderness))
-    trace = {
-        "type": "heatmap", "x": [record.slenderness[j] for j in columns], "y": [record.size_m[i] for i in rows],
-        "z": [[values[i][j] for j in columns] for i in rows], "zmin": 0.0, "zmax": most, "colorscale": "Cividis",
-        "reversescale": True, "colorbar": {"title": {"text": name}, "thickness": 12},
-        "hovertemplate": f"h/b %{{x:.3g}}<br>R %{{y:.3g}} m<br>{name} %{{z:.3g}}<extra></extra>",
-    }  # fmt: skip
-    titles = "slenderness h/b", "size R  [m]"
-    return figure([trace], 420, *({"title": {"text": title}} for title in titles), showlegend=False, margin_top=12)
+    shown = np.array([[values[i][j] for j in columns] for i in rows], dtype=np.float64)
+    x, y = [record.slenderness[j] for j in columns], [record.size_m[i] for i in rows]
+    return number_map(shown, x, y, ("slenderness h/b", "size R  [m]"), name, (0.0, most))
 
 
 def _picked(count: int) -> list[int]:

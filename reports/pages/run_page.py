@@ -18,7 +18,6 @@ from reports.blocks import (
     Drawing,
     Facts,
     Group,
-    Legend,
     Replay,
     Row,
     Table,
@@ -30,8 +29,8 @@ from reports.blocks import (
     turned,
     words,
 )
-from reports.charts.histories import histories_figure, pattern_words
-from reports.charts.palette import PATTERN_LOOKS, look
+from reports.charts.histories import histories_figure
+from reports.charts.palette import look
 from reports.drawing.replay import default_model, replay_payload
 from reports.drawing.scene_picture import scene_svg
 from reports.messages import Language
@@ -69,11 +68,8 @@ def blocks(folder: Path, record: RunRecord, say: Language) -> list[Block]:
 
 
 def _histories(source: RunSource, say: Language) -> Chart:
-    """The histories of all models, with the key of the motion patterns that they have."""
-    met = {which for run in source.runs.values() for _, _, which in run.patterns}
-    known = pattern_words(source.scene).items()
-    keys = [(PATTERN_LOOKS[name][0], said, f"pattern-{name}") for name, said in known if name in met]
-    below: list[Block] = [*([Legend(keys)] if keys else []), words(say, "histories", "caption")]
+    """The histories of all models."""
+    below = [words(say, "histories", "caption")]
     return Chart("histories", say("text.histories_chart"), histories_figure(source), 1060, "time", below)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
@@ -27,12 +26,10 @@ from reports.blocks import (
     table,
     verdict,
 )
-from reports.charts.palette import INK
+from reports.charts.map_figures import stability_figure
 from reports.messages import Language
 
 SIGNS: Final = {"stable": "●", "inaccurate": "◐", "drifting": "↗", "diverged": "✕"}
-SHADES: Final = ("#bfe0ee", "#f8e1b8", "#E69F00", "#c8562d")
-"""Of each sign on paper, where its word stands in the cell too."""
 
 
 def blocks(_folder: Path, record: StressRecord, say: Language) -> list[Block]:
@@ -116,22 +113,8 @@ def stability_map(engine: str, cells: Sequence[Found]) -> tuple[list[str], list[
 
 def stability_chart(engine: str, cells: Sequence[Found]) -> Chart:
     """The map for print, where a page has its table."""
-    settings, rows = stability_map(engine, cells)
-    known = list(SIGNS)
-    levels = [[math.nan if cell is None else known.index(cell.category) for cell in row] for _, row in rows]
-    trace = {
-        "type": "heatmap", "x": settings, "y": [words for words, _ in rows], "z": levels, "zmin": 0, "zmax": len(known) - 1,
-        "colorscale": [[k / (len(known) - 1), shade] for k, shade in enumerate(SHADES)], "showscale": False,
-    }  # fmt: skip
-    words = [
-        {"x": setting, "y": difficulty, "text": cell.category, "font": {"color": INK}, "showarrow": False}
-        for difficulty, row in rows
-        for setting, cell in zip(settings, row, strict=True)
-        if cell is not None
-    ]
-    layout = {"height": 90 + 44 * len(rows), "annotations": words, "yaxis": {"autorange": "reversed"}}
     name, title = f"stability-{engine.replace(':', '-')}", f"{engine}: what becomes of hard scenes, by setting"
-    return Chart(name, title, {"data": [trace], "layout": layout}, width=0)
+    return Chart(name, title, stability_figure(*stability_map(engine, cells)), width=0)
 
 
 def explanations(engine: str, cells: Sequence[Found]) -> list[str]:

@@ -17,7 +17,6 @@ from reports.blocks import (
     Facts,
     Group,
     Legend,
-    Panels,
     Section,
     Table,
     Text,
@@ -31,16 +30,13 @@ from reports.blocks import (
     words,
 )
 from reports.charts.map_figures import map_axes, map_figures
-from reports.charts.static_svg import WIDE
 from reports.charts.study_figures import (
-    PANEL_POINTS,
+    SHOWN_RAD,
     best_designs,
     curve_figures,
     design_figures,
     fragility_figure,
-    panel_data,
-    panel_groups,
-    panels_picture,
+    panels_figure,
     rose_picture,
 )
 from reports.drawing.scene_picture import scene_svg
@@ -64,11 +60,6 @@ MOST_MATRIX_ROWS: Final = 300
 """Longer matrices are not read; the map shows them."""
 JUDGED: Final = {"holds": "✓", "does not hold": "✕", "holds for some": "◐", "not tested": "–"}
 """The sign of each verdict on a claim."""
-MAPPED: Final = {
-    "stands": "#bfe0ee", "overturns": "#c8562d", "wall": "#E69F00", "other": "#b9bec6", "failed": "#000000",
-    "not_sent": "#ffffff",
-}  # fmt: skip
-"""The colour on a map of each family of outcomes."""
 
 
 def blocks(_folder: Path, record: StudyRecord, say: Language) -> list[Block]:
@@ -79,7 +70,6 @@ def blocks(_folder: Path, record: StudyRecord, say: Language) -> list[Block]:
     rose = rose_picture(models, cases)
     drawn: list[Chart | Drawing] = [*charts]
     drawn += [] if rose is None else [Drawing(rose.svg(say("text.study_rose")), [say("text.study_rose")], "chart-box")]
-    colours = Legend([(colour, say(f"text.map_{name}")) for name, colour in MAPPED.items()], say("text.map_pale"))
     reasons = [f"{count}: {reason}" for reason, count in Counter(row.reason for row in record.rows).most_common()]
     vary = [(label(key), ", ".join(_shown(value) for value in values)) for key, values in record.vary.items()]
     seconds = Facts([(name, say.value(value, "s")) for name, value in record.engine_seconds.items()])
@@ -91,7 +81,7 @@ def blocks(_folder: Path, record: StudyRecord, say: Language) -> list[Block]:
         *_claims(record, say),
         *_panels(record, say),
         *section(
-            say, "maps", colours if charts and charts[0].name.startswith("map") else None, grid(drawn)
+            say, "maps", grid(drawn)
         ),
         *(section(say, "pedestal", Text([say.say(effect.finding)]), grid(effect.charts)) if effect else ()),
         *(section(say, "matrix", Legend(signs, say("text.matrix")), shown) if shown else ()),
@@ -123,11 +113,10 @@ def _head(model: str) -> Cell:
 
 def _panels(record: StudyRecord, say: Language) -> list[Section]:
     """The histories in the paper's arrangement."""
-    stills = [
-        panels_picture(group, next(iter(group[0].curves)), WIDE, PANEL_POINTS).svg()
-        for group in panel_groups(record.panels)
-    ]
-    return section(say, "panels", Panels(panel_data(record.panels), stills)) if record.panels else []
+    if not record.panels:
+        return []
+    drawn = Chart("panels", say("text.panels_chart"), panels_figure(record.panels), 1060)
+    return section(say, "panels", drawn, words(say, "panels", shown=f"{SHOWN_RAD:g}"))
 
 
 def study_charts(

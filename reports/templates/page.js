@@ -24,8 +24,7 @@ const summed = ({ step, order, deltas }) => {
   for (let k = 0; k < order; k += 1) for (let n = 1; n < values.length; n += 1) values[n] += values[n - 1];
   return values.map((value) => value * step);
 };
-rockcheck.data = async (holder, coloured = (text) => text) => JSON.parse(
-  coloured(await rockcheck.unpack(holder)), (key, value) => (value && value.deltas ? summed(value) : value));
+rockcheck.data = async (holder) => JSON.parse(await rockcheck.unpack(holder), (key, value) => (value && value.deltas ? summed(value) : value));
 rockcheck.interleaved = (columns, kind) => {
   const table = new kind(columns.length * columns[0].length);
   columns.forEach((column, letter) => column.forEach((value, row) => { table[row * columns.length + letter] = value; }));
@@ -38,30 +37,8 @@ rockcheck.run = async (id) => {
   document.head.append(script);
 };
 
-const isNarrow = () => window.innerWidth < 760;
-
-/* On a dark screen figures take the dark colours of the palette; printed pages show the stills, which stay light. */
+/* On a dark screen charts take the dark colours of the palette by the page's style; printed pages show the stills, which stay light. */
 rockcheck.isDark = window.matchMedia("(prefers-color-scheme: dark)");
-const darkColours = JSON.parse(document.getElementById("dark-colours").textContent);
-const parts = (hex) => [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16));
-rockcheck.coloured = (text) => (!rockcheck.isDark.matches ? text : text
-  .replace(/#[0-9a-f]{6}/gi, (colour) => darkColours[colour.toLowerCase()] || colour)
-  .replace(/rgba\((\d+),(\d+),(\d+),/g, (all, ...rgb) => {
-    const dark = darkColours[`#${rgb.slice(0, 3).map((part) => Number(part).toString(16).padStart(2, "0")).join("")}`];
-    return dark ? `rgba(${parts(dark)},` : all;
-  }));
-const style = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-
-const fitted = (layout) => {
-  const narrow = isNarrow();
-  return {
-    ...layout,
-    font: { family: "system-ui, -apple-system, 'Segoe UI', Roboto, 'Liberation Sans', sans-serif", size: narrow ? 11 : 13, color: style("--ink") },
-    margin: { l: narrow ? 46 : 66, r: narrow ? 10 : 22, t: layout.margin_top || 40, b: layout.margin_bottom || (narrow ? 42 : 48) },
-    paper_bgcolor: style("--card"), plot_bgcolor: style("--card"), dragmode: narrow ? false : "zoom",
-    hoverlabel: { font: { size: 12, color: style("--ink") }, bgcolor: style("--card") },
-  };
-};
 
 /* The live chart stands beside its still, which is printed in its place. A chart that answers is no picture any more. */
 rockcheck.live = (chart) => {
@@ -77,11 +54,144 @@ rockcheck.live = (chart) => {
   return box;
 };
 
-const config = { responsive: true, displaylogo: false, scrollZoom: false, doubleClick: "reset",
-  modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d", "zoomIn2d", "zoomOut2d"],
-  toImageButtonOptions: { format: "svg" },
-  /* Without a pointer that hovers the bar would lie over the legend for ever. */
-  ...(matchMedia("(hover: none)").matches && { displayModeBar: false }) };
+/* Of the samples of a curve those within a stretch, and one more at each end: of every bin the first and each column's extremes. */
+const samplesOf = (along, columns, [low, high], bins) => {
+  const before = along.findIndex((value) => value >= low), after = along.findIndex((value) => value > high);
+  const from = Math.max(0, (before < 0 ? along.length : before) - 1), to = after < 0 ? along.length : after + 1;
+  const width = Math.max(1, (to - from) / bins), chosen = new Set();
+  for (let begin = from; begin < to; begin += width) {
+    const first = Math.floor(begin), end = Math.min(to, Math.floor(begin + width));
+    chosen.add(first);
+    for (const values of columns) {
+      let least = first, most = first;
+      for (let n = first; n < end; n += 1) { if (values[n] < values[least]) least = n; if (values[n] > values[most]) most = n; }
+      chosen.add(least).add(most);
+    }
+  }
+  return [...chosen.add(to - 1)].sort((a, b) => a - b);
+};
+
+/* Rows of a chart's data, which come as columns (charts/drawn.py); typed arrays are the samples of curves. */
+const listed = (part) => Object.keys(part).filter((key) => typeof part[key] === "object" && part[key] !== null);
+const isCurve = (part) => Object.values(part).some(ArrayBuffer.isView);
+const rowsOf = (parts, stretch, bins) => parts.flatMap((part) => {
+  const keys = listed(part), [along, ...others] = keys.map((key) => part[key]).filter(ArrayBuffer.isView);
+  const shown = along ? samplesOf(along, others, stretch, bins) : [...part[keys[0]].keys()];
+  return shown.map((n) => ({ ...part, ...Object.fromEntries(keys.map((key) => [key, part[key][n]])) }));
+});
+
+/* As `sized` of charts/drawn.py; where it is narrow, plots side by side stand below each other. */
+const sized = (spec, width, alone = true) => {
+  if (Array.isArray(spec)) return spec.map((each) => sized(each, width, false));
+  if (spec.spec) { const columns = width < 620 ? 1 : spec.columns; return { ...spec, columns, spec: { ...spec.spec, width: Math.max(60, (width - 96) / columns - 24) } }; }
+  const parted = ["vconcat", "hconcat"].filter((key) => spec[key]);
+  if (parted.length) return { ...spec, ...Object.fromEntries(parted.map((key) => [key, sized(spec[key], width, false)])) };
+  return alone ? { ...spec, width, autosize: { type: "fit-x", contains: "padding" } } : { ...spec, width: Math.max(60, spec.width * width - 96) };
+};
+
+/* A chart that answers: its view, the stretches of its axes (`X`, `Y`; none: as they come), and what the pointer is told. */
+const answering = async (name, spec) => {
+  const box = rockcheck.live(document.getElementById(`chart-${name}`)), { views = null, read = null } = spec.usermeta || {};
+  const part = (className, tag = "div") => box.appendChild(Object.assign(document.createElement(tag), { className }));
+  const chart = { box, views, spec }, plot = part("plot"), frame = part("frame"), tip = part("tip");
+  const kept = Object.fromEntries(spec.params.filter((each) => "value" in each).map((each) => [each.name, each.value]));
+  const bound = spec.params.filter((each) => each.bind && "value" in each).map((each) => each.name);
+  const parts = (key) => spec.datasets[key].filter((each) => bound.every((name) => !(name in each) || each[name] === kept[name]));
+  const data = (key) => rowsOf(parts(key), kept.X || (views ? views.event_s : [-Infinity, Infinity]), box.clientWidth / 3);
+  const keys = Object.keys(spec.datasets), curves = keys.filter((key) => spec.datasets[key].some(isCurve));
+  let drawn = 0;
+  chart.draw = async () => {
+    drawn = box.clientWidth;
+    for (const key of Object.keys(chart.view ? kept : {})) kept[key] = chart.view.signal(key);
+    chart.view?.finalize();
+    const { fontFamily: font } = getComputedStyle(box);
+    const params = [...spec.params.map((each) => ("value" in each ? { ...each, value: kept[each.name] } : each)), { name: "W", value: drawn }];
+    const datasets = Object.fromEntries(keys.map((key) => [key, data(key)]));
+    const options = { mode: "vega-lite", renderer: "svg", actions: false, defaultStyle: false, tooltip: false, logLevel: 1 };
+    chart.view = (await vegaEmbed(plot, { ...sized(spec, drawn), params, datasets, config: { ...spec.config, font } }, options)).view;
+    for (const name of bound) chart.view.addSignalListener(name, (_, value) => { if (kept[name] !== value) { kept[name] = value; redone(); } });
+    chart.moved?.();
+  };
+  const redone = async () => {
+    for (const key of curves) chart.view.data(key, data(key));
+    await chart.view.runAsync();
+    chart.moved?.();
+  };
+  chart.zoom = async (stretches) => {
+    for (const key of Object.keys(stretches)) chart.view.signal(key, kept[key] = stretches[key]);
+    await redone();
+  };
+  const scale = (letter) => chart.view.scale(letter);
+  chart.range = () => kept.X || scale("x").domain();
+  /* Where the pairs of axes lie on the screen. */
+  chart.plots = () => [...plot.querySelectorAll("path.background")].filter((item) => !item.closest(".role-axis, .role-legend, .role-title"))
+    .map((item) => item.getBoundingClientRect()).filter((area) => area.width > 20 && area.height > 5);
+  /* What stands at a share of an axis from its beginning. */
+  chart.value = (letter, share) => { const axis = scale(letter), [a, b] = axis.range(); return axis.invert(a + share * (b - a)); };
+  const shares = (event, area) => [(event.clientX - area.left) / area.width, 1 - (event.clientY - area.top) / area.height];
+  const under = (event) => chart.plots().find((area) => shares(event, area).every((share) => share >= 0 && share <= 1));
+  const zooms = () => ["x", "y"].filter((letter) => (letter === "x" || !spec.vconcat) && scale(letter)?.invert);
+
+  let held = null;
+  plot.addEventListener("pointerdown", (event) => {
+    const area = event.pointerType === "mouse" && !event.button && under(event);
+    if (area) { held = { area, at: [event.clientX, event.clientY] }; event.preventDefault(); }
+  });
+  const corners = (event) => {
+    const [x, y] = held.at, { area } = held, tall = zooms().includes("y") && Math.abs(event.clientY - y) > 12;
+    const inside = (value, low, high) => Math.min(Math.max(value, low), high), last = [inside(event.clientX, area.left, area.right), inside(event.clientY, area.top, area.bottom)];
+    return { x: [Math.min(x, last[0]), Math.max(x, last[0])], y: tall ? [Math.min(y, last[1]), Math.max(y, last[1])] : [area.top, area.bottom], tall };
+  };
+  window.addEventListener("pointermove", (event) => {
+    if (!held) return;
+    const { x, y } = corners(event), home = box.getBoundingClientRect();
+    Object.assign(frame.style, { display: "block", left: `${x[0] - home.left}px`, width: `${x[1] - x[0]}px`, top: `${y[0] - home.top}px`, height: `${y[1] - y[0]}px` });
+  });
+  window.addEventListener("pointerup", (event) => {
+    if (!held) return;
+    const { area } = held, { x, y, tall } = corners(event), ways = zooms();
+    held = null;
+    frame.style.display = "none";
+    if (x[1] - x[0] < 6 && !tall) { if (ways.includes("x")) chart.clicked?.(chart.value("x", shares(event, area)[0])); return; }
+    const stretch = {};
+    if (x[1] - x[0] >= 6 && ways.includes("x")) stretch.X = x.map((at) => chart.value("x", (at - area.left) / area.width));
+    if (tall) stretch.Y = [y[1], y[0]].map((at) => chart.value("y", 1 - (at - area.top) / area.height));
+    if (Object.keys(stretch).length) chart.zoom(stretch);
+  });
+  plot.addEventListener("dblclick", (event) => { if (under(event)) chart.zoom({ X: null, Y: null }); });
+
+  /* What stands at the pointer: of curves every model at its time, else what the nearest point or cell says. */
+  const told = (event, area) => {
+    const [across, up] = shares(event, area);
+    if (read) {
+      const time = chart.value("x", across), column = read[chart.plots().findIndex((each) => each.top === area.top)];
+      if (!column) return "";
+      const lines = spec.datasets[column.data].filter((each) => each[column.of]).map((each) => {
+        const after = each.t.findIndex((value) => value >= time), n = after < 0 ? each.t.length - 1 : after;
+        return `${[each.name, column.words].filter(Boolean).join(" ")} ${each[column.of][n].toFixed(column.decimals).replace("-", "−")} ${column.unit}`;
+      });
+      return [`${time.toFixed(4)} s`, ...lines].join("\n");
+    }
+    const x = scale("x"), y = scale("y"), place = (axis, value, length) => (axis(value) + (axis.bandwidth ? axis.bandwidth() / 2 : 0)) * length / Math.max(...axis.range());
+    let best = 60, said = "";
+    for (const each of keys.flatMap((key) => spec.datasets[key])) for (let n = 0; n < (each.tip?.length || 0); n += 1) {
+      const away = Math.hypot(place(x, each.x[n], area.width) - across * area.width, place(y, each.y[n], area.height) - (1 - up) * area.height);
+      if (away < best) [best, said] = [away, each.tip[n]];
+    }
+    return said;
+  };
+  plot.addEventListener("pointermove", (event) => {
+    const area = under(event), text = area && !held ? told(event, area) : "", home = box.getBoundingClientRect();
+    tip.textContent = text;
+    tip.style.display = text ? "block" : "none";
+    const left = event.clientX - home.left;
+    Object.assign(tip.style, left > home.width / 2 ? { right: `${home.width - left + 14}px`, left: "" } : { left: `${left + 14}px`, right: "" }, { top: `${event.clientY - home.top + 12}px` });
+  });
+  plot.addEventListener("pointerleave", () => { tip.style.display = "none"; });
+  new ResizeObserver(() => { if (chart.view && Math.abs(box.clientWidth - drawn) > 4) chart.draw(); }).observe(box);
+  rockcheck.charts[name] = chart;
+  await chart.draw();
+};
 
 /* What is in sight comes first; the browser may answer the reader between two charts. */
 const breath = () => new Promise((done) => setTimeout(done, 0));
@@ -89,65 +199,46 @@ rockcheck.draw = async () => {
   const away = (holder) => Math.max(0, holder.parentElement.getBoundingClientRect().top - window.innerHeight);
   const holders = [...document.querySelectorAll("script.chart-data")].map((holder) => [away(holder), holder]);
   for (const [, holder] of holders.sort((a, b) => a[0] - b[0])) {
-    const name = holder.dataset.chart;
-    const box = rockcheck.live(document.getElementById(`chart-${name}`));
-    const figure = await rockcheck.data(holder, rockcheck.coloured);
-    /* Curves over the same times share one array of them. */
-    for (const trace of figure.data) for (const letter of ["x", "y"]) {
-      if (trace[letter] && trace[letter].same) trace[letter] = figure.data[trace[letter].same[0]][trace[letter].same[1]];
-    }
-    await Plotly.react(box, figure.data, fitted(figure.layout), config);
-    rockcheck.charts[name] = { box, views: figure.views || null };
+    await answering(holder.dataset.chart, await rockcheck.data(holder));
     await breath();
   }
 };
 
 /* Buttons do what the mouse does, for keyboards and fingers. */
-const clampRange = (low, high, end) => {
-  const width = Math.min(high - low, end);
-  const start = Math.max(0, Math.min(low, end - width));
-  return [start, start + width];
-};
-const zoom = { in: [0.25, 0.75], out: [-0.5, 1.5], earlier: [-0.5, 0.5], later: [0.5, 1.5] };
+const within = ([low, high], end) => { const width = Math.min(high - low, end), start = Math.max(0, Math.min(low, end - width)); return [start, start + width]; };
+const stretches = { in: [0.25, 0.75], out: [-0.5, 1.5], earlier: [-0.5, 0.5], later: [0.5, 1.5] };
 document.addEventListener("click", (event) => {
-  const button = event.target.closest("button[data-for]");
-  const chart = button && rockcheck.charts[button.dataset.for];
+  const button = event.target.closest("button[data-for]"), chart = button && rockcheck.charts[button.dataset.for];
   if (!chart) return;
-  const { box, views } = chart;
-  const action = button.dataset.do;
-  if (action === "all") {
-    Plotly.relayout(box, views ? { "xaxis.range": [0, views.duration_s], "yaxis.range": views.near } : { "xaxis.autorange": true, "yaxis.autorange": true });
-  } else if (action === "event") {
-    Plotly.relayout(box, { "xaxis.range": views.event_s, "yaxis.range": views.near });
-  } else if (action === "height") {
+  const { views } = chart, action = button.dataset.do;
+  if (action === "all") chart.zoom({ X: views && [0, views.duration_s], Y: null });
+  else if (action === "event") chart.zoom({ X: null, Y: null });
+  else if (action === "height") {
     const whole = button.getAttribute("aria-pressed") !== "true";
     button.setAttribute("aria-pressed", String(whole));
-    Plotly.relayout(box, { "yaxis.range": whole ? views.whole : views.near });
+    chart.zoom({ Y: whole ? views.whole : null });
   } else {
-    const [low, high] = box.layout.xaxis.range.map(Number);
-    const [a, b] = zoom[action];
-    const wanted = [low + a * (high - low), low + b * (high - low)];
-    Plotly.relayout(box, { "xaxis.range": views ? clampRange(wanted[0], wanted[1], views.duration_s) : wanted });
+    const wanted = stretches[action].map((share) => chart.value("x", share));
+    chart.zoom({ X: views ? within(wanted, views.duration_s) : wanted });
   }
 });
 
 /* A cursor over the histories, kept outside the chart so that moving it draws nothing anew. */
 rockcheck.addCursor = (name) => {
-  const { box } = rockcheck.charts[name];
-  const line = document.createElement("div");
-  line.className = "cursor";
-  box.append(line);
+  const chart = rockcheck.charts[name], line = chart.box.appendChild(Object.assign(document.createElement("div"), { className: "cursor" }));
+  let areas = [], home = null;
   const place = () => {
-    const axis = box._fullLayout.xaxis, size = box._fullLayout._size;
-    const [low, high] = axis.range.map(Number);
-    const share = (rockcheck.time - low) / (high - low);
-    line.style.display = share >= 0 && share <= 1 ? "block" : "none";
-    line.style.transform = `translateX(${size.l + share * size.w}px)`;
-    line.style.top = `${size.t}px`;
-    line.style.height = `${size.h}px`;
+    const [low, high] = chart.range(), share = (rockcheck.time - low) / (high - low), [first] = areas;
+    line.style.display = first && share >= 0 && share <= 1 ? "block" : "none";
+    if (first) line.style.transform = `translateX(${first.left - home.left + share * first.width}px)`;
   };
-  box.on("plotly_relayout", place);
-  box.on("plotly_afterplot", place);
+  chart.moved = () => {
+    areas = chart.plots();
+    home = chart.box.getBoundingClientRect();
+    Object.assign(line.style, { top: `${areas[0].top - home.top}px`, height: `${areas.at(-1).bottom - areas[0].top}px` });
+    place();
+  };
+  chart.moved();
   return place;
 };
 
@@ -179,6 +270,5 @@ const start = async () => {
   for (const next of rockcheck.whenReady) await next();
   rockcheck.readyMs = performance.now();
   document.documentElement.dataset.ready = "yes";
-  rockcheck.isDark.addEventListener("change", rockcheck.draw);
 };
 document.addEventListener("DOMContentLoaded", start);

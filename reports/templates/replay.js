@@ -70,6 +70,7 @@ rockcheck.whenReady.push(async () => {
   for (const model of data.models) {
     const frames = model.frames;
     const body = new THREE.Mesh(geometry, null);
+    body.position.x = -data.corner_right_m; /* it turns about its right corner */
     const tilt = new THREE.Group(), whole = new THREE.Group();
     tilt.rotation.order = "ZYX";
     tilt.add(body);
@@ -77,7 +78,6 @@ rockcheck.whenReady.push(async () => {
     let stone = null;
     if (data.pedestal) {
       stone = new THREE.Mesh(new THREE.BoxGeometry(data.pedestal.width_m, data.pedestal.depth_m, data.pedestal.height_m), null);
-      stone.position.set(centre + data.pedestal.offset_m, 0, 0.5 * lift);
       stone.rotation.order = "ZYX";
       whole.add(stone);
     }
@@ -116,32 +116,16 @@ rockcheck.whenReady.push(async () => {
   };
   const choice = { solid: root.dataset.solid, ghost: root.dataset.ghost, beside: false };
   const pose = (figure, time) => {
-    const theta = at(figure, "theta_rad", time);
-    const lean = figure.stone ? at(figure, "pedestal_tilt_rad", time) : 0;
-    const up = data.pedestal ? 0.5 * (lift * Math.cos(lean) + data.pedestal.width_m * Math.abs(Math.sin(lean))) : 0; /* its centroid */
-    const pivot = theta >= lean ? data.corner_right_m : -data.corner_left_m;
-    const slip = at(figure, "slip_m", time);
-    /* the edge on which the pedestal stands slips; its centroid turns about that */
-    const shift = data.pedestal ? 0.5 * (lift * Math.sin(lean) + Math.sign(lean) * data.pedestal.width_m * (1 - Math.cos(lean))) : 0;
+    const of = (name) => at(figure, name, time), places = (body) => ["x", "y", "z"].map((letter) => of(`${body}_${letter}_m`));
     const aside = choice.beside && figure.model.name === choice.ghost ? Math.max(1.15 * data.height_m, 1.6 * (data.pedestal ? data.pedestal.depth_m : data.depth_m)) : 0;
     figure.whole.position.y = aside;
-    if (figure.frames.corner_right_x_m) {
-      figure.tilt.position.set(...["x", "y", "z"].map((axis) => at(figure, `corner_right_${axis}_m`, time)));
-      figure.tilt.rotation.set(at(figure, "roll_rad", time), at(figure, "pitch_rad", time), at(figure, "yaw_rad", time));
-      figure.body.position.x = -data.corner_right_m;
-    } else {
-      /* along the pedestal's top from its middle, which turns about the centroid */
-      const middle = data.pedestal ? centre + data.pedestal.offset_m : 0, along = pivot + at(figure, "statue_slip_m", time) - middle;
-      const cos = Math.cos(lean), sin = Math.sin(lean);
-      figure.tilt.position.set(middle + slip + shift + along * cos + 0.5 * lift * sin, 0, up + 0.5 * lift * cos - along * sin);
-      figure.tilt.rotation.y = theta;
-      figure.body.position.x = -pivot;
-    }
+    figure.tilt.position.set(...places("corner_right"));
+    figure.tilt.rotation.set(of("roll_rad"), of("pitch_rad"), of("yaw_rad"));
     if (figure.stone) {
-      figure.stone.position.set(centre + data.pedestal.offset_m + slip + shift, at(figure, "pedestal_y_m", time), up);
-      figure.stone.rotation.set(0, lean, at(figure, "pedestal_yaw_rad", time));
+      figure.stone.position.set(...places("pedestal"));
+      figure.stone.rotation.set(0, of("pedestal_tilt_rad"), of("pedestal_yaw_rad"));
     }
-    return theta;
+    return of("theta_rad");
   };
   const dress = () => {
     for (const [name, figure] of figures) {
@@ -263,7 +247,7 @@ rockcheck.whenReady.push(async () => {
   };
   if (rockcheck.charts.histories) {
     moveCursor = rockcheck.addCursor("histories");
-    rockcheck.charts.histories.box.on("plotly_click", (event) => { setPlaying(false); rockcheck.setTime(event.points[0].x); });
+    rockcheck.charts.histories.clicked = (time) => { setPlaying(false); rockcheck.setTime(time); };
   }
   wait.remove();
   stage.prepend(canvas);

@@ -14,7 +14,8 @@ from harness.records.study import StudyRecord
 from harness.records.trust import Saved
 from reports.blocks import Chart
 from reports.charts import Json
-from reports.charts.figure import axis, curve, figure, level, note
+from reports.charts.figure import across, figure, kinds, level, marks, names, points, upwards
+from reports.charts.palette import Look
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
 from reports.drawing.kinematics import section
 from reports.messages import ENGLISH
@@ -73,32 +74,33 @@ def _saved(cases: Sequence[Condition], model: str) -> Finding:
     return info("pedestal_saves", model=model, **vars(saved))
 
 
+SETTINGS: Final = {"on the floor": FLOOR_COLOUR, "on the pedestal": PEDESTAL_COLOUR}
+
+
 def _by_setting(fell: Mapping[tuple[float, str], Sequence[bool]], title: str) -> Json:
-    data = []
-    for setting, colour in (("on the floor", FLOOR_COLOUR), ("on the pedestal", PEDESTAL_COLOUR)):
-        places = sorted(place for place in fell if place[1] == setting)
-        shares = [100.0 * sum(fell[place]) / len(fell[place]) for place in places]
-        text = [f"{sum(fell[place])}/{len(fell[place])}" for place in places]
-        data.append(
-            {
-                "type": "bar", "name": setting, "x": [f"{place[0]:g}" for place in places], "y": shares, "text": text,
-                "textposition": "outside", "cliponaxis": False, "marker": {"color": colour},
-            }
-        )  # fmt: skip
-    x, y = {"title": {"text": title}, "type": "category"}, axis("overturns  [%]", range=[0, 112])
-    return figure(data, 360, x, y, barmode="group")
+    places = sorted(fell)
+    parts = [
+        {
+            "kind": setting, "x": [f"{place[0]:g}" for place in mine],
+            "y": [100.0 * sum(fell[place]) / len(fell[place]) for place in mine],
+            "count": [f"{sum(fell[place])}/{len(fell[place])}" for place in mine],
+        }
+        for setting in SETTINGS for mine in [[place for place in places if place[1] == setting]]
+    ]  # fmt: skip
+    beside = {"xOffset": {"field": "kind", "sort": list(SETTINGS)}}
+    bars = marks("bar", "falls", beside | {"color": kinds(SETTINGS)})
+    words = marks("text", "falls", beside | {"text": {"field": "count"}}, dy=-7, clip=False)
+    x = names("x", [f"{value:g}" for value in sorted({place[0] for place in places})], title, labelAngle=0, grid=False)
+    return figure([bars, words], 340, {"falls": parts}, x, upwards("y", "overturns  [%]", {"domain": [0, 112]}))
 
 
 def _reach_by_setting(reach: Mapping[tuple[float, str], float], title: str, record: StudyRecord) -> Json:
-    data = []
-    for setting, colour in (("on the floor", FLOOR_COLOUR), ("on the pedestal", PEDESTAL_COLOUR)):
-        places = [place for place in sorted(reach) if place[1] == setting]
-        x, y = [place[0] for place in places], [reach[place] for place in places]
-        data.append(curve(x, y, {"color": colour}, name=setting, mode="lines+markers"))
-    wall, lines = record.scene.wall, {}
-    if wall is not None:
-        at = wall.distance_m
-        dashed = {"color": WALL_COLOUR, "width": 1.5, "dash": "dash"}
-        words = note(1, at, "wall", xref="paper", xanchor="right", yanchor="bottom")
-        lines = {"shapes": [level(at, dashed)], "annotations": [words]}
-    return figure(data, 360, axis(title), axis("top moves by  [m]", rangemode="tozero"), **lines)
+    parts = [
+        {"name": setting, "x": [place[0] for place in mine], "y": [reach[place] for place in mine]}
+        for setting in SETTINGS for mine in [[place for place in sorted(reach) if place[1] == setting]]
+    ]  # fmt: skip
+    y = upwards("y", "top moves by  [m]", {"zero": True})
+    wall = record.scene.wall
+    lines = [] if wall is None else level(wall.distance_m, "wall", line=Look(WALL_COLOUR, "6 4", 1.5))
+    looks = {setting: Look(colour) for setting, colour in SETTINGS.items()}
+    return figure([*points("reach", looks, y, first=True), *lines], 340, {"reach": parts}, across("x", title), y)

@@ -18,8 +18,8 @@ from harness.input.motions.records import aligned
 from harness.input.motions.series import displacement_m, velocity_m_s
 from harness.input.motions.spec import SpectrumSpec
 from harness.input.motions.spectra import DesignSpectrum, design_spectrum
-from reports.export.figures import write_picture
-from reports.export.motion_figure import motion_picture
+from reports.export.figures import printed, write_picture
+from reports.export.motion_figure import WIDE, motion_picture
 
 DURATION_S: Final = 60.0
 RATE_HZ: Final = 200.0
@@ -65,7 +65,7 @@ def look_at(path: Path, folder: Path) -> str:
     """What a user's look at a record costs: read, process each component, draw."""
     for series in aligned(read_record(path)).values():
         bandpass(baseline(series, "linear"), 0.1, 25.0)
-    write_picture(motion_picture(inspect_file(path)), folder / "motion.png", dpi=150)
+    write_picture(printed(motion_picture(inspect_file(path)), WIDE), folder / "motion.png", dpi=150)
     return ""
 
 

@@ -2,7 +2,7 @@
 
 For each folder: the time of writing (first and again: the first loads the libraries), the bytes, and the time from opening the
 file to a page that answers (`rockcheck.readyMs`, which the page itself keeps), best and worst of some openings in a browser
-context of its own; then the same page with the wheel's whole chart library in place of the reduced one.
+context of its own.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from __future__ import annotations
 import argparse
 import shutil
 import sys
-import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -18,9 +17,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from reports.charts.library import chart_library, reduced, whole_library
+from reports.charts.library import chart_library
 from reports.cli.ending import FAILED, OK, guarded
-from reports.pages.assets import pack_text
 from reports.pages.page import write_report
 
 if TYPE_CHECKING:
@@ -80,14 +78,6 @@ def writing_s(folder: Path) -> tuple[Path, float]:
     return page, time.perf_counter() - begin
 
 
-def with_whole_library(page: Path, folder: Path) -> Path:
-    """A copy of a page with the wheel's whole chart library."""
-    copy = folder / f"{page.parent.name}.html"
-    text = page.read_text(encoding="utf-8").replace(chart_library(), pack_text(whole_library()))
-    copy.write_text(text, encoding="utf-8")
-    return copy
-
-
 def measured(browser: Browser, page: Path) -> str:
     """Bytes of a page and how fast it is ready, in words."""
     times = ready_ms(browser, page)
@@ -96,19 +86,14 @@ def measured(browser: Browser, page: Path) -> str:
 
 def run(folders: Sequence[Path]) -> int:
     """Print one line for each folder; 1 when there is no browser."""
-    whole = whole_library()
-    print(f"chart library: {len(reduced(whole)) / 1e6:.1f} MB of the wheel's {len(whole) / 1e6:.1f} MB", flush=True)
+    print(f"chart library: {len(chart_library()) / 1e6:.2f} MB of each page", flush=True)
     try:
-        with chromium() as browser, tempfile.TemporaryDirectory() as spare:
+        with chromium() as browser:
             for folder in folders:
                 page, first_s = writing_s(folder)
                 _, again_s = writing_s(folder)
                 print(
                     f"{folder}: written in {first_s:.1f} s (again {again_s:.1f} s); {measured(browser, page)}",
-                    flush=True,
-                )
-                print(
-                    f"  with the whole chart library {measured(browser, with_whole_library(page, Path(spare)))}",
                     flush=True,
                 )
     except NoBrowser as missing:

@@ -37,6 +37,6 @@ def test_it_writes_opens_and_times_a_page(tmp_path: Path, capsys: pytest.Capture
         assert found is not None, line
         sizes.append(float(found[1]))
         times.append((float(found[2]), float(found[3])))
+    assert len(sizes) == 1
     assert sizes[0] == pytest.approx((folder / "report.html").stat().st_size / 1e6, abs=0.05)
-    assert sizes[1] > sizes[0], "the second page carries the whole library"
     assert all(0.0 < best <= worst for best, worst in times)

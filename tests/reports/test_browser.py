@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -73,6 +74,12 @@ def visit(browser: Any, pages: dict[str, Path]) -> Iterator[Callable[[str, str],
         found.page.context.close()
 
 
+def plot_of(page: Any, name: str = "histories") -> dict[str, float]:
+    """The first pair of axes of a chart on the screen."""
+    box: dict[str, float] = page.evaluate(f"rockcheck.charts['{name}'].plots()[0].toJSON()")
+    return box
+
+
 def errors(found: Visit) -> list[str]:
     return [text for text in found.said if SOFTWARE_WEBGL not in text]
 
@@ -137,8 +144,8 @@ def test_the_drawn_pose_is_the_recorded_rotation(visit: Callable[[str, str], Vis
     drawn = page.evaluate("rockcheck.replay.figures.get('analytic').tilt.rotation.y")
     told = page.locator("[data-theta=analytic]").inner_text()
     assert f"{abs(drawn):.4f} rad" in told
-    pivot = page.evaluate("rockcheck.replay.figures.get('analytic').body.position.x")
-    assert (pivot > 0) == (drawn < 0), "θ < 0 turns about the left corner, which lies behind the mesh's origin"
+    corner_z = page.evaluate("rockcheck.replay.figures.get('analytic').tilt.position.z")
+    assert (corner_z > 0.2 + 1e-6) == (drawn < 0), "θ < 0 turns about the left corner, which lifts the right one"
 
 
 def test_slider_and_cursor_follow_one_clock(visit: Callable[[str, str], Visit]) -> None:
@@ -147,7 +154,7 @@ def test_slider_and_cursor_follow_one_clock(visit: Callable[[str, str], Visit]) 
     assert page.evaluate("rockcheck.time") == pytest.approx(5.0)
     cursor, plot = (
         page.locator(".cursor").bounding_box(),
-        page.locator("#chart-histories .nsewdrag").first.bounding_box(),
+        plot_of(page),
     )
     assert cursor["x"] == pytest.approx(plot["x"] + 0.5 * plot["width"], abs=3.0)
     page.locator("[data-for=histories][data-do=in]").click()
@@ -158,15 +165,14 @@ def test_slider_and_cursor_follow_one_clock(visit: Callable[[str, str], Visit]) 
 
 def test_the_histories_zoom_by_mouse_and_by_button(visit: Callable[[str, str], Visit]) -> None:
     page = visit("run", "desk").page
-    span = "(() => { const [a, b] = rockcheck.charts.histories.box.layout.xaxis.range; return b - a; })()"
+    span = "(() => { const [a, b] = rockcheck.charts.histories.range(); return b - a; })()"
     whole = page.evaluate(span)
     page.locator("[data-for=histories][data-do=in]").click()
     assert page.evaluate(span) == pytest.approx(whole / 2.0)
     page.locator("[data-for=histories][data-do=all]").click()
     assert page.evaluate(span) == pytest.approx(whole)
-    box = page.locator("#chart-histories .nsewdrag").first
-    box.scroll_into_view_if_needed()
-    area = box.bounding_box()
+    page.locator("#chart-histories .live").scroll_into_view_if_needed()
+    area = plot_of(page)
     middle = area["y"] + 0.5 * area["height"]
     page.mouse.move(area["x"] + 0.2 * area["width"], middle)
     page.mouse.down()
@@ -174,6 +180,46 @@ def test_the_histories_zoom_by_mouse_and_by_button(visit: Callable[[str, str], V
     page.mouse.up()
     page.wait_for_function(f"{span} < 0.3 * {whole}")
     assert page.evaluate(span) == pytest.approx(0.2 * whole, rel=0.1)
+    domain = page.evaluate("rockcheck.charts.histories.view.scale('x').domain()")
+    assert domain == page.evaluate("rockcheck.charts.histories.range()"), "all rows share the stretch"
+    shown = page.evaluate("rockcheck.charts.histories.view.data('histories').map((row) => row.t)")
+    low, high = domain
+    assert sum(low <= t <= high for t in shown) >= len(shown) - 6, "of each model one more sample at each end"
+
+
+def test_a_click_sets_the_replay_and_the_pointer_is_told_what_stands_there(visit: Callable[[str, str], Visit]) -> None:
+    page = visit("run", "desk").page
+    page.locator("#chart-histories .live").scroll_into_view_if_needed()
+    area = plot_of(page)
+    place = area["x"] + 0.3 * area["width"], area["y"] + 0.5 * area["height"]
+    page.mouse.move(*place)
+    told = page.locator("#chart-histories .tip").inner_text().split("\n")
+    assert told[0] == "3.0000 s"
+    assert [line.split()[0] for line in told[1:]] == ["analytic", "pymunk", "pybullet"]
+    page.mouse.click(*place)
+    assert page.evaluate("rockcheck.time") == pytest.approx(3.0, abs=10.0 / area["width"])
+
+
+def test_a_map_tells_of_its_cells_and_zooms_both_ways(visit: Callable[[str, str], Visit]) -> None:
+    page = visit("map", "desk").page
+    name = page.evaluate("Object.keys(rockcheck.charts).find((each) => rockcheck.charts[each].spec.datasets.tips)")
+    page.locator(f"#chart-{name} .live").scroll_into_view_if_needed()
+    area = plot_of(page, name)
+    corner, centre = (area["x"] + 8, area["y"] + 8), (area["x"] + 0.5 * area["width"], area["y"] + 0.5 * area["height"])
+    page.mouse.move(*centre)
+    assert page.locator(f"#chart-{name} .tip").inner_text()
+    domains = f"['x', 'y'].map((each) => rockcheck.charts['{name}'].view.scale(each).domain())"
+    whole = page.evaluate(domains)
+    page.mouse.move(*corner)
+    page.mouse.down()
+    page.mouse.move(*centre, steps=4)
+    page.mouse.up()
+    page.wait_for_function(f"{domains}[0][1] < {whole[0][1]}")
+    (x, y) = page.evaluate(domains)
+    assert (x[0] > whole[0][0], x[1] < whole[0][1]) == (True, True)
+    assert (y[0] > whole[1][0], y[1] < whole[1][1]) == (True, True)
+    page.mouse.dblclick(*centre)
+    page.wait_for_function(f"JSON.stringify({domains}) === '{json.dumps(whole, separators=(',', ':'))}'")
 
 
 def test_the_keyboard_alone_plays_turns_and_reaches_everything(visit: Callable[[str, str], Visit]) -> None:
@@ -201,14 +247,14 @@ def test_pictures_and_controls_have_names(visit: Callable[[str, str], Visit]) ->
 
 def test_the_papers_panels_change_with_group_and_model(visit: Callable[[str, str], Visit]) -> None:
     page = visit("table", "desk").page
-    shown = "document.querySelector('#panel-chart > .live').data.length"
-    both = page.evaluate(shown)
-    assert both == 30
-    page.locator("[data-panel-group='2']").click()
-    page.locator("#panel-model").select_option("pymunk (imposed ratio)")
-    page.wait_for_timeout(200)
-    assert page.evaluate(shown) == both
-    assert page.locator("[data-panel-group='2']").get_attribute("aria-pressed") == "true"
+    shown = "JSON.stringify([...new Set(rockcheck.charts.panels.view.data('panels').map((row) => `${row.model} ${row.r}`))])"
+    assert page.evaluate(shown) == '["analytic (own impact) 0.85"]'
+    assert page.locator("#chart-panels .live .mark-line path").count() == 30
+    model, restitution = (page.locator("#chart-panels select").nth(k) for k in (0, 1))
+    restitution.select_option("0.9")
+    model.select_option("pymunk (imposed ratio)")
+    page.wait_for_function(f"""{shown} === '["pymunk (imposed ratio) 0.9"]'""")
+    assert page.locator("#chart-panels .live .mark-line path").count() == 30
 
 
 @pytest.mark.parametrize("name", ["run", "table", "map"])
@@ -233,9 +279,14 @@ def test_a_page_opens_on_the_event(browser: Any, pages: dict[str, Path]) -> None
     page.goto(pages["run"].as_uri())
     page.wait_for_selector("html[data-ready=yes]", timeout=60_000)
     views = page.evaluate("rockcheck.charts.histories.views")
-    assert page.evaluate("rockcheck.charts.histories.box.layout.xaxis.range") == views["event_s"]
+    assert page.evaluate("rockcheck.charts.histories.range()") == views["event_s"]
     assert page.evaluate("rockcheck.time") == views["event_s"][0]
-    assert page.evaluate("rockcheck.charts.histories.box.layout.yaxis.fixedrange") is True
+    upright = "rockcheck.charts.histories.view.scale('concat_0_y').domain()"
+    assert page.evaluate(upright) == views["near"]
+    page.locator("[data-for=histories][data-do=in]").click()
+    assert page.evaluate(upright) == views["near"]
+    page.locator("[data-for=histories][data-do=height]").click()
+    page.wait_for_function(f"JSON.stringify({upright}) === JSON.stringify(rockcheck.charts.histories.views.whole)")
     verdict = page.locator("#verdict").bounding_box()
     assert verdict["y"] + verdict["height"] <= 800, "the answer stands before the fold"
     context.close()

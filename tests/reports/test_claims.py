@@ -286,7 +286,7 @@ def test_a_title_reaches_no_page_with_its_control_characters(told: list[Told]) -
 def test_the_first_view_of_a_history_shows_some_of_it(told: list[Told]) -> None:
     """Upwards, and over rotations that the statue takes: one let go beyond its balance points never comes near them."""
     for item in told:
-        low, high = histories_figure(item.source)["layout"]["yaxis"]["range"]
+        low, high = histories_figure(item.source)["usermeta"]["views"]["near"]
         theta = item.source.histories["analytic"].theta_rad
         assert low < high, item.seed
         assert ((theta >= low) & (theta <= high)).any(), item.seed

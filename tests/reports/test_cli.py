@@ -476,7 +476,7 @@ def test_asking_for_help_imports_no_simulator(tmp_path: Path) -> None:
     code = (
         "import sys\nfrom reports.cli import app\n"
         "try:\n    app(['run', '--help'])\nexcept SystemExit:\n    pass\n"
-        "heavy = {'pybullet', 'pymunk', 'trimesh', 'matplotlib', 'plotly', 'scipy', 'numba'}\n"
+        "heavy = {'pybullet', 'pymunk', 'trimesh', 'matplotlib', 'vl_convert', 'scipy', 'numba'}\n"
         "print(sorted(heavy & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)

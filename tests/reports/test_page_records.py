@@ -21,15 +21,17 @@ from harness.records.validation import ValidationRecord
 from harness.studies.answer import answer_of, findings_of
 from harness.validation.validation_run import answer_of as validation_answer
 from reports.blocks import Cell, Chart, Group, Section, Table
+from reports.charts.curve_figures import on_front, precision_figure, scaling_figure
 from reports.charts.study_figures import rose_picture
 from reports.drawing.shapes import Disc
 from reports.messages import ENGLISH
-from reports.pages.bench_page import bench_verdict, on_front, precision_figure, scaling_figure
+from reports.pages.bench_page import bench_verdict
 from reports.pages.page import page_blocks, write_report
 from reports.pages.stress_page import explanations, stress_verdict
 from reports.pages.validation_page import validation_verdict
 from reports.text.study_rows import agreement, conditions
 from tests.reports import invented_records, invented_study
+from tests.reports.charts.parts import part
 from tests.reports.page_parts import every, lines, rows
 from tests.reports.pages.test_run_page import without_data
 
@@ -82,10 +84,9 @@ def test_agreement_counts_pairs_of_one_variant_only(tmp_path: Path) -> None:
 def test_a_map_shows_what_was_not_asked(tmp_path: Path) -> None:
     folder = invented_study.write_map_study(tmp_path)
     charts = {each.name: each.figure for each in every(page_blocks(folder, invented_study.study(folder)), Chart)}
-    whole, part = charts["map-1"]["data"][0]["z"], charts["map-2"]["data"][0]["z"]
-    assert not any(code == 0 for row in whole for code in row)
-    assert any(code == 0 for row in part for code in row)
-    assert charts["map-1"]["layout"]["xaxis"]["type"] == "log"
+    assert "not asked" not in part(charts["map-1"], "cells")["kind"]
+    assert "not asked" in part(charts["map-2"], "cells")["kind"]
+    assert charts["map-1"]["encoding"]["x"]["scale"]["type"] == "log"
     assert any(name.startswith("fragility") for name in charts)
 
 
@@ -209,8 +210,8 @@ def test_settings_of_one_engine_look_different() -> None:
     from reports.charts.validation_figures import styles
 
     coarse, fine = styles({"pymunk@dt=0.001": "pymunk", "pymunk@dt=0.0005": "pymunk"}).values()
-    assert coarse[0] == fine[0]
-    assert coarse[1] != fine[1]
+    assert coarse.colour == fine.colour
+    assert coarse.dash != fine.dash
 
 
 def test_a_bench_shows_what_skips_gain_and_what_the_target_takes(tmp_path: Path) -> None:
@@ -258,9 +259,9 @@ def test_a_run_that_is_compared_with_itself_stands_in_no_plot_and_on_no_front() 
     itself = replace(best, error_rad=0.0, cpu_s=1e-9, label="itself")
     assert not on_front(itself, [*rows, itself])
     assert [on_front(row, [*rows, itself]) for row in rows] == [on_front(row, rows) for row in rows]
-    drawn = precision_figure(best.scene, [*rows, itself], 1e-3)["data"]
-    assert all(value > 0.0 for line in drawn for value in line["y"])
-    assert "itself" not in {text for line in drawn for text in line.get("text", ())}
+    drawn = precision_figure(best.scene, [*rows, itself], 1e-3)["datasets"]
+    assert all(value > 0.0 for name in ("settings", "levels", "front") for line in drawn[name] for value in line["y"])
+    assert not any("itself" in tip for line in drawn["settings"] for tip in line["tip"])
 
 
 def test_scaling_is_one_plot_of_time_and_memory_with_a_table(tmp_path: Path) -> None:
@@ -270,11 +271,13 @@ def test_scaling_is_one_plot_of_time_and_memory_with_a_table(tmp_path: Path) -> 
         for value in (2.0, 8.0)
     ]  # fmt: skip
     figure = scaling_figure(points)
-    lines = [line for line in figure["data"] if line["name"] != "in proportion"]
-    assert [line["yaxis"] for line in lines] == ["y", "y2"] * 3
+    lines = figure["datasets"]["sizes"]
+    assert [line["name"] for line in lines] == ["pymunk", "pymunk", "analytic"]
     assert all(line["x"] == [1.0, 4.0] for line in lines)
-    assert [line["y"] for line in lines[:2]] == [[2e-3, 8e-3], [52.0, 58.0]]
-    assert {figure["layout"][axis]["type"] for axis in ("xaxis", "yaxis", "yaxis2")} == {"log"}
+    assert (lines[0]["wall_s"], lines[0]["memory_mb"]) == ([2e-3, 8e-3], [52.0, 58.0])
+    upright = [row["layer"][0]["encoding"]["y"] for row in figure["vconcat"]]
+    assert [(each["field"], each["scale"]["type"]) for each in upright] == [("wall_s", "log"), ("memory_mb", "log")]
+    assert all(row["encoding"]["x"]["scale"]["type"] == "log" for row in figure["vconcat"])
     write_json(tmp_path / "result.json", as_file(replace(invented_records.bench(), scaling=points)))
     (first, *_) = rows(page_blocks(tmp_path, read_result(tmp_path)), ENGLISH("table.scaling"))
     assert first == ["pymunk, duration [s]", "2.00", "0.00200", "52.0"]

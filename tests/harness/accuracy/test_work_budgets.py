@@ -93,7 +93,7 @@ def test_an_outcome_allocates_no_history(forced: Scene, name: str, duration_s: f
     assert sizes[True] > budgets.OUTCOME_ALLOCATED_KB[name], "the budget does not see a history: it sees nothing"
 
 
-HEAVY = {"pybullet", "pymunk", "numba", "llvmlite", "trimesh", "scipy", "matplotlib", "plotly", "jinja2"}
+HEAVY = {"pybullet", "pymunk", "numba", "llvmlite", "trimesh", "scipy", "matplotlib", "vl_convert", "jinja2"}
 """Libraries that cost a tenth of a second or more to import."""
 NEEDED = {"pymunk": {"pymunk", "llvmlite"}, "pybullet": {"pybullet", "scipy", "llvmlite"}, "analytic": {"llvmlite"}}
 """Those of them that a run of one engine needs: over still ground its end is asked of the model's own rule."""

@@ -30,13 +30,14 @@ from harness.trust import plane, trust_run
 from harness.trust.plane import Plane, Point
 from harness.trust.point import Said
 from harness.trust.trust_run import Map, confirmed_up_to_g, crossing, doubtful, engines_of, falls
+from reports.charts.map_figures import trust_map
 from reports.cli import app
 from reports.messages import ENGLISH
 from reports.pages.page import write_report
-from reports.pages.trust_page import map_figure
 from reports.terminal import COLUMNS, LINES, trust_lines
 from tests.harness.trust.test_plane import BLOCK
 from tests.reports import invented_records
+from tests.reports.charts.parts import kind_at
 
 KEYS = {"amplitude_g", "frequency_hz", "class", "basis", "amplitude_over_g_tan_alpha", "frequency_over_p"}
 
@@ -290,12 +291,13 @@ def test_the_map_s_picture_has_a_colour_and_a_name_for_each_class(small: Path, t
     assert isinstance(record, TrustRecord)
     (only,) = record.maps
     assert {cell["frequency_hz"] for cell in only.cells} == {None}
-    drawn = map_figure(only)
-    heat, *named = drawn["data"]
-    assert [[CLASSES[code] for code in row] for row in heat["z"]] == [[cell["class"]] for cell in only.cells]
-    assert len(named) - 1 == len({cell["class"] for cell in only.cells})
+    drawn = trust_map(only)
+    shown = [kind_at(drawn, 0.0, cell["amplitude_g"]) for cell in only.cells]
+    assert shown == [ENGLISH.word(cell["class"]) for cell in only.cells]
+    key = drawn["layer"][0]["encoding"]["fill"]["scale"]["domain"]
+    assert set(key) == set(shown)
     changed = replace(only, shares={**only.shares, "refuted": 0.5})
-    assert len(map_figure(changed)["data"]) == len(drawn["data"]) + 1
+    assert trust_map(changed)["layer"][0]["encoding"]["fill"]["scale"]["domain"] == [*key, ENGLISH.word("refuted")]
 
 
 def test_a_map_of_every_class_fits_the_terminal_and_its_page_names_each(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from reports.charts.map_figures import map_axes
 from reports.charts.study_figures import curve_figures
 from reports.text.study_rows import Condition
+from tests.reports.charts.parts import part
 from tests.reports.invented_study import case_row, case_run
 
 MODEL, KEY, OTHER = "analytic (own)", "motion.x.amplitude_g", "motion.x.frequency_hz"
@@ -20,11 +21,12 @@ def test_one_axis_has_outcome_rotation_and_slip() -> None:
     cases = [condition(value) for value in (0.4, 0.2, 0.3)]
     ((words, figure),) = curve_figures([MODEL], cases, [KEY])
     assert words == "By amplitude [g]"
-    outcome, peak, slip = figure["data"]
-    assert outcome["x"] == [0.2, 0.3, 0.4]
-    assert outcome["y"] == ["stands", "stands", "overturns left"]
-    assert peak["y"] == [0.2, 0.3, None], "of a statue that falls no rotation is told"
-    assert slip["y"] == [2.0, 3.0, None]
+    assert len(figure["vconcat"]) == 3
+    runs = part(figure, "runs", MODEL)
+    assert runs["x"] == [0.2, 0.3, 0.4]
+    assert runs["outcome"] == ["stands", "stands", "overturns left"]
+    assert runs["theta"] == [0.2, 0.3, None], "of a statue that falls no rotation is told"
+    assert runs["slip"] == [2.0, 3.0, None]
 
 
 def test_two_axes_make_a_map_and_no_curve() -> None:

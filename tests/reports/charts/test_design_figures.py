@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from reports.charts.study_figures import best_designs, design_figures
 from reports.text.study_rows import Condition
+from tests.reports.charts.parts import kind_at, part
 from tests.reports.invented_study import case_row, case_run
 
 MODEL = "analytic (own)"
@@ -38,10 +39,18 @@ def test_where_no_design_holds_that_is_said() -> None:
 
 def test_the_map_marks_the_places_that_tip() -> None:
     (_, peak), (_, slip) = design_figures([MODEL], DESIGNS, AXES)
-    assert peak["data"][0]["z"] == [[None, 0.1], [0.1, 0.1]], "of a statue that falls no rotation is told"
-    heat, marks = slip["data"]
-    assert heat["z"] == [[10.0, 20.0], [1.0, 30.0]]
-    assert (marks["x"], marks["y"]) == ([0.4], [0.5])
+    assert kind_at(peak, 0.4, 0.2) is None, "of a statue that falls no rotation is told"
+    assert all(kind_at(peak, *place) is not None for place in ((0.8, 0.2), (0.4, 0.5), (0.8, 0.5)))
+    told = {(x, y): tip for x, y, tip in zip(*(part(slip, "tips")[key] for key in ("x", "y", "tip")), strict=True)}
+    assert [told[place].rpartition("\n")[2] for place in ((0.4, 0.2), (0.8, 0.2), (0.4, 0.5))] == [
+        "10 mm",
+        "20 mm",
+        "1 mm",
+    ]
+    shades = [kind_at(slip, *place) for place in ((0.4, 0.5), (0.4, 0.2), (0.8, 0.2), (0.8, 0.5))]
+    assert shades == sorted(shades, key=float), "the darker the larger"
+    assert part(slip, "tipping") == {"x": [0.4], "y": [0.5]}
+    assert "tipping" not in peak["datasets"]
 
 
 def test_nothing_that_slides_makes_no_design_map() -> None:

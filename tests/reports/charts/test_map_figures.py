@@ -7,8 +7,10 @@ from typing import Any
 import pytest
 
 from harness.studies import case_selection as selection
-from reports.charts.map_figures import CODES, map_figures
+from reports.charts.map_figures import map_figures
+from reports.messages import ENGLISH
 from reports.text.study_rows import Condition
+from tests.reports.charts.parts import kind_at, part
 from tests.reports.invented_study import case_row, case_run
 
 SIZE = 17
@@ -47,19 +49,17 @@ def figures() -> dict[str, dict[str, Any]]:
 
 
 def test_places_that_were_not_computed_are_pale(figures: dict[str, dict[str, Any]]) -> None:
-    codes = figures["pybullet (own)"]["data"][0]["z"]
-    assert CODES[codes[16][0]] == "overturns"
-    assert CODES[codes[3][3]] == "around stands"
-    assert CODES[codes[9][3]] == "stands"
-    assert not any(
-        CODES[code].startswith("around") for row in figures["analytic (own)"]["data"][0]["z"] for code in row
-    )
+    map_ = figures["pybullet (own)"]
+    assert kind_at(map_, 1.0, 16.0) == "overturns"
+    assert kind_at(map_, 4.0, 3.0) == ENGLISH("text.map_around", what="stands")
+    assert kind_at(map_, 4.0, 9.0) == "stands"
+    assert set(part(figures["analytic (own)"], "cells")["kind"]) == {"stands", "overturns"}
+    key = map_["layer"][0]["encoding"]["fill"]["scale"]["domain"]
+    assert set(key) == set(part(map_, "cells")["kind"]), "the key names what the map shows"
 
 
 def test_one_picture_holds_the_boundary_of_every_model(figures: dict[str, dict[str, Any]]) -> None:
     picture = next(figure for title, figure in figures.items() if "boundary of each model" in title)
-    assert [line["name"] for line in picture["data"]] == ["analytic (own)", "pybullet (own)"]
-    for line, least in zip(picture["data"], BOUNDARY.values(), strict=True):
-        heights = {y for x, y in zip(line["x"], line["y"], strict=True) if y is not None}
-        assert heights == {least}
-        assert sum(y is None for y in line["y"]) == SIZE
+    for name, least in (("analytic (own)", 8.5), ("pybullet (own)", 9.5)):
+        line = part(picture, "borders", name)
+        assert line["y"] == line["y2"] == [least] * SIZE

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from harness.model.history import History
 from harness.model.in_space import SOLID_COLUMNS
-from reports.drawing.kinematics import Section, posed_in_space_m
+from harness.model.scene import Pedestal
+from harness.records.scene import SceneRecord
+from reports.drawing.kinematics import Section, posed_in_space_m, posed_pedestal_m, poses
 from tests.budgets_reports import POSE_M
+from tests.reports.invented_run import block_scene
 
 OUTLINE = np.array([[-0.3585, 0.0], [0.0682, 0.0], [0.0682, 1.46], [-0.3585, 1.46]])
 PAESTUM = Section(OUTLINE, 0.3585, 0.0682)
@@ -67,3 +72,39 @@ def test_yaw_turns_about_the_right_corner() -> None:
     pose = dict.fromkeys(SOLID_COLUMNS, 0.0) | {"yaw_rad": math.pi / 2.0, "corner_right_x_m": 0.0682}
     posed = posed_in_space_m(np.array([[0.0682, 0.0, 0.0], [1.0682, 0.0, 0.5]]), 0.0682, pose)
     assert np.allclose(posed, [[0.0682, 0.0, 0.0], [0.0682, 1.0, 0.5]], atol=POSE_M, rtol=0.0)
+
+
+def moving(pedestal: Pedestal | None, **columns: float) -> tuple[SceneRecord, History]:
+    """A block's scene, and a history that stands still where those columns say."""
+    scene = SceneRecord.of(replace(block_scene(pedestal=False, wall=False), pedestal=pedestal))
+    still = {name: np.full(3, value) for name, value in {"theta_rad": 0.0, "slip_m": 0.0, **columns}.items()}
+    theta, slip = still.pop("theta_rad"), still.pop("slip_m")
+    return scene, History(np.array([0.0, 0.5, 1.0]), theta, np.zeros(3), slip, np.zeros(3), still)
+
+
+@pytest.mark.parametrize("lean", [0.0, 0.2, -0.15])
+@pytest.mark.parametrize("theta", [0.35, -0.3])
+def test_the_statue_stands_on_the_top_of_its_pedestal_and_that_on_the_floor(theta: float, lean: float) -> None:
+    pedestal = Pedestal(250.0, 0.60, 0.80, 0.20, offset_m=0.03)
+    scene, history = moving(pedestal, theta_rad=theta, slip_m=0.04, statue_slip_m=-0.02, pedestal_tilt_rad=lean)
+    pose = {name: float(values[0]) for name, values in poses(scene, history, 0.7).items()}
+    stone = posed_pedestal_m(pedestal, pedestal.depth_m, pose)
+    assert stone[:, 2].min() == pytest.approx(0.0, abs=POSE_M)
+    low = (0.30 if lean > 0.0 else -0.30) + 0.5 * (0.0682 - 0.3585) + 0.03 + 0.04
+    assert lean == 0.0 or stone[stone[:, 2].argmin(), 0] == pytest.approx(low, abs=POSE_M), "slid by its lower edge"
+    corner = 0.0682 if theta > lean else -0.3585
+    at = posed_in_space_m(np.array([[corner, 0.0, 0.0]]), 0.0682, pose)[0]
+    left, right = stone[1], stone[5]
+    along, up = right - left, np.array([-(right - left)[2], 0.0, (right - left)[0]])
+    assert (at - left) @ up == pytest.approx(0.0, abs=POSE_M), "on its top"
+    asked = corner - (0.5 * (0.0682 - 0.3585) + 0.03) - 0.02 + 0.30
+    assert (at - left) @ along / np.linalg.norm(along) == pytest.approx(asked, abs=POSE_M), "where it stood, and slid"
+
+
+def test_an_engine_of_three_dimensions_says_the_pose_itself() -> None:
+    told = dict(zip(SOLID_COLUMNS, (0.1, 0.02, 0.3, 0.05, 0.01, 0.2), strict=True))
+    scene, history = moving(None, theta_rad=0.1, slip_m=0.5, **told)
+    found = poses(scene, history, [0.0, 2.0])
+    assert {name: values.tolist() for name, values in found.items()} == {
+        name: [value] * 2 for name, value in told.items()
+    }

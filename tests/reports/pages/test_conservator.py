@@ -215,7 +215,7 @@ def test_what_the_pedestal_prevents_is_counted_by_condition(tmp_path: Path) -> N
     told = found.finding.values
     assert (told["total"], told["bare"], told["prevented"], told["caused"]) == (30, 12, 6, 0)
     figures = {each.name: each.figure for each in found.charts}
-    assert figures["saved"]["data"][0]["text"] == ["6/6", "6/6", "0/6", "0/6", "0/6"]
+    assert figures["saved"]["datasets"]["falls"][0]["count"] == ["6/6", "6/6", "0/6", "0/6", "0/6"]
 
 
 def test_a_frequency_that_is_kept_is_no_number(tmp_path: Path) -> None:

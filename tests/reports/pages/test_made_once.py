@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 import pytest
+import vl_convert
 
 from reports.charts import library
 from reports.pages import assets as module
@@ -70,22 +71,17 @@ def test_a_link_is_not_followed(cache: Path, tmp_path: Path) -> None:
     assert not list(elsewhere.iterdir())
 
 
-def test_the_chart_library_is_reduced_once_for_each_bundle(
-    cache: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    asked: list[int] = []
-    whole = library.reduced
+def test_the_chart_library_is_bundled_once(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
 
-    def counted(text: str) -> str:
-        asked.append(len(text))
-        return whole(text)
+    def bundle(snippet: str) -> str:
+        asked.append(snippet)
+        return f"/* bundle {len(asked)} */"
 
-    monkeypatch.setattr(library, "reduced", counted)
+    monkeypatch.setattr(vl_convert, "javascript_bundle", bundle)
     first = library.chart_library.__wrapped__()
     assert library.chart_library.__wrapped__() == first
-    assert len(asked) == 1, "the bundle was reduced again for the same version"
-    bundle = tmp_path / "plotly.min.js"
-    bundle.write_text("window.Plotly = {};")
-    monkeypatch.setattr(library, "_bundle", lambda: bundle)
+    assert len(asked) == 1, "the bundle was made again for the same version"
+    monkeypatch.setattr(library, "PAGES_SCRIPT", "window.other = vegaEmbed;")
     assert library.chart_library.__wrapped__() != first
-    assert len(asked) == 2, "another bundle was not reduced"
+    assert len(asked) == 2, "another script was not bundled"

@@ -29,6 +29,7 @@ from reports.pages.page import write_report
 from reports.source import run_source
 from reports.text.wording import run_verdict
 from tests.budgets_reports import DRAWN_RAD, PAGE_BYTES, PAGE_WORDS
+from tests.reports.charts.parts import part
 from tests.reports.invented_run import write_invented
 from tests.reports.page_parts import lines
 from tests.reports.unpacking import unpacked
@@ -52,13 +53,7 @@ def without_data(html: str) -> str:
 def figure_of(html: str) -> Any:
     found = re.search(r'data-chart="histories">(.*?)</script>', html, re.S)
     assert found is not None
-    figure = json.loads(unpacked(found[1]))
-    for trace in figure["data"]:
-        for letter in "xy":
-            if isinstance(trace.get(letter), dict) and "same" in trace[letter]:  # as page.js reads it
-                number, axis = trace[letter]["same"]
-                trace[letter] = figure["data"][number][axis]
-    return figure
+    return json.loads(unpacked(found[1]))
 
 
 def test_it_is_one_file_that_asks_for_nothing(html: str) -> None:
@@ -104,28 +99,29 @@ def test_every_skip_and_reason_is_there(folder: Path, html: str) -> None:
 
 
 def test_the_curves_are_the_recorded_histories(folder: Path, html: str) -> None:
-    traces = {item["name"]: item for item in figure_of(html)["data"] if item.get("yaxis") == "y" and item.get("name")}
     for name, history in run_source(folder).histories.items():
-        t, theta = numbers(traces[name]["x"]), numbers(traces[name]["y"])
+        columns = part(figure_of(html), "histories", name)
+        t, theta = numbers(columns["t"]), numbers(columns["theta"])
         assert np.allclose(np.interp(t, history.t_s, history.theta_rad), theta, atol=1e-4, rtol=0.0)
         assert theta.max() == pytest.approx(history.theta_rad.max(), abs=DRAWN_RAD)
         assert theta.min() == pytest.approx(history.theta_rad.min(), abs=DRAWN_RAD)
 
 
 def test_the_horizon_is_shaded_from_the_least_reliable_time(folder: Path, html: str) -> None:
-    shapes = [item for item in figure_of(html)["layout"]["shapes"] if item["type"] == "rect"]
+    shaded = [layer for row in figure_of(html)["vconcat"] for layer in row["layer"] if layer["mark"]["type"] == "rect"]
     least = min(run.reliable_until_s for run in run_source(folder).runs.values())
-    assert [item["x0"] for item in shapes] == [least]
+    assert shaded
+    assert {item["data"]["values"][0]["from"] for item in shaded} == {least}
 
 
 def test_uncertainty_bands_have_the_recorded_width(html: str) -> None:
-    bands = [item for item in figure_of(html)["data"] if item.get("fill") == "toself"]
-    widths = []
-    for band in bands:
-        y = numbers(band["y"])
-        half = len(y) // 2
-        widths.append(float(np.max(y[:half] - y[half:][::-1])) / 2.0)
-    assert widths == pytest.approx([1e-10, 4e-4, 2e-3], abs=DRAWN_RAD)
+    sizes = [each["size"] for each in figure_of(html)["datasets"]["histories"]]
+    assert sizes == [1e-10, 4e-4, 2e-3]
+    band = next(layer for layer in figure_of(html)["vconcat"][0]["layer"] if layer["mark"]["type"] == "area")
+    assert [step.get("calculate") for step in band["transform"]][1:] == [
+        "datum.theta - datum.size",
+        "datum.theta + datum.size",
+    ]
 
 
 def test_the_replay_holds_the_mesh_and_every_models_motion(folder: Path, html: str) -> None:

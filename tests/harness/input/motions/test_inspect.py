@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,8 @@ from harness.input.motions.spec import Component, Target
 from harness.input.motions.spectra import design_spectrum
 from harness.model.run import to_plain
 from harness.records.inspection import InspectionRecord
-from reports.drawing.shapes import Text
-from reports.export.motion_figure import _trace, build_up_figure, histories_figure, motion_picture, spectrum_figure
+from reports.export.figures import printed
+from reports.export.motion_figure import WIDE, build_up_figure, histories_figure, motion_picture, spectrum_figure
 from reports.messages import ENGLISH
 from tests.harness.input.motions.writers import GRAVITY
 
@@ -41,24 +42,18 @@ def test_a_file_is_shown_with_its_peaks_units_and_findings(data_dir: Path) -> No
 def test_the_picture_holds_every_trace_and_the_target(data_dir: Path) -> None:
     target = design_spectrum(Target(code="ec8", ag_g=0.3, soil="C", type=1))
     found = inspect_file(data_dir / "records" / "coalinga1983_PFZ14.csv", target=target)
-    histories, spectrum = histories_figure(found)["data"], spectrum_figure(found)
-    for row in ("y", "y2", "y3"):
-        assert sum(trace["yaxis"] == row for trace in histories) == 3
-    peaks = [np.abs(trace["y"]).max() for trace in histories if trace["yaxis"] == "y"]
+    histories, spectrum = histories_figure(found), spectrum_figure(found)
+    traces = histories["datasets"]["traces"]
+    assert (len(histories["vconcat"]), len(traces)) == (3, 3)
+    peaks = [np.abs(trace["accel"]).max() for trace in traces]
     assert max(peaks) == pytest.approx(0.27324, abs=1e-5)
-    drawn = next(trace["y"] for trace in spectrum["data"] if trace["name"] == target.name)
+    drawn = next(trace["y"] for trace in spectrum["datasets"]["spectra"] if trace["name"] == target.name)
     np.testing.assert_allclose(drawn, target.accel_m_s2(PERIODS_S) / GRAVITY)
-    assert spectrum["layout"]["yaxis"]["range"][1] > 1.1 * max(drawn)
-    assert max(trace["y"][-1] for trace in build_up_figure(found)["data"][:3]) == pytest.approx(100.0)
-    words = {shape.text for shape in motion_picture(found).shapes if isinstance(shape, Text)}
+    assert spectrum["encoding"]["y"]["scale"]["domain"][1] > 1.1 * max(drawn)
+    shares = build_up_figure(found)["datasets"]["shares"]
+    assert max(trace["share"][-1] for trace in shares) == pytest.approx(100.0)
+    words = set(re.findall(r">([^<>\n]+)</text>", printed(motion_picture(found), WIDE)))
     assert {"acceleration (g)", "velocity (m/s)", "displacement (m)", "period (s)", target.name} <= words
-
-
-def test_thinning_keeps_every_peak() -> None:
-    accel = np.random.default_rng(2).normal(size=50_001)
-    kept = _trace(np.arange(50_001), accel, "#000000")["y"]
-    assert kept.size < 5_000
-    assert {accel.max(), accel.min(), accel[0], accel[-1]} <= set(kept.tolist())
 
 
 @pytest.mark.parametrize(
@@ -76,6 +71,9 @@ def test_components_without_a_file(keys: dict[str, Any]) -> None:
     peak = found.traces[0].measures.pga_g
     assert peak == pytest.approx(0.0 if keys["kind"] == "rest" else 0.3, rel=1.5)
     charts = histories_figure(found), spectrum_figure(found), build_up_figure(found)
-    assert all(np.all(np.isfinite(trace["y"])) for chart in charts for trace in chart["data"])
-    assert motion_picture(found).shapes
+    parts = [part for chart in charts for parts in chart["datasets"].values() for part in parts]
+    columns = [values for part in parts for key, values in part.items() if key != "name"]
+    assert columns
+    assert all(np.all(np.isfinite(values)) for values in columns)
+    assert printed(motion_picture(found), WIDE).startswith("<?xml")
     json.dumps(to_plain(InspectionRecord.of(found, ENGLISH.say)))

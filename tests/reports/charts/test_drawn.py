@@ -1,0 +1,142 @@
+"""Drawn charts show what their data hold, where it lies, and nothing that could leave the picture."""
+
+from __future__ import annotations
+
+import json
+import re
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from reports.charts.drawn import rows, sized, still, svg
+from reports.charts.figure import across, axis, cells, figure, level, marks, named
+from reports.charts.histories import histories_figure
+from reports.charts.palette import Look
+from reports.charts.samples import numbers
+from reports.drawing.shapes import nice_ticks
+from reports.pages.assets import pack_text, packed_chart
+from reports.source import run_source
+from tests.budgets_reports import STILL_PX
+from tests.reports.invented_run import write_invented
+from tests.reports.unpacking import unpacked
+
+COLOUR = "#123456"
+
+
+def curve(x: Any, y: Any, name: str = "a model", *more: dict[str, Any]) -> dict[str, Any]:
+    """A chart of one line over 0 to 10 and −1 to 3."""
+    data = {"curves": [{"name": name, "x": x, "y": y}]}
+    layers = [marks("line", "curves", named({name: Look(COLOUR)}, chosen=False)), *more]
+    level_, upright = (
+        across("x", "along", {"domain": [0, 10], "padding": 0}),
+        axis("y", "up", scale={"domain": [-1, 3]}),
+    )
+    return figure(layers, 300, data, level_, upright)
+
+
+def points(drawn: str) -> np.ndarray[Any, Any]:
+    """The points of the one curve."""
+    path = re.search(rf'd="M([^"]+)" stroke="{COLOUR}"', drawn.split("mark-line", 1)[1])
+    assert path is not None
+    return np.array([[float(value) for value in point.split(",")] for point in path.group(1).split("L")])
+
+
+def test_a_curve_lies_where_its_values_are() -> None:
+    found = points(svg(curve(np.array([0.0, 5.0, 10.0]), np.array([-1.0, 0.0, 2.0])), 500))
+    width = found[2, 0]
+    assert width > 380.0, "the plot fills the picture"
+    assert found == pytest.approx(np.array([[0, 300], [width / 2, 225], [width, 75]]), abs=STILL_PX)
+
+
+def test_a_peak_of_one_sample_survives() -> None:
+    values = np.zeros(100_000)
+    values[61_803] = 1.0
+    found = rows([{"name": "a", "t": np.arange(1e5), "y": values, "z": -values}], 400, {})
+    assert len(found) <= 2 * 400
+    assert {"name": "a", "t": 61803.0, "y": 1.0, "z": -1.0} in found
+
+
+def test_parts_that_a_choice_leaves_out_are_not_drawn() -> None:
+    parts = [{"model": name, "x": [1.0], "y": [2.0]} for name in ("a", "b")]
+    assert [row["model"] for row in rows(parts, 10, {"model": "b"})] == ["b"]
+    assert len(rows(parts, 10, {"other": "b"})) == 2
+
+
+def test_equal_neighbours_of_a_map_are_drawn_as_one() -> None:
+    found = cells([0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 2.0], [["p", "p", "q"], ["q", None, "q"]])
+    assert found == {
+        "x": [0, 2, 0, 2],
+        "x2": [2, 3, 1, 3],
+        "y": [0, 0, 1, 1],
+        "y2": [1, 1, 2, 2],
+        "kind": ["p", "q", "q", "q"],
+    }
+
+
+@pytest.mark.parametrize("disagree", [False, True])
+def test_the_histories_are_well_formed_and_named(tmp_path: Path, disagree: bool) -> None:
+    source = run_source(write_invented(tmp_path, disagree=disagree))
+    drawn = still(histories_figure(source))
+    root = ElementTree.fromstring(f"<div>{drawn}</div>")
+    words = {item.text for item in root.iter() if item.tag.endswith("text")}
+    assert set(source.histories) <= words
+    assert "time  [s]" in words
+    called = set(re.findall(r'"url\(#([^)]+)\)"', drawn))
+    assert {"hatch-sliding", "hatch-both"} < called
+    ids = [item.get("id") for item in root.iter() if item.get("id")]
+    assert set(ids) == called, "what a fill calls stands in the page"
+    assert len(ids) == len(set(ids))
+    assert still(histories_figure(source)) == drawn, "drawn again it is the same"
+
+
+def test_text_cannot_break_out() -> None:
+    name = "<script>x</script> & 'y'"
+    drawn = svg(curve([0.0, 1.0], [0.0, 1.0], name), words=name)
+    words = {item.text for item in ElementTree.fromstring(drawn).iter() if item.tag.endswith("text")}
+    assert name in words
+    assert "<script" not in drawn
+    steering = svg(curve([0.0, 1.0], [0.0, 1.0], "a\x1b[31m\udcff\u202eb"))
+    assert any(
+        (item.text or "").startswith(r"a\x1b[31m\udcff\u202eb") for item in ElementTree.fromstring(steering).iter()
+    )
+
+
+def test_a_level_beyond_its_axis_is_not_drawn() -> None:
+    assert "a level" in svg(curve([0.0], [0.0], "a", *level(2.0, "a level")))
+    beyond = svg(curve([0.0], [0.0], "a", *level(4.0, "a level")))
+    assert "clip-path" in beyond
+    assert re.search(r"translate\([\d.]+,-\d", beyond), "above the plot, where it is cut"
+
+
+def test_every_plot_has_the_share_of_the_width_that_it_states() -> None:
+    beside = {"hconcat": [{"vconcat": [{"width": 0.6}, {"width": 0.6}]}, {"width": 0.4}]}
+    left, right = sized(beside, 1000.0)["hconcat"]
+    assert [each["width"] for each in left["vconcat"]] == [504.0, 504.0]
+    assert right["width"] == 304.0
+    assert sized({"layer": []}, 1000.0)["width"] == 1000.0
+
+
+def test_a_page_carries_samples_packed_and_all_else_as_it_is() -> None:
+    chart = curve(np.linspace(0.0, 10.0, 101), np.sin(np.linspace(0.0, 10.0, 101)))
+    (part,) = json.loads(unpacked(packed_chart(chart)))["datasets"]["curves"]
+    assert part["name"] == "a model"
+    assert np.abs(numbers(part["y"]) - chart["datasets"]["curves"][0]["y"]).max() < 1e-5
+    (listed,) = json.loads(unpacked(packed_chart(curve([1.0], [None]))))["datasets"]["curves"]
+    assert (listed["x"], listed["y"]) == ([1.0], [None])
+
+
+@pytest.mark.parametrize("text", ["", "a", "θ ≤ α", "0123456789" * 997])
+def test_packed_text_comes_back_and_ends_no_script(text: str) -> None:
+    assert unpacked(pack_text(text)) == text
+    assert not set("<&>") & set(pack_text(text))
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.0, 1.0), (-0.3, 0.7), (1e-7, 3e-7), (0.0, 12345.0)])
+def test_ticks_are_round_within_and_few(low: float, high: float) -> None:
+    found = nice_ticks(low, high, 6)
+    assert 2 <= len(found) <= 7
+    assert low - 1e-12 <= min(found) < max(found) <= high + 1e-12
+    assert np.ptp(np.diff(found)) < 1e-9 * high
