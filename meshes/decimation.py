@@ -52,8 +52,9 @@ def decimate(
         if isinstance(fewer, dict):
             broken = fewer
         else:
-            what = f"{len(mesh.faces)} triangles reduced to {len(fewer.faces)}, the base kept"
-            made = change("decimation", what, len(mesh.faces) - len(fewer.faces), before, measure(fewer))
+            faces = {"before": len(mesh.faces), "after": len(fewer.faces)}
+            made = Change("prepared_decimated", "decimation", faces, len(mesh.faces) - len(fewer.faces))
+            made = change(made, before, measure(fewer))
             broken = _beyond(made, bounds, height)
             if not broken:
                 return fewer, made, kept(len(fewer.faces))

@@ -64,7 +64,7 @@ UP_ROTATION = {
 
 @dataclass(frozen=True)
 class Orientation:
-    """A rotation (3, 3) that puts a body upright, the file axis nearest to up, the tilt left to it, why, and what is in doubt."""
+    """A rotation (3, 3) that puts a body upright, the file axis nearest to up, the tilt left to it, by what, and doubts."""
 
     rotation: Array
     axis: str
@@ -192,13 +192,11 @@ def up_doubted(mesh: RawMesh) -> tuple[Doubt, ...]:
 
 def _levelled(base: _Base) -> Orientation:
     if base.rim is None:
-        return upright(base.up, "the facet of the base on which its weight rests")
-    why = "the plane of the largest open rim, taken to be the base that was not scanned"
-    orientation, error = upright(base.up, why), _tilt_error(base.rim)
+        return upright(base.up, "facet")
+    orientation, error = upright(base.up, "rim"), _tilt_error(base.rim)
     if orientation.tilt_rad > 2.0 * error:
         return orientation
-    why = f"{why}: level within its own error of {np.rad2deg(error):.2f}°"
-    return Orientation(turn_axis(orientation.axis), orientation.axis, 0.0, why)
+    return Orientation(turn_axis(orientation.axis), orientation.axis, 0.0, "level_rim")
 
 
 def upright(up: Array, why: str) -> Orientation:

@@ -150,14 +150,12 @@ def _stood_up(state: Prepared, wanted: Wanted) -> Prepared:
     if wanted.up is not None:
         rotation = turn_axis(wanted.up)
         if wanted.up != "z":
-            log = log.and_changed(Change("up axis", f"{wanted.up} of the file turned to z, as set", 1))
+            log = log.and_changed(Change("prepared_up", "up axis", {"how": "set", "axis": wanted.up}, 1))
         return Prepared(mesh.moved(mesh.vertices @ rotation.T), log, rotation)
     orientation = find_orientation(mesh)
-    tilt_deg, why = np.rad2deg(orientation.tilt_rad), orientation.why
-    tilt = f"tilted by {tilt_deg:.2f}° to level {why}" if tilt_deg else why
-    what = tilt if orientation.axis == "z" else f"{orientation.axis} of the file turned to z, {tilt}"
+    found = {"how": orientation.why, "axis": orientation.axis, "tilt_rad": orientation.tilt_rad}
     if orientation.axis != "z" or orientation.tilt_rad > 1e-6:
-        log = log.and_changed(Change("up axis", what, 1))
+        log = log.and_changed(Change("prepared_up", "up axis", found, 1))
     turned = mesh.moved(mesh.vertices @ orientation.rotation.T)
     return Prepared(turned, log.with_doubts(*orientation.doubts), orientation.rotation)
 
@@ -170,11 +168,11 @@ def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
     if wanted.height_m is not None:
         if not (np.isfinite(wanted.height_m) and wanted.height_m > 0.0):
             raise MeshError("a positive height in metres", str(wanted.height_m), place=state.mesh.source)
-        unit_m, why = wanted.height_m / height, f"from the true height of {wanted.height_m:g} m"
+        unit_m, why = wanted.height_m / height, "height"
     elif wanted.unit is not None:
-        unit_m, why = unit_length_m(wanted.unit), f"unit {wanted.unit}, as set"
+        unit_m, why = unit_length_m(wanted.unit), "unit"
     elif suffix in (".glb", ".gltf"):
-        unit_m, why = 1.0, "metres, as the glTF standard says"
+        unit_m, why = 1.0, "glTF"
     else:
         raise MeshError(
             "a scale",
@@ -184,10 +182,11 @@ def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
             place=state.mesh.source,
         )
     if not SHORTEST_M <= unit_m * height <= TALLEST_M:
-        raise wrong_size(f"{unit_m * height:.4g} m ({why})", state.mesh.source)
+        raise wrong_size(f"{unit_m * height:.4g} m by its {why}", state.mesh.source)
     log = state.log.scaled(unit_m)
     if unit_m != 1.0:
-        log = log.and_changed(Change("scale", f"1 unit of the file is {unit_m:.6g} m: {why}", 1))
+        values = {"why": why, "unit_m": unit_m, "unit": wanted.unit, "height_m": wanted.height_m}
+        log = log.and_changed(Change("prepared_scale", "scale", values, 1))
     return Prepared(state.mesh.moved(unit_m * state.mesh.vertices), log)
 
 
@@ -195,10 +194,12 @@ def _cut(state: Prepared, wanted: Wanted) -> Prepared:
     """What was scanned with the statue cut off as asked, with debris that hung on it; what is still there is refused."""
     mesh, beyond = state.mesh, wanted.cut_beyond
     if wanted.cut_below_m:
-        state = _without(state, cut_below(mesh, wanted.cut_below_m), f"the lowest {wanted.cut_below_m:g} m")
+        cut = Change("prepared_cut_below", "cut", {"below_m": wanted.cut_below_m}, 1)
+        state = _without(state, cut_below(mesh, wanted.cut_below_m), cut)
     if beyond is not None and np.isfinite(beyond[1]):
-        what = f"all farther than {beyond[1]:g} m towards {beyond[0]:g}°"
-        state = _without(state, cut_beyond(state.mesh, *beyond), what)
+        place = {"azimuth_deg": beyond[0], "beyond_m": beyond[1]}
+        cut = Change("prepared_cut_beyond", "cut", place, 1)
+        state = _without(state, cut_beyond(state.mesh, *beyond), cut)
     body = state.mesh.vertices, state.mesh.faces
     floor = attached_floor(*body) if wanted.cut_below_m != 0.0 else None
     attached = floor_refused(floor, "")
@@ -212,8 +213,8 @@ def _cut(state: Prepared, wanted: Wanted) -> Prepared:
     return state
 
 
-def _without(state: Prepared, mesh: RawMesh, what: str) -> Prepared:
-    made = change("cut", f"{what} cut off, as asked", 1, measure(state.mesh), measure(mesh))
+def _without(state: Prepared, mesh: RawMesh, cut: Change) -> Prepared:
+    made = change(cut, measure(state.mesh), measure(mesh))
     return state.after(mesh, made).after(*repair.drop_debris(mesh, Limits.debris_area))
 
 
@@ -231,18 +232,20 @@ def _closed(state: Prepared, wanted: Wanted) -> Prepared:
                 "cut the scan level above its ragged edge (MeshLab, Blender: Bisect) or set the up axis",
                 place=mesh.source,
             )
-        what = (
-            f"open base closed by a plane under its rim: {closed.rim} rim edges, ragged by"
-            f" {1e3 * closed.ragged_m:.1f} mm,"
-            f" noise {1e3 * closed.noise_m:.2f} mm, outline fitted by at most {1e3 * closed.fitted_m:.1f} mm,"
-            f" {closed.lifted} vertices lifted to the plane by at most {1e3 * closed.lifted_m:.1f} mm"
-        )
-        state = state.after(closed.mesh, change("base", what, closed.rim, measure(mesh), measure(closed.mesh)))
+        values = {
+            "edges": closed.rim,
+            "ragged_m": closed.ragged_m,
+            "noise_m": closed.noise_m,
+            "fitted_m": closed.fitted_m,
+        }
+        values |= {"lifted": closed.lifted, "lifted_m": closed.lifted_m}
+        made = Change("prepared_base", "base", values, closed.rim)
+        state = state.after(closed.mesh, change(made, measure(mesh), measure(closed.mesh)))
     holes = close_holes(state.mesh, limits.hole_share * height)
     if not holes.holes:
         return state
-    what = f"{holes.holes} holes closed over their own rims, the widest {1e3 * holes.widest_m:.1f} mm"
-    return state.after(holes.mesh, change("holes", what, holes.holes, measure(state.mesh), measure(holes.mesh)))
+    made = Change("prepared_holes", "holes", {"holes": holes.holes, "widest_m": holes.widest_m}, holes.holes)
+    return state.after(holes.mesh, change(made, measure(state.mesh), measure(holes.mesh)))
 
 
 def _true_height(state: Prepared, wanted: Wanted) -> Prepared:
@@ -252,8 +255,8 @@ def _true_height(state: Prepared, wanted: Wanted) -> Prepared:
     factor = wanted.height_m / float(np.ptp(state.mesh.vertices[:, 2]))
     if abs(factor - 1.0) < 1e-9:
         return state
-    what = f"corrected by {100 * (factor - 1):+.3f} % so that the height over the base plane is {wanted.height_m:g} m"
-    return state.after(state.mesh.moved(factor * state.mesh.vertices), Change("scale", what, 1))
+    values = {"share": factor - 1.0, "height_m": wanted.height_m}
+    return state.after(state.mesh.moved(factor * state.mesh.vertices), Change("prepared_height", "scale", values, 1))
 
 
 def _checked(state: Prepared, wanted: Wanted) -> Prepared:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -18,23 +20,18 @@ CHUNK = 200_000
 
 @dataclass(frozen=True)
 class Change:
-    """One change of the mesh: what was done to how many things, and its effect (None where it has no meaning)."""
+    """One change of the mesh: what was done to how many things, and its effect (None where it has no meaning).
 
+    `code` names what was done, `values` are numbers in the unit that ends their key, and names.
+    """
+
+    code: str
     step: str
-    what: str
+    values: Mapping[str, Any]
     count: int
     volume_rel: float | None = None
     centroid_m: float | None = None
     inertia_rel: float | None = None
-
-    def __str__(self) -> str:
-        if self.volume_rel is None or self.centroid_m is None or self.inertia_rel is None:
-            return f"{self.step}: {self.what}"
-        effect = (
-            f"volume {100 * self.volume_rel:+.3f} %, centroid moved {1e3 * self.centroid_m:.3f} mm,"
-            f" inertia {100 * self.inertia_rel:+.3f} %"
-        )
-        return f"{self.step}: {self.what} ({effect})"
 
 
 @dataclass(frozen=True)
@@ -72,11 +69,6 @@ class ProcessingLog:
         """The log as plain values."""
         return asdict(self)
 
-    def __str__(self) -> str:
-        lines = [f"{self.source}", "changed:"]
-        lines += [f"  {number}. {change}" for number, change in enumerate(self.changes, 1)] or ["  nothing"]
-        return "\n".join(lines)
-
 
 def measure(mesh: RawMesh) -> MassProperties:
     """Mass properties of a mesh that may still have holes: as if each were closed by a cone to the middle of all rims.
@@ -103,11 +95,12 @@ def measure(mesh: RawMesh) -> MassProperties:
     return MassProperties(volume, centroid + middle, np.trace(moments) * np.eye(3) - moments)
 
 
-def change(step: str, what: str, count: int, before: MassProperties, after: MassProperties) -> Change:
+def change(made: Change, before: MassProperties, after: MassProperties) -> Change:
     """The change with its effect; a volume that was nothing before (an open or inside-out mesh) gives no ratio."""
     if before.volume_m3 <= 0.0 or after.volume_m3 <= 0.0:
-        return Change(step, what, count)
+        return made
     shift = float(np.linalg.norm(after.centroid_m - before.centroid_m))
     trace_before, trace_after = (float(np.trace(p.inertia_per_density_m5)) for p in (before, after))
     inertia = trace_after / trace_before - 1.0 if trace_before > 0.0 else math.nan
-    return Change(step, what, count, after.volume_m3 / before.volume_m3 - 1.0, shift, inertia)
+    volume = after.volume_m3 / before.volume_m3 - 1.0
+    return replace(made, volume_rel=volume, centroid_m=shift, inertia_rel=inertia)

@@ -3,6 +3,7 @@ to do."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -25,7 +26,7 @@ def drop_duplicates(mesh: RawMesh) -> Repaired:
     removed = len(mesh.faces) - len(unique)
     if not removed:
         return mesh, None
-    return mesh.with_faces(mesh.faces[unique]), Change("duplicates", f"{removed} repeated faces removed", removed)
+    return mesh.with_faces(mesh.faces[unique]), Change("prepared_duplicates", "duplicates", {"faces": removed}, removed)
 
 
 def drop_debris(mesh: RawMesh, largest_share: float) -> Repaired:
@@ -37,9 +38,8 @@ def drop_debris(mesh: RawMesh, largest_share: float) -> Repaired:
         return mesh, None
     cleaned = mesh.with_faces(mesh.faces[~small[number]])
     count = int(small.sum())
-    share = 100.0 * areas[small].max() / areas.max()
-    what = f"{count} floating pieces of debris removed, the largest {share:.3g} % of the main part's area"
-    return cleaned, change("debris", what, count, measure(mesh), measure(cleaned))
+    values = {"pieces": count, "largest": float(areas[small].max() / areas.max())}
+    return cleaned, change(Change("prepared_debris", "debris", values, count), measure(mesh), measure(cleaned))
 
 
 def open_branches(mesh: RawMesh, largest_share: float) -> Repaired:
@@ -65,11 +65,10 @@ def open_branches(mesh: RawMesh, largest_share: float) -> Repaired:
     if len(fins):
         trimmed = mesh.with_faces(np.delete(mesh.faces, fins, axis=0))
         if EdgeCount.of(trimmed.faces).branching == 0:
-            what = f"{count} edges with more than two faces: {len(fins)} faces that stick out there removed"
-            return trimmed, Change("non-manifold", what, len(fins))
+            values = {"edges": count, "faces": len(fins)}
+            return trimmed, Change("prepared_fins", "non-manifold", values, len(fins))
     opened = mesh.with_faces(np.delete(mesh.faces, bad, axis=0))
-    what = f"{count} edges with more than two faces: {len(bad)} faces there removed, to be closed as holes"
-    return opened, Change("non-manifold", what, len(bad))
+    return opened, Change("prepared_branches", "non-manifold", {"edges": count, "faces": len(bad)}, len(bad))
 
 
 def wind_alike(mesh: RawMesh) -> Repaired:
@@ -77,8 +76,8 @@ def wind_alike(mesh: RawMesh) -> Repaired:
     if EdgeCount.of(mesh.faces).misoriented == 0:
         return mesh, None
     faces, turned = wound_alike(mesh.faces)
-    what = f"{turned} faces turned to the sense of their neighbours"
-    return RawMesh(mesh.vertices, faces, mesh.source), Change("orientation", what, turned)
+    made = Change("prepared_wound", "orientation", {"faces": turned}, turned)
+    return RawMesh(mesh.vertices, faces, mesh.source), made
 
 
 def turn_outward(mesh: RawMesh) -> Repaired:
@@ -86,7 +85,7 @@ def turn_outward(mesh: RawMesh) -> Repaired:
     if measure(mesh).volume_m3 >= 0.0:
         return mesh, None
     turned = RawMesh(mesh.vertices, np.ascontiguousarray(mesh.faces[:, ::-1]), mesh.source)
-    return turned, Change("orientation", "inside out: all faces turned outward", len(mesh.faces))
+    return turned, Change("prepared_inside_out", "orientation", {}, len(mesh.faces))
 
 
 def join_bodies(mesh: RawMesh) -> Repaired:
@@ -100,10 +99,11 @@ def join_bodies(mesh: RawMesh) -> Repaired:
         return mesh, None
     pieces = [drop_unused(mesh.vertices, mesh.faces[number == k]) for k in range(count)]
     if all(EdgeCount.of(faces).closed for _, faces in pieces):
-        body, what = _assembled(pieces, mesh.source)
+        body, kinds = _assembled(pieces, mesh.source)
         if sum(measure(RawMesh(*part, "")).volume_m3 > 0.0 for part in _apart(body)) == 1:
             joined = RawMesh(*body, mesh.source)
-            return joined, change("bodies", what, count, measure(mesh), measure(joined))
+            made = Change("prepared_bodies", "bodies", kinds, count)
+            return joined, change(made, measure(mesh), measure(joined))
     sizes = ", ".join(" × ".join(f"{value:.3g}" for value in np.ptp(vertices, axis=0)) for vertices, _ in pieces[:4])
     raise MeshError(
         "one statue",
@@ -119,8 +119,8 @@ def _apart(surface: Part) -> list[Part]:
     return [drop_unused(surface[0], surface[1][number == k]) for k in range(int(number.max(initial=-1)) + 1)]
 
 
-def _assembled(pieces: Sequence[Part], source: str) -> tuple[Part, str]:
-    """The body of closed parts, and what was made of them in words."""
+def _assembled(pieces: Sequence[Part], source: str) -> tuple[Part, dict[str, int]]:
+    """The body of closed parts, and how many beside the largest were joined, turned, kept as hollows, counted as solid."""
     volumes = [measure(RawMesh(*piece, source)).volume_m3 for piece in pieces]
     body, kinds = manifold(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64)), list[str]()
     for volume, (vertices, faces) in sorted(zip(volumes, pieces, strict=True), key=lambda each: -abs(each[0])):
@@ -137,12 +137,8 @@ def _assembled(pieces: Sequence[Part], source: str) -> tuple[Part, str]:
         buried = volume > 0.0 and inside > 1.0 - OUTSIDE_REL
         kinds.append("hollow" if hollow else "turned" if volume < 0.0 else "buried" if buried else "joined")
         body = body - piece if hollow else body + piece
-    said = {
-        "joined": "overlapping parts joined into one body",
-        "turned": "parts that faced inward outside the others turned and joined",
-        "hollow": "inner shells that face inward kept as hollows",
-        "buried": "shells inside the body that face outward counted as solid; if they bound a hollow, turn their faces inward",
-    }
-    what = "; ".join(f"{kinds.count(kind)} {text}" for kind, text in said.items() if kind in kinds[1:])
     mesh = body.to_mesh64()
-    return (np.asarray(mesh.vert_properties[:, :3], dtype=np.float64), np.asarray(mesh.tri_verts, dtype=np.int64)), what
+    return (
+        np.asarray(mesh.vert_properties[:, :3], dtype=np.float64),
+        np.asarray(mesh.tri_verts, dtype=np.int64),
+    ), Counter(kinds[1:])

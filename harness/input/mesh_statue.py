@@ -16,12 +16,13 @@ import numpy as np
 from harness.input import paths
 from harness.input.tables import InnerTable, MeshTable, StatueTable
 from harness.model.errors import InputError, Mistake
-from harness.model.finding import Finding, caution, info
+from harness.model.finding import Finding, Say, caution, info
 from harness.model.scene import Statue
 
 if TYPE_CHECKING:
     from meshes import MeshError, Solid
     from meshes.errors import Doubt
+    from meshes.processing_log import ProcessingLog
 
 SURVEYED: Final[Mapping[str, str]] = {
     "centroid_height_m": "centroid_height_m",
@@ -61,6 +62,16 @@ def statue_from_mesh(table: StatueTable, mesh: MeshTable, path: Path, found: lis
 def findings_of(doubts: Iterable[Doubt]) -> list[Finding]:
     """What is doubtful of a scan."""
     return [caution(each.code, **each.values) for each in doubts]
+
+
+def steps_of(log: ProcessingLog, say: Say) -> list[str]:
+    """What was done to a scan, step by step with its effect."""
+    said = []
+    for each in log.changes:
+        effect = {name: getattr(each, name) for name in ("volume_rel", "centroid_m", "inertia_rel")}
+        after = "" if each.volume_rel is None else f" {say(info('prepared_effect', **effect))}"
+        said.append(f"{say(info(each.code, **each.values))}{after}")
+    return said
 
 
 def mesh_mistake(error: MeshError, where: str, key: str = "") -> Mistake:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from harness.input.mesh_statue import findings_of
+from harness.input.mesh_statue import findings_of, steps_of
 from harness.input.motions.recordfile import Channel, Layout, RecordFile
 from harness.model.finding import Finding, Say, caution, info
 
@@ -89,7 +89,7 @@ def _statue(inspection: Inspection, scan: Path, mesh: Path, user_input: UserInpu
         density, keys = f"from the weighed {user_input.mass_kg:g} kg", {"mass_kg": user_input.mass_kg, "mesh": placing}
     comments: list[str | Finding] = [
         f"Prepared from {scan.name}; what was changed stands in {mesh.with_suffix('.account.json').name}.",
-        *(f"  {change}" for change in inspection.prepared.log.changes),
+        *(f"  {step}" for step in steps_of(inspection.prepared.log, say)),
         *(f"  FOUND: {say(each)}" for each in findings_of(inspection.prepared.log.found)),
         f"{solid.mass_kg:.5g} kg, {solid.height_m:.4g} m high, centroid at {solid.centroid_height_m:.4g} m;"
         f" density: {density}.",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from harness.input import paths
 from harness.input.mesh_file import MARBLE_KG_M3
-from harness.input.mesh_statue import findings_of, mesh_mistake
+from harness.input.mesh_statue import findings_of, mesh_mistake, steps_of
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.files import check_own, checksum, write_text, writing
@@ -51,7 +51,7 @@ def record_of(inspection: Inspection, say: Say) -> dict[str, object]:
     """An inspection as plain values, what was found with its sentences."""
     log = inspection.prepared.log
     findings = texted(findings_of(log.found), say)
-    account = log.as_dict() | {"found": [each.text for each in findings]}
+    account = log.as_dict() | {"found": [each.text for each in findings], "done": steps_of(log, say)}
     return {**inspection.as_dict(), "account": account, "findings": record.to_plain(findings)}
 
 

@@ -16,7 +16,7 @@ from harness.records.scores import Verdict
 from reports.messages import FIELD, FORMATS, LANGUAGES, OPTIONAL, language
 
 PACKAGES = ("analytic", "meshes", "harness", "reports")
-MAKERS = {"info", "caution", "changes_answer", "Doubt"}
+MAKERS = {"info", "caution", "changes_answer", "Doubt", "Change"}
 SAMPLES = {
     "plain": "pymunk", "count": 3, "number": 0.25, "s": 1.25, "rad": 1e-4, "angle": 0.1, "angles": [0.1, 0.2], "m": 0.012,
     "lengths": [0.01, 0.02], "g": 0.3, "j": 2.0, "share": 0.123, "names": ["analytic", "pymunk"], "vector": [1.0, 0.0, 0.0],
