@@ -159,17 +159,18 @@ def _scattered(choice: Choice, trials: Sequence[Trial], ask: Ask, samples: int) 
     wide = {width: replace(choice, width=width) for width in WIDTHS}
     pairs = {width: [(trial, each.draws(trial, samples)) for trial in trials] for width, each in wide.items()}
     answers = ask([(trial, variant) for drawn in pairs.values() for trial, all_ in drawn for variant in all_])
-    tried = []
+    tried: list[tuple[float, Choice]] = []
     for width, drawn in pairs.items():
         runs = [(trial.fell, [answers[trial.name, variant] for variant in all_]) for trial, all_ in drawn]
         for counts in COUNTS_TRIED.tolist():
             each = replace(wide[width], counts=counts)
-            chances = [(fell, p) for fell, own in runs if (p := each.probability(own)) is not None]
+            chances = [p if fell else 1.0 - p for fell, own in runs if (p := each.probability(own)) is not None]
             if chances:
-                missed = -float(np.mean([math.log(p if fell else 1.0 - p) for fell, p in chances]))
-                tried.append(replace(each, log_score=missed))
-    # As wide as assumed where another width is no better.
-    return min(tried, key=lambda each: (each.log_score, each.width != 1.0), default=choice)
+                missed = -sum(map(math.log, chances))
+                # Few tests do not tell: as assumed within a factor of two and of e, for what they say against it.
+                own = 0.5 * (math.log2(width) ** 2 + math.log(counts / COUNTS) ** 2)
+                tried.append((missed + own, replace(each, log_score=missed / len(chances))))
+    return min(tried, key=lambda each: each[0], default=(0.0, choice))[1]
 
 
 def _by_body(trials: Sequence[Trial]) -> dict[str, list[Trial]]:

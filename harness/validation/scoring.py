@@ -160,7 +160,9 @@ def repeats_of(trials: Sequence[Trial]) -> Repeats | None:
     """
     groups: dict[Trial, list[bool]] = {}
     for trial in trials:
-        same = replace(trial, name="", row=0, observed="", share="", day="", history=None)
+        # What is not known of a set-up may differ from day to day.
+        day = trial.day if trial.unknown else ""
+        same = replace(trial, name="", row=0, observed="", share="", day=day, history=None)
         groups.setdefault(same, []).append(trial.fell)
     again = [seen for seen in groups.values() if len(seen) > 1]
     if not again:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,7 +14,7 @@ from harness.comparison.statistics.outcomes import FELL
 from harness.model.history import Outcome
 from harness.records.study import CaseRun
 from harness.validation.fit import (
-    COUNTS_TRIED,
+    COUNTS,
     DESIGN,
     DRAWS,
     OWN,
@@ -141,7 +142,7 @@ def test_the_scatter_is_as_wide_as_makes_the_tests_likeliest() -> None:
     found = choose(trials, ask, 20)
     assert found.width == WIDTHS[-1]
     assert fitted(trials, found).width_at_end
-    assert found.counts == COUNTS_TRIED[0]
+    assert found.counts < COUNTS
     assert found.log_score == pytest.approx(-math.log((9 + found.counts) / (10 + 2 * found.counts)))
 
 
@@ -188,6 +189,15 @@ def test_repeats_that_disagree_are_a_ceiling() -> None:
     # 3 of 4: 3 · 1/(4 · 3) is the mean of p (1 − p), for each of four tests.
     assert found.best_brier == pytest.approx(4 * 0.25 / 7)
     assert repeats_of(tests[-1:]) is None
+    # What is not known of a set-up may differ between days: such tests repeat none of another day.
+    apart = [trial(f"d{k}", k > 0, day=str(k), scale=(0.9, 1.0)) for k in range(2)]
+    assert repeats_of(apart) is None
+    assert repeats_of([replace(each, scale=(1.0,)) for each in apart]) is not None
+
+
+def test_a_share_of_two_tests_leaves_the_scatter_as_assumed() -> None:
+    found = choose([trial("a", True), trial("b", False)], answering(lambda each, one: answer(each.fell)), 10)
+    assert (found.width, found.counts) == (1.0, pytest.approx(COUNTS, rel=0.5))
 
 
 @pytest.mark.parametrize(
