@@ -188,7 +188,7 @@ const answering = async (name, spec) => {
     Object.assign(tip.style, left > home.width / 2 ? { right: `${home.width - left + 14}px`, left: "" } : { left: `${left + 14}px`, right: "" }, { top: `${event.clientY - home.top + 12}px` });
   });
   plot.addEventListener("pointerleave", () => { tip.style.display = "none"; });
-  new ResizeObserver(() => { if (chart.view && Math.abs(box.clientWidth - drawn) > 4) chart.draw(); }).observe(box);
+  new ResizeObserver(() => { if (chart.view && box.clientWidth && Math.abs(box.clientWidth - drawn) > 4) chart.draw(); }).observe(box);
   rockcheck.charts[name] = chart;
   await chart.draw();
 };

@@ -200,6 +200,22 @@ def test_a_click_sets_the_replay_and_the_pointer_is_told_what_stands_there(visit
     assert page.evaluate("rockcheck.time") == pytest.approx(3.0, abs=10.0 / area["width"])
 
 
+def test_a_chart_that_print_hides_is_left_as_it_is_and_follows_its_width(visit: Callable[[str, str], Visit]) -> None:
+    found = visit("table", "desk")
+    width = "rockcheck.charts.saved.view.width()"
+    before = found.page.evaluate(width)
+    found.page.evaluate("window.views = Object.values(rockcheck.charts).map((chart) => chart.view); null")
+    found.page.emulate_media(media="print")
+    found.page.wait_for_timeout(200)
+    assert found.page.evaluate("Object.values(rockcheck.charts).every((chart, k) => chart.view === window.views[k])")
+    found.page.emulate_media(media="screen")
+    found.page.set_viewport_size({"width": 700, "height": 900})
+    found.page.wait_for_function(f"{width} > {before} + 50", timeout=20_000)
+    found.page.set_viewport_size(SIZES["desk"])
+    found.page.wait_for_function(f"{width} === {before}", timeout=20_000)
+    assert errors(found) == []
+
+
 def test_a_map_tells_of_its_cells_and_zooms_both_ways(visit: Callable[[str, str], Visit]) -> None:
     page = visit("map", "desk").page
     name = page.evaluate("Object.keys(rockcheck.charts).find((each) => rockcheck.charts[each].spec.datasets.tips)")
