@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -250,8 +251,25 @@ CLASS_COLOURS: Final = dict(
 """Told apart by every form of colour vision: blue where the model is confirmed, the darker the more."""
 
 
-def trust_map(record: TrustMap) -> Json:
-    """Strength upwards, frequency across (of a scene's own motion one column): each point in its class's colour."""
+LINES: Final = {
+    "border": Look(INK, "", 2.4),
+    "floor": Look(INK, "5 4", 2.4),
+    "probability_5": Look("#8c1d2f", "2 3", 1.8),
+    "probability_50": Look("#8c1d2f", "", 1.8),
+    "probability_95": Look("#8c1d2f", "8 3", 1.8),
+    "peak_quarter": Look(INK, "1 3", 1.2),
+    "peak_half": Look(INK, "7 3 1 3", 1.2),
+    "horizon": Look("#0b6e4f", "6 2 1 2", 1.8),
+}
+"""The lines on a trust map, all of the analytic model: where its statue falls, and `CONTOURS`."""
+
+
+def trust_map(record: TrustMap, floor: TrustMap | None = None, command: str = "") -> Json:
+    """Strength upwards, frequency across (of a scene's own motion one column): each point in its class's colour, with contours.
+
+    `floor` is the map without the pedestal, of which it shows where the statue falls; `command` runs the scene: a point that is
+    clicked says what runs it there.
+    """
     frequencies = list(dict.fromkeys(cell["frequency_hz"] for cell in record.cells))
     strengths = list(dict.fromkeys(cell["amplitude_g"] for cell in record.cells))
     rows = [record.cells[j :: len(strengths)] for j in range(len(strengths))]
@@ -259,24 +277,39 @@ def trust_map(record: TrustMap) -> Json:
     along = [0.0] if own else [each for each in frequencies if each is not None]
     colours = {ENGLISH.word(kind): CLASS_COLOURS[kind] for kind in CLASSES if record.shares.get(kind)}
     classes = [[ENGLISH.word(cell["class"]) for cell in row] for row in rows]
-    falls = np.array([[cell["outcomes"].get(MODEL) == "overturned" for cell in row] for row in rows])
-    where = "where the statue falls, by the analytic model"
-    line = marks("rule", "border", CELL | named({where: Look(INK, "", 2.4)}, chosen=False))
+    falls = {"border": record} if floor is None or floor is record else {"border": record, "floor": floor}
+    edges = [border(_falls(each), along, strengths, ENGLISH.word(f"line_{name}")) for name, each in falls.items()]
+    drawn = {name for name, line in record.contours.items() if any(at is not None for at in line)} | falls.keys()
+    looks = named({ENGLISH.word(f"line_{name}"): look for name, look in LINES.items() if name in drawn})
+    contours = [
+        {"name": ENGLISH.word(f"line_{name}"), **dict(zip("xy", map(list, zip(*known, strict=True)), strict=True))}
+        for name in LINES
+        if (known := [(x, y) for x, y in zip(along, record.contours.get(name, []), strict=False) if y is not None])
+    ]
     titles = "" if own else "frequency  [Hz]", "strength, peak of the floor  [g]"
     tips = [[tip(cell) for cell in row] for row in rows]
-    spec = map_of(
-        classes,
-        along,
-        strengths,
-        titles,
-        tips,
-        kinds(colours),
-        460,
-        {"border": ([border(falls, along, strengths, where)], line)},
-    )
+    first, second = chosen([marks("rule", "border", CELL | looks), marks("tick" if own else "line", "contours", looks)])
+    over = {"border": (edges, first), "contours": (contours, second)}
+    spec = map_of(classes, along, strengths, titles, tips, kinds(colours), 460, over)
+    if command:
+        spec["datasets"]["tips"][0]["more"] = [
+            shlex.join([*shlex.split(command), *sets(cell)]) for row in rows for cell in row
+        ]
     if own:
         spec["encoding"]["x"]["axis"] = {"values": [0.0], "labelExpr": '"the scene\'s own motion"', "grid": False}
     return spec
+
+
+def _falls(record: TrustMap) -> NDArray[np.bool_]:
+    """Where the statue falls by the analytic model: rows of strengths, columns of frequencies."""
+    count = len(dict.fromkeys(cell["amplitude_g"] for cell in record.cells))
+    fell = [cell["outcomes"].get(MODEL) == "overturned" for cell in record.cells]
+    return np.array(fell).reshape(-1, count).T
+
+
+def sets(cell: TrustCell) -> list[str]:
+    """What a cell sets in the scene, as words of a command."""
+    return [word for each in cell["set"] for word in ("--set", each)]
 
 
 def tip(cell: TrustCell) -> str:

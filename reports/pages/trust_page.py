@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Final
 
@@ -9,17 +10,11 @@ from harness.records.trust import CLASSES, HELD, TrustRecord
 from harness.trust.point import MODEL
 from harness.trust.trust_run import CELLS_NAME
 from reports.blocks import Block, Chart, Facts, Group, Text, facts, repeat, section, verdict, words
-from reports.charts.map_figures import trust_map
+from reports.charts.map_figures import sets, trust_map
 from reports.messages import Language
 
 BASES: Final = ("rest", "runs", "between", "checked")
 """What a point may rest on."""
-MOTIONS: Final = {
-    "sine": """ --set 'motion={x={kind="harmonic",amplitude_g=0.3,frequency_hz=2.0}}'""",
-    "pulse": """ --set 'motion={x={kind="pulse",shape="one_sine",amplitude_g=0.3,duration_s=0.5}}'""",
-    "scene": " --set motion.scale=1.2",
-}
-"""What a point's command changes in the scene."""
 
 
 def blocks(_folder: Path, record: TrustRecord, say: Language) -> list[Block]:
@@ -36,20 +31,22 @@ def blocks(_folder: Path, record: TrustRecord, say: Language) -> list[Block]:
         "points": record.summary.points,
         "cpu_time": say.value(record.summary.cpu_s, "s"),
     }
-    engines = "".join(f" -e {name}" for name in record.engines)
-    command = f"rockcheck run {record.scene.file or 'SCENE'}{engines}{MOTIONS[record.motion]}"
+    asked = [word for name in record.engines for word in ("-e", name)]
+    keys = [word for each in record.overrides for word in ("--set", each)]
+    command = shlex.join(["rockcheck", "run", record.scene.file or "SCENE", *asked, *keys])
+    *_, floor = record.maps
     return [
         verdict(record, tone),
         *section(
-            say, "map", *(
-                Chart(each.stands_on, say(f"text.trust_on_{each.stands_on}"), trust_map(each), 1060)
+            say, "map", Group("grid", [
+                Chart(each.stands_on, say(f"text.trust_on_{each.stands_on}"), trust_map(each, floor, command))
                 for each in record.maps
-            ),
+            ]),
             words(say, "trust_map", motion=say(f"text.motion_{record.motion}"), name=CELLS_NAME),
         ),
         *section(
             say, "classes", Facts(meanings, ""), Group("", [Facts(counts)], say("text.bases")),
             Text([each.text for each in record.findings], "notes"),
         ),
-        *repeat(say, record, command, more=[facts(say, spent)]),
+        *repeat(say, record, f"{command} {shlex.join(sets(cells[-1]))}", more=[facts(say, spent)]),
     ]  # fmt: skip

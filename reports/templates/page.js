@@ -172,14 +172,27 @@ const answering = async (name, spec) => {
       });
       return [`${time.toFixed(4)} s`, ...lines].join("\n");
     }
+    return nearest(event, area, "tip");
+  };
+  const nearest = (event, area, of) => {
+    const [across, up] = shares(event, area);
     const x = scale("x"), y = scale("y"), place = (axis, value, length) => (axis(value) + (axis.bandwidth ? axis.bandwidth() / 2 : 0)) * length / Math.max(...axis.range());
     let best = 60, said = "";
-    for (const each of keys.flatMap((key) => spec.datasets[key])) for (let n = 0; n < (each.tip?.length || 0); n += 1) {
+    for (const each of keys.flatMap((key) => spec.datasets[key])) for (let n = 0; n < (each[of]?.length || 0); n += 1) {
       const away = Math.hypot(place(x, each.x[n], area.width) - across * area.width, place(y, each.y[n], area.height) - (1 - up) * area.height);
-      if (away < best) [best, said] = [away, each.tip[n]];
+      if (away < best) [best, said] = [away, each[of][n]];
     }
     return said;
   };
+  /* Of a point that is clicked, the command that runs it, marked to be copied. */
+  plot.addEventListener("click", (event) => {
+    const area = under(event), command = area && nearest(event, area, "more");
+    if (!command) return;
+    let shown = box.nextElementSibling;
+    if (!shown?.matches("output.command")) { shown = document.createElement("output"); shown.className = "command"; box.after(shown); }
+    shown.textContent = command;
+    getSelection().selectAllChildren(shown);
+  });
   plot.addEventListener("pointermove", (event) => {
     const area = under(event), text = area && !held ? told(event, area) : "", home = box.getBoundingClientRect();
     tip.textContent = text;

@@ -300,6 +300,19 @@ def test_the_map_s_picture_has_a_colour_and_a_name_for_each_class(small: Path, t
     assert trust_map(changed)["layer"][0]["encoding"]["fill"]["scale"]["domain"] == [*key, ENGLISH.word("refuted")]
 
 
+def test_a_map_s_picture_has_its_contours_and_where_the_statue_falls_without_the_pedestal() -> None:
+    own, floor = invented_records.trust().maps
+    drawn = trust_map(own, floor, "rockcheck run a.toml")
+    names = {part["name"] for key in ("border", "contours") for part in drawn["datasets"][key]}
+    assert names == {ENGLISH.word(f"line_{name}") for name in (*CONTOURS, "border", "floor")}
+    (line,) = [part for part in drawn["datasets"]["contours"] if part["name"] == ENGLISH.word("line_horizon")]
+    # At the second frequency no strength passes it.
+    assert (line["x"], line["y"]) == ([1.0], [0.12])
+    (tips,) = drawn["datasets"]["tips"]
+    assert tips["more"] == ["rockcheck run a.toml --set motion.x.amplitude_g=0.1"] * len(tips["tip"])
+    assert "more" not in trust_map(own)["datasets"]["tips"][0]
+
+
 def test_a_map_of_every_class_fits_the_terminal_and_its_page_names_each(tmp_path: Path) -> None:
     record = invented_records.trust().texted(ENGLISH.say)
     lines = trust_lines(record)
