@@ -1,7 +1,7 @@
-"""What the documents show of the program, made again by one command: `python -m tests.measures.documents` (a minute).
+"""What the documents show of the program, made again by one command: `python -m tests.measures.documents` (two minutes).
 
-It renews the README's first run as the terminal prints it, its picture of the page (by an installed Chromium), and the outputs of
-docs/example.ipynb. The tutorial's lines are held to the program by tests/reports/test_tutorial.py.
+It renews the README's first run as the terminal prints it, its pictures of the page (by an installed Chromium) and of the coarse trust
+map, and the outputs of docs/example.ipynb. The tutorial's lines are held to the program by tests/reports/test_tutorial.py.
 """
 
 from __future__ import annotations
@@ -14,6 +14,9 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, Final
 
+from harness.trust.trust_run import run_trust
+from reports.charts.drawn import svg
+from reports.charts.map_figures import trust_map
 from tests.measures.page_cost import READY_LIMIT_MS, chromium
 from tests.measures.pages import DOCS, renewed
 
@@ -23,6 +26,8 @@ SCENE: Final = "scenes/paestum_pedestal.toml"
 LINES: Final = 12
 """Of what is printed: title, answer, engines and pairs."""
 SHEET: Final = {"width": 885, "height": 1920}
+MAP_PX: Final = 520
+"""Width of a trust map: two stand side by side."""
 COLOURS: Final = 128
 """Of the picture: a third of its bytes, no difference to the eye."""
 
@@ -48,6 +53,16 @@ def picture(page: Path, to: Path) -> None:
         tab.goto(page.as_uri())
         tab.wait_for_function("window.rockcheck && window.rockcheck.readyMs > 0", timeout=READY_LIMIT_MS)
         Image.open(BytesIO(tab.screenshot())).quantize(COLOURS).save(to, optimize=True)
+
+
+def maps(out: Path) -> list[Path]:
+    """The coarse trust map of that scene with and without its pedestal, as pictures."""
+    record = run_trust(ROOT / SCENE, out, coarse=True, quiet=True)
+    paths = []
+    for each in record.maps:
+        paths.append(DOCS / "images" / f"trust_{each.stands_on}.svg")
+        paths[-1].write_text(svg(trust_map(each, record.maps[-1]), MAP_PX, background="white"), encoding="utf-8")
+    return paths
 
 
 def executed(notebook: dict[str, Any], names: dict[str, object]) -> dict[str, Any]:
@@ -81,9 +96,11 @@ def main() -> None:
     readme, example = ROOT / "README.md", DOCS / "example.ipynb"
     readme.write_text(renewed(readme.read_text(encoding="utf-8"), MODULE, first_run(out)), encoding="utf-8")
     picture(out / "report.html", DOCS / "images" / "report.png")
+    drawn = maps(ROOT / "out" / "documents-trust")
     cells = executed(json.loads(example.read_text(encoding="utf-8")), {})
     example.write_text(json.dumps(cells, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-    sys.stdout.write("renewed: README.md, docs/images/report.png, docs/example.ipynb\n")
+    names = ", ".join(str(path.relative_to(ROOT)) for path in drawn)
+    sys.stdout.write(f"renewed: README.md, docs/images/report.png, {names}, docs/example.ipynb\n")
 
 
 if __name__ == "__main__":
