@@ -198,7 +198,7 @@ const answering = async (name, spec) => {
     tip.textContent = text;
     tip.style.display = text ? "block" : "none";
     const left = event.clientX - home.left;
-    Object.assign(tip.style, left > home.width / 2 ? { right: `${home.width - left + 14}px`, left: "" } : { left: `${left + 14}px`, right: "" }, { top: `${event.clientY - home.top + 12}px` });
+    Object.assign(tip.style, { left: `${Math.max(0, Math.min(left + 14, home.width - tip.offsetWidth))}px`, top: `${event.clientY - home.top + 12}px` });
   });
   plot.addEventListener("pointerleave", () => { tip.style.display = "none"; });
   new ResizeObserver(() => { if (chart.view && box.clientWidth && Math.abs(box.clientWidth - drawn) > 4) chart.draw(); }).observe(box);

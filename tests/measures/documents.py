@@ -1,7 +1,7 @@
 """What the documents show of the program, made again by one command: `python -m tests.measures.documents` (two minutes).
 
-It renews the README's first run as the terminal prints it, its pictures of the page (by an installed Chromium) and of the coarse trust
-map, and the outputs of docs/example.ipynb. The tutorial's lines are held to the program by tests/reports/test_tutorial.py.
+It renews the README's first run as the terminal prints it, its pictures of the page (by an installed Chromium) and of the coarse
+trust map, and the outputs of docs/example.ipynb. The tutorial's lines are held to the program by tests/reports/test_tutorial.py.
 """
 
 from __future__ import annotations
