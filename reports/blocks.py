@@ -193,8 +193,7 @@ def table(
     """
     keys = columns.split()
     cells = [[shown(say, _value(row, key), count) for key in keys] for row in rows]
-    heads = ["", *(say.label(key) for key in keys[1:])]
-    return Table(say(f"table.{name}", **values), heads, cells, style) if cells else None
+    return Table(say(f"table.{name}", **values), [*map(say.label, keys)], cells, style) if cells else None
 
 
 def turned(

@@ -13,7 +13,7 @@ from harness.input.mesh_statue import findings_of
 from harness.model.finding import Finding, Severity, texted, weighed
 from harness.model.run import EngineRunRecord, to_plain
 from harness.model.terminal import printable
-from harness.records.assess import Assessment, AssessRecord
+from harness.records.assess import AssessRecord
 from harness.records.base import Record
 from harness.records.measured import MeasuredRecord
 from harness.records.run import RunRecord
@@ -23,6 +23,7 @@ from harness.records.trust import CLASSES, TrustRecord
 from harness.records.validation import BaselineRecord, ModelRecord, ValidationRecord
 from harness.scene_run.answer import STILL_RAD
 from harness.statics.plan import Step
+from reports.blocks import Table
 from reports.messages import ENGLISH
 from reports.messages.numbers import digits, length
 from reports.pages.measured_page import measured_table
@@ -60,16 +61,16 @@ def run_lines(record: RunRecord, *, verbose: bool = False) -> list[str]:
 
 def assess_lines(record: AssessRecord, *, verbose: bool = False) -> list[str]:
     """An assessment: title, answer, a row for each model, what to beware of."""
-    rows = [["model", "probability", "interval", "draws", "runs", "undecided"]]
-    for name, item in record.answers.items():
-        shares = [ENGLISH.value(each, "share").replace("\u00a0", " ") for each in _shares(item)]
-        p, low, high, undecided = shares
-        rows.append([name, p, f"{low} to {high}", str(item.draws), str(item.engine_runs), undecided])
-    return _headed(record, table(rows) if record.answers else [], verbose=verbose)
+    from reports.pages.assess_page import models_table
+
+    return _headed(record, _block(models_table(record, ENGLISH)), verbose=verbose)
 
 
-def _shares(item: Assessment) -> list[float]:
-    return [item.probability_overturned, item.low, item.high, item.undecided]
+def _block(shown: Table | None) -> list[str]:
+    """The first columns of a page's table."""
+    rows = [] if shown is None else [shown.heads, *shown.rows]
+    told = [[str(cell).replace("\u00a0", " ") for cell in row[:TOLD_COLUMNS]] for row in rows]
+    return table(told) if told else []
 
 
 def study_lines(record: Record, *, verbose: bool = False) -> list[str]:
@@ -157,9 +158,7 @@ def trust_lines(record: TrustRecord, *, verbose: bool = False) -> list[str]:
 
 def measured_lines(record: MeasuredRecord, *, verbose: bool = False) -> list[str]:
     """A measured set: title, answer, the first columns of its first table, what to beware of."""
-    first = measured_table(record.tables[0], ENGLISH)
-    rows = [[str(cell) for cell in row[:TOLD_COLUMNS]] for row in (first.heads, *first.rows)]
-    return _headed(record, table(rows), verbose=verbose)
+    return _headed(record, _block(measured_table(record.tables[0], ENGLISH)), verbose=verbose)
 
 
 def _of_pairs(record: RunRecord) -> list[Finding]:

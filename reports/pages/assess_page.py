@@ -37,20 +37,12 @@ from reports.text.wording import tone_of_answers
 
 def blocks(_folder: Path, record: AssessRecord, say: Language) -> list[Block]:
     """The blocks of an assessment's page."""
-    models = [
-        {"model": name, "probability": _share(say, item.probability_overturned), "interval": _between(say, item),
-         "runs": item.engine_runs, "undecided": _share(say, item.undecided)}
-        if isinstance(item, Assessment) else
-        {"model": name, "probability": say("text.not_assessed"), "interval": item.message if item else "", "runs": "",
-         "undecided": ""}
-        for name, item in record.assessment.items()
-    ]  # fmt: skip
     fragility = record.fragility
     return [
         assess_verdict(record),
         *section(say, "notes", *notes(say, record.findings)),
         *section(
-            say, "models", table(say, "assess", "model probability interval runs undecided", models), words(say, "assess")
+            say, "models", models_table(record, say), words(say, "assess")
         ),
         *_options(record, say),
         *_clearance(record, say),
@@ -64,6 +56,19 @@ def blocks(_folder: Path, record: AssessRecord, say: Language) -> list[Block]:
         *_inputs(record, say),
         *repeat(say, record, more=[words(say, "seed", seed=record.seed)]),
     ]  # fmt: skip
+
+
+def models_table(record: AssessRecord, say: Language) -> Table | None:
+    """How probable a fall is by each model, or why it says nothing; the terminal shows the same."""
+    rows = [
+        {"model": name, "probability": _share(say, item.probability_overturned), "interval": _between(say, item),
+         "draws": item.draws, "runs": item.engine_runs, "undecided": _share(say, item.undecided)}
+        if isinstance(item, Assessment) else
+        {"model": name, "probability": say("text.not_assessed"), "interval": item.message if item else "",
+         **dict.fromkeys(("draws", "runs", "undecided"), "")}
+        for name, item in record.assessment.items()
+    ]  # fmt: skip
+    return table(say, "assess", "model probability interval draws runs undecided", rows)
 
 
 def assess_verdict(record: AssessRecord) -> Verdict:
