@@ -130,7 +130,7 @@ def _rotation(source: RunSource, looks: Mapping[str, Look], views: Json) -> Json
     layers = [
         band | {"transform": list(error)},
         marks("line", "histories", {"y": y} | named(looks)) | {"params": [CHOSEN]},
-        marks("point", "falls", crosses, shape="cross", angle=45, size=90, filled=True),
+        marks("point", "falls", crosses, shape="cross", angle=45, size=90, filled=True, opacity=1),
         *level(statue.slenderness_right_rad, "balances on the right edge"),
         *level(-statue.slenderness_left_rad, "balances on the left edge", baseline="top"),
     ]
