@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 from pydantic import Field, model_validator
 
@@ -14,6 +15,12 @@ from harness.input.tables import read_model
 Value = float | int | str | bool
 EngineName = Literal["analytic", "pymunk", "pybullet", "spatial", "pymunk:plain", "pybullet:plain"]
 Name = Annotated[str, Field(min_length=1)]
+COMPARED: Final[Mapping[str, tuple[str, ...]]] = {
+    "pedestal": ("motion.x.frequency_hz",),
+    "planes": ("statue.mesh.azimuth_deg",),
+    "paper": ("motion.x.frequency_hz", "motion.x.amplitude_g", "contact.restitution"),
+}
+"""The keys over whose numbers a set of claims compares runs: without them none can be judged."""
 
 
 class Vary(Table):
@@ -137,6 +144,13 @@ class StudyFile(Table):
             raise Contradiction(
                 "ask.cases", "exactly two grids and no samples for an adaptive map", f"{len(grids)} grids"
             )
+        by_numbers = {item.key for item in self.scatter}
+        for item in self.vary:
+            if item.values is None or all(type(value) in (int, float) for value in item.values):
+                by_numbers.add(item.key)
+        absent = [key for key in COMPARED.get(self.claims or "", ()) if key not in by_numbers]
+        if absent:
+            raise Contradiction("claims", f"{absent[0]} varied over numbers, which these claims compare", "not so here")
         return self
 
 

@@ -177,7 +177,7 @@ def panels(rows: Sequence[KeyedRow], store: Store) -> list[Panel]:
             drawn[key] = _curve(history.t_s, history.theta_rad, history.slip_m)
         keys = "contact.restitution", "motion.x.amplitude_g", "motion.x.frequency_hz"
         restitution, amplitude_g, frequency_hz = (float(varied[name]) for name in keys)
-        setting = "floor" if varied["pedestal"] == "none" else "pedestal"
+        setting = "floor" if varied.get("pedestal") == "none" else "pedestal"
         curves = by_condition.setdefault((restitution, amplitude_g, frequency_hz), {})
         curves.setdefault(row.model, {})[setting] = drawn[key]
     return [Panel(*place, by_condition[place]) for place in sorted(by_condition)]

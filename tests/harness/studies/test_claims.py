@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from harness.engines.stepping.impact import IMPOSED_LABEL
+from harness.model.errors import InputError
 from harness.model.history import Outcome
 from harness.records.study import StudyRow, Value
 from harness.studies import claims
+from harness.studies.file import load_study
 from tests import doubles
+from tests.harness.studies.small_study import STUDY, written
 
 FREQUENCIES = (1.5, 2.0, 3.0, 4.5, 6.0)
 
@@ -192,3 +196,22 @@ def test_a_run_that_failed_answers_no_claim() -> None:
     assert {v.model for v in claims.judge([*paper_rows(), *absent], lambda theta_rad: 0.70)} == {
         "analytic (own impact)"
     }
+
+
+@pytest.mark.parametrize(
+    ("claims", "old", "new", "key"),
+    [
+        ("pedestal", "motion.x.frequency_hz", "motion.x.phase_deg", "motion.x.frequency_hz"),
+        ("pedestal", "start = 1.0\nstop = 4.0\ncount = 5", 'values = ["keep", 2.0]', "motion.x.frequency_hz"),
+        ("planes", "", "", "statue.mesh.azimuth_deg"),
+        ("paper", "values = [0.85, 0.9]", 'values = ["momentum", 0.9]', "contact.restitution"),
+    ],
+)
+def test_claims_that_compare_what_is_not_varied_are_refused(
+    tmp_path: Path, claims: str, old: str, new: str, key: str
+) -> None:
+    path = written(tmp_path, f'claims = "{claims}"\n' + STUDY.replace(old, new))
+    with pytest.raises(InputError) as refused:
+        load_study(path)
+    assert [mistake.key for mistake in refused.value.mistakes] == ["claims"]
+    assert refused.value.mistakes[0].wanted.startswith(key)
