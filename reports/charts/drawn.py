@@ -32,6 +32,8 @@ BESIDE: Final = 96
 """Pixels beside the plot of a chart of several, for the names of its axes."""
 CUT: Final = re.compile(r"(?<=[\"#])clip\d+(?=[\")])")
 """What the library calls the outlines at which it cuts."""
+TAG: Final = re.compile(r"<[^>]*>")
+"""Where places stand; what is written between tags keeps its digits."""
 FINER: Final = re.compile(r"(?<=\d\.\d)\d+")
 """Digits of a place in pixels after the first behind the point."""
 
@@ -119,7 +121,7 @@ def hatched(drawn: str) -> str:
 
 def still(spec: Json, width: float = WIDE) -> Markup:
     """The chart as a page carries it: what is seen first and without scripts, and what is printed; before it what both call."""
-    drawn = FINER.sub("", svg(spec, width))
+    drawn = TAG.sub(lambda tag: FINER.sub("", tag[0]), svg(spec, width))
     box = drawn.index("viewBox=")
     called = f'<svg class="called" aria-hidden="true"><defs>{HATCHES}</defs></svg>' if "url(#hatch" in drawn else ""
     return Markup(f'{called}<svg class="still" aria-hidden="true" xmlns="http://www.w3.org/2000/svg" {drawn[box:]}')

@@ -111,6 +111,12 @@ def test_a_level_beyond_its_axis_is_not_drawn() -> None:
     assert re.search(r"translate\([\d.]+,-\d", beyond), "above the plot, where it is cut"
 
 
+def test_a_still_rounds_places_and_no_words() -> None:
+    drawn = still(curve([0.0, 3.3333], [0.0, 1.2345], "a", *level(2.0, "until 6.08 s")))
+    assert ">until 6.08 s<" in drawn
+    assert not re.search(r'd="M[^"]*\d\.\d\d', drawn)
+
+
 def test_every_plot_has_the_share_of_the_width_that_it_states() -> None:
     beside = {"hconcat": [{"vconcat": [{"width": 0.6}, {"width": 0.6}]}, {"width": 0.4}]}
     left, right = sized(beside, 1000.0)["hconcat"]
