@@ -67,7 +67,10 @@ def _step(array: Any, levels: int) -> float:
         spacing = float(f"{spacing:.9g}")
         if np.abs(array / spacing - np.round(array / spacing)).max() < ON_CLOCK:
             return spacing
-    return float(np.ptp(array)) / levels if len(array) > 1 and np.ptp(array) > 0.0 else _alone(array)
+    if len(array) < 2 or np.ptp(array) == 0.0:
+        return _alone(array)
+    # Values that differ by their rounding alone: a finer step than that has no whole number of steps.
+    return max(float(np.ptp(array)) / levels, float(np.spacing(np.abs(array).max())))
 
 
 def _alone(array: Any) -> float:

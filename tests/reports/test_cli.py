@@ -154,7 +154,7 @@ def test_json_mode_prints_the_record_and_nothing_else(scene: Path, tmp_path: Pat
         (["run", "block.toml", "--out", "block.toml"], "a folder"),
         (["compare", "a.csv"], "exactly two"),
         (["compare", "a.csv", "b.csv"], "a.csv"),
-        (["study", "block.toml"], "block.toml: variant"),
+        (["study", "block.toml"], "`rockcheck run block.toml` takes it"),
         (["report", "nowhere"], "nowhere"),
         (["mesh", "inspect", "none.obj"], "none.obj"),
         (["motion", "inspect", "none.V2"], "none.V2"),

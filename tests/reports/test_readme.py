@@ -99,7 +99,7 @@ def test_the_first_run_is_shown_as_it_is_printed(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, [words[0], str(ROOT / words[1]), "-e", "analytic", "--out", str(tmp_path / "run")])
     (row,) = (each for each in lines if each.split()[0] == "analytic" and "–" not in each)
     assert not_printed([lines[0], row], done.output) == [], done.output
-    chance = re.search(r"between \d+ % and \d+ %", " ".join(lines))
+    chance = re.search(r"is \d+ % to \d+ %", " ".join(lines))
     assert chance
     assert chance[0] in " ".join(done.output.split())
 

@@ -33,6 +33,11 @@ def test_arrays_without_a_range_come_back_as_they_are(values: list[float]) -> No
     assert numbers(packed_array(values)).tolist() == values
 
 
+def test_values_that_differ_by_rounding_alone_come_back_as_they_are() -> None:
+    values = 0.7 + np.spacing(0.7) * np.random.default_rng(0).integers(-2, 3, 500)
+    assert np.array_equal(numbers(packed_array(values)), values)
+
+
 def test_a_smooth_curve_costs_two_digits_a_sample() -> None:
     t_s = np.arange(10_000) * 1e-3
     packed = packed_array(np.sin(6.0 * t_s) * np.exp(-0.2 * t_s))
