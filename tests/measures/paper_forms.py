@@ -126,10 +126,15 @@ def summary(solutions: dict[str, list[analytic.Solution]], *, pedestal: bool) ->
         changed = sum(a.outcome != b.outcome for a, b in pairs)
         both = [(a, b) for a, b in pairs if str(a.outcome) == str(b.outcome) == "stands"]
         turn, slip = (_largest(both, measure) for measure in (lambda s: s.peak_theta_rad, lambda s: s.peak_slip_m))
-        row = [name, meaning, f"{changed} of {len(pairs)}", f"{turn:.3f} rad"]
-        rows.append([*row, f"{1000.0 * slip:.1f} mm", _gained(solutions[name])] if pedestal else row)
-    head = ["reading", "what is read otherwise", "outcomes changed", "peak θ, largest change"]
-    return table([*head, *(["peak slip, largest change", "energy gained at impacts"] if pedestal else [])], rows)
+        row = [f"{changed} of {len(pairs)}", f"{turn:.3f} rad"]
+        more = [f"{1000.0 * slip:.1f} mm", _gained(solutions[name])]
+        rows.append([name, meaning, *row, *more] if pedestal else [name, *row])
+    head = ["outcomes changed", "peak θ, largest change"]
+    if not pedestal:
+        return table(["reading", *head], rows)
+    return table(
+        ["reading", "what is read otherwise", *head, "peak slip, largest change", "energy gained at impacts"], rows
+    )
 
 
 def _largest(
