@@ -90,7 +90,7 @@ FOUND = {
     "motion SMC": (smc().replace(b"    -32768", b"1.0000e300", 1),),
 }
 """Inputs that once ended in a traceback or never, by kind."""
-INPUTS = 420
+INPUTS = 600
 """Mutated inputs in every CI run; `make stress` reads twenty thousand, the first of the same numbers apart."""
 PAST_READING = 0.45
 """Share that is to be accepted and used: half of many, less than three standard deviations (0.025) of so few."""
