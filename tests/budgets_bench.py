@@ -21,7 +21,7 @@ MOST_ITERATIONS: Final = {"pymunk": 50_200, "pybullet": 338_300}
 ACCURACY_RUNS: Final = 3
 """Runs that 1e-3 rad may take on an easy scene: a level, a finer one to check it, and one under a stronger motion."""
 MODULES_OF_HELP: Final = 172
-"""Modules imported to answer --help: 167 counted (of the command line's package ten), 170 from an editable installation, which has
+"""Modules imported to answer --help: 167 counted (ten of them the command line's), 170 from an editable installation, which has
 a finder of its own; 743 with scipy's integrators, which a run needs and --help does not."""
 MODULES_OF_LATER_PYTHON: Final = 8
 """Modules that --help may load more on CPython 3.12 and later: 6 counted on 3.13, which divides its own library finer."""

@@ -278,8 +278,9 @@ class _Climb:
             held_s.append(max(plain_from_s(best), best.no_return_time_s))
         # All levels may lose alike what is too small for any: what that grows to is the scene's, not the step's.
         expected_rad = number(best.settings, "expected_error_rad")
-        grown_s = outgrown_s(self.scene, expected_rad, self.target.rotation_rad / SAFETY)
-        error = error.or_more(NONE if grown_s > best.end_s else replace(self.target, slip_m=0.0))
+        grown_s = outgrown_s(self.scene, expected_rad, self.target.rotation_rad)
+        if outgrown_s(self.scene, expected_rad, self.target.rotation_rad / SAFETY) <= best.end_s:
+            error = error.or_more(replace(self.target, slip_m=0.0))
         found, until_s = [], min([*held_s, grown_s])
         if until_s < best.end_s:
             small_rad = PERTURBED_SHARE * expected_rad if until_s == grown_s else None
