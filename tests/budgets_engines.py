@@ -65,6 +65,9 @@ an event. Measured 2e-7 rad at 0.25 ms on the floor, 6e-6 on a pedestal, of whic
 FOLLOWED_RAD: Final = 1e-3
 """Where two coefficients follow a velocity two steps late: measured 7e-5 to 5e-4 rad at 0.1 to 0.5 ms; 0.02 rad where the
 pedestal slides on instead of sticking."""
+REVERSED_IMPACT_RAD: Final = 3e-4
+"""Where an impact turns a sliding pedestal round, steps of 0.5 ms: measured 2e-5 (pymunk) and 1.7e-4 rad (pybullet); 5e-4 and
+6e-4 rad, at every step, where the static coefficient acts in it."""
 LAID_RAD: Final = 1e-6
 """By what a statue at rest is laid down a loop without that differs: a lean of 1e-3 rad/s over the step of 1 ms."""
 CREEP: Final = 1e-9

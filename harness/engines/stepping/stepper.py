@@ -200,8 +200,9 @@ class Stepper:
             return row
         if self._sticks(slip) and not self._saturated(self.kinetic, pull, before, row):
             self._hold(self.static)
-        elif self._reversed(slip):
-            # The velocity passed zero: the step again with the static limit, which may hold.
+        elif self._reversed(slip) and any(pull):
+            # The velocity passed zero: the step again with the static limit, which may hold. An impact takes no time and has no
+            # pull: what slid before it has the kinetic coefficient throughout, whichever way it slides after.
             self._hold(self.static)
             self._again(before, REVERSAL)
             row = self._slip_onset(gravity, pull, before, self.backend.advance(gravity))
