@@ -176,6 +176,10 @@ class BaseExcitation:
         given = "xyz" if dimensions == 3 else "xz"
         return tuple(axis for axis in given if getattr(self, axis).peak_m_s2 > 0.0)
 
+    def in_plane(self) -> BaseExcitation:
+        """What a planar model is given of it: nothing across the rocking plane."""
+        return BaseExcitation(self.x, ZeroExcitation(), self.z)
+
     def scaled(self, factor: float) -> BaseExcitation:
         """The same motion with every component multiplied by a factor."""
         return BaseExcitation(self.x.scaled(factor), self.y.scaled(factor), self.z.scaled(factor))

@@ -87,7 +87,7 @@ def relevant(scene: Scene, capabilities: Capabilities) -> Scene:
     if not capabilities.statue_slips:
         contact = replace(contact, statue=1.0)
     if capabilities.dimensions == 2:
-        base_excitation = BaseExcitation(base_excitation.x, ZeroExcitation(), base_excitation.z)
+        base_excitation = base_excitation.in_plane()
         statue = _planar(statue)
     return replace(scene, form=form, contact=contact, base_excitation=base_excitation, statue=statue)
 

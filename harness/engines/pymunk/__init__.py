@@ -134,6 +134,8 @@ class Munk2D(Engine):
 
         own = own_settings(self.name, MunkSettings, settings)
         refuse_out_of_plane(scene, self.name)
+        # A push across the plane has no part in what friction must hold.
+        scene = replace(scene, base_excitation=scene.base_excitation.in_plane())
         if scene.initial.pose is not None and scene.contact.restitution is not None:
             raise EngineFailure("pymunk locates plastic impacts only: a coefficient of restitution is pymunk:plain's")
         begin = time.perf_counter()

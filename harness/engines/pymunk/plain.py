@@ -86,6 +86,8 @@ class PlainMunk2D(Engine):
         own = own_settings(self.name, MunkSettings, settings)
         refuse_steering(scene, self.name)
         refuse_out_of_plane(scene, self.name)
+        # A push across the plane has no part in what friction must hold.
+        scene = replace(scene, base_excitation=scene.base_excitation.in_plane())
         begin = time.perf_counter()
         try:
             record = _integrate(scene, own, options)

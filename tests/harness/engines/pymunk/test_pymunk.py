@@ -21,6 +21,7 @@ from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Wall
 from tests import budgets_engines as budget
+from tests.engines_for_tests import ready
 from tests.measures.contact_engines import baseline_loop
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, rectangle, scene
 
@@ -253,3 +254,15 @@ def test_its_version_is_the_distribution_s(monkeypatch: pytest.MonkeyPatch) -> N
     assert ENGINE.missing() is None
     monkeypatch.setattr("harness.engines.pymunk.metadata.version", lambda name: {"pymunk": "6.9.0"}[name])
     assert ENGINE.missing() == "pymunk 7 is wanted, 6.9.0 is installed"
+
+
+@pytest.mark.parametrize("name", ["pymunk", "pymunk:plain"])
+def test_a_motion_across_the_plane_changes_nothing(name: str) -> None:
+    """A push across it had a share in the friction that holds the pedestal, which slid at nine tenths of its limit."""
+    engine, on = ready(name), paestum(0.334, 2.0, mu=(0.2, 0.15), duration_s=0.6)
+    motion = on.base_excitation
+    across = replace(on, base_excitation=replace(motion, y=Harmonic(2.0, 2.0)))
+    alone, beside = (engine.simulate(each, engine.settings_for_dt(each, 1e-3), RunOptions()) for each in (on, across))
+    assert alone.peak_slip_m > 0.0
+    assert np.array_equal(alone.history.theta_rad, beside.history.theta_rad)
+    assert np.array_equal(alone.history.slip_m, beside.history.slip_m)
