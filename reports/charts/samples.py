@@ -62,7 +62,8 @@ def _step(array: Any, levels: int) -> float:
     """The spacing of samples on a clock, for others the range over `levels`."""
     apart = np.diff(array)
     spacing = float(np.median(apart)) if len(apart) else 0.0
-    if spacing > 0.0:
+    # Beside a value that dwarfs it a spacing counts nothing: whole numbers end at 2^53.
+    if 0.0 < np.abs(array).max(initial=0.0) < 2.0**53 * spacing:
         # A clock's spacing has few digits; a median of differences carries their rounding.
         spacing = float(f"{spacing:.9g}")
         if np.abs(array / spacing - np.round(array / spacing)).max() < ON_CLOCK:

@@ -38,6 +38,11 @@ def test_values_that_differ_by_rounding_alone_come_back_as_they_are() -> None:
     assert np.array_equal(numbers(packed_array(values)), values)
 
 
+def test_a_value_that_dwarfs_all_others_leaves_them_no_clock() -> None:
+    values = np.append(np.arange(50) * 1e-3, 1e200)
+    assert np.abs(numbers(packed_array(values)) - values).max() <= 0.5000001 * 1e200 / LEVELS
+
+
 def test_a_smooth_curve_costs_two_digits_a_sample() -> None:
     t_s = np.arange(10_000) * 1e-3
     packed = packed_array(np.sin(6.0 * t_s) * np.exp(-0.2 * t_s))
