@@ -278,9 +278,12 @@ class _Climb:
             held_s.append(max(plain_from_s(best), best.no_return_time_s))
         # All levels may lose alike what is too small for any: what that grows to is the scene's, not the step's.
         expected_rad = number(best.settings, "expected_error_rad")
-        grown_s = outgrown_s(self.scene, expected_rad, self.target.rotation_rad)
-        if outgrown_s(self.scene, expected_rad, self.target.rotation_rad / SAFETY) <= best.end_s:
+        grown_s = outgrown_s(self.scene, expected_rad, self.target.rotation_rad / SAFETY)
+        if grown_s <= best.end_s:
             error = error.or_more(replace(self.target, slip_m=0.0))
+        if grown_s < math.inf:
+            # What never passes a third of the target never passes it: the model's runs are asked twice where it matters.
+            grown_s = outgrown_s(self.scene, expected_rad, self.target.rotation_rad)
         found, until_s = [], min([*held_s, grown_s])
         if until_s < best.end_s:
             small_rad = PERTURBED_SHARE * expected_rad if until_s == grown_s else None
