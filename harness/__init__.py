@@ -32,13 +32,13 @@ if TYPE_CHECKING:
     from harness.model.run import Run
     from harness.model.run_set import RunSet
     from harness.model.scene import Scene
-    from harness.probability.assessment import assess
+    from harness.questions.assess.assessment import assess
+    from harness.questions.scene.scene_run import run_scene
+    from harness.questions.study.sweep import sweep
     from harness.records.kinds import read_result
     from harness.records.run import RunRecord
     from harness.records.scores import Scores, Verdict
     from harness.records.study import StudyRecord
-    from harness.scene_run.scene_run import run_scene
-    from harness.studies.sweep import sweep
 
 _NAMES: Final = {
     "harness.accuracy.simulation": "simulate",
@@ -52,14 +52,14 @@ _NAMES: Final = {
     "harness.model.options": "RunOptions",
     "harness.model.run": "Run",
     "harness.model.scene": "Scene",
-    "harness.probability.assessment": "assess",
+    "harness.questions.assess.assessment": "assess",
     "harness.records.kinds": "read_result",
     "harness.records.run": "RunRecord",
     "harness.records.scores": "Scores Verdict",
     "harness.records.study": "StudyRecord",
-    "harness.scene_run.scene_run": "run_scene",
+    "harness.questions.scene.scene_run": "run_scene",
     "harness.model.run_set": "RunSet",
-    "harness.studies.sweep": "sweep",
+    "harness.questions.study.sweep": "sweep",
 }
 """The public names by their modules."""
 _HOMES: Final = {name: module for module, names in _NAMES.items() for name in names.split()}

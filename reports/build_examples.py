@@ -14,13 +14,13 @@ from harness.input.paths import data_folder
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
 from harness.model.run import Run
+from harness.questions.scene.scene_run import run_scene, write_result
+from harness.questions.trust.trust_run import run_trust
 from harness.records.study import StudyRecord, StudyRow
 from harness.records.trust import TrustRecord
 from harness.runs.runner import Crash, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, stored_runs
 from harness.runs.task import Answer
-from harness.scene_run.scene_run import run_scene, write_result
-from harness.trust.trust_run import run_trust
 from reports.checked import write_checked
 from reports.cli import studies
 from reports.cli.ending import guarded

@@ -13,6 +13,7 @@ from harness.input.mesh_statue import findings_of
 from harness.model.finding import Finding, Severity, texted, weighed
 from harness.model.run import EngineRunRecord, to_plain
 from harness.model.terminal import printable
+from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import AssessRecord
 from harness.records.base import Record
 from harness.records.measured import MeasuredRecord
@@ -21,7 +22,6 @@ from harness.records.scores import Interval, Scores, Verdict
 from harness.records.study import StudyRecord, StudyRow
 from harness.records.trust import CLASSES, TrustRecord
 from harness.records.validation import BaselineRecord, ModelRecord, ValidationRecord
-from harness.scene_run.answer import STILL_RAD
 from harness.statics.plan import Step
 from reports.blocks import Table
 from reports.messages import ENGLISH

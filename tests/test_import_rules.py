@@ -21,7 +21,7 @@ VIOLATIONS = {
     "compiled code depends on nothing but itself": ("analytic/kernel/impact.py", "import analytic.errors"),
     "the analytic model stands alone": ("analytic/block.py", "import trimesh"),
     "down the rooms of the harness": ("harness/statics/plan.py", "import harness.comparison.verdict"),
-    "the measuring is a leaf": ("harness/engines/analytic.py", "import harness.bench.programs"),
+    "down the questions": ("harness/questions/study/sweep.py", "import harness.questions.bench.programs"),
 }
 
 

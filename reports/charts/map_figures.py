@@ -11,11 +11,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.questions.study.case_selection import SAME_CELL, Answer, Place, filled
+from harness.questions.trust.point import MODEL
 from harness.records.stress import Cell
 from harness.records.study import CaseRun
 from harness.records.trust import CLASSES, TrustCell, TrustMap
-from harness.studies.case_selection import SAME_CELL, Answer, Place, filled
-from harness.trust.point import MODEL
 from reports.charts import Json
 from reports.charts.figure import CELL, axis, cell_edges, cells, chosen, figure, kinds, marks, named, names
 from reports.charts.palette import INK, Look, model_looks

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final, TypeVar
 
+from harness.questions.validate.scenes import GRAVITY_M_S2
 from harness.records.sets import ReliabilityBin
 from harness.records.validation import Curves, ValidationRecord
-from harness.validation.scenes import GRAVITY_M_S2
 from reports.charts import Json
 from reports.charts.figure import (
     across,

@@ -15,9 +15,9 @@ from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
 from harness.model.files import FRESH
 from harness.model.finding import Say
-from harness.probability.assessment import Assessed, assess
-from harness.probability.by_model import MODEL
-from harness.probability.options import read_options
+from harness.questions.assess.assessment import Assessed, assess
+from harness.questions.assess.by_model import MODEL
+from harness.questions.assess.options import read_options
 from harness.records.assess import AssessRecord
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.runs.dask_pool import DaskPool

@@ -28,7 +28,7 @@ Parts = Annotated[
 @command(app, None, "rockcheck bench --out out/bench", "rockcheck bench --parts precision,skips")
 def bench(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
     """Measure run time against error for every engine and setting, what skips gain, and how cost grows."""
-    from harness.bench import bench_run
+    from harness.questions.bench import bench_run
 
     measured(bench_run.bench(), saying, quick, parts, out)
 
@@ -36,7 +36,7 @@ def bench(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out:
 @command(app, None, "rockcheck stress --out out/stress", "rockcheck stress --parts fuzz")
 def stress(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
     """Run hard scenes, map each engine's stability, and read thousands of mutated files."""
-    from harness.bench.stress import stress_run
+    from harness.questions.bench.stress import stress_run
 
     record = measured(stress_run.stress(), saying, quick, parts, out)
     raise typer.Exit(OK if record.holds else FAILED)

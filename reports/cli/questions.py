@@ -136,9 +136,9 @@ def trust(
     out: Out = None,
 ) -> None:
     """Map over strength and frequency how far the analytic model is confirmed by the engines for this statue."""
+    from harness.questions.trust.trust_run import run_trust
     from harness.records.base import plain
     from harness.records.result_folder import named_after
-    from harness.trust.trust_run import run_trust
     from reports.messages import ENGLISH
     from reports.terminal import trust_lines
 
@@ -178,10 +178,10 @@ def validate(
     out: Out = None,
 ) -> None:
     """Run the models on measured tests, tosses or drops and score them against what was observed; or on impact ratios."""
+    from harness.questions.validate.kinds import kind_of
+    from harness.questions.validate.validation_run import run_validation
     from harness.records.base import as_file
     from harness.records.result_folder import check_folder, named_after
-    from harness.validation.kinds import kind_of
-    from harness.validation.validation_run import run_validation
     from reports.messages import ENGLISH
     from reports.terminal import measured_lines, validation_lines
 
@@ -219,9 +219,9 @@ def _measured(
     quiet: bool,
 ) -> MeasuredRecord:
     """The record of a table of tosses, drops or impact ratios."""
-    from harness.validation.drop_run import validate_drops
-    from harness.validation.impact_ratios import validate_ratios
-    from harness.validation.toss_run import validate_tosses
+    from harness.questions.validate.drop_run import validate_drops
+    from harness.questions.validate.impact_ratios import validate_ratios
+    from harness.questions.validate.toss_run import validate_tosses
     from reports.messages import ENGLISH
 
     say = ENGLISH.say

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from harness.comparison.scores.against_measured import Measured
     from harness.model.options import RunOptions
     from harness.model.scene import Scene
+    from harness.questions.scene.scene_run import Result
     from harness.records.scores import Scores
     from harness.records.sets import SetScores
-    from harness.scene_run.scene_run import Result
     from harness.statics.plan import Step
 
 
@@ -61,9 +61,9 @@ def run(
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""
     from harness.accuracy.simulation import check_target
+    from harness.questions.scene.scene_run import Ended, write_result
     from harness.records.base import plain
     from harness.records.result_folder import check_folder, named_after
-    from harness.scene_run.scene_run import Ended, write_result
     from reports.messages import ENGLISH
     from reports.terminal import explained, run_lines
 
@@ -238,10 +238,10 @@ def compared_of(
         if out is not None:
             write_comparison(a, b, scores, out)
         return Compared({f"{a.name}_vs_{b.name}": scores})
+    from harness.questions.study.ensembles import score_sets
+    from harness.questions.study.rows import KeyedRow
     from harness.records.study import CaseRun
     from harness.runs.task import answer_of
-    from harness.studies.ensembles import score_sets
-    from harness.studies.rows import KeyedRow
 
     of_files = {
         "--uncertainty": uncertainty,
@@ -282,15 +282,15 @@ def compute(
     assess: bool = False,
     witness: bool = False,
 ) -> Result:
-    """Load and run one scene (see `harness.scene_run.scene_run.run_scene`), telling on stderr what is at work.
+    """Load and run one scene (see `harness.questions.scene.scene_run.run_scene`), telling on stderr what is at work.
 
     Raises `InputError`, also where `out` cannot take the result.
     """
     from harness.accuracy.simulation import check_target
     from harness.engines import default_engines, load
     from harness.input.scene_file import load_scene
-    from harness.scene_run.scene_run import check_writing, run_scene
-    from harness.scene_run.workload import check as check_work
+    from harness.questions.scene.scene_run import check_writing, run_scene
+    from harness.questions.scene.workload import check as check_work
 
     accuracy, dt = target.accuracy, target.dt
     check_target(accuracy, dt)

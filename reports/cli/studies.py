@@ -15,6 +15,12 @@ from harness.input.tables import kind_of
 from harness.model.errors import InputError, Mistake
 from harness.model.files import check_own, checksum, is_sealed
 from harness.model.finding import Say
+from harness.questions.study import estimate
+from harness.questions.study.cases import base_of
+from harness.questions.study.file import StudyFile, load_study
+from harness.questions.study.study_record import export_csv, export_parquet, study_record
+from harness.questions.study.study_run import run_study, study_name
+from harness.questions.study.witnessed import witness_study
 from harness.records.base import Record
 from harness.records.result_folder import RECORD, check_folder, read_own, write_whole
 from harness.records.study import ExportRecord, StudyRecord
@@ -22,16 +28,10 @@ from harness.runs.dask_pool import DaskPool
 from harness.runs.progress import progress
 from harness.runs.runner import LIMIT_S, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, check_begun
-from harness.studies import estimate
-from harness.studies.cases import base_of
-from harness.studies.file import StudyFile, load_study
-from harness.studies.study_record import export_csv, export_parquet, study_record
-from harness.studies.study_run import run_study, study_name
-from harness.studies.witnessed import witness_study
 
 QUESTIONS: Final = {
-    "rocking_spectrum": "harness.studies.rocking_spectrum",
-    "effects3d": "harness.effects3d.study",
+    "rocking_spectrum": "harness.questions.study.rocking_spectrum",
+    "effects3d": "harness.questions.effects3d.study",
 }
 """By the kind that a file names the module that answers it: `run_file`, and `REFUSES`: by option what it wants instead."""
 

@@ -13,11 +13,11 @@ import numpy as np
 from harness.model.history import Outcome
 from harness.model.in_space import support_m
 from harness.model.run import EngineRunRecord
+from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import Assessment, worst
 from harness.records.run import RunRecord, has_answer, tips_s
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import SupportRecord
-from harness.scene_run.answer import STILL_RAD
 from reports.blocks import Block, Drawing, Section, Text, Verdict
 from reports.drawing.conservator_pictures import order_svg, plan_svg, push_svg, reach_svg
 from reports.drawing.display_mesh import silhouette_m

@@ -6,9 +6,9 @@ import shlex
 from pathlib import Path
 from typing import Final
 
+from harness.questions.trust.point import MODEL
+from harness.questions.trust.trust_run import CELLS_NAME
 from harness.records.trust import CLASSES, HELD, TrustRecord
-from harness.trust.point import MODEL
-from harness.trust.trust_run import CELLS_NAME
 from reports.blocks import Block, Chart, Facts, Group, Text, facts, repeat, section, verdict, words
 from reports.charts.map_figures import sets, trust_map
 from reports.messages import Language

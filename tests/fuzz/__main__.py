@@ -9,7 +9,7 @@ import json
 import sys
 from collections.abc import Sequence
 
-from harness.bench.stress.stress_run import HARM, INPUTS
+from harness.questions.bench.stress.stress_run import HARM, INPUTS
 from tests.fuzz.fuzz_run import rows
 
 

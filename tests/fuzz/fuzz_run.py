@@ -18,8 +18,8 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, Final
 
-from harness.bench.stress.stress_run import COUNTS, EXAMPLES
 from harness.model.errors import InputError
+from harness.questions.bench.stress.stress_run import COUNTS, EXAMPLES
 from meshes import MeshError
 from tests.fuzz.mutate import mutated
 from tests.fuzz.originals import Kind, kinds, prepare

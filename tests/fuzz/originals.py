@@ -261,7 +261,7 @@ def tosses() -> bytes:
 def _store() -> bytes:
     """A store with one result and its history."""
     from harness.accuracy.simulation import simulate
-    from harness.bench.standard_scenes import COLUMN, harmonic, scene_of
+    from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
     from harness.runs.store import Store
 
     scene = scene_of("stored", {"duration_s": 0.5, "statue": COLUMN, "motion": harmonic(0.3, 2.0)})

@@ -15,10 +15,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from harness.bench.stress.stress_run import INPUTS as WHOLE
-from harness.bench.stress.stress_run import summed
 from harness.input.motions.recordfile import RecordFile
 from harness.model.errors import InputError, Mistake
+from harness.questions.bench.stress.stress_run import INPUTS as WHOLE
+from harness.questions.bench.stress.stress_run import summed
 from tests.fuzz.fuzz_run import Tried, attempt, rows
 from tests.fuzz.mutate import (
     BINARY,

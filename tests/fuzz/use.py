@@ -37,7 +37,7 @@ MOST_GROWN_MIB: Final = 1024.0
 FEW: Final = 2
 """Cases of a study and tests of a table that are run."""
 ASSESSED: Final = ("-e", "analytic", "--draws", "12", "--set", f"duration_s={RUN_S}")
-POOLS: Final = ("reports.cli.assessments", "harness.validation.validation_run")
+POOLS: Final = ("reports.cli.assessments", "harness.questions.validate.validation_run")
 """Modules that start worker processes: here each task is run in this one, where its traceback is seen."""
 
 
@@ -51,9 +51,9 @@ def scene(path: Path) -> None:
 def study(path: Path) -> None:
     """Read, run the first cases for a moment, and keep them in a store."""
     from harness.accuracy.simulation import simulate
+    from harness.questions.study.cases import base_of, expand
+    from harness.questions.study.file import load_study
     from harness.runs.store import Store
-    from harness.studies.cases import base_of, expand
-    from harness.studies.file import load_study
 
     given = load_study(path)
     base = base_of(given, path)
@@ -68,10 +68,10 @@ def study(path: Path) -> None:
 def effects(path: Path) -> None:
     """Read, and run the first conditions of the first direction for a moment."""
     from harness.accuracy.simulation import simulate
-    from harness.effects3d.conditions import changed_scene
-    from harness.effects3d.study import EffectsFile
     from harness.input.tables import read_model
-    from harness.studies.cases import base_of_scene
+    from harness.questions.effects3d.conditions import changed_scene
+    from harness.questions.effects3d.study import EffectsFile
+    from harness.questions.study.cases import base_of_scene
 
     given = read_model(EffectsFile, path)
     found = base_of_scene(path.parent / given.scene).scene({})
@@ -82,8 +82,8 @@ def effects(path: Path) -> None:
 def experiments(path: Path) -> None:
     """Read, and run the first tests for a moment, as they are and perturbed."""
     from harness.accuracy.simulation import simulate
-    from harness.validation.scenes import Variant, scene_of
-    from harness.validation.table import read_table
+    from harness.questions.validate.scenes import Variant, scene_of
+    from harness.questions.validate.table import read_table
 
     for trial in read_table(path)[:FEW]:
         for sample in (0, 1):
@@ -103,7 +103,7 @@ def ratios(path: Path) -> None:
 def drops(path: Path) -> None:
     """Read measured drops of the square beside them."""
     from harness.input.scene_file import load_scene
-    from harness.validation.drops import read_drops
+    from harness.questions.validate.drops import read_drops
 
     read_drops(path, load_scene(path.with_name("thrown.toml")))
 
@@ -111,7 +111,7 @@ def drops(path: Path) -> None:
 def tosses(path: Path) -> None:
     """Read measured tosses of the square beside them: the clock by their flights, each start by the nearest flight."""
     from harness.input.scene_file import load_scene
-    from harness.validation.tosses import read_tosses
+    from harness.questions.validate.tosses import read_tosses
 
     body = load_scene(path.with_name("thrown.toml"))
     read_tosses(path, body.statue, body.gravity_m_s2)
@@ -135,12 +135,12 @@ def options_of_assess(path: Path) -> None:
 def trust(path: Path) -> None:
     """The trust map of the scene at its weakest and strongest sine of one frequency, for an instant."""
     from harness.input.scene_file import load_scene
+    from harness.questions.trust.plane import Plane
+    from harness.questions.trust.trust_run import Points, engines_of, trust_map
     from harness.records.result_folder import write_whole
     from harness.runs.execute import Campaign
     from harness.runs.runner import InlinePool
     from harness.runs.store import STORE_NAME, Store
-    from harness.trust.plane import Plane
-    from harness.trust.trust_run import Points, engines_of, trust_map
     from reports.messages import ENGLISH
 
     whole = Plane.of(replace(load_scene(path), duration_s=INSTANT_S), "sine", coarse=True)
@@ -175,7 +175,7 @@ def history(path: Path) -> None:
 
 def mesh(path: Path) -> None:
     """Stand the body on the floor, run it for a moment, and write the result with its picture."""
-    from harness.bench.standard_scenes import harmonic, scene_of
+    from harness.questions.bench.standard_scenes import harmonic, scene_of
 
     given = {"file": str(path), "unit": "m", "density_kg_m3": 2700.0}
     _run(scene_of("mesh", {"duration_s": RUN_S, "statue": {"mesh": given}, "motion": harmonic(0.3, 2.0)}), path)
@@ -184,7 +184,7 @@ def mesh(path: Path) -> None:
 def store(path: Path) -> None:
     """Read what is in it, and put a result into it, which must be there afterwards with what was there before."""
     from harness.accuracy.simulation import simulate
-    from harness.bench.standard_scenes import COLUMN, scene_of
+    from harness.questions.bench.standard_scenes import COLUMN, scene_of
     from harness.runs.store import Store
 
     still = scene_of("still", {"duration_s": 0.01, "statue": COLUMN})
@@ -198,8 +198,8 @@ def store(path: Path) -> None:
 def title(path: Path) -> None:
     """Read, run, write, and tell: on a terminal nothing but text arrives, on as many lines as there are."""
     from harness.input.scene_file import load_scene
+    from harness.questions.scene.scene_run import run_scene, write_result
     from harness.runs.progress import ProgressMessages, progress
-    from harness.scene_run.scene_run import run_scene, write_result
     from reports.messages import ENGLISH
     from reports.terminal import run_lines
 
@@ -296,7 +296,7 @@ def _is_json(path: Path) -> bool:
 
 def write_into(scene_file: Path, folder: Path) -> None:
     """Run a scene for a moment and write the result into a folder."""
-    from harness.scene_run.scene_run import write_result
+    from harness.questions.scene.scene_run import write_result
 
     write_result(_of_a_moment(scene_file.read_bytes(), scene_file), folder)
 
@@ -305,7 +305,7 @@ def write_into(scene_file: Path, folder: Path) -> None:
 def _of_a_moment(content: bytes, scene_file: Path) -> Any:
     """The result of a scene, run once for all folders."""
     from harness.input.scene_file import load_scene
-    from harness.scene_run.scene_run import run_scene
+    from harness.questions.scene.scene_run import run_scene
 
     return run_scene(replace(load_scene(scene_file), duration_s=0.01), ("analytic",))
 
@@ -426,6 +426,6 @@ def _short(given: Scene) -> Scene:
 
 
 def _run(given: Scene, path: Path) -> Any:
-    from harness.scene_run.scene_run import run_scene, write_result
+    from harness.questions.scene.scene_run import run_scene, write_result
 
     write_result(run_scene(_short(given), ("analytic",)), path.parent / WRITTEN)

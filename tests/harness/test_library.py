@@ -26,9 +26,9 @@ from harness import engines
 from harness.model.history import Outcome
 from harness.model.run_set import RunSet, column_of
 from harness.model.shown import Shown
+from harness.questions.scene.scene_run import write_result
 from harness.records.study import CaseRun, StudyRecord, StudyRow
 from harness.runs.cache_key import scene_key
-from harness.scene_run.scene_run import write_result
 from tests import budgets
 
 REFERENCE = ("analytic", "analytic.closed_form", "analytic.pulse_response", "meshes", "harness")

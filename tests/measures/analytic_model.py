@@ -32,7 +32,7 @@ from analytic.encode import encode
 from analytic.kernel.records import Counts, State
 from analytic.problem import Options, Problem
 from analytic.solver import Prepared, prepare
-from harness.bench.programs import Cost, cost, costs
+from harness.questions.bench.programs import Cost, cost, costs
 from harness.records.bench import SolverRow, Throughput
 from tests.measures.reference_integrators import Model, heyoka_solver, scipy_run
 

@@ -19,10 +19,10 @@ import numpy as np
 
 from harness.comparison.statistics.outcomes import FELL, brier, reliability
 from harness.model.scene import Scene
-from harness.probability.engine_runs import DrawnRun, overturns
-from harness.probability.inputs import draw, row, uncertain_inputs
-from harness.probability.model_draws import model_draws
-from harness.probability.variation import varied
+from harness.questions.assess.engine_runs import DrawnRun, overturns
+from harness.questions.assess.inputs import draw, row, uncertain_inputs
+from harness.questions.assess.model_draws import model_draws
+from harness.questions.assess.variation import varied
 from harness.records.sets import ReliabilityBin
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of

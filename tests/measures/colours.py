@@ -18,13 +18,13 @@ import numpy as np
 
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene
-from harness.probability.assessment import assess
-from harness.probability.engine_runs import DrawnRun, overturns
-from harness.probability.inputs import draw, row, uncertain_inputs
-from harness.probability.model_draws import model_draws
-from harness.probability.stratified import LEVEL
-from harness.probability.variation import varied
-from harness.scene_run.scene_run import run_scene, write_result
+from harness.questions.assess.assessment import assess
+from harness.questions.assess.engine_runs import DrawnRun, overturns
+from harness.questions.assess.inputs import draw, row, uncertain_inputs
+from harness.questions.assess.model_draws import model_draws
+from harness.questions.assess.stratified import LEVEL
+from harness.questions.assess.variation import varied
+from harness.questions.scene.scene_run import run_scene, write_result
 from reports.pages.assess_page import assess_verdict
 from reports.pages.conservator import of_run
 from reports.source import run_source

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Final
 
 from harness import engines
-from harness.bench.standard_scenes import PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.engines.base import Settings
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.world import build
@@ -16,6 +15,7 @@ from harness.engines.stepping.schedule import Schedule
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.questions.bench.standard_scenes import PAESTUM, PEDESTAL, harmonic, scene_of
 
 BEST_OF: Final = 5
 KINDS: Final = (

@@ -18,15 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import engines
-from harness.bench.precision import BUDGET_S, REPEATS, costing
-from harness.bench.programs import costs, timed
-from harness.bench.standard_scenes import Standard, scene_of, standard_set
-from harness.bench.stress.checks import holds_until_s
-from harness.bench.stress.hard_scenes import solution
-from harness.bench.stress.stability import difficulties
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.questions.bench.precision import BUDGET_S, REPEATS, costing
+from harness.questions.bench.programs import costs, timed
+from harness.questions.bench.standard_scenes import Standard, scene_of, standard_set
+from harness.questions.bench.stress.checks import holds_until_s
+from harness.questions.bench.stress.hard_scenes import solution
+from harness.questions.bench.stress.stability import difficulties
 from harness.records.bench import DEFAULT, OTHER_PROJECT, PrecisionRow
 
 Array = NDArray[np.float64]

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Final
 
 PROGRAM: Final = """
-from harness.scene_run import workload
+from harness.questions.scene import workload
 workload.REPORTED_FROM_S = 0.0
 from reports.cli import main
 main()

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from harness.bench.findings import fastest
-from harness.bench.other_integrators import COMPARED, times_as_fast
+from harness.questions.bench.findings import fastest
+from harness.questions.bench.other_integrators import COMPARED, times_as_fast
 from harness.records.base import validated
 from harness.records.bench import TOGETHER, BenchRecord, SolverRow
 

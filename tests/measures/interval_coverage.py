@@ -13,11 +13,11 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.probability.inputs import draw, uncertain_inputs
-from harness.probability.model_draws import ModelDraws, model_draws
-from harness.probability.stratified import estimate
+from harness.questions.assess.inputs import draw, uncertain_inputs
+from harness.questions.assess.model_draws import ModelDraws, model_draws
+from harness.questions.assess.stratified import estimate
 from harness.records.assess import Assessment
-from tests.harness.probability.measure_own_runs import ENGINES, RUNS, SEED, own_runs, scene_of_runs
+from tests.harness.questions.assess.measure_own_runs import ENGINES, RUNS, SEED, own_runs, scene_of_runs
 from tests.measures.pages import renew, table
 
 MODULE: Final = "tests.measures.interval_coverage"

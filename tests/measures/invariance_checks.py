@@ -19,16 +19,16 @@ import numpy as np
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import SampledAcceleration
 from harness import engines
-from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
-from harness.bench.stress import checks
-from harness.bench.stress.catalogue import ALL, CONTACT, leaning
-from harness.bench.stress.hard_scenes import QUESTIONS, solution
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, Settings
 from harness.model.errors import InputError
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import BaseExcitation, Scene
+from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
+from harness.questions.bench.stress import checks
+from harness.questions.bench.stress.catalogue import ALL, CONTACT, leaning
+from harness.questions.bench.stress.hard_scenes import QUESTIONS, solution
 from harness.records.stress import HardRow
 
 HOLDS: Final = "holds"

@@ -20,9 +20,9 @@ import trimesh
 
 from harness.accuracy.simulation import simulate
 from harness.model.options import RunOptions
-from harness.validation.scenes import Variant, scene_of
-from harness.validation.table import Inputs, Trial, read_table
-from tests.harness.validation.experiments import validate, write_table
+from harness.questions.validate.scenes import Variant, scene_of
+from harness.questions.validate.table import Inputs, Trial, read_table
+from tests.harness.questions.validate.experiments import validate, write_table
 from tests.measures.pages import renew, table
 
 LISTS: Final[Mapping[str, Sequence[float]]] = {

@@ -16,15 +16,15 @@ from typing import Final
 from harness.input.scene_file import load_scene
 from harness.input.tables import read_model
 from harness.model.scene import BaseExcitation, Scene
-from harness.probability.assessment import assess
-from harness.probability.by_model import assess_models
-from harness.probability.compared import OPTION_DRAWS, compare
-from harness.probability.inputs import uncertain_inputs
-from harness.probability.options import options_of
-from harness.probability.variation import varied
-from harness.studies.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of
+from harness.questions.assess.assessment import assess
+from harness.questions.assess.by_model import assess_models
+from harness.questions.assess.compared import OPTION_DRAWS, compare
+from harness.questions.assess.inputs import uncertain_inputs
+from harness.questions.assess.options import options_of
+from harness.questions.assess.variation import varied
+from harness.questions.study.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of
 from reports.messages import probability_text
-from tests.harness.probability.measure_own_runs import own_runs, scene_of_runs
+from tests.harness.questions.assess.measure_own_runs import own_runs, scene_of_runs
 from tests.measures.pages import renew, table
 
 SCENES: Final = Path(__file__).parents[2] / "scenes"

@@ -13,12 +13,12 @@ import sys
 from collections.abc import Iterator
 from typing import Final
 
-from harness.bench.standard_scenes import resolved, standard_set
 from harness.comparison.scores.pointwise import errors
 from harness.engines import load
 from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.questions.bench.standard_scenes import resolved, standard_set
 from tests.measures.contact_engines import KINDS, PAPER, paper_scene
 from tests.measures.pages import renew, table
 

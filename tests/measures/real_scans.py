@@ -16,7 +16,6 @@ import pybullet
 import trimesh
 
 from harness import engines
-from harness.bench.standard_scenes import MESHES, record, scene_of
 from harness.engines.pybullet.backend import reader
 from harness.engines.pybullet.run_phases import Setup, prepare, quiet_start_s
 from harness.engines.pybullet.settings import BulletSettings
@@ -25,6 +24,7 @@ from harness.engines.stepping.schedule import Schedule
 from harness.model.errors import InputError
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
+from harness.questions.bench.standard_scenes import MESHES, record, scene_of
 
 BEST_OF: Final = 3
 TWICE: Final = 2.0

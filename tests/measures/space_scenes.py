@@ -21,9 +21,9 @@ from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.questions.validate.toss_scores import poses
 from harness.records.bench import Statement
 from harness.runs.runner import Crash, Hung, LocalPool, Pool
-from harness.validation.toss_scores import poses
 from tests.measures.coverage import statement
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of

@@ -7,9 +7,9 @@ from typing import Final
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
-from harness.bench.programs import timed
-from harness.bench.standard_scenes import PAESTUM, PEDESTAL, TWO, record, scene_of
 from harness.model.options import RunOptions
+from harness.questions.bench.programs import timed
+from harness.questions.bench.standard_scenes import PAESTUM, PEDESTAL, TWO, record, scene_of
 
 DURATION_S: Final = 31.18
 ASKED: Final = (("pymunk", 1e-3), ("pybullet", 1e-3), ("pymunk", 1e-7), ("pybullet", 1e-6))

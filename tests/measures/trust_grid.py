@@ -18,13 +18,13 @@ from typing import Final
 import numpy as np
 
 from harness.input.scene_file import load_scene
+from harness.questions.trust.plane import FASTEST_HZ, SLOWEST_HZ, STRONGEST_G, WEAKEST_G, Plane, Point
+from harness.questions.trust.point import MODEL, Kept
+from harness.questions.trust.trust_run import Points, explored
 from harness.records.trust import HELD, TrustClass
 from harness.runs.execute import Campaign
 from harness.runs.runner import LocalPool
 from harness.runs.store import Store
-from harness.trust.plane import FASTEST_HZ, SLOWEST_HZ, STRONGEST_G, WEAKEST_G, Plane, Point
-from harness.trust.point import MODEL, Kept
-from harness.trust.trust_run import Points, explored
 from tests.measures.pages import DOCS, renew, table
 
 MODULE: Final = "tests.measures.trust_grid"

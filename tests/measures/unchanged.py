@@ -15,11 +15,11 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
-from harness.bench.skips import difference
 from harness.engines.base import Engine
 from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.questions.bench.skips import difference
 from tests.measures.pages import renew, table
 from tests.measures.seeded_scenes import random_scene
 

@@ -10,8 +10,8 @@ from typing import Final
 
 import typer
 
-from harness.bench import bench_run
-from harness.bench.stress import stress_run
+from harness.questions.bench import bench_run
+from harness.questions.bench.stress import stress_run
 from reports.cli.app import command
 from reports.cli.ending import FAILED, OK, guarded
 from reports.cli.measures import Parts, Quick, measured

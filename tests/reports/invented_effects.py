@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Literal
 
 import harness
-from harness.effects3d import BASELINE
-from harness.effects3d.answer import answer_of, findings_of
-from harness.effects3d.conditions import turned
-from harness.effects3d.study import effects, static_rose
 from harness.model.history import Outcome
 from harness.model.run import machine, versions, write_json
+from harness.questions.effects3d import BASELINE
+from harness.questions.effects3d.answer import answer_of, findings_of
+from harness.questions.effects3d.conditions import turned
+from harness.questions.effects3d.study import effects, static_rose
+from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.base import as_file
 from harness.records.effects3d import (
     Amplitude,
@@ -25,7 +26,6 @@ from harness.records.effects3d import (
     SearchRecord,
 )
 from harness.records.scene import SceneRecord
-from harness.scene_run.scene_run import run_scene, write_result
 from reports.messages import ENGLISH
 
 SCENE = Path(__file__).parents[2] / "scenes" / "3d_effects_base.toml"

@@ -16,7 +16,10 @@ from harness.comparison.statistics.outcomes import FELL, Case, score_outcomes
 from harness.model import run as record
 from harness.model.finding import Answer, info
 from harness.model.history import Outcome
-from harness.probability.assessment import assess
+from harness.questions.assess.assessment import assess
+from harness.questions.study.cases import Base
+from harness.questions.trust.plane import Plane
+from harness.questions.trust.trust_run import answer_of, findings_of, saved_by
 from harness.records import stress as stress_record
 from harness.records.base import as_file, plain
 from harness.records.bench import BenchRecord, Choice, Covered, PartRow, PrecisionRow, ScalingRow, SkipRow
@@ -26,9 +29,6 @@ from harness.records.sets import FragilityCurve
 from harness.records.stress import Cell, HardRow, Mutated, StressRecord
 from harness.records.trust import CLASSES, CONTOURS, TrustCell, TrustMap, TrustRecord, TrustSummary
 from harness.records.validation import FallScores
-from harness.studies.cases import Base
-from harness.trust.plane import Plane
-from harness.trust.trust_run import answer_of, findings_of, saved_by
 from reports.messages import ENGLISH
 from tests import doubles
 from tests.scenes_for_tests import paestum

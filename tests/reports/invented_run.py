@@ -15,8 +15,8 @@ from harness.model.finding import caution, info
 from harness.model.history import History, Outcome
 from harness.model.run import Pattern, Run
 from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue, Wall
+from harness.questions.scene.scene_run import Result, write_result
 from harness.records.scores import Evidence, Scores, Verdict
-from harness.scene_run.scene_run import Result, write_result
 from harness.statics.plan import Step
 from reports.messages import ENGLISH
 

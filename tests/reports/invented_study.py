@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from harness.model import run as record
+from harness.questions.study import claims
+from harness.questions.study.answer import answer_of, findings_of
 from harness.records.base import as_file, part, plain
 from harness.records.kinds import read_result
 from harness.records.scene import SceneRecord
 from harness.records.study import CaseRun, StudyRecord, StudyRow
-from harness.studies import claims
-from harness.studies.answer import answer_of, findings_of
 from reports.messages import ENGLISH
 from tests.reports.invented_run import block_scene, invented_history
 

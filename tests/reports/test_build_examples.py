@@ -11,17 +11,17 @@ from harness import engines, load_scene
 from harness.accuracy.simulation import simulate
 from harness.model.history import Outcome
 from harness.model.scene import Scene
+from harness.questions.scene.scene_run import run_scene
+from harness.questions.trust import plane
 from harness.records.base import plain
 from harness.records.study import StudyRow
 from harness.runs.runner import InlinePool
 from harness.runs.store import Store, stored_runs
 from harness.runs.task import RunRequest
-from harness.scene_run.scene_run import run_scene
-from harness.trust import plane
 from reports import build_examples
 from tests import doubles
 from tests.budgets_reports import PAGE_WORDS
-from tests.harness.studies.small_study import BLOCK
+from tests.harness.questions.study.small_study import BLOCK
 from tests.reports.pages.test_run_page import words_beside_tables
 from tests.stores_for_tests import put
 

@@ -17,8 +17,8 @@ from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
 from harness.model.run import EngineRunRecord
 from harness.model.scene import Scene
+from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.run import has_answer
-from harness.scene_run.scene_run import run_scene, write_result
 from reports.blocks import Block
 from reports.charts.histories import histories_figure
 from reports.pages.conservator import blocks

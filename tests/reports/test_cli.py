@@ -19,8 +19,8 @@ import pytest
 from harness.engines.base import Engine
 from harness.model.errors import InputError
 from harness.model.run import Run
+from harness.questions.scene import scene_run
 from harness.runs.execute import KEPT, Campaign
-from harness.scene_run import scene_run
 from reports.cli import app
 from reports.cli.ending import INTERRUPTED, guarded
 from reports.pages.page import write_report

@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from harness.input.scene_file import load_scene
-from harness.scene_run.scene_run import run_scene, write_result
+from harness.questions.scene.scene_run import run_scene, write_result
 from reports.cli import app
 from reports.pages.page import write_report
 from tests.reports.claim_scenes import content, write_scene

@@ -9,6 +9,8 @@ from pathlib import Path
 
 from harness.model.finding import Answer, caution, info
 from harness.model.run import write_json
+from harness.questions.study.answer import answer_of, findings_of
+from harness.questions.validate.validation_run import answer_of as validation_answer
 from harness.records.base import as_file, plain
 from harness.records.bench import PartRow, ScalingRow
 from harness.records.kinds import read_result
@@ -18,8 +20,6 @@ from harness.records.stress import answer_of as stress_answer
 from harness.records.stress import findings_of as stress_findings
 from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import ValidationRecord
-from harness.studies.answer import answer_of, findings_of
-from harness.validation.validation_run import answer_of as validation_answer
 from reports.blocks import Cell, Chart, Group, Section, Table
 from reports.charts.curve_figures import on_front, precision_figure, scaling_figure
 from reports.charts.study_figures import rose_picture

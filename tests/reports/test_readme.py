@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from reports.cli import app
-from tests.harness.validation.experiments import write_experiments
+from tests.harness.questions.validate.experiments import write_experiments
 from tests.meshes import togatus
 from tests.reports.shown import not_printed, shown
 
@@ -83,7 +83,7 @@ def test_a_command_works_as_printed(desk: Path, data_dir: Path, line: str, monke
     monkeypatch.setenv("ROCKCHECK_DATA", str(data_dir.resolve()))
     words = shortened(line)
     if words[0] == "study":
-        from harness.studies.file import load_study
+        from harness.questions.study.file import load_study
 
         assert load_study(desk / words[1])
         return

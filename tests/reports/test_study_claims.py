@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
+from harness.questions.study.cases import base_of, expand
+from harness.questions.study.file import load_study
 from harness.records.base import as_file
-from harness.studies.cases import base_of, expand
-from harness.studies.file import load_study
 from reports.cli import studies
 from reports.pages.conservator_study import blocks
 from reports.pages.page import write_report

@@ -104,7 +104,7 @@ def test_an_unperturbed_run_without_history_is_a_failure() -> None:
 
 def test_each_model_s_own_horizon_enters_its_verdicts() -> None:
     """Asked for, the horizon of every model stands in the record, and the verdict holds no further than the nearer one."""
-    from harness.scene_run.scene_run import run_scene
+    from harness.questions.scene.scene_run import run_scene
 
     shaken = paestum(0.429, 3.0, mu=(0.20, 0.15), duration_s=2.0)
     found = run_scene(shaken, ["analytic", "pymunk"], dt_s=1e-3, horizon=True)
@@ -119,7 +119,7 @@ def test_each_model_s_own_horizon_enters_its_verdicts() -> None:
 
 def test_the_compiled_model_s_horizon_is_found_unasked() -> None:
     """It costs some twenty runs of milliseconds; with one answer alone there is nothing to compare and nothing is found."""
-    from harness.scene_run.scene_run import run_scene
+    from harness.questions.scene.scene_run import run_scene
 
     shaken = paestum(0.429, 3.0, mu=(0.20, 0.15), duration_s=2.0)
     found = run_scene(shaken, ["analytic", "pymunk"], dt_s=1e-3)

@@ -13,9 +13,9 @@ import pytest
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
-from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.model.options import SKIPS, RunOptions
 from harness.model.scene import Scene
+from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from tests import budgets_bench as budgets
 from tests import doubles
 from tests.engines_for_tests import ready
@@ -99,7 +99,7 @@ NEEDED = {"pymunk": {"pymunk", "llvmlite"}, "pybullet": {"pybullet", "scipy", "l
 """Those of them that a run of one engine needs: over still ground its end is asked of the model's own rule."""
 RUN = """
 from harness.accuracy.simulation import simulate
-from harness.bench.standard_scenes import COLUMN, harmonic, scene_of
+from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
 simulate(scene_of("short", {{"duration_s": 0.1, "statue": COLUMN, "motion": harmonic(0.3, 2.0)}}), "{name}")
 """
 

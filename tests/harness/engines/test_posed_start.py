@@ -20,8 +20,8 @@ from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import BaseExcitation, Contact, Initial, Pose, Scene, Uncertain
-from harness.probability.assessment import assess
-from harness.probability.by_model import assess_models
+from harness.questions.assess.assessment import assess
+from harness.questions.assess.by_model import assess_models
 from tests import budgets_spatial_reference as budget
 from tests.analytic.spatial.reference import initial_state, simulate
 from tests.analytic.spatial.reference_body import Case

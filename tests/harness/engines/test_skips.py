@@ -13,11 +13,11 @@ import pytest
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
-from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.engines.base import Engine
 from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.runs.store import Store
 from harness.statics.plan import plan
 from tests import budgets_bench as budgets
@@ -134,7 +134,7 @@ def test_a_planar_question_has_one_answer_in_the_plane_and_in_three_dimensions()
 
 def test_engines_that_are_not_imported_change_no_bit() -> None:
     code = """
-from harness.bench.standard_scenes import COLUMN, harmonic, scene_of
+from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.engines import REGISTRY, load
 from harness.accuracy.simulation import simulate
 {first}

@@ -8,7 +8,7 @@ import pytest
 
 from harness.input import tables
 from harness.model.errors import InputError, Mistake
-from harness.studies.file import StudyFile
+from harness.questions.study.file import StudyFile
 
 GOOD = """
 title = "a block"

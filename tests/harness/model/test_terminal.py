@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
 from harness.model.terminal import CONTROL, json_text, printable, printable_lines
+from harness.questions.scene.scene_run import run_scene
 from harness.runs.progress import ProgressMessages, progress
-from harness.scene_run.scene_run import run_scene
 from reports.cli import app
 from reports.cli.ending import guarded
 from reports.messages import ENGLISH

@@ -14,6 +14,7 @@ from harness.model.errors import InputError
 from harness.model.files import is_own, is_sealed, write_text, writing
 from harness.model.run import write_json
 from harness.model.scene import Scene
+from harness.questions.scene.scene_run import Result, check_writing, run_scene, write_result
 from harness.records.base import as_file
 from harness.records.result_folder import (
     COMING,
@@ -30,7 +31,6 @@ from harness.records.result_folder import (
     store_kind,
 )
 from harness.runs.store import Store
-from harness.scene_run.scene_run import Result, check_writing, run_scene, write_result
 from tests.scenes_for_tests import paestum
 
 

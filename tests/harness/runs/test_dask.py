@@ -14,13 +14,13 @@ from typing import Any
 import pytest
 
 from harness.model.errors import InputError
+from harness.questions.study.file import load_study
+from harness.questions.study.study_run import run_study
 from harness.runs import dask_pool
 from harness.runs.dask_pool import DaskPool
 from harness.runs.runner import AHEAD, Hung, LocalPool
 from harness.runs.store import Packed, Store
-from harness.studies.file import load_study
-from harness.studies.study_run import run_study
-from tests.harness.studies.small_study import CONTACT, contents, written
+from tests.harness.questions.study.small_study import CONTACT, contents, written
 
 pytest.importorskip("distributed", reason="the extra [dask] is not installed")
 

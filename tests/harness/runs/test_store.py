@@ -16,9 +16,9 @@ import pytest
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History, Outcome
 from harness.model.run import Run
+from harness.questions.study.study_record import export_csv
 from harness.records.result_folder import STORE_NUMBER
 from harness.runs.store import Store
-from harness.studies.study_record import export_csv
 from reports.cli.studies import unbegun
 from tests.stores_for_tests import is_sound, put
 

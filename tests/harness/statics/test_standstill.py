@@ -9,8 +9,8 @@ import pytest
 
 import harness
 from analytic.excitation import SampledAcceleration
+from harness.questions.scene.scene_run import run_scene
 from harness.records.scene import motion_of
-from harness.scene_run.scene_run import run_scene
 from harness.statics.push import push_of
 from harness.statics.standstill import STILL_RAD, motion_sized, standstill
 from tests import scenes_for_tests as blocks

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from harness.studies import case_selection as selection
+from harness.questions.study import case_selection as selection
 from reports.charts.map_figures import map_figures
 from reports.messages import ENGLISH
 from reports.text.study_rows import Condition

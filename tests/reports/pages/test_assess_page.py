@@ -8,13 +8,13 @@ import pytest
 
 from harness.input.scene_file import load_scene
 from harness.model.finding import Severity
-from harness.probability.answer import answer_of, findings_of
-from harness.probability.assessment import assess
+from harness.questions.assess.answer import answer_of, findings_of
+from harness.questions.assess.assessment import assess
 from harness.records.assess import Assessment, Index, ProbabilityDifference
 from reports.messages import ENGLISH
 from reports.pages.assess_page import assess_verdict
 from reports.text.wording import tone_of_probability, worse_tone
-from tests.harness.probability.measure_own_runs import SCENE
+from tests.harness.questions.assess.measure_own_runs import SCENE
 from tests.scenes_for_tests import paestum
 
 

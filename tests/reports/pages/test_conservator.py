@@ -14,11 +14,11 @@ import pytest
 from analytic import Harmonic
 from analytic.results import LEFT_BY
 from harness.model.scene import Pedestal
+from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.assess import Assessment
 from harness.records.kinds import read_result
 from harness.records.run import RunRecord, has_answer
 from harness.records.study import SupportRecord
-from harness.scene_run.scene_run import run_scene, write_result
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import floor_plan
 from reports.drawing.kinematics import section

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.effects3d.answer import answer_of, findings_of
 from harness.model.run import write_json
+from harness.questions.effects3d.answer import answer_of, findings_of
 from harness.records.base import as_file
 from harness.records.effects3d import EffectsRecord
 from harness.records.kinds import read_result

@@ -17,10 +17,10 @@ from harness.model.errors import InputError
 from harness.model.finding import info
 from harness.model.run import write_json
 from harness.model.scene import Pedestal
+from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.base import plain
 from harness.records.kinds import read_result
 from harness.records.run import HorizonRecord
-from harness.scene_run.scene_run import run_scene, write_result
 from reports.charts.samples import numbers
 from reports.drawing.display_mesh import MOST_FACES
 from reports.messages import ENGLISH

@@ -10,10 +10,10 @@ import pytest
 
 from analytic.closed_form import frequency_parameter_rad_s, quarter_period_s
 from analytic.excitation import Harmonic, Pulse
-from harness.bench.standard_scenes import standard_set
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation, Pedestal, Wall
+from harness.questions.bench.standard_scenes import standard_set
 from tests import budgets_bullet as budget
 from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, WHOLE, apart, bullet, exact, worst
 from tests.scenes_for_tests import GRAVITY_M_S2, paestum, rectangle, scene

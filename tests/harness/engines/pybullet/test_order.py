@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic
-from harness.bench.standard_scenes import standard_set
 from harness.engines import load
 from harness.engines.pybullet import run_phases
 from harness.engines.pybullet.backend import BulletBackend
@@ -21,6 +20,7 @@ from harness.engines.stepping.stepper import Stepper
 from harness.input.scene_file import load_scene
 from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation, Scene
+from harness.questions.bench.standard_scenes import standard_set
 from tests import budgets_bullet as budget
 from tests.harness.engines.pybullet.cases import WHOLE, apart, bullet, exact
 from tests.measures.seeded_scenes import random_scene

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.bench.standard_scenes import PEDESTAL, TWO
 from harness.engines.analytic import TwoBlock
 from harness.engines.pymunk import Munk2D
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
-from harness.studies.cases import Base
+from harness.questions.bench.standard_scenes import PEDESTAL, TWO
+from harness.questions.study.cases import Base
 from tests import budgets_engines as budget
 from tests.measures.seeded_scenes import random_scene
 from tests.scenes_for_tests import paestum, rectangle, scene

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from harness import engines
-from harness.bench.standard_scenes import PAESTUM, harmonic, scene_of
 from harness.engines.stepping import settings
 from harness.engines.stepping.settings import EventSettings
 from harness.model.history import History
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
+from harness.questions.bench.standard_scenes import PAESTUM, harmonic, scene_of
 from tests.engines_for_tests import ready
 from tests.measures.coverage import random_scene
 from tests.scenes_for_tests import paestum

@@ -1,0 +1,195 @@
+"""What an assessment says: how probable a fall is, what reserve is left, what would help, and the room that it needs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+from harness.model.finding import Answer, Finding, caution, changes_answer, info
+from harness.questions.assess.by_model import MODEL
+from harness.questions.assess.options import FLOOR, TURNED
+from harness.questions.assess.plan import PLANAR_DEG
+from harness.records.assess import (
+    MOSTLY,
+    Assessment,
+    AssessRecord,
+    ClearanceRecord,
+    FragilityRecord,
+    Index,
+    NotAssessed,
+    OptionAnswer,
+    OptionsRecord,
+    ProbabilityDifference,
+    worst,
+)
+
+CLEAR: Final = 0.95
+"""Share of the standing draws whose clearance is told."""
+FIRST: Final = "0.05"
+"""The least probability whose factor is told: what a reserve is."""
+MATTERS: Final = 0.05
+"""A total index below this: knowing the input would change next to nothing."""
+NEGLIGIBLE: Final = 0.01
+"""A statue that overturns less often than this needs nothing done."""
+
+
+def answer_of(record: AssessRecord) -> Answer:
+    """The headline: the probability, the reserve, the most effective option, the clearance."""
+    found = list(probability(record.answers)) or [changes_answer("no_answer", asked=len(record.assessment))]
+    code = found[0].code
+    found += [] if record.fragility is None else [reserve(record.fragility, plane_only=record.plane_only)]
+    found += [] if record.options is None else [best_option(record.options)]
+    return Answer(code, found + ([] if record.clearance is None else [clearance(record.clearance)]))
+
+
+def findings_of(record: AssessRecord) -> list[Finding]:
+    """All that is to be known beside the headline."""
+    found = [
+        caution("not_assessed", reason=item.message).of(name)
+        for name, item in record.assessment.items()
+        if isinstance(item, NotAssessed)
+    ]
+    found += _other_commands(record.answers, record.scene.file, pedestal=record.scene.pedestal is not None)
+    found += [_difference(name, item) for name, item in record.difference_from_model.items()]
+    found += [] if record.options is None else of_options(record.options)
+    found += [] if record.clearance is None else without_clearance(record.clearance)
+    key, most = max((record.indices or {}).items(), key=lambda item: item[1].most, default=("", Index(0.0, 0.0)))
+    if most.most >= max(MATTERS, most.half_width):
+        planar = record.plane_only and record.fragility is not None and record.fragility.model == MODEL
+        found.append(info("decisive_input", input=key, share=min(most.most, 1.0), planar=planar))
+    if record.assumed:
+        found.append(info("uncertainty_assumed", keys=[item.key for item in record.uncertainty]))
+    if record.runs is not None and record.runs.computed < record.runs.wanted:
+        found.append(info("runs_kept", kept=record.runs.wanted - record.runs.computed, of=record.runs.wanted))
+    return found
+
+
+def probability(answers: Mapping[str, Assessment]) -> Iterator[Finding]:
+    """How probable a fall is, by the answer in which it is the most probable.
+
+    The interval of one model's draws holds neither another model nor a friction that nobody knows: so a number is `about`; where
+    draws have no answer, or an engine answered a sample of them, the interval is told, and where it is wide no number at all.
+    """
+    if not answers:
+        return
+    name = worst(answers)
+    item = answers[name]
+    values = {
+        "share": item.probability_overturned,
+        "low": item.low,
+        "high": item.high,
+        "undecided": item.undecided,
+        "model": name,
+        "sampled": item.sampled,
+        "sampler": item.sampler,
+    }
+    if not item.tells:
+        yield caution("probability_open", **values)
+    elif item.undecided or item.sampled:
+        yield caution("probability_between", **values)
+    elif item.probability_overturned in (0.0, 1.0):
+        yield info("probability_extreme", none=item.probability_overturned == 0.0, **values)
+    else:
+        yield info("probability", **values)
+    if all(each.plane_only for each in answers.values()):
+        yield caution("probability_in_plane")
+
+
+def _other_commands(answers: Mapping[str, Assessment], file: str | None, *, pedestal: bool) -> Iterator[Finding]:
+    """The command that knows what every answer leaves out: the shaking across the plane, or most draws on a pedestal."""
+    if answers and all(item.plane_only for item in answers.values()):
+        yield caution("assess_in_space", file=file or "SCENE")
+    if answers and pedestal and all(not item.tells for item in answers.values()):
+        yield caution("assess_by_contact", file=file or "SCENE")
+
+
+def _difference(name: str, item: ProbabilityDifference) -> Finding:
+    values = {"model": name, "difference": item.value, "low": item.low, "high": item.high}
+    if item.low <= 0.0 <= item.high:
+        return info("probability_difference", shown="none", **values)
+    return caution("probability_difference", shown="over" if item.low > 0.0 else "under", **values)
+
+
+def reserve(item: FragilityRecord, *, plane_only: bool = False) -> Finding:
+    """How much stronger than today's the shaking may be until a fall is as probable as 5, 16 and 50 %, by the model."""
+    soonest, latest = ({**item.factor_at, **at} for at in (item.soonest_at, item.latest_at))
+    factors = {share: [soonest[share], at, latest[share]] for share, at in item.factor_at.items() if at is not None}
+    kind = "none" if (item.factor_at[FIRST] or math.inf) <= 1.0 else "some"
+    if kind == "some" and (soonest[FIRST] or math.inf) <= 1.0:
+        kind = "open"
+    values = {
+        "factors": factors,
+        "most": None if factors else item.factor[-1],
+        "soonest": None if factors else soonest[FIRST],
+        "undecided": max(item.undecided, default=0.0),
+    }
+    if plane_only and item.model == MODEL:
+        return caution("reserve", kind="plane", **values)
+    return info("reserve", kind=kind, **values) if kind == "some" else caution("reserve", kind=kind, **values)
+
+
+def clearance(item: ClearanceRecord) -> Finding:
+    """How much must be kept clear, in which direction, by the model that knows most of them; and what a fall needs."""
+    name, answer = next(iter(item.answered.items()), ("", None))
+    if answer is None:
+        return caution("clearance", by="none", height_m=item.height_m)
+    beyond_m = answer.at(CLEAR)
+    values: dict[str, Any] = {"model": name, "height_m": item.height_m}
+    if len(beyond_m) == len(PLANAR_DEG):
+        right_m, left_m = beyond_m.values()
+        return info("clearance", by="plane", right_m=right_m, left_m=left_m, **values)
+    towards_deg, most_m = max(beyond_m.items(), key=lambda each: each[1])
+    least_m = min(beyond_m.values())
+    return info("clearance", by="space", most_m=most_m, towards_deg=towards_deg, least_m=least_m, **values)
+
+
+def without_clearance(item: ClearanceRecord) -> Iterator[Finding]:
+    """Models of which too few draws stand, and draws that the clearance leaves out."""
+    for name, each in item.by_model.items():
+        if name not in item.answered:
+            yield caution("clearance_few", standing=each.standing, draws=each.draws).of(name)
+        if each.undecided:
+            yield caution("clearance_undecided", undecided=each.undecided, draws=each.draws).of(name)
+
+
+def best_option(record: OptionsRecord) -> Finding:
+    """The option with the least probable fall, of those shown to help: the less slip first; what is turned comes last, as its
+    weak side is one that no draw shakes.
+    """
+    helping = sorted(
+        record.helping, key=lambda item: (item.probability_overturned, item.name == TURNED, item.slip_high_m or 0.0)
+    )
+    now = record.as_it_is
+    if not helping:
+        needed = record.plane_only or now.high >= NEGLIGIBLE
+        return info("no_option_helps", needed=needed)
+    best, *others = helping
+    return info(
+        "best_option",
+        option=best.name,
+        share=best.probability_overturned,
+        now=now.probability_overturned,
+        slip_m=best.slip_high_m,
+        equal=[item.name for item in others if item.low <= best.high],
+    )
+
+
+def of_options(record: OptionsRecord) -> Iterator[Finding]:
+    """What would harm, and the paper's claim: whether a pedestal that slides protects, answered by this statue on the floor."""
+    if record.plane_only:
+        yield caution("options_in_plane")
+    if record.harming:
+        yield caution("options_harm", options=[item.name for item in record.harming])
+    floor = next((item for item in record.options if item.name == FLOOR), None)
+    if floor is not None:
+        yield pedestal_effect(record.as_it_is, floor)
+
+
+def pedestal_effect(own: OptionAnswer, floor: OptionAnswer) -> Finding:
+    """Whether the pedestal protects by sliding."""
+    shown = "protects" if floor.harms else "endangers" if floor.helps else "not_shown"
+    if own.undecided > MOSTLY or not own.slip_high_m:
+        shown = "undecided" if own.undecided > MOSTLY else "stuck"
+    shares = {"own": own.probability_overturned, "floor": floor.probability_overturned}
+    return info("pedestal_effect", shown=shown, undecided=own.undecided, **shares)

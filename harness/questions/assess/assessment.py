@@ -1,0 +1,306 @@
+"""The probability that a statue falls, by the analytic model and by contact engines, and how far the two are apart."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing, contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness import engines
+from harness.accuracy.forecast import START_S, Range, first_settings, moving_s, step_s
+from harness.model.errors import InputError, Mistake
+from harness.model.run import machine, versions
+from harness.model.scene import Scene, Uncertain
+from harness.model.shown import Shown, new_axes
+from harness.questions.assess.answer import answer_of, findings_of
+from harness.questions.assess.by_model import MODEL, SAMPLER, probability_of, sampled
+from harness.questions.assess.clearance import of_engine, of_model
+from harness.questions.assess.compared import OPTION_DRAWS, compare
+from harness.questions.assess.engine_runs import EngineRuns
+from harness.questions.assess.in_space import SPACE, assess_in_space, clearance_in_space, shaken_across
+from harness.questions.assess.inputs import Array, uncertain_inputs
+from harness.questions.assess.model_draws import ModelDraws, draws_of, model_draws, sweepable
+from harness.questions.assess.options import Option, options_of
+from harness.questions.assess.plan import rest_outline_m
+from harness.questions.assess.sensitivity import FRAGILITY_DRAWS, fragility, indices, indices_of_draws
+from harness.questions.assess.space_studies import compare_in_space, fragility_in_space
+from harness.questions.assess.stratified import estimate
+from harness.records.assess import (
+    Assessment,
+    AssessRecord,
+    ClearanceByModel,
+    ClearanceRecord,
+    NotAssessed,
+    ProbabilityDifference,
+)
+from harness.records.base import RunCounts
+from harness.records.scene import SceneRecord
+from harness.runs.execute import Campaign
+from harness.runs.progress import forecast_words
+from harness.runs.runner import LocalPool, Pool
+from harness.runs.store import Store
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+ASSESS_DRAWS: Final = 20_000
+HALF_WIDTH: Final = 0.05
+"""Half width to which a contact engine's probability is asked, at `LEVEL`."""
+SAMPLERS: Final = (SAMPLER, "pybullet")
+"""Engines that follow a pedestal that tips and a statue that slips on it: the first of them that is asked."""
+MOST_RUNS: Final = 400
+"""Engine runs after which an interval is told as it is."""
+SPACE_DIMENSIONS: Final = 3
+SPACE_STEPS: Final = 1_000_000
+"""Steps that the exact body may take in all, where it is asked beside the others: three times those beside a single run."""
+ALL_TIMES: Final = 4.2
+"""What the models take for all that is asked of them over what the draws take: clearance, options, fragility, indices."""
+RESULT_S: Final = 3.0
+"""To begin, and to write the record and its page."""
+BATCH: Final = 16
+"""Runs between two looks at the interval."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Assessed(Shown):
+    """A whole assessment: its record, the draws by key, the model's answers to them, and each engine's to those it ran."""
+
+    record: AssessRecord
+    values: Mapping[str, Array]
+    model: ModelDraws
+    fell: Mapping[str, Mapping[int, bool | None]]
+
+    def facts(self) -> dict[str, str]:
+        """Title, and by engine how probable a fall is, with its interval."""
+        answers = self.record.answers.items()
+        said = {
+            name: f"falls with {item.probability_overturned:.3g} ({item.low:.3g} to {item.high:.3g})"
+            for name, item in answers
+        }
+        return {"title": self.record.title, "not known": ", ".join(self.values), **said}
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """One row for each draw: what was drawn by key, and whether the analytic model's statue overturns."""
+        size = len(self.model.overturned)
+        return {"draw": np.arange(size), **self.values, "overturned": self.model.overturned}
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw how probable a fall is by the strength of the whole motion, as a factor on it. Raises `InputError` without any."""
+        curve = self.record.fragility
+        if curve is None:
+            raise InputError(Mistake("assess", "plot", "a scene with a motion to make stronger", self.record.title))
+        ax = new_axes(ax)
+        ax.plot(curve.factor, curve.probability_overturned, marker="o", label=curve.model)
+        if curve.low and curve.high:
+            ax.fill_between(curve.factor, curve.low, curve.high, alpha=0.2)
+        ax.axvline(1.0, linestyle=":", linewidth=1.0)
+        ax.set(xlabel="factor on the motion", ylabel="probability of a fall", title=self.record.title)
+        return ax
+
+
+def assess(
+    scene: Scene,
+    names: Sequence[str] | None = (MODEL,),
+    *,
+    draws: int = ASSESS_DRAWS,
+    seed: int = 0,
+    half_width: float = HALF_WIDTH,
+    most_runs: int = MOST_RUNS,
+    more_options: Sequence[Option] | None = (),
+    store: Store | None = None,
+    pool: Pool | None = None,
+    on_progress: Callable[[str], None] = lambda text: None,
+) -> Assessed:
+    """How probable a fall is over what a scene does not know: by engine, and options, clearance, fragility, which input matters.
+
+    >>> answer = harness.assess(scene, draws=2000)
+    >>> answer.record.assessment["analytic"].probability_overturned
+
+    `names`: the models asked (None: those of every run, some hundred runs of each contact engine). `more_options` are the user's
+    own beside the scene's; None compares no options. Engine runs that the `store` holds are not computed again; `pool` is used,
+    and not closed, where the caller has one.
+    Raises `InputError` for a scene of which nothing is uncertain, or that begins from a pose in space (the draws are stratified
+    by the planar model).
+    """
+    names = tuple(dict.fromkeys(names or engines.DEFAULT_ENGINES))
+    for name in names:
+        engines.load(name)
+    inputs = _inputs(scene)
+    on_progress(f"{MODEL}: {draws} draws")
+    values = draws_of(scene, inputs, draws, seed)
+    begin = time.process_time()
+    model = model_draws(scene, values)
+    drawn_s = time.process_time() - begin
+    with _campaign(store, pool) as (campaign, workers):
+        contact = [name for name in names if name not in (MODEL, SPACE) and engines.load(name).missing() is None]
+        on_progress(_forecast(scene, contact, model, ALL_TIMES * drawn_s, half_width, most_runs, workers))
+
+        def asked(name: str) -> tuple[Assessment, EngineRuns]:
+            runs = EngineRuns(scene, name, values, campaign, on_progress)
+            batch = max(BATCH, 2 * workers)
+            return estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch), runs
+
+        others = _others(scene, [name for name in names if name != MODEL], values, model, asked, on_progress)
+        counts = RunCounts(campaign.computed + len(campaign.reused), campaign.computed)
+    sampler = next((name for name in others.fell if name in SAMPLERS), SAMPLER)
+    own = probability_of(
+        model, sampler, others.fell.get(sampler) or sampled(scene, values, model), plane_only=shaken_across(scene)
+    )
+    on_progress(f"{MODEL}: clearance")
+    answers, room = {MODEL: own, **others.answers}, {MODEL: of_model(scene, values), **others.room}
+    record = AssessRecord(
+        title=scene.title,
+        scene=SceneRecord.of(scene),
+        findings=scene.findings,
+        uncertainty=inputs,
+        assumed=not scene.uncertainty,
+        seed=seed,
+        assessment={name: answers[name] for name in dict.fromkeys((*names, *answers)) if name in answers},
+        difference_from_model=_differences(answers),
+        versions=versions(),
+        machine=machine(),
+        runs=counts,
+        clearance=ClearanceRecord(scene.statue.height_m, rest_outline_m(scene.statue).tolist(), room),
+    )
+    fell = others.in_space if SPACE in answers and shaken_across(scene) else None
+    record = _by_model(record, scene, values, seed, more_options, on_progress, in_space=fell is not None)
+    if record.indices is None:
+        record = replace(record, indices=indices_of_draws(inputs, values, model.overturned if fell is None else fell))
+    record = replace(record, answer=answer_of(record), findings=[*findings_of(record), *record.findings])
+    return Assessed(record, values, model, others.fell)
+
+
+def _forecast(
+    scene: Scene,
+    names: Sequence[str],
+    model: ModelDraws,
+    models_s: float,
+    half_width: float,
+    most_runs: int,
+    workers: int,
+) -> str:
+    """What an assessment will take, in words: the runs of each contact engine are counted as if it agreed with the model, and
+    thrice as many."""
+    agreed = estimate(
+        model,
+        lambda draws: model.overturned[list(draws)].tolist(),
+        half_width=half_width,
+        most_runs=most_runs,
+        batch=BATCH,
+    ).engine_runs
+    runs = Range(agreed, min(3 * agreed, most_runs))
+    each_s = sum(step_s(name, scene) * moving_s(scene)[0] / first_settings(name, scene).dt_s for name in names)
+    spent = Range(models_s, models_s).and_also(runs.times(each_s), RESULT_S, START_S * workers * bool(names))
+    clock = forecast_words(*spent.times(1.0 / workers))
+    return f"this takes {forecast_words(*spent)} of processor time, {clock} by the clock on {workers} cores"
+
+
+class _Others(NamedTuple):
+    """What models beside the analytic one answer, by name: probabilities, rooms, and whether the statue fell in each run; and
+    which of its draws overturn by the exact body.
+    """
+
+    answers: dict[str, Assessment | NotAssessed]
+    room: dict[str, ClearanceByModel]
+    fell: dict[str, Mapping[int, bool | None]]
+    in_space: NDArray[np.bool_]
+
+
+def _others(
+    scene: Scene,
+    names: Sequence[str],
+    values: Mapping[str, Array],
+    model: ModelDraws,
+    asked: Callable[[str], tuple[Assessment, EngineRuns]],
+    on_progress: Callable[[str], None],
+) -> _Others:
+    """The engines of these names, and the exact body where the scene is its own to answer."""
+    others, across = _Others({}, {}, {}, np.empty(0, dtype=bool)), shaken_across(scene)
+    for name in names:
+        engine = engines.load(name)
+        if (reason := engine.missing()) is not None:
+            others.answers[name] = NotAssessed(reason)
+            continue
+        answer, runs = asked(name)
+        plane_only = across and engine.capabilities.dimensions < SPACE_DIMENSIONS
+        others.fell[name] = runs.fell
+        if answer.undecided == 1.0:
+            message = f"none of its {answer.engine_runs} runs came to an end (rockcheck run -e {name} says why)"
+            others.answers[name] = NotAssessed(message)
+            continue
+        others.answers[name] = replace(answer, plane_only=plane_only)
+        others.room[name] = of_engine(model, runs)
+    if across and SPACE not in names:
+        on_progress(f"{SPACE}: draws, then clearance")
+    if SPACE not in names and (space := assess_in_space(scene, values, SPACE_STEPS)) is not None:
+        others.answers[SPACE], others.room[SPACE] = space.answer, clearance_in_space(scene, values, space)
+        others = others._replace(in_space=space.ends == "overturned")
+    return others
+
+
+def _inputs(scene: Scene) -> Sequence[Uncertain]:
+    """What is uncertain; raises `InputError` for a scene of which no draws can be made."""
+    where = str(scene.source or "the scene")
+    if scene.initial.pose is not None:
+        wanted = "a start in the rocking plane: draws are stratified by the planar model"
+        raise InputError(Mistake(where, "initial.position_m", wanted, "a pose in space"))
+    inputs = uncertain_inputs(scene)
+    if not inputs:
+        wanted = "the keys that are not known: there is neither a motion nor a pedestal of which to assume any"
+        raise InputError(Mistake(where, "uncertainty", wanted, "nothing"))
+    return inputs
+
+
+@contextmanager
+def _campaign(store: Store | None, pool: Pool | None) -> Iterator[tuple[Campaign, int]]:
+    """The caller's store and pool, or a store in memory and this machine's cores until the end."""
+    with ExitStack() as stack:
+        storage = store or stack.enter_context(Store(Path(":memory:")))
+        workers = pool or stack.enter_context(closing(LocalPool(os.cpu_count())))
+        yield Campaign(storage, workers), workers.workers
+
+
+def _by_model(
+    record: AssessRecord,
+    scene: Scene,
+    values: Mapping[str, Array],
+    seed: int,
+    more_options: Sequence[Option] | None,
+    on_progress: Callable[[str], None],
+    *,
+    in_space: bool,
+) -> AssessRecord:
+    """The record with all that one model alone answers: the exact body where the scene is its own, else the analytic model."""
+    draws, inputs = len(next(iter(values.values()))), record.uncertainty
+    if more_options is not None:
+        own_options, left_out = options_of(scene)
+        size, every = min(draws, OPTION_DRAWS), [*own_options, *more_options]
+        compared = compare_in_space(scene, inputs, every, left_out, seed, on_progress) if in_space else None
+        compared = compared or compare(scene, inputs, every, left_out, draws=size, seed=seed, on_progress=on_progress)
+        record = replace(record, options=compared)
+    if in_space:
+        on_progress(f"{SPACE}: fragility")
+        return replace(record, fragility=fragility_in_space(scene, inputs, seed))
+    on_progress(f"{MODEL}: fragility and indices")
+    record = replace(record, fragility=fragility(scene, inputs, seed, min(draws, FRAGILITY_DRAWS)))
+    return replace(record, indices=indices(scene, inputs, seed)) if sweepable(scene, values) else record
+
+
+def _differences(answers: Mapping[str, Assessment | NotAssessed | None]) -> dict[str, ProbabilityDifference]:
+    """The model's probability less each other's on the same draws: only the sampling of the other is left."""
+    own = answers[MODEL]
+    if not isinstance(own, Assessment):
+        return {}
+    p = own.probability_overturned
+    others = {name: item for name, item in answers.items() if name != MODEL and isinstance(item, Assessment)}
+    return {
+        name: ProbabilityDifference(p - item.probability_overturned, p - item.high, p - item.low, item.level)
+        for name, item in others.items()
+    }

@@ -1,0 +1,138 @@
+"""The probability beside every single run: the analytic model's, and in three dimensions the exact body's.
+
+A draw in which the model leaves its domain before a fall is decided is no answer of the model: a contact engine answers a
+sample of such draws, P = Σ fell/n + w q, where w is their share and q what falls of the sample; what neither answers is open,
+and counts as standing in the interval's low end, as falling in its high one.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+
+from harness import engines
+from harness.accuracy.refinement import first_level
+from harness.comparison.statistics.distributions import wilson
+from harness.engines.base import EngineFailure
+from harness.model.options import RunOptions
+from harness.model.scene import Scene
+from harness.questions.assess.engine_runs import ENGINE_ERROR_RAD
+from harness.questions.assess.in_space import SPACE, SPACE_S, assess_in_space, shaken_across
+from harness.questions.assess.inputs import Array, row, uncertain_inputs
+from harness.questions.assess.model_draws import ModelDraws, draws_of, model_draws
+from harness.questions.assess.stratified import LEVEL, jeffreys
+from harness.questions.assess.variation import varied
+from harness.records.assess import Assessment
+
+MODEL: Final = "analytic"
+RUN_DRAWS: Final = 10_000
+"""Draws beside every single run: ± 0.8 % at a half, in half a second for a harmonic motion of 10 s."""
+SAMPLER: Final = "pymunk"
+"""The engine that answers draws outside the model's domain: in the plane, with all that the model leaves out there."""
+OPEN: Final = 0.02
+"""Share of draws outside the model's domain that needs no answer: it widens the interval by no more."""
+SAMPLE_STEPS: Final = 50_000
+"""Steps of the engine's runs beside a single run, a count so that an answer is the same wherever it is computed: 20 runs of a
+motion of 10 s at 4 ms."""
+SAMPLE_S: Final = 2.0
+"""What they take of the processor, s, as a forecast tells it."""
+MOST_SAMPLED: Final = 60
+TRIAL_SHARE: Final = 0.01
+"""Of the draws are timed before all of them are run."""
+
+
+def assess_models(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> dict[str, Assessment]:
+    """The analytic model's own probability, and the exact body's where the scene is shaken across its rocking plane.
+
+    Empty where nothing of the scene is uncertain, or it begins from a pose in space.
+    """
+    inputs = uncertain_inputs(scene)
+    if not inputs or scene.initial.pose is not None:
+        return {}
+    values = draws_of(scene, inputs, draws, seed)
+    model = model_draws(scene, values)
+    own = probability_of(model, SAMPLER, sampled(scene, values, model), plane_only=shaken_across(scene))
+    in_space = assess_in_space(scene, values)
+    answers = {MODEL: own, SPACE: None if in_space is None else in_space.answer}
+    return {name: answer for name, answer in answers.items() if answer is not None}
+
+
+def assessed_s(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> float:
+    """Processor seconds that `assess_models` is expected to take: timed on a share of its draws."""
+    from analytic import AnalyticInputError
+
+    inputs = uncertain_inputs(scene)
+    if not inputs or scene.initial.pose is not None:
+        return 0.0
+    values = draws_of(scene, inputs, draws, seed)
+    size = next(iter(values.values())).size
+    some = {key: column[: math.ceil(TRIAL_SHARE * size)] for key, column in values.items()}
+    try:
+        model_draws(scene, some)  # the first time its code is loaded
+    except AnalyticInputError:  # the model refuses this scene; its own run says why
+        return 0.0
+    begin = time.process_time()
+    model = model_draws(scene, some)
+    seconds = (time.process_time() - begin) * size / model.left.size
+    return seconds + SAMPLE_S * bool(model.left.mean() > OPEN) + SPACE_S * shaken_across(scene)
+
+
+def sampled(scene: Scene, values: Mapping[str, Array], model: ModelDraws) -> dict[int, bool | None]:
+    """Whether the statue falls by the engine, by number of the draw, in the first draws outside the model's domain: as many as
+    `SAMPLE_STEPS` allows, none where they are few."""
+    engine, fell = engines.load(SAMPLER), dict[int, bool | None]()
+    if model.left.size == 0 or model.left.mean() <= OPEN or engine.missing() is not None:
+        return fell
+    steps = 0
+    for number in np.flatnonzero(model.left)[:MOST_SAMPLED].tolist():
+        if steps >= SAMPLE_STEPS:
+            break
+        drawn = varied(scene, row(values, number))
+        try:
+            settings, _ = first_level(engine.refinement_levels(drawn), ENGINE_ERROR_RAD, 1.0)
+            run = engine.simulate(drawn, settings, RunOptions())
+        except EngineFailure:
+            fell[number] = None
+        else:
+            steps += run.steps
+            fell[number] = run.outcome.fell
+    return fell
+
+
+def probability_of(
+    model: ModelDraws, engine: str, fell: Mapping[int, bool | None], *, plane_only: bool = False
+) -> Assessment | None:
+    """The share of the draws that overturn, by the model where it answers and by the engine's runs (`fell`, by number of the
+    draw) where the model left its domain, with its interval; None without draws."""
+    size = model.overturned.size
+    own = wilson(int(model.overturned.sum()), size, LEVEL)
+    if own is None:
+        return None
+    runs = [fell[number] for number in np.flatnonzero(model.left).tolist() if number in fell]
+    ends = [each for each in runs if each is not None]
+    left, unknown = float(model.left.mean()), int((~model.decided).sum()) / size
+    # What a sample answers of them, as a share of all draws.
+    answered = left * len(ends) / len(runs) if runs else 0.0
+    q, low, high = jeffreys(sum(ends), len(ends))
+    undecided = max(unknown - answered, 0.0)
+    p = own.value + answered * q
+    below, above = (
+        math.hypot(a, answered * b) for a, b in ((own.value - own.low, q - low), (own.high - own.value, high - q))
+    )
+    return Assessment(
+        probability_overturned=p,
+        low=max(p - below, 0.0),
+        high=min(p + above + undecided, 1.0),
+        level=LEVEL,
+        draws=size,
+        engine_runs=size,
+        undecided=undecided,
+        plane_only=plane_only,
+        left_domain=left,
+        sampler=engine if runs else "",
+        sampled=len(runs),
+    )

@@ -1,0 +1,205 @@
+"""Options set against the scene as it is, by the analytic model with common random numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from statistics import NormalDist
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from harness.comparison.statistics.distributions import wilson
+from harness.model.scene import Scene, Uncertain
+from harness.questions.assess.bodies import sliding
+from harness.questions.assess.in_space import shaken_across
+from harness.questions.assess.inputs import LEAST_SHARE, Array, draw, row, uncertain_inputs
+from harness.questions.assess.model_draws import (
+    SLOW_DRAWS,
+    Flags,
+    ModelDraws,
+    draws_of,
+    joined,
+    model_draws,
+    repeated,
+    sweepable,
+)
+from harness.questions.assess.options import AS_IT_IS, Option
+from harness.questions.assess.stratified import LEVEL
+from harness.questions.assess.variation import KINETIC, STATIC, varied
+from harness.records.assess import OptionAnswer, OptionsRecord
+from harness.records.scores import Interval
+
+OPTION_DRAWS: Final = 10_000
+DIFFERENCE_LEVEL: Final = 0.99
+"""Level of a difference's interval: of ten options without effect, one table in ten then names one."""
+HIGH: Final = 0.95
+"""The quantile of the pedestal's slip that is told beside the median."""
+ALIKE: Final = ("contact.", "motion.", "initial.")
+"""Keys whose draws are the same before and after a statue or a pedestal is changed."""
+NEW_KEYS: Final = 2_000_003
+"""Added to the seed where an option brings an uncertain number that the scene as it is does not have."""
+
+
+def compare(
+    scene: Scene,
+    inputs: Sequence[Uncertain],
+    options: Sequence[Option],
+    left_out: Mapping[str, str],
+    *,
+    draws: int = OPTION_DRAWS,
+    seed: int = 0,
+    on_progress: Callable[[str], None] = lambda text: None,
+) -> OptionsRecord:
+    """Every option's probability of a fall and its slip, and its difference to the scene as it is, draw by draw."""
+    values = draws_of(scene, inputs, draws, seed)
+    own = model_draws(scene, values)
+    answers = [_answer(None, own, None)]
+    others: dict[str, ModelDraws | None] = {}
+    for option in options:
+        on_progress(f"options: {option.name}")
+        others[option.name] = _at_once(scene, inputs, option, values, seed)
+    # What needs a scene made anew for each draw is done for all such options together: reading a scan costs most.
+    slow = [option for option in options if others[option.name] is None]
+    others |= _one_by_one(scene, slow, values) if slow else {}
+    for option in options:
+        if (other := others[option.name]) is not None:
+            answers.append(_answer(option, other, own))
+    across = shaken_across(scene)
+    return OptionsRecord(answers, own.overturned.size, LEVEL, DIFFERENCE_LEVEL, dict(left_out), across)
+
+
+def option_draws(
+    scene: Scene, inputs: Sequence[Uncertain], option: Option, values: Mapping[str, Array], seed: int = 0
+) -> ModelDraws:
+    """What the model says of an option on draws (n,) of the scene as it is (where each is a scene read again, on the first)."""
+    at_once = _at_once(scene, inputs, option, values, seed)
+    return _one_by_one(scene, [option], values)[option.name] if at_once is None else at_once
+
+
+def _at_once(
+    scene: Scene, inputs: Sequence[Uncertain], option: Option, values: Mapping[str, Array], seed: int
+) -> ModelDraws | None:
+    """All draws of an option as draws of its own scene; None where drawing and changing do not commute."""
+    other = option.change(scene)
+    if option.user:
+        drawn = common(inputs, values, uncertain_inputs(other), seed)
+        first = None if sweepable(other, drawn) else SLOW_DRAWS
+        return model_draws(other, {key: column[:first] for key, column in drawn.items()})
+    same_bodies = other.statue is scene.statue and other.pedestal in (scene.pedestal, None)
+    if sweepable(scene, values) and (same_bodies or all(key.startswith(ALIKE) for key in values)):
+        swept = common(inputs, values, _moved(inputs, other), seed)
+        if not swept or sweepable(other, swept):
+            return _slipping(other, swept, scene, len(next(iter(values.values()))), option.slides)
+    return None
+
+
+def _one_by_one(scene: Scene, options: Sequence[Option], values: Mapping[str, Array]) -> dict[str, ModelDraws]:
+    """Each draw's scene made first and then changed, on the first draws."""
+    parts: dict[str, list[ModelDraws]] = {option.name: [] for option in options}
+    for k in range(min(SLOW_DRAWS, len(next(iter(values.values()))))):
+        drawn = varied(scene, row(values, k))
+        for option in options:
+            parts[option.name].append(_slipping(option.change(drawn), {}, drawn, 1, option.slides))
+    return {name: joined(several) for name, several in parts.items()}
+
+
+def _slipping(other: Scene, values: Mapping[str, Array], scene: Scene, size: int, slides: bool) -> ModelDraws:
+    """The draws of a body: of one that may slide, those whose friction is below the least slenderness slide and stand.
+
+    A free body on the floor lifts at g b/h and slides at g μ, whichever comes first (Ishiyama 1982); the model of one body
+    knows no sliding.
+    """
+    rocking = repeated(model_draws(other, values), size)
+    if not slides:
+        return rocking
+    static = np.broadcast_to(values.get("contact.floor", scene.contact.floor_static), size)
+    least = math.tan(min(other.statue.slenderness_rad(side) for side in (1, -1)))
+    path, slips = repeated(model_draws(sliding(other), values), size), static < least
+    return ModelDraws(*(np.where(slips, slid, rocked) for slid, rocked in zip(path, rocking, strict=True)))
+
+
+def _moved(inputs: Sequence[Uncertain], other: Scene) -> list[Uncertain]:
+    """The scene's inputs as an option leaves them: friction has its own median, what is gone is not drawn."""
+    relevant = [item for item in inputs if other.pedestal is not None or not item.key.startswith("pedestal.")]
+    contact = other.contact
+    medians = {"contact.floor": contact.floor_static, STATIC: contact.floor_static, KINETIC: contact.floor_kinetic}
+    return [replace(item, value=medians.get(item.key, item.value)) for item in relevant]
+
+
+def common(
+    inputs: Sequence[Uncertain], values: Mapping[str, Array], own: Sequence[Uncertain], seed: int
+) -> dict[str, Array]:
+    """The draws of an option from those of the scene as it is: moved with a lognormal's median or another's mean.
+
+    Only a number that the scene as it is does not draw, or draws otherwise, has draws of its own.
+    """
+    known = {(item.key, item.kind, item.width): item for item in inputs}
+    size = len(next(iter(values.values())))
+    fresh = [item for item in own if (item.key, item.kind, item.width) not in known]
+    result = draw(fresh, size, seed + NEW_KEYS)
+    for item in own:
+        before = known.get((item.key, item.kind, item.width))
+        if before is None:
+            continue
+        column = values[item.key]
+        if item.kind == "lognormal":
+            result[item.key] = column * (item.value / before.value)
+        else:
+            moved = column + (item.value - before.value)
+            result[item.key] = np.maximum(moved, LEAST_SHARE * item.value) if item.value > 0.0 else moved
+    return result
+
+
+def _answer(option: Option | None, other: ModelDraws, own: ModelDraws | None) -> OptionAnswer:
+    before = None if own is None else Ends(own.overturned, own.decided)
+    median_m, high_m = (float(value) for value in np.quantile(other.peak_slip_m, (0.5, HIGH)))
+    return answer_of(option, Ends(other.overturned, other.decided), before, (median_m, high_m))
+
+
+class Ends(NamedTuple):
+    """Whether each draw (n,) falls, and whether it falls or stands at all."""
+
+    fell: Flags
+    decided: Flags
+
+
+def answer_of(
+    option: Option | None, ends: Ends, before: Ends | None, slips_m: tuple[float | None, float | None]
+) -> OptionAnswer:
+    """What is told of an option (None: the scene as it is), by its draws and the same ones of the scene as it is."""
+    fell, may_fall = (int(each.sum()) for each in (ends.fell, ends.fell | ~ends.decided))
+    share, most = (wilson(count, ends.fell.size, LEVEL) for count in (fell, may_fall))
+    if share is None or most is None:
+        raise ValueError("an option without draws")
+    name, what, source = (AS_IT_IS, "", "") if option is None else (option.name, option.what, option.source)
+    change = None if before is None else difference_of(ends, before)
+    interval = share.value, share.low, most.high
+    return OptionAnswer(
+        name, what, source, ends.fell.size, *interval, *slips_m, change, 1.0 - float(ends.decided.mean())
+    )
+
+
+def difference_of(ends: Ends, before: Ends) -> Interval:
+    """The probability of a fall less the one before, of the same draws; where one comes to no end it may be either."""
+    size = min(ends.fell.size, before.fell.size)
+    fell, may_fall = ends.fell[:size], (ends.fell | ~ends.decided)[:size]
+    fell_before, might_fall = before.fell[:size], (before.fell | ~before.decided)[:size]
+    low, high = paired_difference(fell, might_fall).low, paired_difference(may_fall, fell_before).high
+    return Interval(float(fell.mean() - fell_before.mean()), low, high, DIFFERENCE_LEVEL)
+
+
+def paired_difference(fell: Flags, before: Flags, level: float = DIFFERENCE_LEVEL) -> Interval:
+    """The probability of a fall less the one before, of the same draws, with its interval.
+
+    Half a draw is added to each of the four cells (Agresti and Min, Statistics in Medicine 24, 2005): the interval has a width
+    where no draw differs, too. Its middle is the plain difference, so that both numbers of a table agree.
+    """
+    more, fewer = int(np.sum(fell & ~before)), int(np.sum(before & ~fell))
+    size = fell.size + 2.0
+    shift = (more - fewer) / size
+    variance = ((more + fewer + 1.0) / size - shift**2) / size
+    half = NormalDist().inv_cdf(0.5 + 0.5 * level) * math.sqrt(variance)
+    plain = (more - fewer) / fell.size
+    return Interval(plain, max(min(shift - half, plain), -1.0), min(max(shift + half, plain), 1.0), level)

@@ -1,0 +1,151 @@
+"""The exact body in three dimensions on the draws of a scene that is shaken across its rocking plane, outcome only."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.excitation import ZeroExcitation
+from harness.comparison.statistics.distributions import wilson
+from harness.engines import stands_alone
+from harness.model.scene import Scene
+from harness.questions.assess.clearance import clearance
+from harness.questions.assess.inputs import Array, row
+from harness.questions.assess.plan import reach_m
+from harness.questions.assess.stratified import LEVEL
+from harness.questions.assess.variation import file_scale, varied
+from harness.records.assess import Assessment, ClearanceByModel
+
+Ends = NDArray[np.object_]
+
+SPACE: Final = "spatial"
+MOST_STEPS: Final = 300_000
+"""Steps of all runs together after which no draws are begun: some"""
+SPACE_S: Final = 3.0
+"""seconds of one core, and"""
+RUN_STEPS: Final = 20_000
+"""steps after which one run is given up: what stands or falls in a record of a minute takes a thousand at the median."""
+RUN_COST: Final = 20
+"""Steps for which one run is counted at least: what never leaves the floor costs the setting up alone."""
+CLEARANCE_RUNS: Final = 100
+"""Standing draws that are run with their histories: some 0.1 s each for a record of 40 s; 99 of 100 then stay within the second
+largest."""
+HISTORY_STEP_S: Final = 0.02
+"""Between two looks: a rotation of 1 Hz, fast for a statue, is caught within (2π · 0.02)²/8 = 0.2 % of its peak.
+Each look costs a step."""
+OUTCOME_TOLERANCE: Final = 1e-7
+"""Local error: that of the runs for their outcome."""
+BATCH: Final = 16
+"""Draws before the first look at the steps; later batches take at most a quarter of what is left."""
+
+
+def shaken_across(scene: Scene) -> bool:
+    """Whether the scene is shaken across the rocking plane, of which the planar model knows nothing."""
+    return not isinstance(scene.base_excitation.y, ZeroExcitation)
+
+
+class SpaceDraws(NamedTuple):
+    """The probability of overturning by the exact body, and how each of its draws (n,) ends."""
+
+    answer: Assessment
+    ends: Ends
+
+
+def assess_in_space(scene: Scene, values: Mapping[str, Array], most_steps: int = MOST_STEPS) -> SpaceDraws | None:
+    """The probability of overturning over as many of the draws (n,) as the steps allow; None where the planar model knows all
+    of the shaking, or the exact body does not know all of the scene (a pedestal, a wall, a prescribed impact, a moving table).
+    """
+    ends = ends_in_space(scene, values, most_steps) if shaken_across(scene) else None
+    if ends is None:
+        return None
+    return SpaceDraws(_assessment(int((ends == "overturned").sum()), ends.size, without_end(ends)), ends)
+
+
+def _assessment(fell: int, draws: int, open_: int) -> Assessment:
+    """The probability of overturning where so many of the draws fell and so many came to no end, with Wilson's intervals."""
+    share, most = wilson(fell, draws, LEVEL), wilson(fell + open_, draws, LEVEL)
+    if share is None or most is None:
+        raise ValueError("a probability without draws")
+    return Assessment(share.value, share.low, most.high, LEVEL, draws, draws, open_ / draws)
+
+
+def without_end(ends: Ends) -> int:
+    """How many draws neither fall nor stand: given up, or outside the exact body's domain."""
+    return int(((ends != "overturned") & (ends != "stands")).sum())
+
+
+def ends_in_space(
+    scene: Scene, values: Mapping[str, Array], most_steps: int, change: Callable[[Scene], Scene] = lambda scene: scene
+) -> Ends | None:
+    """How the exact body ends in as many of the draws (n,) as the steps allow, each drawn and then changed; None for a scene that
+    it does not know.
+    """
+    from analytic import AnalyticInputError
+
+    changed = change(scene)
+    if not stands_alone(changed) or changed.initial.pose is not None:
+        return None
+    size, left, runs = len(next(iter(values.values()))), most_steps, 0
+    ends: list[Ends] = []
+    batch = BATCH
+    while runs < size and left > 0:
+        try:
+            columns = {key: column[runs : runs + batch] for key, column in values.items()}
+            outcomes, steps = _batch(scene, columns, change)
+        except AnalyticInputError:  # a base the exact body does not take
+            return None
+        runs, left = runs + outcomes.size, left - int(np.maximum(steps, RUN_COST).sum())
+        batch = max(BATCH, left * runs // (4 * (most_steps - left)))
+        ends.append(outcomes)
+    return np.concatenate(ends)
+
+
+def clearance_in_space(scene: Scene, values: Mapping[str, Array], draws: SpaceDraws) -> ClearanceByModel:
+    """The clearance all round by the exact body, on the first draws in which it stands."""
+    standing = np.flatnonzero(draws.ends == "stands").tolist()
+    chosen = standing[:CLEARANCE_RUNS]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        reached = list(pool.map(lambda number: _reach_m(varied(scene, row(values, number))), chosen))
+    seen = draws.ends if len(chosen) == len(standing) else draws.ends[: chosen[-1] + 1]
+    return clearance(reached, np.ones(len(reached)), seen.size, without_end(seen))
+
+
+def _reach_m(scene: Scene) -> Array:
+    from analytic import spatial
+    from harness.engines.spatial import problem_of, trajectory_of
+
+    problem = problem_of(scene)
+    history = trajectory_of(
+        scene, spatial.solve(problem, tolerance=OUTCOME_TOLERANCE, dt_out_s=HISTORY_STEP_S, events=False)
+    )
+    return reach_m(scene, history.theta_rad, history.slip_m, history.extra)
+
+
+def _batch(
+    scene: Scene, values: Mapping[str, Array], change: Callable[[Scene], Scene]
+) -> tuple[Ends, NDArray[np.int64]]:
+    """Outcome and steps of each draw."""
+    from analytic import spatial
+    from harness.engines.spatial import problem_of
+
+    sweep = {}
+    if "motion.scale" in values:
+        sweep["scale"] = values["motion.scale"] / file_scale(scene)
+    if "contact.statue" in values:
+        sweep["friction"] = values["contact.statue"]
+    if sweep and len(sweep) == len(values):
+        swept = spatial.outcomes(problem_of(change(scene)), sweep, most_steps=RUN_STEPS)
+        return swept.outcomes, swept.steps
+
+    def alone(number: int) -> spatial.Outcomes:
+        drawn = problem_of(change(varied(scene, row(values, number))))
+        return spatial.outcomes(drawn, {"scale": [1.0]}, most_steps=RUN_STEPS, threads=1)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        each = list(pool.map(alone, range(len(next(iter(values.values()))))))
+    return np.concatenate([item.outcomes for item in each]), np.concatenate([item.steps for item in each])

@@ -1,0 +1,172 @@
+"""The bench: all measurements in parts that can be interrupted, one record."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from functools import partial
+from typing import Final
+
+from harness import engines
+from harness.model.finding import Answer, caution
+from harness.model.run import machine, versions
+from harness.questions.bench import findings, other_integrators, precision, programs, scaling, skip_savings, skips
+from harness.questions.bench.precision import TARGET_RAD
+from harness.questions.bench.standard_scenes import standard_set
+from harness.records.bench import (
+    LEVEL,
+    TARGET,
+    BenchRecord,
+    Coverage,
+    Covered,
+    Level,
+    PrecisionRow,
+    ScalingRow,
+    SkipRow,
+    Statement,
+    of_parts,
+)
+from harness.runs import parts
+from harness.runs.parts import Measured, Measurement, Part, Row
+
+# Is the stated numerical uncertainty honest, and what does a target take? Seeded scenes, each against a much
+# finer run. Measured by a program that is given; its rows are kept and counted here.
+
+
+FIRST_SEED: Final = 20_900
+"""Scenes from here on were not used to choose the levels or the safety factor."""
+SCENES: Final = 60
+QUICK_SCENES: Final = 2
+PIECE: Final = {"pybullet": 8, "pymunk": 25}
+"""Scenes of one task, by engine."""
+
+
+def read(row: Row) -> Coverage:
+    """A row that was kept."""
+    stated = row["stated"] and Statement(**row["stated"])
+    return Coverage(**{**row, "stated": stated, "levels": tuple(Level(**level) for level in row["levels"])})
+
+
+def tasks(quick: bool) -> list[str]:
+    """The work in pieces that can be computed apart, the longest first."""
+    last = FIRST_SEED + (QUICK_SCENES if quick else SCENES)
+    return [
+        f"{name}: seeds {begin} to {min(begin + piece, last) - 1}"
+        for name, piece in PIECE.items()
+        for begin in range(FIRST_SEED, last, piece)
+    ]
+
+
+def compute(program: str, task: str) -> list[Row]:
+    """The rows of one piece; none where the engine is not here."""
+    name, seeds = _piece(task)
+    if engines.load(name).missing() is not None:
+        return []
+    done = programs.ask(program, name, str(seeds.start), str(len(seeds)), "--levels")
+    return died(task) if done.returncode else [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def died(task: str) -> list[Row]:
+    """A piece that took its process with it: none of its scenes is covered."""
+    name, seeds = _piece(task)
+    return [asdict(Coverage(name, seed, TARGET_RAD)) for seed in seeds]
+
+
+def _piece(task: str) -> tuple[str, range]:
+    name, _, span = task.partition(": seeds ")
+    first, _, last = span.partition(" to ")
+    return name, range(int(first), int(last) + 1)
+
+
+def choice_rows(rows: Sequence[Coverage]) -> list[PrecisionRow]:
+    """The scenes that met the target to the end, as `sentences.choice` compares them."""
+    compared = []
+    for row in rows:
+        if not row.levels or row.stated is None:
+            continue
+        base = PrecisionRow(row.engine, f"seed {row.seed}", TARGET, "", error_rad=row.stated.error_rad, cpu_s=row.cpu_s)
+        compared += [replace(base, group=LEVEL, **vars(level)) for level in row.levels]
+        compared.append(base)
+    return compared
+
+
+def counted(rows: Sequence[Coverage]) -> dict[str, Covered]:
+    """By engine: scenes on which the error lay within the statement, of how many, and which it did not."""
+    counts = {}
+    for engine in dict.fromkeys(row.engine for row in rows):
+        mine = [row for row in rows if row.engine == engine]
+        missed = [row.seed for row in mine if not row.covered]
+        counts[engine] = Covered(len(mine) - len(missed), len(mine), missed)
+    return counts
+
+
+CLOCK: Final = "cpu_s: processor time of the process (single-threaded runs); wall_s: by the clock; both best of several"
+
+
+DEFAULTS, COVERAGE, OTHERS = "engine defaults", "coverage", "others"
+"""What programs that are given measure: engines on their own defaults, seeded scenes, other integrators."""
+
+
+def all_parts(given: programs.Programs, quick: bool) -> list[Part]:
+    """The parts as they are measured: by processor time on all cores, then those that are timed by the clock, alone."""
+    other = given.get(OTHERS, "")
+    others, speeds = other_integrators.TASKS.values() if other else ((), ())
+    seeded = tasks(quick) if COVERAGE in given else []
+    return [
+        Part("precision", precision.tasks(quick), partial(precision.of, given.get(DEFAULTS), quick), precision.died),
+        Part("coverage", seeded, partial(compute, given.get(COVERAGE, "")), died),
+        Part("skips", skips.tasks(quick), skips.compute, skips.died),
+        Part("alone", skip_savings.tasks(quick), skip_savings.compute, skip_savings.died),
+        Part("others", others, partial(other_integrators.compute, other, quick), _died),
+        Part("scaling", scaling.tasks(quick), scaling.compute, _died),
+        Part("speeds", speeds, partial(other_integrators.compute, other, quick)),
+        Part("workers", scaling.worker_tasks(quick), scaling.compute),
+    ]
+
+
+def _died(task: str) -> list[Row]:
+    raise RuntimeError(f"{task}: its process died")
+
+
+def assembled(
+    given: programs.Programs, listed: Sequence[Part], measured: Mapping[str, Measured], command: str
+) -> BenchRecord:
+    """The record from the rows of all parts; what is not measured yet is left empty and said."""
+    rows = {part.name: measured[part.name].in_order(part) for part in listed}
+    absent = {row["scene"]: row["absent"] for row in rows["precision"] if "absent" in row}
+    absent |= programs.absent(given, (DEFAULTS, COVERAGE, OTHERS))
+    order = [item.name for item in standard_set()]
+    timed = [PrecisionRow(**row) for row in rows["precision"] if "absent" not in row]
+    timed.sort(key=lambda row: order.index(row.scene))
+    seeded = [read(row) for row in rows["coverage"]]
+    together = skips.together([SkipRow(**row) for row in rows["skips"]])
+    alone = [SkipRow(**row) for row in rows["alone"]]
+    grown = [ScalingRow(**row) for row in rows["scaling"] + rows["workers"]]
+    solvers = other_integrators.collected(rows["others"] + rows["speeds"])
+    target_rad, counts, spent = precision.TARGET_RAD, counted(seeded), parts.seconds(measured)
+    standard = findings.choice(timed, target_rad)
+    on_seeds = findings.choice(choice_rows(seeded), target_rad)
+    found = [
+        *findings.takes(standard, target_rad, "standard"),
+        *findings.takes(on_seeds, target_rad, "seeded"),
+        *findings.coverage(counts),
+        *skips.findings(together),
+        *findings.defaults(timed),
+        *skip_savings.findings(alone),
+        *scaling.findings(grown),
+        *other_integrators.findings(solvers),
+        *of_parts(spent, absent),
+    ]
+    met = findings.speeds(timed, target_rad) or [caution("no_engine_timed")]
+    return BenchRecord(
+        command=command, target_rad=target_rad, clock=CLOCK, rows=timed, absent=absent, choice=standard, seeded=on_seeds,
+        coverage=counts, coverage_rows=seeded, skips=[*together, *alone], scaling=grown, **vars(solvers),
+        parts=spent, answer=Answer("met" if any(each.code == "meets_target" for each in met) else "not_met", met),
+        findings=found, seconds=sum(row.wall_s for row in spent), versions=versions(), machine=machine(),
+    )  # fmt: skip
+
+
+def bench(given: programs.Programs = programs.NONE, sources: Sequence[str] = ()) -> Measurement[BenchRecord]:
+    """The bench with what these programs measure; `sources` are the folders of their code, in the source tree."""
+    return Measurement("bench", partial(all_parts, given), partial(assembled, given), tuple(sources))

@@ -1,0 +1,176 @@
+"""Work against precision: every engine on every level, on its own defaults, on another project's settings, and what a target
+takes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, replace
+from functools import partial
+from typing import Final
+
+from harness import engines
+from harness.accuracy.refinement import run_to_accuracy
+from harness.comparison.scores.pointwise import error_rad
+from harness.engines.base import Engine, EngineFailure, Settings
+from harness.model.errors import InputError
+from harness.model.options import RunOptions
+from harness.model.run import Run, number
+from harness.model.scene import Scene
+from harness.questions.bench import programs
+from harness.questions.bench.programs import Cost, costs, timed
+from harness.questions.bench.standard_scenes import Standard, standard_set
+from harness.records.bench import LEVEL, TARGET, PrecisionRow
+from harness.records.run import PLAIN
+from harness.runs.parts import Row
+
+TARGET_RAD: Final = 1e-3
+LONG_S: Final = 1.0
+"""A level is left out (and said so) when the one before it took this long: finer levels show the same line further."""
+REPEATS: Final = 15
+"""Turns in which levels are timed: after a long one caches are cold, and a short one needs more turns to show its least time."""
+BUDGET_S: Final = 0.1
+"""Processor time of one level after which no further turn is begun: what is compared are ratios of whole numbers and more."""
+NOTHING: Final = Cost(0.0, 0.0, 0)
+"""Of what was not run."""
+
+
+def tasks(quick: bool) -> list[str]:
+    """The scenes of the standard set, the longest first."""
+    names = [item.name for item in standard_set()]
+    return names[:3] if quick else sorted(names, key=lambda name: "Maria" not in name)
+
+
+def of(program: str | None, quick: bool, name: str) -> list[Row]:
+    """All rows of one scene of the standard set; one that says why where a file of it is absent.
+
+    `program` runs engines on their own defaults, and on another project's settings; None leaves that out.
+    """
+    item = next(item for item in standard_set() if item.name == name)
+    try:
+        scene = item.scene()
+    except InputError as error:
+        return [{"scene": name, "absent": str(error)}]
+    names = list(engines.REGISTRY)
+    rows = [asdict(row) for row in rows_of(item, scene, names, quick=quick)]
+    if item.reference == "analytic" and program is not None:
+        rows += programs.rows(program, name)
+    return sorted(rows, key=lambda row: names.index(row["engine"]))
+
+
+def died(name: str) -> list[Row]:
+    """A scene whose process died: one row that says so."""
+    return [asdict(PrecisionRow("any", name, LEVEL, "all", failed="the process died"))]
+
+
+def rows_of(item: Standard, scene: Scene, names: Sequence[str], *, quick: bool) -> Iterator[PrecisionRow]:
+    """This project's rows of one scene: each engine's levels, and what the target takes."""
+    model = engines.load("analytic")
+    exact = model.simulate(scene, model.refinement_levels(scene)[-1], RunOptions())
+    for name in names:
+        engine = engines.load(name)
+        if item.spatial and engine.capabilities.dimensions < 3:
+            continue
+        base = PrecisionRow(name, item.name, LEVEL, "not here", item.block)
+        reason = engine.missing()
+        if reason is not None:
+            yield replace(base, failed=reason)
+            continue
+        # A self-certifying model has no finer settings of another kind to be judged by than its own finest.
+        own = item.reference == "own" or engine.capabilities.certifies
+        yield from _levels(base, scene, engine, None if own else exact, quick)
+
+
+def _levels(base: PrecisionRow, scene: Scene, engine: Engine, exact: Run | None, quick: bool) -> Iterator[PrecisionRow]:
+    """Every level and what the target takes: errors first, then all of them timed in turns, as they are compared."""
+    base = replace(base, reference="analytic" if exact is not None else "own finest level")
+    tried = _tried(engine, scene, quick)
+    good = [(settings, run, once) for settings, run, once in tried if isinstance(run, Run)]
+    judge = exact or (good[-1][1] if good else None)
+    # An unmodified engine is not asked what a target takes: it refines until it gives up.
+    refines = judge is not None and not engine.capabilities.certifies and not engine.name.endswith(PLAIN)
+    refine = partial(run_to_accuracy, engine, scene, TARGET_RAD, RunOptions())
+    asked, once = timed(partial(_answered, refine)) if refines else (None, NOTHING)
+    works: list[Callable[[], object]] = [
+        partial(engine.simulate, scene, settings, RunOptions()) for settings, _, _ in good
+    ]
+    before = [item[2] for item in good]
+    if isinstance(asked, Run):
+        works.append(refine)
+        before.append(once)
+    spent = iter(costs(works, REPEATS, BUDGET_S, before))
+    for settings, run, _ in tried:
+        row = replace(base, label=_label(settings), dt_s=settings.dt_s)
+        if isinstance(run, str) or judge is None:
+            yield replace(row, failed=str(run))
+            continue
+        took = next(spent)
+        if run is not judge:
+            yield costing(_with(row, run, error_rad(run, judge)), took, run.end_s)
+    if asked is not None and judge is not None:
+        yield _chosen(replace(base, group=TARGET, label=f"--accuracy {TARGET_RAD:g}"), asked, judge, next(spent, None))
+
+
+def _tried(engine: Engine, scene: Scene, quick: bool) -> list[tuple[Settings, Run | str, Cost]]:
+    """Each level's run, whose error is taken, or why there is none, and its cost."""
+    tried: list[tuple[Settings, Run | str, Cost]] = []
+    levels = engine.refinement_levels(scene)[: 3 if quick else None]
+    for settings in levels:
+        if tried and isinstance(tried[-1][1], Run) and tried[-1][2].cpu_s > LONG_S:
+            left_out = f"not run: the level before it took {LONG_S:g} s of processor time or more"
+            return [*tried, *((finer, left_out, NOTHING) for finer in levels[len(tried) :])]
+        run = partial(engine.simulate, scene, settings, RunOptions())
+        tried.append((settings, *timed(partial(_answered, run))))
+    return tried
+
+
+def _answered(work: Callable[[], Run]) -> Run | str:
+    """What a run gives, or why it gives nothing."""
+    try:
+        run = work()
+    except EngineFailure as failure:
+        return str(failure)
+    return (run.message or run.outcome.value) if run.outcome.failed or run.history is None else run
+
+
+def _chosen(row: PrecisionRow, run: Run | str, judge: Run, spent: Cost | None) -> PrecisionRow:
+    """What the target accuracy takes, its own checks included."""
+    if isinstance(run, Run) and run.settings == judge.settings:
+        run = "it goes on to the very level by which errors are judged here"
+    if isinstance(run, str) or spent is None:
+        return replace(row, failed=str(run))
+    error = error_rad(run, judge, run.bounded_until_s)
+    row = costing(_with(row, run, error), spent, run.end_s)
+    label = f"{row.label}: {run.work.get('runs', 1)} runs, the finest {_label(run.settings)}"
+    steps = run.work.get("steps_of_all_runs", run.steps)
+    return replace(
+        row,
+        label=label,
+        dt_s=number(run.settings, "dt_s"),
+        chosen=True,
+        reliable_until_s=run.reliable_until_s,
+        steps=steps,
+    )
+
+
+def _with(row: PrecisionRow, run: Run, error: float) -> PrecisionRow:
+    """A row with a run's work, its statement and its error."""
+    return replace(
+        row, error_rad=error, steps=run.steps, iterations=int(number(run.settings, "iterations", 0.0)) or None,
+        stated_rad=run.numerical_uncertainty_rad,
+    )  # fmt: skip
+
+
+def costing(row: PrecisionRow, spent: Cost, simulated_s: float) -> PrecisionRow:
+    """A row with what it took to simulate so long."""
+    factor = simulated_s / spent.cpu_s
+    return replace(row, wall_s=spent.wall_s, cpu_s=spent.cpu_s, repeats=spent.repeats, real_time_factor=factor)
+
+
+def _label(settings: Settings | Mapping[str, object]) -> str:
+    """A level in words."""
+    plain = settings.as_dict() if isinstance(settings, Settings) else settings
+    if "accuracy_rad" in plain:
+        return f"aimed at {plain['accuracy_rad']:g} rad"
+    parts = [f"{1e3 * number(plain, 'dt_s'):g} ms"]
+    parts += [f"{plain['iterations']} iterations"] if "iterations" in plain else []
+    return ", ".join(parts)

@@ -1,0 +1,172 @@
+"""Run the catalogue: what each engine says of each hard scene, and what the checks found; and ask what is not one scene."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, replace
+from typing import Final
+
+from harness import engines
+from harness.accuracy.refinement import run_to_accuracy
+from harness.engines.base import Engine, EngineFailure, Settings
+from harness.model.options import SKIPS, RunOptions
+from harness.model.run import Run
+from harness.model.scene import Scene
+from harness.questions.bench import programs
+from harness.questions.bench.standard_scenes import scene_of
+from harness.questions.bench.stress import checks
+from harness.questions.bench.stress.catalogue import Hard, catalogue
+from harness.questions.bench.stress.checks import Finding
+from harness.records.stress import Cell, HardRow
+from harness.runs.parts import Row
+
+# Why a cell of a stability map is not stable: the setting of the same row that is, or nothing.
+
+
+ITERATIONS: Final = 3000
+"""Solver iterations a step: ten times those of the finest levels, which leaves a bench scene's error to the step alone."""
+IMPACT_ITERATIONS: Final = 9000
+RESIDUAL: Final = 1e-16
+"""Squared change of velocity, (m/s)², at which a solver that watches it may end before."""
+MANY: Final = {
+    "iterations": ITERATIONS, "turning_iterations": ITERATIONS, "impact_iterations": IMPACT_ITERATIONS,
+    "event_iterations": IMPACT_ITERATIONS, "residual": RESIDUAL,
+}  # fmt: skip
+"""By the name of a field of settings; an engine has some of them."""
+
+
+def explained(row: Sequence[Cell], converged: Callable[[], Cell | None] = lambda: None) -> Iterator[Cell]:
+    """The cells of one row, from coarse to fine; those that are not stable with the setting that is, or "" where none is known.
+
+    A cell is explained by a whole run with a finer step that is stable. Where there is none, `converged` computes the row with
+    far more iterations a step: that cell follows the others, and explains those before it when it is stable.
+    """
+    open_cells = [index for index, cell in enumerate(row) if cell.category != "stable" and not _finer(row[index + 1 :])]
+    last = converged() if open_cells else None
+    for index, cell in enumerate(row):
+        if cell.category == "stable":
+            yield cell
+        elif stable := _finer(row[index + 1 :]):
+            yield replace(cell, explained=f"the step is too long for this scene: {stable.setting} is stable")
+        elif last is not None and last.category == "stable" and not last.short:
+            sentence = (
+                f"no step alone avoids it, the solver ends each too early: {last.setting} is stable ({last.evidence})"
+            )
+            yield replace(cell, explained=sentence)
+        else:
+            yield cell
+    if last is not None:
+        yield last
+
+
+def _finer(finer: Sequence[Cell]) -> Cell | None:
+    return next((cell for cell in finer if cell.category == "stable" and not cell.short), None)
+
+
+def converged(settings: Settings) -> Settings:
+    """The same settings with as many iterations as converge. Raises `ValueError` where the engine counts none."""
+    known = settings.as_dict()
+    if "iterations" not in known:
+        raise ValueError(f"{type(settings).__name__} has no iterations")
+    changes = {name: value for name, value in MANY.items() if name in known}
+    return replace(settings, **changes)
+
+
+def iterations(settings: Settings) -> str:
+    """How many, in words."""
+    return f"up to {settings.as_dict()['iterations']} iterations"
+
+
+QUICK: Final = ("released 1e-3 rad below balance", "height to width 50", "floor friction 5")
+QUESTIONS: Final = (
+    "1 km from the origin", "hulls", "an impact touched and missed", "bodies in the other order", "the same scene twice",
+    "mirrored input", "perturbed starts", "order of convergence", "motions that are none",
+)  # fmt: skip
+"""What is asked beside the scenes and is not one file, by a program that is given; the longest first."""
+
+
+def simulate(engine: Engine, scene: Scene, dt_s: float, skips: bool) -> Run:
+    """One run with a fixed step (a certifying model chooses its own). Raises `EngineFailure`."""
+    options = RunOptions(skips=frozenset(SKIPS) if skips else frozenset())
+    if engine.capabilities.certifies:
+        return run_to_accuracy(engine, scene, 1e-3, options)
+    return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), options)
+
+
+def tasks(quick: bool) -> list[str]:
+    """The hard scenes by name, the longest first."""
+    named = [hard.name for hard in catalogue()]
+    return [name for name in named if not quick or name in QUICK]
+
+
+def compute(task: str) -> list[Row]:
+    """The row of one hard scene."""
+    return [asdict(row_of(next(hard for hard in catalogue() if hard.name == task)))]
+
+
+def answer(program: str, task: str) -> list[Row]:
+    """The row of one question; one whose process ended without it did not come out."""
+    done = programs.ask(program, task)
+    return died(task) if done.returncode else [json.loads(done.stdout)]
+
+
+def died(task: str) -> list[Row]:
+    """The row of a hard scene that took its process with it."""
+    return [asdict(HardRow(task, "", {"*": "the process died"}, holds=False))]
+
+
+def row_of(hard: Hard) -> HardRow:
+    """A hard scene by every engine that it names and that is here."""
+    scene = scene_of(hard.name, hard.content)
+    exact = solution(scene) if hard.exact else None
+    got: dict[str, str] = {}
+    said: list[str] = []
+    known: dict[str, str] = {}
+    for name in hard.engines:
+        engine = engines.load(name)
+        if engine.missing() is not None:
+            continue
+        try:
+            run = simulate(engine, scene, hard.dt_s, hard.skips)
+        except EngineFailure as failure:
+            got[name] = f"failed: {failure}"
+            continue
+        findings = judged(hard, scene, run, exact)
+        bad = [item for item in findings if not item.holds]
+        said += [f"{name}: {item.sentence}" for item in findings if item.name != "finite"]
+        if bad and hard.converged_s is not None:
+            avoids, sentence = _converged(engine, scene, hard, exact, hard.converged_s)
+            wrong = "; ".join(item.sentence for item in bad)
+            known[name] = f"{wrong} at {1e3 * hard.dt_s:g} ms; {sentence}"
+            bad = [] if avoids else bad
+        outcome = run.outcome.value
+        got[name] = outcome if not bad else f"{outcome}, but {'; '.join(item.sentence for item in bad)}"
+    holds = bool(got) and all(outcome == hard.wanted for outcome in got.values())
+    return HardRow(hard.name, hard.wanted, got, holds, said, hard.note, known)
+
+
+def solution(scene: Scene) -> Run:
+    """The analytic solution on its finest level, with nothing left out."""
+    engine = engines.load("analytic")
+    return engine.simulate(scene, engine.refinement_levels(scene)[-1], RunOptions(skips=frozenset()))
+
+
+def judged(hard: Hard, scene: Scene, run: Run, exact: Run | None, share: float = 1.0) -> list[Finding]:
+    """What the checks of a hard scene find in a run of `share` of its time."""
+    findings = [
+        checks.creep(scene, run, share) if check is checks.creep else check(scene, run) for check in hard.checks
+    ]
+    return findings if exact is None else [*findings, checks.agrees(scene, run, exact)]
+
+
+def _converged(engine: Engine, scene: Scene, hard: Hard, exact: Run | None, converged_s: float) -> tuple[bool, str]:
+    """Whether every check holds with the same step and far more iterations, and what was found."""
+    shorter = replace(scene, duration_s=converged_s)
+    settings = converged(engine.settings_for_dt(shorter, hard.dt_s))
+    run = engine.simulate(shorter, settings, RunOptions(skips=frozenset()))
+    findings = judged(hard, shorter, run, exact, shorter.duration_s / scene.duration_s)
+    bad = [item for item in findings if not item.holds]
+    sentence = "; ".join(item.sentence for item in bad or findings if item.name != "finite")
+    avoids = run.outcome.value == hard.wanted and not bad
+    return avoids, f"with {iterations(settings)} a step ({shorter.duration_s:g} s of it): {sentence}"

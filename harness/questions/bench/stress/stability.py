@@ -1,0 +1,170 @@
+"""The stability map: every engine, setting by difficulty, each cell's category computed with its evidence."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from typing import Final
+
+from harness import engines
+from harness.engines.base import Engine, EngineFailure, Settings
+from harness.model.options import RunOptions
+from harness.model.run import Run
+from harness.model.scene import Scene
+from harness.questions.bench import programs
+from harness.questions.bench.standard_scenes import COLUMN, EQUAL, PAESTUM, PEDESTAL, harmonic, scene_of
+from harness.questions.bench.stress import checks
+from harness.questions.bench.stress.catalogue import SHAKEN, body, leaning
+from harness.questions.bench.stress.hard_scenes import converged, explained, iterations, solution
+from harness.records.stress import Cell
+from harness.runs.parts import Row
+
+STEPS_S: Final = (1.0 / 60.0, 1.0 / 240.0, 1e-3, 2.5e-4, 1e-4, 1e-5)
+NONE: Final = RunOptions(skips=frozenset())
+CONVERGED_S: Final = 2.5e-4
+"""Step of the run with far more iterations, where no step is stable."""
+
+
+@dataclass(frozen=True)
+class Difficulty:
+    """One row of a map; `share` of the scene's time is run with the finest step: what grows with small steps shows at once."""
+
+    name: str
+    content: Mapping[str, object]
+    share: float = 0.3
+    at_rest: bool = False
+
+
+def difficulties() -> tuple[Difficulty, ...]:
+    """The rows from easy to hard."""
+    pushed = {"duration_s": 1.0, "statue": PAESTUM, "motion": harmonic(0.429, 3.0)}
+    stand = {"pedestal": PEDESTAL, "contact": EQUAL}
+    light = {"pedestal": {**PEDESTAL, "mass_kg": 0.707}, "contact": EQUAL}
+    return (
+        Difficulty("at rest", {"duration_s": 2.0, "statue": COLUMN}, at_rest=True),
+        Difficulty("free rocking", leaning(COLUMN, 0.5, 1.0)),
+        Difficulty("slenderness 50", leaning(body(0.02, 1.0), 0.5, 1.0)),
+        Difficulty("harmonic, 0.429 g, 3 Hz", pushed),
+        Difficulty("harmonic, on a pedestal", {**pushed, **stand}, share=0.1),
+        Difficulty("pedestal of a thousandth of the mass", {**pushed, **light}, share=0.1),
+        Difficulty("5 g at 100 Hz", {"duration_s": 0.5, **SHAKEN}),
+    )
+
+
+ENGINES: Final = ("pybullet", "pymunk", "analytic")
+
+
+def tasks(quick: bool) -> list[str]:
+    """A row of each engine's map: the difficulty by each engine, the longest first."""
+    rows = difficulties()[1:2] if quick else difficulties()
+    return [f"{engine}: {row.name}" for engine in ENGINES for row in sorted(rows, key=lambda row: row.share)]
+
+
+def compute(program: str | None, quick: bool, task: str) -> list[Row]:
+    """The cells of one row of one map; none where the engine is not here. `program` measures pybullet's own hull."""
+    name, _, words = task.partition(": ")
+    engine = engines.load(name)
+    if engine.missing() is not None:
+        return []
+    row = next(item for item in difficulties() if item.name == words)
+    scene = scene_of(row.name, row.content)
+    exact = solution(scene)
+    cells = list(
+        explained(list(_cells_of(row, scene, engine, exact, quick)), partial(_converged, row, scene, engine, exact))
+    )
+    if name == "pybullet" and program is not None:
+        cells += _hulls(program, row, cells, checks.allowed_rad(exact))
+    return [asdict(cell) for cell in cells]
+
+
+def died(task: str) -> list[Row]:
+    """A row whose process died: one cell, diverged and not explained."""
+    name, _, words = task.partition(": ")
+    return [asdict(Cell(name, "any", words, "diverged", "the engine's process died"))]
+
+
+def _cells_of(row: Difficulty, scene: Scene, engine: Engine, exact: Run, quick: bool) -> Iterator[Cell]:
+    if engine.capabilities.certifies:
+        for settings in engine.refinement_levels(scene):
+            run = engine.simulate(scene, settings, RunOptions())
+            label = f"aimed at {settings.expected_error_rad:g} rad"
+            yield _judged(Cell(engine.name, label, row.name, "", ""), scene, run, exact, row)
+        return
+    for step_s in STEPS_S[1:3] if quick else STEPS_S:
+        short = step_s == STEPS_S[-1]
+        shorter = replace(scene, duration_s=row.share * scene.duration_s) if short else scene
+        cell = Cell(engine.name, _step(step_s), row.name, "", "", short=short)
+        yield _of_step(cell, shorter, engine, engine.settings_for_dt(shorter, step_s), exact, row)
+
+
+def _converged(row: Difficulty, scene: Scene, engine: Engine, exact: Run) -> Cell | None:
+    """The whole scene with far more iterations a step; None for a model that has none."""
+    if engine.capabilities.certifies:
+        return None
+    settings = converged(engine.settings_for_dt(scene, CONVERGED_S))
+    cell = Cell(engine.name, f"{_step(CONVERGED_S)}, {iterations(settings)}", row.name, "", "")
+    return _of_step(cell, scene, engine, settings, exact, row)
+
+
+def _of_step(cell: Cell, scene: Scene, engine: Engine, settings: Settings, exact: Run, row: Difficulty) -> Cell:
+    """The cell of a run with nothing left out; diverged where the engine gives up."""
+    try:
+        return _judged(cell, scene, engine.simulate(scene, settings, NONE), exact, row)
+    except EngineFailure as failure:
+        return replace(cell, category="diverged", evidence=str(failure))
+
+
+def _judged(cell: Cell, scene: Scene, run: Run, exact: Run, row: Difficulty) -> Cell:
+    category, evidence = judge(scene, run, exact, row.at_rest)
+    part = f"over the first {scene.duration_s:g} s only: " if cell.short else ""
+    return replace(cell, category=category, evidence=part + evidence)
+
+
+def judge(scene: Scene, run: Run, exact: Run, at_rest: bool) -> tuple[str, str]:
+    """Category and evidence of one run against the exact solution."""
+    if run.outcome.failed or run.history is None or exact.history is None:
+        return "diverged", run.message or run.outcome.value
+    right = checks.agrees(scene, run, exact)
+    if not math.isfinite(checks.error_rad(run, exact)):
+        return "diverged", "its numbers are not finite"
+    drifts = [checks.energy(scene, run), checks.depth(scene, run)]
+    drifts += [checks.creep(scene, run)] if at_rest else []
+    evidence = "; ".join(item.sentence for item in (right, *drifts))
+    if not right.holds:
+        return "inaccurate", evidence
+    return ("stable" if all(item.holds for item in drifts) else "drifting"), evidence
+
+
+def _hulls(program: str, row: Difficulty, own: Sequence[Cell], allowed_rad: float) -> Iterator[Cell]:
+    """pybullet's own hull, which this project does not use: with its default collision margin and without one.
+
+    `own`: the row's cells of this project's contact, on spheres at the base's vertices, of which a stable one avoids a failure.
+    The hull's errors are measured by a program that is given.
+    """
+    cells = []
+    (hulls,) = programs.rows(program, "--hull", row.name)
+    for label, error in hulls.items():
+        category = "diverged" if not math.isfinite(error) else "inaccurate" if error > allowed_rad else "stable"
+        evidence = f"error {error:.1e} rad of {allowed_rad:.1e} rad allowed"
+        cells.append(Cell("pybullet", label, row.name, category, evidence))
+    whole = [cell for cell in own if cell.category == "stable" and not cell.short]
+    yield from (replace(cell, explained=_hull_avoided(cell, cells[1], whole)) for cell in cells)
+
+
+def _hull_avoided(cell: Cell, bare: Cell, own: Sequence[Cell]) -> str:
+    """What is stable where a hull is not: the hull without its margin, else this project's contact; "" for neither."""
+    if cell.category == "stable":
+        return ""
+    if bare.category == "stable":
+        return f"known: {bare.setting} is stable ({bare.evidence})"
+    if not own:
+        return ""
+    return (
+        f"known: on spheres at the base's vertices instead of the hull {own[0].setting} is stable ({own[0].evidence})"
+    )
+
+
+def _step(step_s: float) -> str:
+    return f"1/{round(1.0 / step_s)} s" if step_s > 2e-3 else f"{1e3 * step_s:g} ms"

@@ -1,0 +1,269 @@
+"""The least amplitude that overturns: looked for on a grid and halved, or followed from a neighbour; by the exact model too."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Final, final
+
+import numpy as np
+from pydantic import Field
+
+from harness.accuracy.simulation import simulate
+from harness.engines.spatial import LEVELS, problem_of
+from harness.input.mistakes import Table
+from harness.model.errors import InputError, Mistake
+from harness.model.history import History, Outcome
+from harness.model.options import RunOptions
+from harness.model.run import Run
+from harness.model.scene import Scene
+from harness.questions.effects3d.conditions import CONDITIONS, amplified, changed_scene, solid_of
+from harness.records.effects3d import BASELINE, Amplitude, Departure
+from harness.statics.rest import limit_of_rest_m_s2
+from meshes.footprint import reach_m
+
+# How far a run in three dimensions leaves the plane of shaking: tilt, yaw, way, and whether it rocks on an
+# edge or a corner.
+
+
+UPRIGHT_RAD: Final = 1.0
+"""Beyond this tilt the statue is falling: its yaw and its way say nothing of rocking."""
+ROCKING_RAD: Final = 2e-3
+"""A smaller lean is no rocking: it is what an uneven base and the contact's give amount to."""
+EDGE_M: Final = 5e-4
+"""Another foot as near to the lowest as this shares the load: the statue turns about an edge, not about one corner."""
+APART_SHARE: Final = 0.1
+"""Feet nearer to each other than this share of the base are one corner."""
+
+
+def departure(scene: Scene, azimuth_deg: float, engine: str, floor_g: float, dt_s: float) -> Departure:
+    """How far a 3D engine's statue leaves the plane when shaken along that azimuth alone with that peak. Raises `InputError`."""
+    turned = changed_scene(scene, BASELINE, azimuth_deg)
+    shaken = amplified(turned, floor_g / peak_g(turned))
+    run = run_once(shaken, engine, dt_s, history=True)
+    if run.history is None:
+        raise InputError(Mistake(engine, "history", "a run with a history", run.message or run.outcome.value))
+    extra, theta = run.history.extra, run.history.theta_rad
+    standing = np.hypot(theta, extra["out_of_plane_rad"]) < UPRIGHT_RAD
+    until = len(theta) if standing.all() else int(np.argmin(standing))
+    yaw, across = (extra[name][:until] - extra[name][0] for name in ("yaw_rad", "statue_y_m"))
+    return Departure(
+        azimuth_deg=float(azimuth_deg),
+        engine=engine,
+        peak_g=floor_g,
+        outcome=run.outcome,
+        peak_theta_rad=float(np.abs(theta[:until]).max()),
+        out_of_plane_rad=float(np.abs(extra["out_of_plane_rad"][:until]).max()),
+        yaw_rad=float(np.abs(yaw).max()),
+        across_m=float(np.abs(across).max()),
+        yaw_left_rad=float(yaw[-1]),
+        walked_m=float(math.hypot(across[-1], extra["statue_slip_m"][until - 1])),
+        corner_share=corner_share(shaken, run.history, until),
+    )
+
+
+def corner_share(scene: Scene, history: History, until: int) -> float:
+    """Share of the rocking time (lean above 2 mrad) in which a single corner carries the statue; 0 when it never rocks."""
+    feet = solid_of(scene).feet_m - np.array([0.0, 0.0, scene.statue.centroid_height_m])
+    roll, pitch = (history.extra[name][:until] for name in ("roll_rad", "pitch_rad"))
+    # The last row of the rotation: each body axis's share of the vertical.
+    up = np.column_stack([-np.sin(pitch), np.cos(pitch) * np.sin(roll), np.cos(pitch) * np.cos(roll)])
+    heights = up @ feet.T
+    rocking = np.arccos(np.clip(up[:, 2], -1.0, 1.0)) > ROCKING_RAD
+    if not rocking.any():
+        return 0.0
+    lowest = np.argmin(heights, axis=1)
+    spans = np.linalg.norm(feet[:, None, :2] - feet[None, :, :2], axis=2)
+    elsewhere = spans[lowest] > APART_SHARE * spans.max()
+    above = np.where(elsewhere, heights - heights.min(axis=1)[:, None], np.inf).min(axis=1)
+    return float(np.mean(above[rocking] > EDGE_M))
+
+
+EXACT: Final = "spatial"
+SECOND_TOLERANCE: Final = LEVELS[1][0]
+"""A thousandth of the local error at which outcomes are asked (`analytic.spatial.outcomes.TOLERANCE`)."""
+MOST_STEPS: Final = 50_000
+"""A run of more is given up, and told: rocking takes some hundreds of steps, a slide that creeps a million."""
+STEPS: Final[Mapping[str, float]] = {"analytic": 1.01, EXACT: 1.01, "pymunk": 1.03, "pybullet": 1.04}
+"""Ratio of the grid's neighbouring amplitudes for each engine: finer where a run costs less."""
+BEGIN_SHARE: Final = 0.95
+"""The grid begins at this share of the amplitude below which nothing can move."""
+
+
+class Search(Table):
+    """`[search]`: peaks of the floor up to `most_g` are tried, to `resolution` (relative), at contact engines' steps of `dt_s`.
+
+    Overturning is not monotonic in amplitude: what is found is the least of a grid that overturns, bracketed below.
+    """
+
+    most_g: Annotated[float, Field(gt=0.0, le=5.0)] = 1.2
+    resolution: Annotated[float, Field(ge=1e-4, le=0.1)] = 0.002
+    dt_s: Annotated[float, Field(ge=1e-5, le=1e-2)] = 1e-3
+
+    def key(self) -> list[object]:
+        """What of it names a result."""
+        return [self.most_g, self.resolution, self.dt_s, dict(STEPS)]
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """A crossing: the amplitude that overturns (None: none up to the most tried), the largest tried below it that stands."""
+
+    above: float | None
+    below: float
+    outcome: Outcome | None
+    runs: int
+
+
+class Trials:
+    """Asks whether a factor overturns, each factor once, and counts."""
+
+    def __init__(self, outcome_at: Callable[[float], Outcome | None]) -> None:
+        self._outcome_at = outcome_at
+        self._known: dict[float, Outcome | None] = {}
+
+    @property
+    def runs(self) -> int:
+        """Factors asked so far."""
+        return len(self._known)
+
+    def outcome(self, factor: float) -> Outcome | None:
+        """How it overturns, None when it does not."""
+        if factor not in self._known:
+            self._known[factor] = self._outcome_at(factor)
+        return self._known[factor]
+
+    def halve(self, below: float, above: float, resolution: float) -> Crossing:
+        """The crossing between a factor that stands (or 0) and one that overturns, to the resolution."""
+        while below > 0.0 and above / below > 1.0 + resolution:
+            middle = math.sqrt(above * below)
+            if self.outcome(middle) is None:
+                below = middle
+            else:
+                above = middle
+        return Crossing(above, below, self.outcome(above), self.runs)
+
+
+def first_crossing(
+    outcome_at: Callable[[float], Outcome | None], least: float, most: float, step: float, resolution: float
+) -> Crossing:
+    """The least factor of a geometric grid from `least` to `most` that overturns, bracketed from below."""
+    trials, below = Trials(outcome_at), 0.0
+    count = max(math.ceil(math.log(most / least) / math.log(step)), 1)
+    for factor in np.geomspace(least, most, count + 1).tolist():
+        if trials.outcome(factor) is not None:
+            return trials.halve(below, factor, resolution)
+        below = factor
+    return Crossing(None, below, None, trials.runs)
+
+
+def nearest_crossing(
+    outcome_at: Callable[[float], Outcome | None], near: float, least: float, most: float, resolution: float
+) -> Crossing:
+    """The crossing next to `near`, by strides that double away from it; between `least` and `most`."""
+    trials, stride = Trials(outcome_at), 1.0 + 4.0 * resolution
+    above, below = None, 0.0
+    if trials.outcome(near) is not None:
+        above = near
+        while below == 0.0 and above > least:
+            lower = max(above / stride, least)
+            stride *= stride
+            if trials.outcome(lower) is None:
+                below = lower
+            else:
+                above = lower
+        return trials.halve(below, above, resolution)
+    below = near
+    while below < most:
+        higher = min(below * stride, most)
+        stride *= stride
+        if trials.outcome(higher) is not None:
+            return trials.halve(below, higher, resolution)
+        below = higher
+    return Crossing(None, below, None, trials.runs)
+
+
+def run_once(scene: Scene, engine: str, dt_s: float, *, history: bool = False) -> Run:
+    """One run; contact engines at the given step, the analytic model at its default accuracy."""
+    options = RunOptions(history=history)
+    return simulate(scene, engine, dt_s=None if engine == "analytic" else dt_s, options=options)
+
+
+def peak_g(scene: Scene) -> float:
+    """Peak of the floor's acceleration along x as a share of gravity."""
+    return scene.base_excitation.x.peak_m_s2 / scene.gravity_m_s2
+
+
+def start_factor(scene: Scene) -> float:
+    """Factor on the motion below which nothing moves in any model.
+
+    A level push along x lifts a rigid body once h a/g leaves the footprint in that direction; it slips at μ g.
+    """
+    solid = solid_of(scene)
+    reach = float(np.min(reach_m(solid.footprint_m, [0.0, 180.0])))
+    limit = min(limit_of_rest_m_s2(scene), scene.gravity_m_s2 * reach / solid.centroid_height_m)
+    vertical = scene.base_excitation.z.peak_m_s2 / scene.base_excitation.x.peak_m_s2
+    across = math.hypot(1.0, scene.base_excitation.y.peak_m_s2 / scene.base_excitation.x.peak_m_s2)
+    # A vertical peak taken off gravity: limit (1 − f z/g) = f x.
+    factor = limit / (across * scene.base_excitation.x.peak_m_s2)
+    return BEGIN_SHARE * factor / (1.0 + factor * vertical * scene.base_excitation.x.peak_m_s2 / scene.gravity_m_s2)
+
+
+def find(
+    scene: Scene, condition: str, azimuth_deg: float, engine: str, search: Search, near_g: float | None = None
+) -> Amplitude:
+    """The least overturning amplitude; with `near_g` the one next to it, which costs a few runs. Raises `InputError`."""
+    changed = changed_scene(scene, condition, azimuth_deg)
+    unit, dt_s = peak_g(changed), search.dt_s * CONDITIONS[condition].step_share
+    space = SpaceOutcomes(changed) if engine == EXACT else None
+
+    def outcome_at(factor: float) -> Outcome | None:
+        if space is not None:
+            return space.overturning(factor)
+        outcome = run_once(amplified(changed, factor), engine, dt_s).outcome
+        return outcome if outcome.overturned else None
+
+    least, most = min(start_factor(changed), search.most_g / unit), search.most_g / unit
+    if near_g is None:
+        step = STEPS.get(engine, max(STEPS.values()))
+        crossing = first_crossing(outcome_at, least, most, step, search.resolution)
+    else:
+        crossing = nearest_crossing(outcome_at, near_g / unit, least, most, search.resolution)
+    above, below = None if crossing.above is None else crossing.above * unit, crossing.below * unit
+    doubt = "" if space is None else space.doubt(crossing.above, crossing.below)
+    return Amplitude(condition, float(azimuth_deg), engine, above, below, crossing.outcome or "", crossing.runs, doubt)
+
+
+@final
+class SpaceOutcomes:
+    """Asks the exact model for outcomes, and remembers the factors at which it gave none."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._problem = problem_of(scene)
+        self.unanswered: list[float] = []
+
+    def overturning(self, factor: float, tolerance: float = LEVELS[0][0]) -> Outcome | None:
+        """How the scene with its motion scaled by a factor overturns, None when it does not."""
+        from analytic import spatial
+
+        run = spatial.outcomes(
+            self._problem, {"scale": [factor]}, tolerance=tolerance, threads=1, most_steps=MOST_STEPS
+        )
+        if not run.overturned[0]:
+            if run.outcomes[0] is not spatial.Outcome.STANDS:
+                self.unanswered.append(factor)
+            return None
+        x, y, _ = run.axis[0]
+        if abs(y) > abs(x):
+            return Outcome.OVERTURNED_BACK if y > 0.0 else Outcome.OVERTURNED_FRONT
+        return Outcome.OVERTURNED_RIGHT if x > 0.0 else Outcome.OVERTURNED_LEFT
+
+    def doubt(self, above: float | None, below: float) -> str:
+        """Why an amplitude between `below` (stands) and `above` (overturns) is in doubt; empty where it is not."""
+        if self.unanswered:
+            return f"{len(self.unanswered)} of its runs ended without an outcome"
+        again = (above is None or self.overturning(above, SECOND_TOLERANCE) is not None) and (
+            below == 0.0 or self.overturning(below, SECOND_TOLERANCE) is None
+        )
+        return "" if again and not self.unanswered else "its outcomes change with a smaller local error"

@@ -1,0 +1,458 @@
+"""The whole effects study: every search a task of its own, one record at the end."""
+
+from __future__ import annotations
+
+import math
+import shlex
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal, TypeVar
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from harness.input.mistakes import Contradiction, Table
+from harness.input.tables import read_model
+from harness.model import run as record
+from harness.model.errors import InputError, Mistake
+from harness.model.finding import Finding, Say, info
+from harness.model.scene import Scene, scan_azimuth_deg, written
+from harness.questions.effects3d.answer import answer_of, findings_of
+from harness.questions.effects3d.conditions import (
+    CONDITIONS,
+    GEOMETRY_REL,
+    amplified,
+    changed_scene,
+    solid_of,
+    without_meaning,
+)
+from harness.questions.effects3d.search import EXACT, STEPS, Search, departure, find, peak_g, start_factor
+from harness.questions.scene.scene_run import run_scene, write_result
+from harness.questions.study.cases import Base, base_of_scene
+from harness.questions.study.file import EngineName
+from harness.records.base import part
+from harness.records.effects3d import (
+    BASELINE,
+    SOLID,
+    Amplitude,
+    AskedRecord,
+    Band,
+    Change,
+    Departure,
+    Effect,
+    EffectsAnswers,
+    EffectsRecord,
+    EffectsSummary,
+    ReplayRecord,
+    StaticLimit,
+)
+from harness.records.result_folder import check_folder, write_whole
+from harness.records.scene import SceneRecord
+from harness.runs.cache_key import request_key
+from harness.runs.execute import Campaign, OnProgress, silent
+from harness.runs.runner import Pool
+from harness.runs.store import STORE_NAME, Store, check_begun
+from harness.runs.task import Answer, Task
+from harness.statics.standstill import motion_sized
+from meshes import footprint
+from meshes.orientation import turn_axis
+from meshes.solid import turn_about_z
+
+# What the rows of an effects study say together: the planar model asked at the base's sides, and each
+# condition's effect.
+
+
+GRAZING_COS: Final = 0.05
+"""A side that the shaking meets more obliquely than this (87°) is not tipped by it."""
+
+
+def scan_directions(scene: Scene) -> Finding:
+    """Where the study's 0° and 90° point on the scan as its file has it, before it was set upright and turned."""
+    file, up = (written(scene, "statue", "mesh", key) for key in ("file", "up"))
+    back = turn_axis(str(up or "z")).T @ turn_about_z(scan_azimuth_deg(scene)).T
+    first, second = ((column.round(12) + 0.0).tolist() for column in (back[:, 0], back[:, 1]))
+    return info("scan_directions", file=str(file), along_0=first, along_90=second)
+
+
+def static_rose(scene: Scene, azimuths_deg: Sequence[float], sides: Sequence[Amplitude]) -> list[StaticLimit]:
+    """By direction: peaks, g, at which a level push lifts the statue in 3D and in the plane, and the sides' planar answer.
+
+    `projected_g` is the least over the base's sides of the planar model's amplitude at the side divided by the cosine between
+    shaking and the side's direction: the share of the shaking that turns the statue about that side.
+    """
+    solid = solid_of(scene)
+    back = [azimuth + 180.0 for azimuth in azimuths_deg]
+    # The floor shakes both ways along a direction.
+    reach, corner = (
+        np.minimum(of(solid.footprint_m, azimuths_deg), of(solid.footprint_m, back)) / solid.centroid_height_m
+        for of in (footprint.reach_m, footprint.corner_m)
+    )
+    limits = zip(azimuths_deg, reach.tolist(), corner.tolist(), strict=True)
+    return [StaticLimit(azimuth, lifts, planar, *_projected(azimuth, sides)) for azimuth, lifts, planar in limits]
+
+
+def _projected(azimuth_deg: float, sides: Sequence[Amplitude]) -> tuple[float | None, float | None]:
+    amplitudes = [
+        (row.peak_g / share, row.azimuth_deg)
+        for row in sides
+        for share in [math.cos(math.radians(azimuth_deg - row.azimuth_deg))]
+        if row.peak_g is not None and share > GRAZING_COS
+    ]
+    return min(amplitudes, default=(None, None))
+
+
+def effects(rows: Sequence[Amplitude], conditions: Sequence[str]) -> list[Effect]:
+    """For every engine and condition how much the overturning amplitude changes: by direction, median, least and largest."""
+    base = {(row.engine, row.azimuth_deg): row.peak_g for row in rows if row.condition == BASELINE}
+    by_engine = []
+    for engine in dict.fromkeys(row.engine for row in rows):
+        for condition in conditions:
+            mine = [row for row in rows if row.condition == condition and row.engine == engine]
+            if not mine:
+                continue
+            changes = [
+                Change(row.azimuth_deg, row.peak_g / unchanged - 1.0)
+                for row in mine
+                for unchanged in [base[engine, row.azimuth_deg]]
+                if row.peak_g is not None and unchanged is not None
+            ]
+            values = [item.relative for item in changes]
+            median = float(np.median(values)) if values else None
+            least, largest = min(values, default=None), max(values, default=None)
+            group = CONDITIONS[condition].group
+            flips = sum(row.peak_g is None for row in mine)
+            by_engine.append(Effect(engine, condition, group, changes, median, least, largest, flips))
+    return by_engine
+
+
+# One case of an effects study run with histories, to be watched: where 3D leaves the plane most.
+
+
+PLANAR: Final = "analytic"
+
+
+def write_replay(
+    scene: Scene, rows: Sequence[Amplitude], departures: Sequence[Departure], dt_s: float, folder: Path
+) -> ReplayRecord | None:
+    """Run the direction whose motion turns most about the vertical, at its overturning amplitude, into `folder`; say what it is.
+
+    By a contact engine where one was asked: there the exact model may slide for a million steps. None when no engine
+    overturned the statue in any direction whose motion was followed.
+    """
+    yaw_rad = {row.azimuth_deg: abs(row.yaw_rad) for row in departures}
+    overturned = [row for row in rows if row.condition == BASELINE and row.peak_g and row.azimuth_deg in yaw_rad]
+    chosen = max(
+        (row for row in overturned if row.engine in SOLID),
+        key=lambda row: (row.engine != EXACT, yaw_rad[row.azimuth_deg]),
+        default=None,
+    )
+    if chosen is None or chosen.peak_g is None:
+        return None
+    engine, azimuth, peak = chosen.engine, chosen.azimuth_deg, chosen.peak_g
+    turned = changed_scene(scene, BASELINE, azimuth)
+    shaken = amplified(turned, peak / peak_g(turned))
+    shaken = replace(shaken, title=f"{scene.title}, shaken towards {azimuth:g}° with {peak:.3g} g")
+    result = run_scene(shaken, [PLANAR, engine], dt_s=dt_s)
+    write_result(result, folder)
+    outcomes = {name: run.outcome for name, run in result.runs.items()}
+    return ReplayRecord(azimuth, engine, peak, outcomes, folder.name, _command(scene, azimuth, peak, engine, dt_s))
+
+
+def _command(scene: Scene, azimuth_deg: float, peak: float, engine: str, dt_s: float) -> str:
+    """The command that runs the same case by itself; empty where the motion has no single key for its size."""
+    sized = motion_sized(scene, peak / peak_g(scene))
+    if not sized or scene.source is None:
+        return ""
+    turn = scan_azimuth_deg(scene) - azimuth_deg
+    still = "".join(f" --set motion.{axis}=none" for axis in "yz" if written(scene, "motion", axis) is not None)
+    return (
+        f"rockcheck run {shlex.quote(scene.source.name)} -e {PLANAR} -e {engine} --dt {dt_s:g}"
+        f" --set statue.mesh.azimuth_deg={turn:g}"
+        f" --set {sized}{still}"
+    )
+
+
+# The planar model's overturning amplitude of many statues that differ by a survey's errors: the band around a
+# rose.
+
+
+SIGMAS: Final = 2.0
+"""The stated uncertainty of a length or an inertia is this many standard deviations."""
+
+
+def band(scene: Scene, azimuth_deg: float, search: Search, samples: int, seed: int) -> Band:
+    """The band at one azimuth; h, each corner and J drawn independently, normal, two standard deviations being 3 %.
+
+    Every statue has two corners (a ragged base counts as its outer ones). Raises `InputError`.
+    """
+    from analytic import Block, ensemble
+    from harness.engines.analytic import keywords
+
+    changed = changed_scene(scene, BASELINE, azimuth_deg)
+    statue, unit = changed.statue, peak_g(changed)
+    block = Block.two_corners(
+        mass_kg=statue.mass_kg,
+        centroid_height_m=statue.centroid_height_m,
+        inertia_kg_m2=statue.inertia_kg_m2,
+        corner_left_m=statue.corner_left_m,
+        corner_right_m=statue.corner_right_m,
+    )
+    draws = 1.0 + GEOMETRY_REL / SIGMAS * np.random.default_rng([seed, round(azimuth_deg)]).standard_normal(
+        (4, samples, 1)
+    )
+    least, most = min(start_factor(changed), 0.5 * search.most_g / unit), search.most_g / unit
+    count = math.ceil(math.log(most / least) / math.log(STEPS["analytic"]))
+    factors = np.geomspace(least, most, count + 1)
+    given: dict[str, Any] = {name: value for name, value in keywords(changed).items() if name not in UNUSED}
+    drawn = ensemble(
+        block,
+        changed.base_excitation.x,
+        sweep={
+            "scale": factors[None, :],
+            "centroid_height_m": statue.centroid_height_m * draws[0],
+            "corner_left_m": statue.corner_left_m * draws[1],
+            "corner_right_m": statue.corner_right_m * draws[2],
+            "inertia_kg_m2": statue.inertia_kg_m2 * draws[3],
+        },
+        threads=1,
+        **given,
+    )
+    falls = drawn.overturned.any(axis=1)
+    first = np.where(falls, factors[np.argmax(drawn.overturned, axis=1)] * unit, np.inf)
+    low, middle, high = (
+        None if math.isinf(value) else value
+        for value in (float(np.quantile(first, q, method="inverted_cdf")) for q in (0.05, 0.5, 0.95))
+    )
+    return Band(float(azimuth_deg), low, middle, high, float(np.mean(~falls)), int(drawn.steps.size))
+
+
+UNUSED: Final = frozenset({"statue_friction", "pedestal", "wall"})
+"""Keywords that an effects scene leaves at rest: the statue stands on the floor."""
+
+
+ORDER: Final = (*SOLID, "pymunk", "pymunk:plain", "analytic")
+"""Longest first keeps both ends of a pool busy."""
+LONG_SIDE: Final = 0.05
+"""Sides of the footprint shorter than this share of its outline are the bend of one corner."""
+OWN_STEPS: Final = (
+    "the exact model chooses its steps; each of its amplitudes was asked again at a thousandth of the local error"
+)
+
+REPLAY: Final = "replay"
+"""The folder of the case that is run to be watched, in the result's."""
+KINDS: Final[dict[type, str]] = {Amplitude: "search", Band: "band", Departure: "departure"}
+"""What is asked for an answer of each class."""
+T = TypeVar("T", Amplitude, Band, Departure)
+
+
+@dataclass(frozen=True)
+class Question:
+    """A search, a band or a departure, and what a worker needs to answer it."""
+
+    kind: str
+    base: Base
+    arguments: tuple[Any, ...]
+
+
+def answer(question: Question) -> Answer:
+    """What a worker does; its cost is the processor time, s, that it took."""
+    begin = time.process_time()
+    scene = question.base.scene({})
+    kinds: dict[str, Callable[..., Any]] = {"search": find, "band": band, "departure": departure}
+    plain = record.to_plain(asdict(kinds[question.kind](scene, *question.arguments)))
+    return Answer(question.kind, plain, time.process_time() - begin)
+
+
+class Questions:
+    """Asks what the store does not hold, and counts."""
+
+    def __init__(self, base: Base, scene: Scene, store: Store, pool: Pool, on_progress: OnProgress) -> None:
+        self._base, self._scene, self._store = base, scene, store
+        self.campaign = Campaign(store, pool, on_progress)
+        self.asked = self.runs = 0
+
+    def ask(self, kind: type[T], questions: Sequence[tuple[Any, ...]]) -> list[T]:
+        """The answers in the questions' order; one whose process died is left out and counted."""
+        name = KINDS[kind]
+        tasks = [Task(self._key(name, each), answer, Question(name, self._base, each)) for each in questions]
+        answers = [part(kind, item, self._store.path) for item in self.campaign.ask(tasks) if item is not None]
+        self.asked += len(tasks)
+        self.runs += sum(getattr(item, "runs", 1) for item in answers)
+        return answers
+
+    def _key(self, kind: str, arguments: tuple[Any, ...]) -> str:
+        return request_key(
+            self._scene, None, kind, [item.key() if isinstance(item, Search) else item for item in arguments]
+        )
+
+
+def run_file(
+    path: Path,
+    folder: Path,
+    pool: Pool,
+    on_progress: OnProgress = silent,
+    *,
+    resume: bool = False,
+    say: Say = lambda finding: "",
+) -> EffectsRecord:
+    """Run an effects study into `folder` (result.json, store.sqlite, replay/); returns its record.
+
+    Raises `InputError` for a wrong file or scene, or `resume` where nothing was begun.
+    """
+    start = time.perf_counter()
+    study = read_model(EffectsFile, path)
+    if resume:
+        check_begun(folder, "a study")
+    check_folder(folder / REPLAY, ("run",))
+    base = base_of_scene(path.parent / study.scene)
+    scene = base.scene({})
+    _check(scene, path)
+    with Store(folder / STORE_NAME, "effects3d") as store:
+        questions = Questions(base, scene, store, pool, on_progress)
+        answers = _answers(study, scene, questions)
+        done = questions.campaign
+        counts = questions.asked, len(done.reused), questions.runs, done.failed, done.asked_s
+    finished = EffectsRecord(
+        title=study.title,
+        file=path.name,
+        **vars(answers),
+        scene=SceneRecord.of(scene),
+        findings=[scan_directions(scene), *scene.findings],
+        study=part(AskedRecord, study.model_dump(), path),
+        unit_g=peak_g(scene),
+        replay=write_replay(scene, answers.rows, answers.departures, study.search.dt_s, folder / REPLAY),
+        summary=EffectsSummary(study.directions, *counts),
+        versions=record.versions(),
+        machine=record.machine(),
+        seconds=time.perf_counter() - start,
+    )
+    finished = replace(finished, answer=answer_of(finished), findings=[*findings_of(finished), *finished.findings])
+    return write_whole(folder, finished.texted(say))
+
+
+def _check(scene: Scene, path: Path) -> None:
+    solid_of(scene)
+    if scene.base_excitation.x.peak_m_s2 == 0.0:
+        raise InputError(Mistake(str(path), "motion.x", "a motion along x", "none"))
+    if scene.pedestal is not None or scene.wall is not None:
+        wanted = "a statue on the floor: pedestal and wall have a direction of their own"
+        raise InputError(Mistake(str(path), "scene", wanted, "a pedestal or a wall"))
+
+
+def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> EffectsAnswers:
+    """All rows of the record: the roses first, then what follows each of them."""
+    search = study.search
+    engines = sorted(study.engines, key=ORDER.index)
+    first = [name for name in engines if name in (EXACT, PLANAR)] if EXACT in engines else engines
+    rows = questions.ask(Amplitude, [(BASELINE, a, name, search) for name in first for a in study.azimuths_deg()])
+    others = [name for name in engines if name not in first]
+    rows += questions.ask(Amplitude, [(BASELINE, a, name, search) for name in others for a in checked_azimuths(rows)])
+    projected = questions.ask(Amplitude, [(BASELINE, a, PLANAR, search) for a in side_azimuths(scene)])
+    near = {(row.engine, row.azimuth_deg): row.peak_g for row in rows}
+    empty = without_meaning(scene)
+    wanted = [name for name in study.conditions if name not in empty]
+    if EXACT in engines:
+        empty |= {name: OWN_STEPS for name in wanted if CONDITIONS[name].group == "numerical"}
+        wanted = [name for name in wanted if name not in empty]
+    changed = questions.ask(Amplitude, list(_changed(study, wanted, first, search, near)))
+    bands = [(a, search, study.samples, study.seed) for a in study.azimuths_deg(study.every)] if study.samples else []
+    leaving = [
+        (a, name, study.share * peak, search.dt_s)
+        for name in first
+        if name in SOLID
+        for a in study.azimuths_deg()
+        for peak in [near.get((name, a))]
+        if peak is not None
+    ]
+    everything = [*rows, *changed]
+    return EffectsAnswers(
+        rows=everything,
+        sides=projected,
+        static=static_rose(scene, study.azimuths_deg(), projected),
+        bands=questions.ask(Band, bands),
+        departures=questions.ask(Departure, leaving),
+        effects=effects(everything, wanted),
+        left_out=empty,
+    )
+
+
+def _changed(
+    study: EffectsFile,
+    wanted: Sequence[str],
+    engines: Sequence[str],
+    search: Search,
+    near: dict[tuple[str, float], float | None],
+) -> Iterator[tuple[Any, ...]]:
+    """The searches under every condition, by engine: 3D engines all, the analytic model those that it sees."""
+    for name in engines:
+        for condition in wanted:
+            if name in SOLID or (name == PLANAR and CONDITIONS[condition].planar):
+                for azimuth in study.azimuths_deg(study.every):
+                    if (begin := near.get((name, azimuth))) is not None:
+                        yield condition, azimuth, name, search, begin
+
+
+def checked_azimuths(rows: Sequence[Amplitude]) -> list[float]:
+    """Where other engines are asked beside the exact model: where it doubts its answer, and where the plane errs most."""
+    exact = {row.azimuth_deg: row for row in rows if row.engine == EXACT}
+    doubtful = {azimuth for azimuth, row in exact.items() if row.doubt}
+    errors = {
+        row.azimuth_deg: (row.peak_g or row.stands_at_g) / peak
+        for row in rows
+        if row.engine == PLANAR and row.azimuth_deg in exact
+        for peak in [exact[row.azimuth_deg].peak_g]
+        if peak is not None
+    }
+    return sorted(doubtful | {max(errors, key=lambda azimuth: errors[azimuth])} if errors else doubtful)
+
+
+def side_azimuths(scene: Scene) -> list[float]:
+    """Directions across the long sides of the footprint, both ways: where a planar model at a side is asked."""
+    polygon = solid_of(scene).footprint_m
+    lengths, towards = footprint.sides(polygon)
+    azimuths = {round(float(a), 6) for a in towards[lengths > LONG_SIDE * lengths.sum()]}
+    return sorted(azimuths | {round((a + 180.0) % 360.0, 6) for a in azimuths})
+
+
+REFUSES: Final = {"--export": "a study of cases: all of one of the third dimension stands in its result.json"}
+KIND = "effects3d"
+
+
+class EffectsFile(Table):
+    """A whole file of `kind = "effects3d"`.
+
+    Directions are `directions` equal parts of the circle; conditions are asked at every `every`-th of them. `samples` statues
+    with errors in h, b and J are drawn at each of those for the band around the planar model.
+    """
+
+    kind: Literal["effects3d"]
+    title: Annotated[str, Field(min_length=1)]
+    scene: Annotated[str, Field(min_length=1)]
+    directions: Annotated[int, Field(ge=4, le=360)] = 24
+    every: Annotated[int, Field(ge=1, le=90)] = 2
+    engines: Annotated[list[EngineName], Field(min_length=1)]
+    conditions: list[str] = Field(default_factory=lambda: [name for name in CONDITIONS if name != BASELINE])
+    samples: Annotated[int, Field(ge=0, le=10_000)] = 200
+    share: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.95
+    seed: Annotated[int, Field(ge=0)] = 0
+    search: Search = Search()
+
+    @model_validator(mode="after")
+    def _whole(self) -> EffectsFile:
+        unknown = [name for name in self.conditions if name not in CONDITIONS or name == BASELINE]
+        if unknown:
+            names = ", ".join(name for name in CONDITIONS if name != BASELINE)
+            raise Contradiction("conditions", f"names out of {names}", repr(unknown[0]))
+        if not any(name in SOLID for name in self.engines):
+            raise Contradiction("engines", f"one that computes in 3D ({' or '.join(SOLID)})", ", ".join(self.engines))
+        if len(set(self.engines)) != len(self.engines):
+            raise Contradiction("engines", "each engine once", ", ".join(self.engines))
+        if self.directions % self.every:
+            raise Contradiction("every", f"a divisor of directions = {self.directions}", str(self.every))
+        return self
+
+    def azimuths_deg(self, every: int = 1) -> list[float]:
+        """The directions, or every n-th of them."""
+        return [360.0 * k / self.directions for k in range(0, self.directions, every)]

@@ -1,0 +1,175 @@
+"""The headline of a run: what happens and whether the models agree, how probable a fall is, until when, and what decides."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, Final, Literal
+
+from harness.model.finding import Answer, Finding, changes_answer, info
+from harness.model.history import Outcome
+from harness.model.run import Run
+from harness.model.scene import Scene
+from harness.records.assess import Assessment
+from harness.records.run import HorizonRecord, has_answer
+from harness.records.scores import Scores, Verdict
+
+Code = Literal[
+    "agree",
+    "agree_until",
+    "outcome_differs",
+    "plane_left_out",
+    "differ_by_model",
+    "unpredictable",
+    "one_model",
+    "no_answer",
+]
+LATE: Final = (Verdict.HORIZON, Verdict.UNBOUNDED, Verdict.DOMAIN)
+"""Verdicts of histories that agree up to some instant, and part for a reason that is no model's."""
+STILL_RAD: Final = 1e-5
+"""A smaller lean is the give of a contact engine at rest (some 0.01 mm at the top of a statue of one metre)."""
+
+
+def answer_of(
+    scene: Scene,
+    runs: Mapping[str, Run],
+    scores: Mapping[str, Scores],
+    horizons: Mapping[str, HorizonRecord],
+    assessment: Mapping[str, Assessment],
+    decided: Sequence[Finding] = (),
+) -> Answer:
+    """The headline, in the order in which a validation asks; `decided`: laws whose choice decides the outcome."""
+    known = {name: run for name, run in runs.items() if has_answer(run)}
+    judged = [each for each in scores.values() if each.a in known and each.b in known]
+    code = _code(known, judged)
+    parts = [
+        _what(scene, known, len(runs)),
+        *_chance(assessment),
+        *_until(known, judged, code),
+        *_decides(scores),
+        *decided,
+    ]
+    return Answer(code, [*parts, *_unpredictable(horizons, known)])
+
+
+def _chance(assessment: Mapping[str, Assessment]) -> list[Finding]:
+    """How probable a fall is; a run that asks for no probability loads nothing that finds one."""
+    if not assessment:
+        return []
+    from harness.questions.assess.answer import probability
+
+    return list(probability(assessment))
+
+
+def outcome_family(outcome: Outcome) -> str:
+    """What happens to the statue: falls to different sides are one outcome."""
+    return "overturned" if outcome.overturned else outcome.value
+
+
+def _code(known: Mapping[str, Run], scores: Sequence[Scores]) -> Code:
+    if len(known) < 2:
+        return "one_model" if known else "no_answer"
+    verdicts = {each.verdict for each in scores}
+    if Verdict.MODEL in verdicts:
+        return "differ_by_model"
+    if Verdict.PLANE in verdicts:
+        return "plane_left_out"
+    if len({outcome_family(run.outcome) for run in known.values()}) > 1:
+        flips = all(each.verdict in LATE or each.evidence.outcome_flips_within_uncertainty for each in scores)
+        return "unpredictable" if flips else "outcome_differs"
+    return "agree_until" if verdicts & set(LATE) else "agree"
+
+
+def _what(scene: Scene, known: Mapping[str, Run], asked: int) -> Finding:
+    """What happens as given, and who says so."""
+    if not known:
+        return changes_answer("no_answer", asked=asked)
+    groups: dict[str, list[str]] = {}
+    for name, run in known.items():
+        groups.setdefault(outcome_family(run.outcome), []).append(name)
+    if len(groups) > 1:
+        return changes_answer("models_disagree", groups=groups)
+    family = next(iter(groups))
+    lean = _lean(scene, known)
+    still = family == "stands" and max(lean["lean_rad"]) < STILL_RAD
+    values = {
+        "models": list(known),
+        "asked": asked,
+        "silent": asked - len(known),
+        "outcome": "still" if still else family,
+        **lean,
+    }
+    sides = sorted({run.outcome.value for run in known.values()})
+    if family == "overturned":
+        times = [run.no_return_time_s for run in known.values() if run.no_return_time_s is not None]
+        values |= {"sides": sides, "first_s": min(times, default=None), "last_s": max(times, default=None)}
+    return info("model_says" if len(known) == 1 else "models_agree", **values)
+
+
+def _lean(scene: Scene, known: Mapping[str, Run]) -> dict[str, Any]:
+    """The least and the largest of the models' largest leans, rad, and the largest as a share of the balance angle."""
+    peaks = [run.peak_theta_rad for run in known.values()]
+    balance = [scene.statue.slenderness_rad(_side(run)) for run in known.values()]
+    share = max(peak / angle for peak, angle in zip(peaks, balance, strict=True))
+    return {"lean_rad": [min(peaks), max(peaks)], "balance_share": share}
+
+
+def _side(run: Run) -> int:
+    """The side of a run's largest lean: +1 right, −1 left."""
+    if run.history is None:
+        return 1
+    return 1 if float(run.history.at(run.peak_time_s)) >= 0.0 else -1
+
+
+def _until(known: Mapping[str, Run], scores: Sequence[Scores], code: Code) -> list[Finding]:
+    """Until when the histories agree, and why not longer."""
+    if len(known) < 2:
+        return []
+    parted = [each for each in scores if each.verdict is not Verdict.AGREE]
+    if not parted:
+        bounded = min((run.bounded_until_s for run in known.values()), default=0.0)
+        end = max(run.end_s for run in known.values())
+        if _fell_by(known, bounded):
+            return [info("histories_agree_past_return", until_s=bounded)]
+        if bounded < end:
+            return [info("histories_known_until", until_s=bounded)]
+        return [info("histories_agree")]
+    # The pair that the answer rests on, before one that parts sooner for another reason.
+    first = min(
+        parted,
+        key=lambda each: (each.verdict is not Verdict.MODEL, each.verdict is not Verdict.PLANE, _agree_until_s(each)),
+    )
+    until_s, why = _agree_until_s(first), first.verdict
+    if why in LATE and _fell_by(known, until_s):
+        return [info("histories_agree_past_return", until_s=until_s)]
+    return [info("histories_agree_until", until_s=until_s, why=why.name.lower(), a=first.a, b=first.b)]
+
+
+def _fell_by(known: Mapping[str, Run], time_s: float) -> bool:
+    """Whether every model's statue had passed the point of no return by then."""
+    return all(run.no_return_time_s is not None and run.no_return_time_s <= time_s for run in known.values())
+
+
+def _agree_until_s(scores: Scores) -> float:
+    """Until when two answers are known to agree."""
+    seen = scores.evidence
+    times = [time for time in (seen.exceeded_s, seen.horizon_s) if time is not None]
+    if scores.verdict is Verdict.DOMAIN and seen.left_domain_s is not None:
+        times.append(seen.left_domain_s)
+    return min(times, default=math.inf)
+
+
+def _decides(scores: Mapping[str, Scores]) -> list[Finding]:
+    """What the third dimension adds where that is why answers differ."""
+    causes = {
+        found.values["cause"] for each in scores.values() for found in each.findings if found.code == "plane_cause"
+    }
+    return [info("plane_decides", causes=sorted(causes))] if causes else []
+
+
+def _unpredictable(horizons: Mapping[str, HorizonRecord], known: Mapping[str, Run]) -> list[Finding]:
+    """Whether the smallest change of start or motion changes the outcome itself."""
+    outcomes = sorted(
+        {outcome_family(outcome) for name, each in horizons.items() if name in known for outcome in each.outcomes}
+    )
+    return [changes_answer("outcome_not_predictable", outcomes=outcomes)] if len(outcomes) > 1 else []

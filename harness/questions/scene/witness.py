@@ -1,0 +1,263 @@
+"""A witness beside the verdict: do unmodified engines, which nothing of this project steers, confirm what a run says?
+
+Two runs of a plain engine, with steps that the budget allows, state by their own spread how far that engine is from its own
+convergence. Each run of the scene is then judged against the finer of the two as any two models are. So much of this is
+independent of the model: contact, friction, impact and integration are the engine's; shapes, masses and coefficients are the
+scene's. Two coefficients of friction are followed by the plainest rule (`harness.engines.stepping.friction.followed`), which is
+another convention than the model's: they take the static one as an impact breaks the pedestal loose, and so does the model that
+is held against them (`harness.questions.scene.floor_impact`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+from harness import engines
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, RunTarget, simulate_with
+from harness.accuracy.spread import Error, spread, target_of
+from harness.comparison.comparator import compare
+from harness.comparison.scores.pointwise import errors
+from harness.engines.base import Engine, EngineFailure, Settings
+from harness.model.finding import Finding, caution, info
+from harness.model.options import RunOptions
+from harness.model.run import Run
+from harness.model.scene import Scene
+from harness.questions.scene.floor_impact import MODEL, under_static
+from harness.records.run import LEAST_S, PLAIN, Judged, Witness
+from harness.records.scores import ROBUST, Scores
+
+# Before two models are said to differ, a contact engine's run is made again to a finer target, up to where
+# they differ.
+
+
+CONFIRMATION_FACTOR: Final = 4.0
+"""The finer run's target is this many times smaller: some two halvings of the step."""
+SURE: Final = 30.0
+"""A difference of this many times its limit is no luck of two runs that agree: none was off by more than twelve times what it
+stated on 303 scenes before their sensitivity was asked."""
+
+
+PAST_S: Final = 0.05
+"""The finer run goes so far past where the difference passes its limit: a difference that grows is clear by then."""
+
+
+def doubted(scores: Iterable[Scores]) -> list[Scores]:
+    """The pairs that are said to differ robustly, by less than `SURE` times their limit."""
+    return [each for each in scores if each.verdict in ROBUST and _close(each)]
+
+
+def finer_rad(target: RunTarget) -> float:
+    """The accuracy of a run that is made again before models are said to differ."""
+    return (target.accuracy_rad or DEFAULT_ACCURACY_RAD) / CONFIRMATION_FACTOR
+
+
+def finer_runs(
+    scene: Scene,
+    runs: Mapping[str, Run],
+    doubts: Iterable[Scores],
+    refinable: set[str],
+    target: RunTarget,
+    on_progress: Callable[[str], None],
+) -> tuple[list[str], dict[str, Run]]:
+    """The engines that were run again to a finer target up to where their difference stands, and whole finer runs.
+
+    Only of those whose difference is gone with the finer target a whole finer run is made, which takes the place of the other.
+    """
+    until_s: dict[str, float] = {}
+    for each in doubts:
+        for name in {each.a, each.b} & refinable:
+            parts_s = scene.duration_s if each.evidence.exceeded_s is None else each.evidence.exceeded_s
+            until_s[name] = max(until_s.get(name, 0.0), min(parts_s + PAST_S, scene.duration_s))
+    finer = replace(target, accuracy_rad=finer_rad(target))
+    again = {}
+    for name, end_s in sorted(until_s.items()):
+        on_progress(f"{name}, again and finer")
+        run = simulate_with(engines.load(name), replace(scene, duration_s=end_s), finer)
+        if not run.outcome.failed:
+            again[name] = run
+    gone = set()
+    for each in doubts:
+        a, b = (again.get(name, runs[name]) for name in (each.a, each.b))
+        apart_s = compare(a, b).evidence.exceeded_s
+        if apart_s is None or apart_s > min(a.bounded_until_s, b.bounded_until_s):
+            gone |= {each.a, each.b} & again.keys()
+    whole = {name: simulate_with(engines.load(name), scene, finer) for name in sorted(gone)}
+    return sorted(again), {name: run for name, run in whole.items() if not run.outcome.failed}
+
+
+def _close(scores: Scores) -> bool:
+    seen = scores.evidence
+    if seen.differs_in == "slip":
+        return seen.largest_reliable_slip_difference_m < SURE * seen.slip_limit_m
+    return seen.largest_reliable_difference_rad < SURE * seen.limit_rad
+
+
+BUDGET: Final = 1.0
+"""A witness costs at most so many times what the run beside it cost, in steps of that run's engine: counts, as times would make
+what is said a matter of the machine."""
+CHECK_TIMES: Final = 10.0
+"""A run is refuted only by the plain engine's finest level, which may cost so many times the budget: on the floor two runs of
+pymunk's own steps of 2 to 0.4 ms were 0.009 rad off and 2e-6 rad from each other, and at 0.08 ms 0.001 rad off."""
+FALLS: Final = 0.7
+"""A difference from the finer of a plain engine's two runs that is less than this share of that from the coarser falls with the
+plain engine's own step (0.45 of the other's): it is that engine's error, and refutes nothing."""
+TARGET_RAD: Final = 5e-3
+"""Nothing is confirmed from where the plain engine's own error is above this: a twentieth of a slender statue's balance angle."""
+
+
+def plain_names(names: Sequence[str]) -> list[str]:
+    """The unmodified engines of those that are asked."""
+    return [name + PLAIN for name in names if name + PLAIN in engines.REGISTRY]
+
+
+def witnesses(scene: Scene, runs: Mapping[str, Run], options: RunOptions) -> dict[str, Witness]:
+    """What the plain engines of these runs say of all of them; nothing where no engine of contact was asked."""
+    answers = {name: run for name, run in runs.items() if not run.outcome.failed and run.history is not None}
+    said: dict[str, Witness] = {}
+    for name in plain_names(list(answers)):
+        if name not in runs:
+            said[name] = _witness(scene, answers, name, options)
+    return said
+
+
+def findings_of(witnesses: Mapping[str, Witness]) -> list[Finding]:
+    """What the unmodified engines confirm, do not confirm, or leave open."""
+    found = []
+    for item in witnesses.values():
+        name = item.engine.removesuffix(PLAIN)
+        agree = {run: judged for run, judged in item.runs.items() if judged.agrees and judged.until_s > LEAST_S}
+        parted = {run: judged for run, judged in item.runs.items() if not judged.agrees}
+        if agree:
+            until_s, to_rad = min(each.until_s for each in agree.values()), max(each.to_rad for each in agree.values())
+            values = {"models": [*agree], "until_s": until_s, "to_rad": to_rad, "floor_impact": item.floor_impact}
+            found.append(info("witness_confirms", witness=name, **values))
+        if parted:
+            first_s = min(each.until_s for each in parted.values())
+            values = {"models": [*parted], "from_s": first_s, "floor_impact": item.floor_impact}
+            found.append(caution("witness_parts", witness=name, **values))
+        if not agree and not parted:
+            found += [info("witness_silent", witness=name), *item.reasons]
+    return found
+
+
+def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptions) -> Witness:
+    engine, own = engines.load(name), runs[name.removesuffix(PLAIN)]
+
+    def silent(reason: Finding) -> Witness:
+        return Witness(name, 0.0, None, None, [reason])
+
+    missing = engine.missing()
+    if missing is not None:
+        return silent(info("witness_failed", witness=own.engine, message=missing))
+    wanted_s = own.bounded_until_s
+    if wanted_s <= LEAST_S:
+        return silent(info("witness_of_nothing", engine=own.engine))
+    affordable = BUDGET * own.work.get("steps_of_all_runs", own.steps) / engine.step_cost(scene)
+    settings, finer, until_s = _affordable(engine, scene, wanted_s, affordable)
+    short = replace(scene, duration_s=until_s)
+    with_history = RunOptions(skips=options.skips, history=True)
+    try:
+        coarse = engine.simulate(short, settings, with_history)
+        fine = engine.simulate(short, finer, with_history)
+    except EngineFailure as failure:
+        return silent(info("witness_failed", witness=own.engine, message=str(failure)))
+    apart = spread(coarse, fine, target_of(scene, TARGET_RAD))
+    height_m = 0.0 if scene.pedestal is None else scene.statue.centroid_height_m
+    error = apart.stated.or_more(Error(finer.expected_error_rad, finer.expected_error_rad * height_m))
+    fine = fine.with_uncertainty(error.rotation_rad, error.slip_m, apart.until_s)
+    as_it_acts, held = under_static(scene, runs)
+    judged = {each: _judged(as_it_acts, run, fine, coarse) for each, run in held.items()}
+    steps = coarse.steps + fine.steps
+    if parted_s := [each.parts_s for each in judged.values() if each.parts_s is not None]:
+        try:
+            third = _third(engine, scene, max(parted_s), CHECK_TIMES * affordable, with_history)
+        except EngineFailure as failure:
+            return silent(info("witness_failed", witness=own.engine, message=str(failure)))
+        if third is not None:
+            steps += third.steps
+            third = third.with_uncertainty(error.rotation_rad, error.slip_m, third.end_s)
+        judged = {each: _confirmed(as_it_acts, held[each], third, fine, first) for each, first in judged.items()}
+    mine = judged[own.engine]
+    if as_it_acts is not scene and MODEL in judged:
+        judged[MODEL] = mine = replace(judged[MODEL], floor_impact="static")
+    return Witness(
+        name,
+        mine.until_s,
+        mine.to_rad,
+        mine.agrees,
+        [*_why_no_further(own, fine, apart.until_s, until_s, wanted_s), *_in_the_plane(scene, engine, runs)],
+        finer.dt_s,
+        error.rotation_rad,
+        steps,
+        judged,
+        str(fine.settings.get("floor_impact") or ""),
+    )
+
+
+def _affordable(engine: Engine, scene: Scene, until_s: float, steps: float) -> tuple[Settings, Settings, float]:
+    """The finest settings, with their verification run's, whose two runs to `until_s` take at most so many steps.
+
+    Where the coarsest take more, the time that these reach.
+    """
+    levels = engine.refinement_levels(scene)
+    for settings in reversed(levels):
+        finer = engine.verification_settings(scene, settings)[0]
+        if until_s * (1.0 / settings.dt_s + 1.0 / finer.dt_s) <= steps:
+            return settings, finer, until_s
+    finer = engine.verification_settings(scene, levels[0])[0]
+    reached_s = steps / (1.0 / levels[0].dt_s + 1.0 / finer.dt_s)
+    return levels[0], finer, min(max(reached_s, 2.0 * levels[0].dt_s), until_s)
+
+
+def _judged(scene: Scene, run: Run, plain: Run, coarser: Run) -> Judged:
+    scores = compare(run, plain)
+    evidence = scores.evidence
+    known_s = min(run.bounded_until_s, plain.bounded_until_s)
+    parts_s = evidence.exceeded_s
+    if parts_s is not None and parts_s <= known_s and _falls(scene, run, plain, coarser, parts_s):
+        return Judged(True, parts_s, evidence.limit_rad)
+    if parts_s is not None and parts_s <= known_s:
+        return Judged(False, parts_s, evidence.largest_difference_rad, parts_s)
+    apart = evidence.largest_reliable_difference_rad
+    return Judged(True, known_s, apart + (plain.numerical_uncertainty_rad or 0.0))
+
+
+def _third(engine: Engine, scene: Scene, until_s: float, steps: float, options: RunOptions) -> Run | None:
+    """The plain engine's finest run up to where a run parts from two coarser ones; None where it takes more than `steps`."""
+    finest, until_s = engine.refinement_levels(scene)[-1], min(until_s + PAST_S, scene.duration_s)
+    if until_s / finest.dt_s > steps:
+        return None
+    return engine.simulate(replace(scene, duration_s=until_s), finest, options)
+
+
+def _confirmed(scene: Scene, run: Run, third: Run | None, finer: Run, first: Judged) -> Judged:
+    """What was said of a run, refuted only where the finest plain run parts from it as the finer one of the first two does."""
+    if first.parts_s is None or (third is not None and not _judged(scene, run, third, finer).agrees):
+        return first
+    return Judged(True, first.parts_s, compare(run, finer).evidence.limit_rad)
+
+
+def _falls(scene: Scene, run: Run, plain: Run, coarser: Run, parts_s: float) -> bool:
+    """Whether two runs' difference by the instant at which they part falls with the plain engine's step."""
+    until_s = parts_s + scene.output_dt_s  # between two samples of the histories the instant is interpolated
+    (rad, m), (coarser_rad, coarser_m) = errors(run, plain, until_s), errors(run, coarser, until_s)
+    return rad <= FALLS * coarser_rad and m <= max(FALLS * coarser_m, (plain.slip_uncertainty_m or 0.0))
+
+
+def _in_the_plane(scene: Scene, engine: Engine, runs: Mapping[str, Run]) -> list[Finding]:
+    """That what is compared is the rotation in the rocking plane, where one of both was not given all of the floor's motion."""
+    given = scene.base_excitation.axes(engine.capabilities.dimensions)
+    unlike = [name for name, run in runs.items() if run.motion_axes is not None and tuple(run.motion_axes) != given]
+    return [info("witness_in_plane", models=unlike)] if unlike else []
+
+
+def _why_no_further(own: Run, plain: Run, bounded_s: float, reached_s: float, wanted_s: float) -> list[Finding]:
+    if own.end_s - min(bounded_s, wanted_s) <= LEAST_S:
+        return []
+    if bounded_s < min(plain.end_s, reached_s):
+        return [info("witness_not_bounded", witness=own.engine, limit_rad=TARGET_RAD, from_s=bounded_s)]
+    if reached_s < wanted_s:
+        return [info("witness_budget", witness=own.engine, times=BUDGET, until_s=reached_s)]
+    return [info("witness_run_not_bounded", engine=own.engine, from_s=wanted_s)]

@@ -1,0 +1,234 @@
+"""Which cases an engine is asked (all, those near the boundary of the outcome, or a map refined where it changes), and what
+random rechecks say of those that were left out."""
+
+from __future__ import annotations
+
+import itertools
+import random
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from harness.questions.study.file import StudyFile
+from harness.records.study import RecheckRecord, StudyRow
+
+Place = tuple[int, ...]
+Cell = tuple[tuple[int, int], tuple[int, int]]
+"""Lowest and highest index along both axes of a map."""
+
+REFERENCE: Final = "analytic"
+"""The model that runs every case first; it costs next to nothing."""
+EVERY: Final = "every case is asked"
+NEAR: Final = "near a change of the analytic outcome"
+MARGIN: Final = "the analytic peak is near the balance point"
+RECHECK: Final = "random recheck"
+COARSE: Final = "on the map's coarse grid"
+REFINED: Final = "beside a change of this engine's outcome on the map"
+NOT_SENT: Final = "not sent: the analytic outcome is far from a change"
+SAME_CELL: Final = "not sent: the map's points around it agree"
+COARSEST: Final = 8
+"""Stride of the map's first grid: every eighth point along each axis."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What one run said: its outcome and its peak as a share of the slenderness on that side."""
+
+    outcome: str
+    share: float
+
+
+Answers = Mapping[tuple[str, str], Mapping[Place, Answer]]
+"""By engine and variant, then by place on the study's axes."""
+
+
+def wanted(study: StudyFile, places: Sequence[Place], engine: str, variant: str, answers: Answers) -> dict[Place, str]:
+    """Why each place is asked of this engine, from what is known so far; call again until nothing is added."""
+    if engine == REFERENCE or study.ask.cases == "all":
+        return dict.fromkeys(places, EVERY)
+    if study.ask.cases == "boundary":
+        return near_boundary(answers.get((REFERENCE, variant), {}), study.ask.margin, study.ask.audit, study.seed)
+    axes = map_axes(study)
+    return refined(places, answers.get((engine, variant), {}), axes) | rechecked(places, study.ask.audit, study.seed)
+
+
+def left_out(study: StudyFile) -> str:
+    """Why the others are not asked."""
+    return SAME_CELL if study.ask.cases == "adaptive" else NOT_SENT
+
+
+def map_axes(study: StudyFile) -> tuple[int, int]:
+    """The two axes given as grids, which make the map (the study file's own check: there are exactly two)."""
+    first, second = (axis for axis, item in enumerate(study.vary) if item.values is None)
+    return first, second
+
+
+def near_boundary(known: Mapping[Place, Answer], margin: float, share: float, seed: int) -> dict[Place, str]:
+    """Places whose neighbour's outcome differs or whose peak is near the balance point; of the rest a random share."""
+    reasons = {}
+    stream = random.Random(seed)
+    for place in sorted(known):
+        draw = stream.random()
+        around = (known[other] for other in neighbours(place) if other in known)
+        if any(other.outcome != known[place].outcome for other in around):
+            reasons[place] = NEAR
+        elif abs(known[place].share - 1.0) <= margin:
+            reasons[place] = MARGIN
+        elif draw < share:
+            reasons[place] = RECHECK
+    return reasons
+
+
+def rechecked(places: Iterable[Place], share: float, seed: int) -> dict[Place, str]:
+    """A random share of all places, the same for every engine and every call."""
+    stream = random.Random(seed)
+    return {place: RECHECK for place in sorted(set(places)) if stream.random() < share}
+
+
+def neighbours(place: Place) -> list[Place]:
+    """The next places along each axis."""
+    return [(*place[:axis], place[axis] + step, *place[axis + 1 :]) for axis in range(len(place)) for step in (-1, 1)]
+
+
+def refined(
+    places: Sequence[Place],
+    known: Mapping[Place, Answer],
+    axes: tuple[int, int],
+    strides: tuple[int, int] = (COARSEST, COARSEST),
+) -> dict[Place, str]:
+    """The map's places to compute: a coarse grid first, then the halves of every cell whose known corners differ."""
+    reasons: dict[Place, str] = {}
+    for fixed, plane in slices(places, axes).items():
+        for cell in _coarse(plane, axes, strides):
+            _refine(cell, fixed, axes, known, reasons, COARSE)
+    return reasons
+
+
+def filled(
+    places: Sequence[Place],
+    known: Mapping[Place, Answer],
+    axes: tuple[int, int],
+    strides: tuple[int, int] = (COARSEST, COARSEST),
+) -> dict[Place, str]:
+    """The outcome of a refined map's places: their own where computed, else that of their cell, whose corners agree."""
+    outcome = {place: answer.outcome for place, answer in known.items()}
+    for fixed, plane in slices(places, axes).items():
+        cells = _coarse(plane, axes, strides)
+        while cells:
+            cell = cells.pop()
+            said = {known[corner].outcome if corner in known else None for corner in _corners(cell, fixed, axes)}
+            if len(said) > 1:
+                cells += _parts(cell)
+            elif (agreed := said.pop()) is not None:
+                for pair in itertools.product(*(range(low, high + 1) for low, high in cell)):
+                    outcome.setdefault(_placed(fixed, axes, pair), agreed)
+    return outcome
+
+
+def _refine(
+    cell: Cell,
+    fixed: Place,
+    axes: tuple[int, int],
+    known: Mapping[Place, Answer],
+    reasons: dict[Place, str],
+    reason: str,
+) -> None:
+    corners = _corners(cell, fixed, axes)
+    for corner in corners:
+        reasons.setdefault(corner, reason)
+    outcomes = {known[corner].outcome for corner in corners if corner in known}
+    unknown = any(corner not in known for corner in corners)
+    # A cell is cut when its corners are all known and disagree; an unknown corner waits for the next call.
+    if unknown or len(outcomes) == 1:
+        return
+    for part in _parts(cell):
+        _refine(part, fixed, axes, known, reasons, REFINED)
+
+
+def _coarse(plane: Sequence[Place], axes: tuple[int, int], strides: tuple[int, int]) -> list[Cell]:
+    """The cells of a map's first grid."""
+    lines = [_line(max(place[axis] for place in plane), stride) for axis, stride in zip(axes, strides, strict=True)]
+    return list(itertools.product(itertools.pairwise(lines[0]), itertools.pairwise(lines[1])))
+
+
+def _corners(cell: Cell, fixed: Place, axes: tuple[int, int]) -> list[Place]:
+    return [_placed(fixed, axes, pair) for pair in itertools.product(*cell)]
+
+
+def _parts(cell: Cell) -> list[Cell]:
+    """The halves along each axis; none of a cell without places between its corners."""
+    halves = [sorted({low, (low + high) // 2, high}) for low, high in cell]
+    parts = list(itertools.product(itertools.pairwise(halves[0]), itertools.pairwise(halves[1])))
+    return parts if len(parts) > 1 else []
+
+
+def slices(places: Iterable[Place], axes: tuple[int, int]) -> dict[Place, list[Place]]:
+    """The places of each map: those that agree on every other axis (their indices on the map's axes set to 0)."""
+    planes: dict[Place, list[Place]] = {}
+    for place in places:
+        planes.setdefault(_placed(place, axes, (0, 0)), []).append(place)
+    return planes
+
+
+def _placed(place: Place, axes: tuple[int, int], indices: Sequence[int]) -> Place:
+    changed = list(place)
+    for axis, index in zip(axes, indices, strict=True):
+        changed[axis] = index
+    return tuple(changed)
+
+
+def _line(last: int, stride: int) -> list[int]:
+    return sorted({*range(0, last + 1, stride), last})
+
+
+def recheck(study: StudyFile, rows: Sequence[StudyRow]) -> RecheckRecord | None:
+    """How the rechecked cases came out; None where every case was asked.
+
+    Near a boundary the engine's outcome is held against the analytic one, on a refined map against the outcome that its cell was
+    taken to have.
+    """
+    if study.ask.cases == "all":
+        return None
+    expected = _of_reference(rows) if study.ask.cases == "boundary" else _of_cells(study, rows)
+    asked = [(row, row.run) for row in rows if row.run is not None and _place(row) in expected]
+    differ = sum(run.outcome != expected[_place(row)] for row, run in asked)
+    return RecheckRecord(len(asked), differ, "analytic" if study.ask.cases == "boundary" else "map")
+
+
+def _place(row: StudyRow) -> tuple[int, str]:
+    return row.number, row.engine
+
+
+def _of_reference(rows: Sequence[StudyRow]) -> dict[tuple[int, str], str]:
+    """The analytic outcome of every rechecked case, by the case and the engine that was asked."""
+    known = {row.number: str(row.run.outcome) for row in rows if row.engine == REFERENCE and row.run is not None}
+    asked = [row for row in rows if row.reason == RECHECK and row.engine != REFERENCE]
+    return {_place(row): known[row.number] for row in asked if row.number in known}
+
+
+def _of_cells(study: StudyFile, rows: Sequence[StudyRow]) -> dict[tuple[int, str], str]:
+    """What a map refined without the rechecks says of every rechecked case, by case and engine."""
+    index: dict[str, dict[str, int]] = {}
+    for item in study.vary:
+        values = {row.varied[item.key] for row in rows}
+        # Numbers by size, so that the neighbours of a grid are neighbours; anything else by its text.
+        numbers = all(isinstance(value, (int, float)) for value in values)
+        ordered = sorted(values) if numbers else sorted(values, key=repr)
+        index[item.key] = {repr(value): k for k, value in enumerate(ordered)}
+    axes = map_axes(study)
+    groups: dict[tuple[str, str], list[tuple[Place, StudyRow]]] = defaultdict(list)
+    for row in rows:
+        if row.engine != REFERENCE:
+            place = tuple(index[item.key][repr(row.varied[item.key])] for item in study.vary)
+            groups[row.engine, str(row.varied["variant"])].append((place, row))
+    expected: dict[tuple[int, str], str] = {}
+    for members in groups.values():
+        places = [place for place, _ in members]
+        known = {p: Answer(str(row.run.outcome), 0.0) for p, row in members if row.run is not None}
+        needed = refined(places, known, axes)
+        taken = filled(places, {place: known[place] for place in needed if place in known}, axes)
+        for place, row in members:
+            if row.reason == RECHECK and place not in needed and place in taken:
+                expected[_place(row)] = taken[place]
+    return expected

@@ -1,0 +1,93 @@
+"""Many cases, several models: outcomes, verdicts and distributions of each model against a reference model."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Final
+
+from harness.comparison.scores.events import LEAST_VALUES
+from harness.comparison.scores.pointwise import Peak
+from harness.comparison.side import side_of
+from harness.comparison.statistics.distributions import RESAMPLES, compare_distributions, compare_logarithms
+from harness.comparison.statistics.outcomes import Case, score_outcomes
+from harness.comparison.verdict import judge, shares
+from harness.model.history import History, Outcome, Pair, pair
+from harness.questions.study.rows import KeyedRow
+from harness.records.scores import Verdict
+from harness.records.sets import SetScores
+from harness.records.study import CaseRun, Value
+
+Answered = tuple[CaseRun, str | None]
+"""A run, and the key of its history in the store."""
+
+ROCKS_RAD: Final = 1e-4
+"""A statue that leans by less is at rest: what a contact engine gives (some 1e-5 rad) is no rocking."""
+MANY: Final = 1000
+"""From here on a fifth of the bootstrap's resamples do: each costs the sorting of all cases."""
+
+
+def score_sets(
+    rows: Sequence[KeyedRow], reference: str = "analytic", history: Callable[[str], History | None] = lambda key: None
+) -> dict[str, SetScores]:
+    """Scores of every other model against the reference over the cases that both answered, by model's name.
+
+    `history(key)` gives a run's history where one was kept: verdicts then rest on the histories, otherwise on peaks and
+    outcomes alone. The distributions of the peaks are compared from 8 cases on.
+    """
+    cases: dict[tuple[int, Value | None], dict[str, Answered]] = defaultdict(dict)
+    for row in rows:
+        if row.run is not None and not row.run.outcome.failed:
+            cases[row.number, row.varied.get("variant")][row.engine] = row.run, row.key
+    names = sorted({row.engine for row in rows} - {reference})
+    return {name: _score(name, reference, cases.values(), history) for name in names}
+
+
+def _score(
+    name: str, reference: str, cases: Iterable[Mapping[str, Answered]], history: Callable[[str], History | None]
+) -> SetScores:
+    both = [(case[name], case[reference]) for case in cases if name in case and reference in case]
+    judged = [_judged(a, b, history) for a, b in both]
+    peaks = None
+    if len(both) >= LEAST_VALUES:
+        sides = [[abs(run.peak_theta_rad) for run, _ in side] for side in zip(*both, strict=True)]
+        peaks = compare_distributions(*sides, paired=True, resamples=RESAMPLES if len(both) <= MANY else RESAMPLES // 5)
+    rocked = [[abs(run.peak_theta_rad) for run, _ in pair] for pair in both if all(_rocks(run) for run, _ in pair)]
+    log_peaks = compare_logarithms(*zip(*rocked, strict=True)) if len(rocked) >= LEAST_VALUES else None
+    return SetScores(
+        reference=reference,
+        cases=len(both),
+        same=sum(a.outcome.same_as(b.outcome) for (a, _), (b, _) in both),
+        outcomes=score_outcomes([case for case, _ in judged]),
+        verdicts=shares([verdict for _, verdict in judged]),
+        flips=sum(case.within_uncertainty for case, _ in judged),
+        peaks=peaks,
+        log_peaks=log_peaks,
+    )
+
+
+def _rocks(run: CaseRun) -> bool:
+    """Whether the statue rocks and stands: at rest it has no logarithm, falling no largest rotation."""
+    return run.outcome is Outcome.STANDS and abs(run.peak_theta_rad) > ROCKS_RAD
+
+
+def _judged(a: Answered, b: Answered, history: Callable[[str], History | None]) -> tuple[Case, Verdict]:
+    (first, _), (second, _) = a, b
+    sides = side_of(first, first.engine), side_of(second, second.engine)
+    judgement = judge(*sides, _paired(a, b, history), (_peak(first), _peak(second)))
+    flips = judgement.evidence.outcome_flips_within_uncertainty, judgement.evidence.side_flips_within_uncertainty
+    times = first.no_return_time_s, second.no_return_time_s
+    return Case(first.outcome, second.outcome, *flips, times), judgement.verdict
+
+
+def _peak(run: CaseRun) -> Peak:
+    return Peak(run.peak_theta_rad, math.nan if run.peak_time_s is None else run.peak_time_s)
+
+
+def _paired(a: Answered, b: Answered, history: Callable[[str], History | None]) -> Pair | None:
+    first, second = (None if key is None else history(key) for _, key in (a, b))
+    if first is None or second is None:
+        return None
+    holds = [run.outcome is Outcome.STANDS for run, _ in (a, b)]
+    return pair(first, second, hold_a=holds[0], hold_b=holds[1])

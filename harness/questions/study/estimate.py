@@ -1,0 +1,125 @@
+"""How long a study may take, told before it begins; studies over a day need `--large`."""
+
+from __future__ import annotations
+
+import random
+from collections import defaultdict
+from operator import itemgetter
+from typing import Final
+
+import numpy as np
+
+from harness import engines
+from harness.accuracy.forecast import CERTIFIED_S, START_S, expected_steps, run_s, step_s
+from harness.model.errors import InputError, Mistake
+from harness.model.scene import Scene
+from harness.questions.scene.witness import BUDGET
+from harness.questions.scene.workload import LONGEST_S
+from harness.questions.study.case_blocks import in_columns
+from harness.questions.study.case_selection import COARSEST, REFERENCE, map_axes
+from harness.questions.study.cases import Base, Case, expand
+from harness.questions.study.file import StudyFile
+from harness.questions.study.witnessed import SHARE
+from harness.runs.cache_key import scene_key
+from harness.runs.progress import duration_words
+
+TRIALS: Final = 16
+"""Drawn cases of each variant that are looked at: their mean is off by a sixth where one differs from another by two thirds."""
+CASE_S: Final = 5e-3
+"""Processor seconds of a case by the analytic model with what is around it: read, named, run, kept, scored and drawn."""
+ROW_S: Final = 6e-5
+"""The same where results stand in columns, for each second of motion."""
+RESULT_S: Final = 4.0
+"""To begin, to score, and to write the record and its pages."""
+BOUNDARY: Final = 4.0
+"""Points of an adaptive map along the line on which the outcome changes, in points along both axes."""
+SHORTEST_LIMIT_S: Final = 600.0
+"""A worker that has not answered for this long may still be compiling the model, or loading a large scan."""
+MOST_CASES: Final = 2_000_000
+"""Larger studies, and longer ones, are run only when that is asked for."""
+
+
+def seconds(study: StudyFile, base: Base, workers: int, *, witness: bool = False) -> float:
+    """Processor seconds that the study is expected to take, nothing of it being stored yet: by drawn cases of each variant.
+
+    What is the same to an engine by its physics counts once.
+    """
+    rows = study.points * sum(REFERENCE in variant.engines for variant in study.variant)
+    if in_columns(study, base) and not witness:
+        return RESULT_S + rows * ROW_S * base.scene({**study.variant[0].set}).duration_s
+    stream, spent = random.Random(study.seed), 0.0
+    steps: dict[tuple[str, bool], float] = defaultdict(float)
+    timed: dict[tuple[str, bool], tuple[float, Scene]] = {}
+    for variant in range(len(study.variant)):
+        drawn = stream.sample(range(study.points), min(TRIALS, study.points))
+        for case in (
+            next(expand(study, base, range(at, at + 1))) for at in (len(study.variant) * k + variant for k in drawn)
+        ):
+            scene = base.scene(case.setting)
+            for name in sorted(set(case.engines) - {REFERENCE}):
+                runs = min(_sent(study), study.points / alike(study, base, case, name)) / len(drawn)
+                if name in CERTIFIED_S:
+                    spent += runs * run_s(name, scene).middle
+                else:
+                    kind, each = (
+                        (name, scene.pedestal is not None),
+                        expected_steps(name, scene, study.asked_rad.get(name)).middle,
+                    )
+                    steps[kind] += runs * each
+                    # The longest: in a fall steps take several times as long.
+                    timed[kind] = max(timed.get(kind, (0.0, scene)), (each, scene), key=itemgetter(0))
+    spent += sum(count * step_s(kind[0], timed[kind][1], study.asked_rad.get(kind[0])) for kind, count in steps.items())
+    return RESULT_S + START_S * workers + CASE_S * rows + spent * (1.0 + witness * SHARE * (1.0 + BUDGET))
+
+
+def alike(study: StudyFile, base: Base, case: Case, name: str) -> float:
+    """How many cases of its variant are one run to an engine: the product of how many are along each axis through the case."""
+    engine, sizes = engines.load(name), [*study.sizes, len(study.variant)]
+
+    def key(place: tuple[int, ...]) -> str:
+        number = int(np.ravel_multi_index(place, sizes))
+        scene = base.scene(next(expand(study, base, range(number, number + 1))).setting)
+        return scene_key(scene, engine.capabilities)
+
+    here = (*case.position, case.number % len(study.variant))
+    mine, product = key(here), 1.0
+    for axis, size in enumerate(study.sizes):
+        others = sorted({0, size // 2, size - 1} - {here[axis]})
+        same = [key((*here[:axis], at, *here[axis + 1 :])) == mine for at in others]
+        product *= 1.0 + (size - 1) * sum(same) / max(len(same), 1)
+    return product
+
+
+def limit_s(study: StudyFile, scene: Scene) -> float:
+    """How long a worker may go without an answer before it is taken to hang: a hundred times the forecast of its longest run."""
+    names = {engine for variant in study.variant for engine in variant.engines}
+    return SHORTEST_LIMIT_S + 100.0 * max(run_s(name, scene, study.asked_rad.get(name)).middle for name in names)
+
+
+def _sent(study: StudyFile) -> float:
+    """Cases that a contact engine may be asked."""
+    if study.ask.cases != "adaptive":
+        return float(study.points)
+    along = sum(study.vary[axis].count or 1 for axis in map_axes(study))
+    return min(study.points * (study.ask.audit + COARSEST**-2.0) + BOUNDARY * along, float(study.points))
+
+
+def sentence(study: StudyFile, cpu_s: float, workers: int) -> str:
+    """The size of a study in words."""
+    cases = study.points * len(study.variant)
+    at_most = "at most " if study.ask.cases != "all" else ""
+    spent, clock = duration_words(cpu_s), duration_words(cpu_s / workers)
+    size = f"{cases} cases, {at_most}{study.runs} runs"
+    return f"{size}: {at_most}about {spent} of processor time, {clock} by the clock on {workers} workers"
+
+
+def check(study: StudyFile, base: Base, workers: int, where: str, *, witness: bool = False, large: bool = False) -> str:
+    """What the study will take, in words. Raises `InputError` for more cases or hours than anyone starts without knowing it."""
+    cases = study.points * len(study.variant)
+    cpu_s = seconds(study, base, workers, witness=witness)
+    told = sentence(study, cpu_s, workers)
+    if large or (cases <= MOST_CASES and cpu_s / workers <= LONGEST_S):
+        return told
+    wanted = f"at most {MOST_CASES} cases and {duration_words(LONGEST_S)}"
+    advice = "a coarser grid, fewer samples, [ask] cases = 'adaptive' or 'boundary' for contact engines, or --large to run it all"
+    raise InputError(Mistake(where, "vary", wanted, told, advice))

@@ -1,0 +1,270 @@
+"""The record of a study: what its page shows, taken from the store."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
+from itertools import islice, pairwise
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.input.tables import ContactTable
+from harness.model import run as record
+from harness.model.errors import InputError, Mistake
+from harness.model.files import writing
+from harness.model.history import Array
+from harness.model.scene import Scene
+from harness.questions.study import claims
+from harness.questions.study.answer import answer_of, findings_of
+from harness.questions.study.case_selection import recheck
+from harness.questions.study.cases import base_of
+from harness.questions.study.claims import energy_lost_j, last_impact_s
+from harness.questions.study.ensembles import score_sets
+from harness.questions.study.file import StudyFile, Variant
+from harness.questions.study.rows import KeyedRow, coarser, every_row, study_rows, table
+from harness.questions.study.study_run import Summary, study_name
+from harness.records.scene import SceneRecord
+from harness.records.study import Curve, Panel, StudyRecord, StudyRow, StudyWitness, SupportRecord, Value, impacts
+from harness.runs.store import PlannedRow, Store
+
+# A study's rows as a table for other programs.
+
+
+GROUP: Final = 16_384
+"""Rows of a row group."""
+FORMULA: Final = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")
+"""Beginnings of a text that spreadsheets take for a formula, their wide forms of East Asian keyboards among them."""
+
+
+def export_csv(store: Store, study: str, path: Path, sums: Collection[str] = ()) -> int:
+    """Write a study's rows as CSV (one line per case and engine), read twice and never held; returns how many."""
+    names = list(dict.fromkeys(name for row in every_row(store, study) for name in flat(row)))
+    written = 0
+    with writing(path, sums) as fresh, fresh.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(map(cell, names))
+        for line in map(flat, every_row(store, study)):
+            writer.writerow([cell(line.get(name)) for name in names])
+            written += 1
+    return written
+
+
+def cell(value: Any) -> Any:
+    """A value for a cell of a spreadsheet: text that it would take for a formula begins with an apostrophe, which it hides.
+
+    Numbers stay numbers (OWASP, CSV injection: = + - @, tab, carriage return and line feed at the start of a text).
+    """
+    return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA) else value
+
+
+def export_parquet(store: Store, study: str, path: Path, sums: Collection[str] = ()) -> int:
+    """Write a study's rows as Parquet, read twice and never held; needs the extra [parquet]. Returns how many."""
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError as error:
+        raise InputError(Mistake("--export", "", "a CSV file, or the extra [parquet]", "no pyarrow here")) from error
+
+    def tables() -> Iterator[pyarrow.Table]:
+        lines = map(flat, every_row(store, study))
+        while some := list(islice(lines, GROUP)):
+            names = dict.fromkeys(name for line in some for name in line)
+            yield pyarrow.table({name: [line.get(name) for line in some] for name in names})
+
+    schema = pyarrow.unify_schemas([each.schema for each in tables()], promote_options="permissive")
+    written = 0
+    with writing(path, sums) as fresh, parquet.ParquetWriter(fresh, schema) as writer:
+        for each in tables():
+            absent = {name: pyarrow.nulls(each.num_rows) for name in schema.names if name not in each.column_names}
+            for name, values in absent.items():
+                each = each.append_column(name, values)
+            writer.write_table(each.select(schema.names).cast(schema))
+            written += each.num_rows
+    return written
+
+
+def flat(row: PlannedRow) -> dict[str, Value | None]:
+    """One study row as one line of plain values; lists are counted."""
+    line: dict[str, Value | None] = {"number": row.number, "engine": row.engine, "reason": row.reason, **row.varied}
+    for name, value in (row.run or {}).items():
+        if isinstance(value, (int, float, str)) or value is None:
+            line[name] = value
+        elif name == "impact_times_s":
+            line["impacts"] = impacts(row.run or {})
+    return line
+
+
+CURVE_POINTS: Final = 400
+"""Points of a curve in a small panel: least and largest of each of half as many stretches, so that no peak is lost."""
+
+
+def study_record(
+    study: StudyFile,
+    path: Path,
+    store: Store,
+    summary: Summary,
+    seconds: float,
+    witness: StudyWitness | None = None,
+) -> StudyRecord:
+    """Everything that the page of a study holds."""
+    base = base_of(study, path)
+    scene = base.scene({})
+    name = study_name(study)
+    rows = study_rows(store, name, coarser(study))
+    paper = study.claims == "paper"
+    if study.claims:
+        rows = _weighed(rows, store, scene)
+    verdicts = claims.judge(rows, top_displacement(scene), study.claims) if study.claims else None
+    made = StudyRecord(
+        title=study.title,
+        file=path.name,
+        scene=SceneRecord.of(scene),
+        findings=scene.findings,
+        vary={
+            item.key: sorted({row.varied[item.key] for row in rows}, key=lambda value: (isinstance(value, str), value))
+            for item in study.vary
+        },
+        supports=supports(study, scene, rows),
+        summary=summary.record(),
+        usage=summary.usage,
+        seconds=seconds,
+        engine_seconds=store.engine_seconds(name),
+        scores=score_sets(rows, history=store.history),
+        audit=recheck(study, rows),
+        witness=witness,
+        versions=record.versions(),
+        machine=record.machine(),
+        claims=verdicts,
+        headline=None if verdicts is None else claims.headline(verdicts),
+        panels=panels(rows, store) if paper else None,
+        rows=rows,
+        table=table(store, name, len(rows)),
+    )
+    return replace(made, answer=answer_of(made), findings=[*findings_of(made), *made.findings])
+
+
+def top_displacement(scene: Scene) -> Any:
+    """Horizontal displacement (m) of the silhouette's topmost point at a rotation about the wider side's corner."""
+    section = scene.statue.section_m
+    side = -1 if scene.statue.corner_left_m > scene.statue.corner_right_m else 1
+    corner = np.array([side * scene.statue.corner_m(side), 0.0])
+    top = section[np.argmax(section[:, 1])] - corner
+
+    def displaced(theta_rad: float) -> float:
+        # Clockwise positive: x' = x cos θ + z sin θ.
+        turned = top[0] * np.cos(theta_rad) + side * top[1] * np.sin(theta_rad)
+        return float(abs(turned - top[0]))
+
+    return displaced
+
+
+def panels(rows: Sequence[KeyedRow], store: Store) -> list[Panel]:
+    """Curves in the arrangement of the paper's figures: for each condition, by model, without and with pedestal."""
+    by_condition: dict[tuple[float, float, float], dict[str, dict[str, Curve]]] = {}
+    drawn: dict[str, Curve] = {}
+    for row in rows:
+        varied, key = row.varied, row.key
+        if row.run is None or key is None:
+            continue
+        if key not in drawn:
+            history = store.history(key)
+            if history is None:
+                continue
+            drawn[key] = _curve(history.t_s, history.theta_rad, history.slip_m)
+        keys = "contact.restitution", "motion.x.amplitude_g", "motion.x.frequency_hz"
+        restitution, amplitude_g, frequency_hz = (float(varied[name]) for name in keys)
+        setting = "floor" if varied.get("pedestal") == "none" else "pedestal"
+        curves = by_condition.setdefault((restitution, amplitude_g, frequency_hz), {})
+        curves.setdefault(row.model, {})[setting] = drawn[key]
+    return [Panel(*place, by_condition[place]) for place in sorted(by_condition)]
+
+
+def _curve(t_s: Array, theta_rad: Array, slip_m: Array) -> Curve:
+    keep = decimated(theta_rad, slip_m, points=CURVE_POINTS)
+    return Curve(
+        [round(float(value), 4) for value in t_s[keep]],
+        [float(f"{value:.5g}") for value in theta_rad[keep]],
+        [float(f"{value:.5g}") for value in slip_m[keep]],
+    )
+
+
+def decimated(*curves: Array, points: int) -> NDArray[np.int64]:
+    """Indices that keep the first, the last and the least and largest of every curve in each of `points`/2 stretches."""
+    size = curves[0].size
+    if size <= points:
+        return np.arange(size)
+    edges = np.linspace(0, size, points // 2 + 1).astype(int)
+    chosen = {0, size - 1}
+    for low, high in pairwise(edges):
+        for curve in curves:
+            chosen |= {low + int(np.argmin(curve[low:high])), low + int(np.argmax(curve[low:high]))}
+    return np.array(sorted(chosen))
+
+
+def _weighed(rows: Sequence[KeyedRow], store: Store, scene: Scene) -> list[KeyedRow]:
+    """The rows, each run with a history told what an impact costs in the mean, and when the last one was."""
+    weighed: dict[str | None, tuple[float | None, float | None]] = {}
+    for key in {row.key for row in rows if row.key is not None}:
+        history = store.history(key)
+        if history is not None:
+            losses = energy_lost_j(history, scene.pivot_inertia_kg_m2)
+            weighed[key] = float(np.mean(losses)) if losses.size else None, last_impact_s(history)
+    shown = []
+    for row in rows:
+        loss_j, last_s = weighed.get(row.key, (None, None))
+        run = row.run and replace(row.run, impact_loss_j=loss_j, last_impact_s=last_s)
+        shown.append(replace(row, run=run))
+    return shown
+
+
+def supports(study: StudyFile, scene: Scene, rows: Sequence[StudyRow]) -> SupportRecord:
+    """Whether cases have a pedestal, least and greatest static frictions, and the keys of the statue that vary.
+
+    `scene` is the study's own; a variant's keys go before those that follow a varied one, and these before the varied.
+    """
+    # A pedestal that the scene lacks may be built of keys of its own.
+    there = scene.pedestal is not None or any(key.startswith("pedestal.") for key in _keys(study))
+    stones: set[bool] = set()
+    floor: set[float] = set()
+    statue: set[float] = set()
+    for variant in study.variant:
+        own = [row for row in rows if row.varied["variant"] == variant.name]
+        given = _values(study, variant, own, "pedestal") or {"keep"}
+        here = {value != "none" and there for value in given}
+        stones |= here
+        if True in here:
+            floor |= _frictions(study, variant, own, "floor_static", scene.contact.floor_static)
+        statue |= _frictions(study, variant, own, "statue", scene.contact.statue)
+    return SupportRecord(
+        pedestal=sorted(stones),
+        floor_static=(min(floor), max(floor)) if floor else None,
+        statue=(min(statue), max(statue)),
+        statue_keys=sorted(key for key in _keys(study) if key.startswith("statue.")),
+    )
+
+
+def _keys(study: StudyFile) -> set[str]:
+    """Every key that differs between cases."""
+    follow = {key for item in study.vary for key in item.also}
+    varied = {item.key for item in study.vary} | {item.key for item in study.scatter}
+    return varied | follow | {key for variant in study.variant for key in variant.set}
+
+
+def _values(study: StudyFile, variant: Variant, rows: Sequence[StudyRow], key: str) -> set[Any]:
+    """The values that the cases of a variant set a key to; none where nothing sets it."""
+    if key in variant.set:
+        return {variant.set[key]}
+    for item in study.vary:
+        if key in item.also:
+            return {item.also[key] * float(row.varied[item.key]) for row in rows}
+    return {row.varied[key] for row in rows if key in row.varied}
+
+
+def _frictions(study: StudyFile, variant: Variant, rows: Sequence[StudyRow], name: str, own: float) -> set[float]:
+    """The values of one friction; left as the scene has it, or taken away, which leaves the default of a scene file."""
+    words = {"keep": own, "none": float(ContactTable.model_fields[name].default)}
+    return {float(words.get(value, value)) for value in _values(study, variant, rows, f"contact.{name}") or {"keep"}}

@@ -1,0 +1,93 @@
+"""Many runs of one scene, over every combination of some values of its keys: one table."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from harness import engines
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
+from harness.input.overrides import plain
+from harness.model.errors import InputError, Mistake
+from harness.model.history import Outcome
+from harness.model.options import RunOptions
+from harness.model.run import NUMBERS
+from harness.model.run_set import Column, RunSet, column_of
+from harness.model.scene import Scene
+from harness.questions.study.case_blocks import SweptRuns
+from harness.questions.study.cases import Base
+from harness.questions.study.file import Value
+
+
+def sweep(
+    scene: Scene,
+    values: Mapping[str, Iterable[object]],
+    engine: str = "analytic",
+    *,
+    accuracy_rad: float | None = None,
+) -> RunSet:
+    """Run a scene for its outcome with every combination of some values of its keys, the last key innermost.
+
+    >>> runs = harness.sweep(scene, {"motion.x.amplitude_g": [0.2, 0.3, 0.4]}, "analytic")
+    >>> frame = runs.to_dataframe()
+
+    The analytic model's runs are computed together, on all cores. Raises `InputError` for a key or value that makes no scene, an
+    unknown engine, or a scene of resolved parts, whose keys are not known.
+    """
+    check_target(accuracy_rad, None)
+    engines.load(engine)
+    axes = {key: _values(key, given) for key, given in _mapping(values).items()}
+    if not isinstance(scene, Scene):
+        raise InputError(Mistake("sweep", "scene", "a scene: harness.load_scene(path)", type(scene).__name__))
+    if not scene.given:
+        wanted = "a scene that was loaded, whose keys are known"
+        raise InputError(Mistake("sweep", "scene", wanted, "one made of parts"))
+    settings = [dict(zip(axes, point, strict=True)) for point in itertools.product(*axes.values())]
+    asked = accuracy_rad or DEFAULT_ACCURACY_RAD
+    single = all(isinstance(value, Value) for value in itertools.chain(*axes.values()))
+    swept = engine == "analytic" and single and scene.initial.pose is None
+    answers = _swept(scene, settings, asked) if swept else _one_by_one(scene, settings, engine, asked)
+    outcomes = answers.pop("outcome")
+    falls = np.array([Outcome(each).overturned for each in outcomes.tolist()])
+    varied = {key: column_of([setting[key] for setting in settings]) for key in axes}
+    name = column_of([engine] * len(settings))
+    table = {**varied, "engine": name, "outcome": outcomes, "overturned": falls, **answers}
+    return RunSet(scene.title, list(axes), table)
+
+
+def _mapping(values: object) -> Mapping[str, Iterable[object]]:
+    if not isinstance(values, Mapping) or not values:
+        wanted = 'values by dotted key, such as {"motion.x.amplitude_g": [0.2, 0.3]}'
+        raise InputError(Mistake("sweep", "values", wanted, repr(values)))
+    return values
+
+
+def _values(key: str, given: object) -> list[object]:
+    found = plain(list(given) if isinstance(given, range) else given)
+    if not isinstance(found, list) or not found:
+        raise InputError(Mistake("sweep", key, "a list of values", repr(found)))
+    return ["none" if value is None else value for value in found]
+
+
+def _swept(scene: Scene, settings: Sequence[Mapping[str, Any]], asked_rad: float) -> dict[str, Column]:
+    """The analytic model's runs, together."""
+    runs = SweptRuns(Base(scene.source, scene.given), asked_rad)
+    for place, setting in enumerate(settings):
+        runs.add(place, setting)
+    columns = runs.columns()
+    return {name: columns[name] for name in ("outcome", *NUMBERS, "steps", "impacts")}
+
+
+def _one_by_one(
+    scene: Scene, settings: Sequence[Mapping[str, object]], engine: str, asked_rad: float
+) -> dict[str, Column]:
+    """Any engine's runs, one after the other."""
+    options = RunOptions(history=False)
+    runs = [simulate(scene.replace(setting), engine, accuracy_rad=asked_rad, options=options) for setting in settings]
+    numbers = {name: np.array([getattr(run, name) for run in runs], dtype=np.float64) for name in NUMBERS}
+    numbers["peak_theta_rad"] = np.abs(numbers["peak_theta_rad"])
+    counts = {name: np.array([getattr(run, name) for run in runs]) for name in ("steps", "impacts")}
+    return {"outcome": column_of([run.outcome.value for run in runs]), **numbers, **counts}

@@ -1,0 +1,237 @@
+"""What a run says of one point of the map, and the class that follows: by the rules of the run's own answer, no others."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import permutations
+from typing import Any, Final
+
+from harness import engines
+from harness.accuracy.horizon import TOLERANCE_RAD
+from harness.model.history import Outcome
+from harness.model.run import EngineRunRecord, Run, to_plain
+from harness.model.scene import Scene
+from harness.questions.assess.by_model import assess_models
+from harness.questions.assess.engine_runs import DrawnRun, overturns
+from harness.questions.assess.inputs import row, uncertain_inputs
+from harness.questions.assess.model_draws import draws_of, model_draws
+from harness.questions.assess.stratified import estimate
+from harness.questions.assess.variation import varied
+from harness.questions.scene.answer import STILL_RAD, outcome_family
+from harness.questions.scene.scene_run import Result, run_scene
+from harness.records.assess import Assessment
+from harness.records.base import Plain, plain, same_fields
+from harness.records.run import HorizonRecord, has_answer
+from harness.records.scores import Interval, Scores, Verdict
+from harness.records.trust import TrustClass
+from harness.runs.task import Answer
+
+MODEL: Final = "analytic"
+DRAWS: Final = 500
+"""Draws of a probability: ± 4 % at a half."""
+PAIRED: Final = 40
+"""Of them at most are also run by an engine, where it is asked."""
+HALF_WIDTH: Final = 0.1
+"""To which an engine's probability is asked."""
+BATCH: Final = 8
+"""Runs between two looks at the interval."""
+CHANGED: Final = "outcome_not_predictable"
+
+
+@dataclass(frozen=True)
+class Said:
+    """What the models that ran say of a point."""
+
+    kind: TrustClass
+    answer: str
+    why: Sequence[str]
+    outcomes: dict[str, str]
+    still: bool
+    flips: bool
+    left_domain: str
+    peak_rad: float | None
+    peaks_apart_rad: float | None
+    agree_until_s: float | None
+    horizon_s: float | None
+    whole: bool
+    """Whether the model's own horizon reaches the end."""
+
+    @property
+    def alike(self) -> tuple[object, ...]:
+        """What the model alone says, as far as a class may follow from it: engines are asked where it changes."""
+        return self.outcomes.get(MODEL), self.still, self.flips, self.left_domain, self.whole
+
+    @property
+    def found(self) -> tuple[object, ...]:
+        """What engines add: between two points that say the same it is not asked again."""
+        return self.kind, self.peak_confirmed
+
+    @property
+    def peak_confirmed(self) -> bool:
+        """Whether the peaks are as near each other as a prediction is asked to be (`horizon.TOLERANCE_RAD`); of a fall there is
+        none to confirm."""
+        return self.peaks_apart_rad is None or self.peaks_apart_rad <= TOLERANCE_RAD
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What is kept of a point: runs without their histories, scores of each pair and horizons. Its class is none of it, and
+    follows anew whenever it is read.
+    """
+
+    runs: Mapping[str, EngineRunRecord]
+    scores: Mapping[str, Scores]
+    horizons: Mapping[str, HorizonRecord]
+
+    def said(self, scene: Scene, names: Sequence[str]) -> Said:
+        """What those of these models that ran say of the point, whose scene that is."""
+        runs = {name: Run(**same_fields(Run, record)) for name, record in self.runs.items() if name in names}
+        scores = {pair: each for pair, each in self.scores.items() if each.a in runs and each.b in runs}
+        return said(Result(scene, runs, scores | explained(runs, scores), [], 0.0, self.horizons))
+
+
+@dataclass(frozen=True)
+class Question:
+    """A point's scene, and who is asked: one engine states its horizon, several are compared."""
+
+    scene: Scene
+    engines: tuple[str, ...]
+
+
+def run_point(question: Question) -> Answer:
+    """What a worker does for a point's class; its cost is the processor time, s, that it took."""
+    begin = time.process_time()
+    result = run_scene(question.scene, question.engines, horizon=len(question.engines) == 1)
+    kept = Kept(result.runs, result.scores, result.horizons)
+    return Answer("point", plain(kept), time.process_time() - begin)
+
+
+def assess_point(question: Question) -> Answer:
+    """What a worker does for a point's probability: the model's, or that of an engine from few draws that both have run."""
+    begin, (name, *_), scene = time.process_time(), question.engines, question.scene
+    found = assess_models(scene, DRAWS).get(MODEL) if name == MODEL else _paired(scene, name)
+    told = [] if found is None else [found.probability_overturned, found.low, found.high, found.level]
+    return Answer("probability", {"interval": to_plain(told)}, time.process_time() - begin)
+
+
+def _paired(scene: Scene, name: str) -> Assessment:
+    """An engine's probability: the model's on all draws, corrected by its runs of some (`stratified`)."""
+    values = draws_of(scene, uncertain_inputs(scene), DRAWS, 0)
+
+    def fell(numbers: Sequence[int]) -> list[bool | None]:
+        drawn = [DrawnRun(name, varied(scene, row(values, number))) for number in numbers]
+        return [overturns(each).record["overturned"] for each in drawn]  # type: ignore[misc]
+
+    return estimate(model_draws(scene, values), fell, half_width=HALF_WIDTH, most_runs=PAIRED, batch=BATCH)
+
+
+def said(result: Result) -> Said:
+    """What a finished run says of its point."""
+    answer, model = result.answer(), result.runs[MODEL]
+    codes = {found.code: found.values for found in answer.findings}
+    known = {name: run for name, run in result.runs.items() if has_answer(run)}
+    kind, why = class_of(result, answer.code, codes.get(CHANGED, {}).get("outcomes", []))
+    horizon = result.horizons.get(MODEL)
+    fell = any(run.outcome.overturned for run in known.values())
+    peaks = [abs(run.peak_theta_rad) for run in known.values()]
+    until = [values["until_s"] for values in codes.values() if values.get("until_s") is not None]
+    finite = [time_s for time_s in until if math.isfinite(time_s)]
+    return Said(
+        kind=kind,
+        answer=answer.code,
+        why=why,
+        outcomes={
+            name: run.outcome.value if run.outcome.failed else outcome_family(run.outcome)
+            for name, run in result.runs.items()
+        },
+        still=_still(model),
+        flips=CHANGED in codes,
+        left_domain=_left(model),
+        peak_rad=None if fell or MODEL not in known else abs(model.peak_theta_rad),
+        peaks_apart_rad=None if fell or len(known) < 2 else max(peaks) - min(peaks),
+        agree_until_s=min(finite, default=model.end_s if answer.code == "agree" else None),
+        horizon_s=None if horizon is None else horizon.intrinsic_s,
+        whole=horizon is not None and horizon.intrinsic_s >= model.end_s,
+    )
+
+
+def class_of(result: Result, code: str, others: Sequence[str]) -> tuple[TrustClass, list[str]]:
+    """The class of a run's answer, and why: engines that differ robustly refute whatever else is true.
+
+    `others`: the outcomes that the smallest changes have, where it is more than one.
+    """
+    known = {name: run for name, run in result.runs.items() if has_answer(run)}
+    judged = {name: each for name, each in result.scores.items() if each.a in known and each.b in known}
+
+    def pairs(verdict: Verdict) -> list[str]:
+        return [name for name, each in judged.items() if each.verdict is verdict]
+
+    model = result.runs[MODEL]
+    left = pairs(Verdict.DOMAIN)
+    if code == "differ_by_model":
+        return "refuted", pairs(Verdict.MODEL)
+    if code == "plane_left_out":
+        causes = [
+            str(each.values["cause"])
+            for score in judged.values()
+            for each in score.findings
+            if each.code == "plane_cause"
+        ]
+        return "plane_left_out", list(dict.fromkeys(causes)) or ["motion_across"]
+    if left:
+        reasons = [judged[name].evidence.left_domain_by for name in left]
+        return "left_domain", list(dict.fromkeys(filter(None, reasons)))
+    if MODEL not in known and _left(model):
+        return "left_domain", [_left(model)]
+    if len(known) < 2 or MODEL not in known:
+        ends = {run.outcome for name, run in result.runs.items() if name not in known}
+        return "probability" if Outcome.UNDECIDED in ends else "no_answer", sorted(end.value for end in ends)
+    if others or code in ("unpredictable", "outcome_differs"):
+        return "probability", sorted({*others, *(outcome_family(run.outcome) for run in known.values())})
+    if code == "agree":
+        return ("nothing_moves" if _still(model) else "confirmed"), []
+    return "outcome_confirmed", sorted({each.verdict.name.lower() for each in judged.values()} - {"agree"})
+
+
+def explained(runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, Scores]:
+    """Pairs of which the wider statement explains the difference, as pairs whose error is not bounded: two engines whose events
+    one layer locates may carry one error, so where they agree each is held against the model by the larger of what both state.
+    """
+    found = {}
+    layered = [name for name in runs if (can := engines.load(name).capabilities).own_impact and not can.certifies]
+    for name, other in permutations(layered, 2):
+        pair, beside = (
+            scores.get(f"{MODEL}_vs_{name}"),
+            scores.get(f"{name}_vs_{other}") or scores.get(f"{other}_vs_{name}"),
+        )
+        if pair is None or beside is None or pair.verdict is not Verdict.MODEL or beside.verdict is Verdict.MODEL:
+            continue
+        one, two, seen = runs[name], runs[other], pair.evidence
+        turned = seen.coverage * max(
+            (two.numerical_uncertainty_rad or 0.0) - (one.numerical_uncertainty_rad or 0.0), 0.0
+        )
+        slid = seen.coverage * max((two.slip_uncertainty_m or 0.0) - (one.slip_uncertainty_m or 0.0), 0.0)
+        rotation = seen.largest_reliable_difference_rad <= seen.limit_rad + turned
+        if rotation and seen.largest_reliable_slip_difference_m <= seen.slip_limit_m + slid:
+            found[f"{MODEL}_vs_{name}"] = replace(pair, verdict=Verdict.UNBOUNDED)
+    return found
+
+
+def _still(run: Run) -> bool:
+    """Whether neither the statue nor its pedestal moves."""
+    return not run.outcome.failed and abs(run.peak_theta_rad) < STILL_RAD and run.peak_slip_m == 0.0
+
+
+def _left(run: Run) -> str:
+    """By what the model left its domain; empty: it did not."""
+    by = run.validity.get("left_domain_by")
+    return str(by) if by else run.outcome.value if run.outcome in (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX) else ""
+
+
+def interval_of(plain: Plain | None) -> Interval | None:
+    """The probability in what a worker gave back, None where there is none."""
+    numbers: Any = None if plain is None else plain["interval"]
+    return Interval(*numbers) if numbers else None

@@ -1,0 +1,521 @@
+"""The whole map: the model everywhere, engines where they are needed, a tenth of what they were not asked checked."""
+
+from __future__ import annotations
+
+import csv
+import math
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import takewhile
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from harness import engines
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD
+from harness.input.paths import read_files
+from harness.input.scene_file import load_scene
+from harness.model.errors import InputError, Mistake
+from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
+from harness.model.run import machine, versions
+from harness.model.scene import Scene
+from harness.questions.scene.workload import check as check_work
+from harness.questions.study import case_selection as selection
+from harness.questions.study.case_selection import filled, refined
+from harness.questions.trust.plane import Plane, Point, below, to_ask
+from harness.questions.trust.point import DRAWS, MODEL, Kept, Question, Said, assess_point, interval_of, run_point
+from harness.records.base import Plain, part
+from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
+from harness.records.scene import SceneRecord
+from harness.records.scores import Interval
+from harness.records.trust import (
+    CLASSES,
+    CONTOURS,
+    HELD,
+    MOTIONS,
+    Basis,
+    Saved,
+    TrustCell,
+    TrustClass,
+    TrustMap,
+    TrustRecord,
+    TrustSummary,
+)
+from harness.runs.cache_key import request_key
+from harness.runs.dask_pool import DaskPool
+from harness.runs.execute import Campaign
+from harness.runs.progress import progress
+from harness.runs.runner import LocalPool, Pool
+from harness.runs.store import STORE_NAME, Store, check_begun
+from harness.runs.task import Answer as Told
+from harness.runs.task import Task
+
+CELLS_NAME: Final = "cells.csv"
+CHECKED: Final = 0.1
+"""Share of the points without engine runs that is run all the same."""
+MOST_CHECKS: Final = 3
+"""Where a check finds another class its surroundings are refined and a tenth of the rest is checked, so often at most."""
+BATCH: Final = 8
+"""Points of the model alone, some 40 ms each, that a worker takes at a time."""
+DOUBTFUL: Final = (0.05, 0.95)
+"""Probabilities between which an engine is asked for its own."""
+SAME: Final = ""
+"""The engines in space change nothing of what those in the plane say."""
+PLANAR: Final = 2
+
+
+@dataclass
+class Points:
+    """Asks what the store does not hold."""
+
+    store: Store
+    campaign: Campaign
+
+    def kept(self, plane: Plane, points: Iterable[Point], names: tuple[str, ...]) -> dict[Point, Kept | None]:
+        """What the runs of these models are at each point; None where the process died."""
+        found = self._ask(run_point, plane, points, names)
+        return {point: None if each is None else part(Kept, each, self.store.path) for point, each in found.items()}
+
+    def chances(self, plane: Plane, points: Iterable[Point], name: str) -> dict[Point, Interval]:
+        """The probability of a fall by one model, where it has any."""
+        found = self._ask(assess_point, plane, points, (name,))
+        return {point: known for point, each in found.items() if (known := interval_of(each)) is not None}
+
+    def _ask(
+        self, work: Callable[[Question], Told], plane: Plane, points: Iterable[Point], names: tuple[str, ...]
+    ) -> dict[Point, Plain | None]:
+        asked = "trust", work.__name__, names, DRAWS, DEFAULT_ACCURACY_RAD
+        group = MODEL if names == (MODEL,) else ""
+        scenes = {point: plane.at(point) for point in points}
+        tasks = [
+            Task(request_key(scene, None, *asked), work, Question(scene, names), group) for scene in scenes.values()
+        ]
+        return dict(zip(scenes, self.campaign.ask(tasks), strict=True))
+
+
+@dataclass
+class Map:
+    """What is known of the plane: the model's word everywhere, and what was found where engines ran: by those in the plane
+    (`ran`, whose borders are halved along each frequency), and by all (`whole`), where one in space takes seconds for a point.
+
+    That one is asked as a study's adaptive map is: on a coarse grid, refined where it says another class than those in the plane.
+    """
+
+    plane: Plane
+    names: tuple[str, ...]
+    model: Mapping[Point, Said]
+    rest: set[Point]
+    ran: dict[Point, Said] = field(default_factory=dict)
+    whole: dict[Point, Said] = field(default_factory=dict)
+    checks: set[Point] = field(default_factory=set)
+    changed: set[Point] = field(default_factory=set)
+
+    @property
+    def quick(self) -> tuple[str, ...]:
+        """The model and the engines in the plane; all, where that is nobody beside it or there is one frequency only."""
+        quick = tuple(name for name in self.names if engines.load(name).capabilities.dimensions == PLANAR)
+        return quick if len(quick) > 1 and len(self.plane.frequencies_hz) > 1 else self.names
+
+    def unasked(self, names: tuple[str, ...]) -> set[Point]:
+        """Where those engines are to be asked next."""
+        if names != self.quick:
+            wanted = refined(self.plane.points, self._changes(), (0, 1), self.plane.farthest)
+            return wanted.keys() - self.rest - self.whole.keys()
+        points: set[Point] = set()
+        for i in range(len(self.plane.frequencies_hz)):
+            alike = [
+                None if (i, j) in self.rest else self.model[i, j].alike for j in range(len(self.plane.amplitudes_g))
+            ]
+            points |= {(i, j) for j in to_ask(alike, self._along(i), self.plane.farthest[1])}
+        return points
+
+    def take(self, names: tuple[str, ...], kept: Mapping[Point, Kept | None]) -> None:
+        """Take in what was kept of their runs: where all ran, also what those in the plane say by themselves."""
+        for point, each in kept.items():
+            scene = self.plane.at(point)
+            said = {who: _died(who) if each is None else each.said(scene, who) for who in (names, self.quick)}
+            self.ran[point] = said[self.quick]
+            if names == self.names:
+                self.whole[point] = said[names]
+
+    def words(self) -> dict[Point, tuple[TrustClass, Basis, Said]]:
+        """The class of each point, what it rests on, and the run that says so, here or nearby."""
+        changes = self._changes()
+        fill = filled(self.plane.points, changes, (0, 1), self.plane.farthest)
+        return {point: self._word(point, changes, fill.get(point, SAME)) for point in self.plane.points}
+
+    def _word(
+        self, point: Point, changes: Mapping[Point, selection.Answer], fill: str
+    ) -> tuple[TrustClass, Basis, Said]:
+        """What is less known of the two counts: what those in the plane say, what an engine in space makes of it around."""
+        if point in self.whole:
+            return self.whole[point].kind, self._basis(point), self.whole[point]
+        kind, basis, said = self._in_plane(point)
+        if fill == SAME or _doubt(fill) < _doubt(kind):
+            return kind, basis, said
+        alike = (each for each in self.whole if changes[each].outcome == fill)
+        nearest = self.whole[min(alike, key=lambda at: math.dist(at, point))]
+        return nearest.kind, "between", nearest
+
+    def _in_plane(self, point: Point) -> tuple[TrustClass, Basis, Said]:
+        """What those in the plane say."""
+        if point in self.ran:
+            return self.ran[point].kind, self._basis(point), self.ran[point]
+        if point in self.rest:
+            return "nothing_moves", "rest", self.model[point]
+        other = self.ran[point[0], below(point[1], self._along(point[0]))]
+        return other.kind, "between", other
+
+    def _basis(self, point: Point) -> Basis:
+        return "checked" if point in self.checks else "runs"
+
+    def check(self, points: Sequence[Point], kept: Mapping[Point, Kept | None]) -> None:
+        """Take checks in; where one is not what was said, its surroundings are no longer decided."""
+        said = self.words()
+        self.take(self.names, kept)
+        self.checks |= set(points)
+        for point in points:
+            if self.whole[point].kind != said[point][0]:
+                self.changed.add(point)
+                self.rest = {each for each in self.rest if each[0] != point[0]}
+
+    def _changes(self) -> dict[Point, selection.Answer]:
+        """Where all ran: which class they say instead of that of those in the plane. At rest nobody says another."""
+        said = {
+            point: all_of.kind if all_of.found != self.ran[point].found else SAME
+            for point, all_of in self.whole.items()
+        }
+        return {
+            point: selection.Answer(change, 0.0) for point, change in (dict.fromkeys(self.rest, SAME) | said).items()
+        }
+
+    def _along(self, i: int) -> dict[int, tuple[object, ...]]:
+        """What engines in the plane found along a frequency, by strength."""
+        return {point[1]: said.found for point, said in self.ran.items() if point[0] == i}
+
+
+def _doubt(kind: str) -> int:
+    """How little a class says is known."""
+    return [str(each) for each in CLASSES].index(kind)
+
+
+def run_trust(
+    path: Path,
+    folder: Path,
+    names: Sequence[str] | None = None,
+    overrides: Sequence[str] = (),
+    *,
+    motion: str = "sine",
+    coarse: bool = False,
+    jobs: int | None = None,
+    resume: bool = False,
+    dask: str | None = None,
+    seed: int = 0,
+    quiet: bool = False,
+    pool: Pool | None = None,
+    say: Say = lambda finding: "",
+) -> TrustRecord:
+    """The trust map of a scene into `folder` (store.sqlite, result.json, cells.csv); `say` fills in the sentences.
+
+    `pool` is used, and not closed, where given.
+
+    Raises `InputError` for wrong input, or `resume` where nothing was begun.
+    """
+    if motion not in MOTIONS:
+        raise InputError(Mistake("--motion", "", f"one of {', '.join(MOTIONS)}", repr(motion)))
+    check_folder(folder, ("trust",), [RECORD, COMING, *PAGES, CELLS_NAME])
+    scene = load_scene(path, overrides)
+    check_inputs(folder, [RECORD, CELLS_NAME], [path, *read_files(scene.given, scene.source)])
+    plane = Plane.of(scene, motion, coarse=coarse)
+    hardest = plane.at(plane.points[-1])
+    chosen = engines_of(hardest, names, coarse=coarse)
+    check_work(hardest, {name: engines.load(name).capabilities.dimensions for name in chosen}, str(path))
+    if resume:
+        check_begun(folder, "a trust map")
+    own = (LocalPool(jobs) if dask is None else DaskPool(dask)) if pool is None else None
+    try:
+        with Store(folder / STORE_NAME, "trust") as store, progress(f"{path.stem}, trust map", quiet) as on_progress:
+            campaign = Campaign(store, own or pool, on_progress, {MODEL: BATCH})  # type: ignore[arg-type]
+            record = trust_map(plane, chosen, Points(store, campaign), coarse=coarse, seed=seed)
+    finally:
+        if own is not None:
+            own.close()
+    record = replace(record, overrides=overrides)
+    return write_whole(folder, record.texted(say), lambda fresh: write_cells(record.maps, fresh / CELLS_NAME))
+
+
+def engines_of(scene: Scene, names: Sequence[str] | None, *, coarse: bool) -> tuple[str, ...]:
+    """The analytic model and who is asked beside it: those named; or of a run's own all that are here and no twin of it, of a
+    coarse map none that takes seconds for a point.
+
+    Raises `InputError` where there is nobody beside it, or one that was named is not installed.
+    """
+    others = [engines.load(name) for name in dict.fromkeys(names or engines.default_engines(scene)) if name != MODEL]
+    here = [item for item in others if item.missing() is None]
+    if not names:
+        # A planar scene in three dimensions is the planar answer again.
+        quick = [item for item in here if item.capabilities.dimensions == 2 or item.name == engines.EXACT_IN_SPACE]
+        here = quick if coarse or scene.planar else here
+    if not here or (names and here != others):
+        got = "; ".join(f"{item.name}: {item.missing()}" for item in others if item not in here) or f"{MODEL} alone"
+        wanted = "engines that are installed, one of them beside the analytic model, to hold it against"
+        raise InputError(Mistake("--engine", "", wanted, got))
+    return (MODEL, *(item.name for item in here))
+
+
+def trust_map(plane: Plane, names: tuple[str, ...], points: Points, *, coarse: bool, seed: int) -> TrustRecord:
+    """The record of a map whose answers are kept in a store; of a statue on a pedestal also that of the map without it."""
+    start = time.perf_counter()
+    planes, alone = [plane], list[Finding]()
+    if plane.scene.pedestal is not None:
+        try:
+            planes.append(plane.without_pedestal())
+        except InputError as error:
+            alone.append(caution("trust_without_floor", reason=str(error)))
+    found = [explored(each, names, points, seed) for each in planes]
+    maps = [map_of(each, points, coarse=coarse) for each in found]
+    summary = TrustSummary(
+        points=sum(len(each.plane.points) for each in found),
+        asked=sum(len(each.ran) for each in found),
+        checked=sum(len(each.checks) for each in found),
+        changed=sum(len(each.changed) for each in found),
+        found=len(points.campaign.reused),
+        cpu_s=points.campaign.asked_s,
+        failed=points.campaign.failed,
+    )
+    saved = saved_by(names, maps)
+    return TrustRecord(
+        title=plane.scene.title,
+        answer=answer_of(plane, maps, saved),
+        findings=[*findings_of(maps, saved, summary, seed), *alone, *plane.scene.findings],
+        scene=SceneRecord.of(plane.scene),
+        motion=plane.motion,
+        coarse=coarse,
+        engines=names,
+        seed=seed,
+        maps=maps,
+        saved=saved,
+        summary=summary,
+        seconds=time.perf_counter() - start,
+        versions=versions(),
+        machine=machine(),
+    )
+
+
+def explored(plane: Plane, names: tuple[str, ...], points: Points, seed: int) -> Map:
+    """What is known of a plane once engines were asked where they may say another class than is told without."""
+    every = plane.points
+    alone = points.kept(plane, every, (MODEL,))
+    model = {at: _died((MODEL,)) if kept is None else kept.said(plane.at(at), (MODEL,)) for at, kept in alone.items()}
+    found = Map(plane, names, model, {point for point in every if model[point].still and plane.at_rest(point)})
+    _refine(found, points)
+    stream = np.random.default_rng(seed)
+    for _ in range(MOST_CHECKS):
+        left = [point for point in every if point not in found.ran]
+        chosen = stream.permutation(len(left))[: round(CHECKED * len(left))]
+        checks, before = sorted(left[k] for k in chosen.tolist()), len(found.changed)
+        found.check(checks, points.kept(plane, checks, names))
+        _refine(found, points)
+        if len(found.changed) == before:
+            break
+    return found
+
+
+def _refine(found: Map, points: Points) -> None:
+    """Ask until nothing is left that may be another class."""
+    tiers = dict.fromkeys((found.names, found.quick))
+    while wanted := {names: asked for names in tiers if (asked := found.unasked(names))}:
+        for names, asked in wanted.items():
+            found.take(names, points.kept(found.plane, sorted(asked), names))
+
+
+def map_of(found: Map, points: Points, *, coarse: bool) -> TrustMap:
+    """The map of a plane with each point's probability of a fall; on a whole map by an engine too, where that is near a half."""
+    plane, words = found.plane, found.words()
+    moving = [point for point in plane.points if words[point][0] != "nothing_moves"]
+    chances = {MODEL: points.chances(plane, moving, MODEL)}
+    engine = next(name for name in found.names if name != MODEL)
+    if not coarse:
+        chances[engine] = points.chances(plane, doubtful(chances[MODEL]), engine)
+    by_point = {at: {name: known[at] for name, known in chances.items() if at in known} for at in plane.points}
+    cells = [_cell(found, point, words[point], by_point[point]) for point in plane.points]
+    return TrustMap(
+        stands_on="floor" if plane.scene.pedestal is None else "pedestal",
+        shares={kind: sum(cell["class"] == kind for cell in cells) / len(cells) for kind in CLASSES},
+        confirmed_up_to_g=confirmed_up_to_g(found, words),
+        contours={name: contour(name, cells, plane) for name in CONTOURS},
+        cells=cells,
+    )
+
+
+def contour(name: str, cells: Sequence[TrustCell], plane: Plane) -> list[float | None]:
+    """The least strength, g, at each frequency at which the value of one of `CONTOURS` is passed."""
+    count = len(plane.amplitudes_g)
+    line = []
+    for i in range(len(plane.frequencies_hz)):
+        duration_s = plane.at((i, 0)).duration_s
+        heights = [_height(name, cell, duration_s) for cell in cells[i * count : (i + 1) * count]]
+        line.append(crossing(heights, CONTOURS[name], plane.amplitudes_g))
+    return line
+
+
+def _height(name: str, cell: TrustCell, duration_s: float) -> float:
+    """What a contour is of, at one point."""
+    if name.startswith("probability"):
+        chance = cell["probability"].get(MODEL)
+        return 0.0 if chance is None else chance.value
+    if name == "horizon":
+        return 0.0 if cell["horizon_s"] is None else 1.0 - cell["horizon_s"] / duration_s
+    return math.inf if cell["peak_over_alpha"] is None else cell["peak_over_alpha"]
+
+
+def crossing(heights: Sequence[float], level: float, at: Sequence[float]) -> float | None:
+    """Where a value is first above a level, between two points in proportion on a logarithmic scale (halfway to no number)."""
+    above = next((j for j, height in enumerate(heights) if height > level), None)
+    if above is None or above == 0:
+        return None if above is None else at[0]
+    low, high = heights[above - 1], heights[above]
+    share = (level - low) / (high - low) if math.isfinite(high) else 0.5
+    return float(at[above - 1] * (at[above] / at[above - 1]) ** share)
+
+
+def doubtful(chances: Mapping[Point, Interval]) -> list[Point]:
+    """Of each frequency the point at which a fall is nearest as probable as not, where any is between `DOUBTFUL`."""
+    nearest: dict[int, Point] = {}
+    for point, chance in chances.items():
+        best = nearest.get(point[0])
+        if DOUBTFUL[0] < chance.value < DOUBTFUL[1] and (
+            best is None or abs(chance.value - 0.5) < abs(chances[best].value - 0.5)
+        ):
+            nearest[point[0]] = point
+    return list(nearest.values())
+
+
+def confirmed_up_to_g(found: Map, words: Mapping[Point, tuple[TrustClass, Basis, Said]]) -> float | None:
+    """The largest strength up to which outcome and peak are confirmed at every frequency, and the model's outcome stays the same:
+    between two strengths where it changes it is a matter of probability.
+    """
+    strengths, each = found.plane.amplitudes_g, range(len(found.plane.frequencies_hz))
+
+    def confirmed(j: int) -> bool:
+        known = all(words[i, j][0] in HELD and words[i, j][2].peak_confirmed for i in each)
+        return known and all(found.model[i, j].outcomes == found.model[i, max(j - 1, 0)].outcomes for i in each)
+
+    held = list(takewhile(confirmed, range(len(strengths))))
+    return strengths[held[-1]] if held else None
+
+
+def saved_by(names: Sequence[str], maps: Sequence[TrustMap]) -> dict[str, Saved]:
+    """By model: at how many of the points known with and without the pedestal that prevents or causes a fall."""
+    if len(maps) < 2:
+        return {}
+    own, floor = (each.cells for each in maps)
+    saved = {}
+    for name in names:
+        pairs = [(falls(without, name), falls(cell, name)) for cell, without in zip(own, floor, strict=True)]
+        known = [(a, b) for a, b in pairs if a is not None and b is not None]
+        saved[name] = Saved.of(known)
+    return saved
+
+
+def falls(cell: TrustCell, name: str) -> bool | None:
+    """Whether the statue falls by one model; as by the analytic one where outcomes are confirmed; None where it is not known."""
+    ends = cell["outcomes"]
+    end = ends.get(name) or (ends.get(MODEL) if cell["class"] in HELD else None)
+    return None if end not in ("overturned", "stands") else end == "overturned"
+
+
+def answer_of(plane: Plane, maps: Sequence[TrustMap], saved: Mapping[str, Saved]) -> Answer:
+    """The headline: up to which strength the model holds, the shares of the plane, and what the pedestal saves by the model."""
+    frequencies = [each for each in plane.frequencies_hz if each is not None]
+    over = {"from_g": plane.amplitudes_g[0], "to_g": plane.amplitudes_g[-1]}
+    if frequencies:
+        over |= {"from_hz": frequencies[0], "to_hz": frequencies[-1]}
+    refuted = [changes_answer("trust_refuted", share=each.shares["refuted"]) for each in maps if each.shares["refuted"]]
+    held, told = list[Finding](), list[Finding]()
+    for each in maps:
+        where, up_to_g = "own" if each is maps[0] else "floor", each.confirmed_up_to_g
+        held.append(info("trust_up_to", where=where if up_to_g is not None else f"{where}_nowhere", strength_g=up_to_g))
+        told.append(
+            info("trust_shares", where=where, shares={k: share for k, share in each.shares.items() if share}, **over)
+        )
+    pedestal = [info("pedestal_saves", model=MODEL, **vars(saved[MODEL]))] if MODEL in saved else []
+    return Answer("refuted" if refuted else "trust_map", [*refuted[:1], *held, *pedestal, *told])
+
+
+def findings_of(
+    maps: Sequence[TrustMap], saved: Mapping[str, Saved], summary: TrustSummary, seed: int
+) -> list[Finding]:
+    """What the maps rest on, why models left their domain or the plane is not enough, and what the pedestal saves by engines."""
+    checks = {"checked": summary.checked, "changed": summary.changed, "seed": seed}
+    found = [
+        info("trust_asked", points=summary.points, asked=summary.asked),
+        caution("trust_checked", **checks) if summary.changed else info("trust_checked", **checks),
+        *(info("pedestal_saves", model=name, **vars(each)) for name, each in saved.items() if name != MODEL),
+    ]
+    cells = [cell for each in maps for cell in each.cells]
+    for kind in ("left_domain", "plane_left_out", "no_answer"):
+        causes = sorted({cause for cell in cells if cell["class"] == kind for cause in cell["why"]})
+        found += [caution("trust_why", kind=kind, causes=causes)] if causes else []
+    return found
+
+
+def write_cells(maps: Sequence[TrustMap], path: Path) -> None:
+    """A row for each point of each map."""
+    cells = [cell for each in maps for cell in each.cells]
+    models = [*dict.fromkeys(name for cell in cells for name in cell["outcomes"])]
+    plain = [name for name in cells[0] if name not in ("outcomes", "probability")]
+    chances = [*dict.fromkeys(name for cell in cells for name in cell["probability"])]
+    ends = [f"probability_{name}{end}" for name in chances for end in ("", "_low", "_high")]
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        rows = csv.writer(stream)
+        rows.writerow(["stands_on", *plain, *(f"outcome_{name}" for name in models), *ends])
+        for each in maps:
+            for cell in each.cells:
+                values = {
+                    **cell,
+                    "why": " ".join(cell["why"]),
+                    "set": " ".join(f"--set '{item}'" for item in cell["set"]),
+                }
+                bounds = [
+                    bound
+                    for name in chances
+                    for known in [cell["probability"].get(name)]
+                    for bound in ([None] * 3 if known is None else [known.value, known.low, known.high])
+                ]
+                told = [cell["outcomes"].get(name, "") for name in models]
+                rows.writerow([each.stands_on, *(values[name] for name in plain), *told, *bounds])
+
+
+def _cell(found: Map, point: Point, word: tuple[TrustClass, Basis, Said], chances: Mapping[str, Interval]) -> TrustCell:
+    """A point as it stands in the record; numbers of runs only where it has its own."""
+    kind, basis, by = word
+    own, model, plane = point in found.ran, found.model[point], found.plane
+    strength, frequency = plane.without_dimension(point)
+    peak = model.peak_rad
+    return {
+        "amplitude_g": plane.amplitudes_g[point[1]],
+        "frequency_hz": plane.frequencies_hz[point[0]],
+        "class": kind,
+        "basis": basis,
+        "answer": by.answer if own else "",
+        "why": by.why if basis != "rest" else [],
+        "outcomes": by.outcomes if own else model.outcomes,
+        "peak_rad": peak,
+        "peak_over_alpha": None if peak is None else peak / plane.scene.statue.slenderness_rad(plane.weaker_side),
+        "peaks_apart_rad": by.peaks_apart_rad if own else None,
+        "agree_until_s": by.agree_until_s if own else None,
+        "horizon_s": model.horizon_s,
+        "probability": chances,
+        "amplitude_over_g_tan_alpha": strength,
+        "frequency_over_p": frequency,
+        "set": plane.command(point),
+    }
+
+
+def _died(names: tuple[str, ...]) -> Said:
+    """A point whose process died."""
+    ends = dict.fromkeys(names, "crashed")
+    return Said("no_answer", "no_answer", ["crashed"], ends, False, False, "", None, None, None, None, False)

@@ -1,0 +1,330 @@
+"""What the table does not know, fitted for each model on the tests of one share by the likelihood of what was observed.
+
+A test's probability of falling at one setting of the unknown inputs is the share of a few draws there. What a body keeps from day
+to day is weighed by the tests of all its days, what was set up by those of its day. How wide draws scatter, and how many counts
+of either outcome are added to theirs, follows from how likely each test is by all the others of its body.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from harness.model.history import Array
+from harness.questions.validate.scenes import Variant
+from harness.questions.validate.table import OF_BODY, Inputs, Trial
+from harness.records.study import CaseRun
+from harness.records.validation import Fitted, FittedInput
+
+Answers = Mapping[tuple[str, Variant], CaseRun]
+"""The runs of one model, by test and variant."""
+Ask = Callable[[Sequence[tuple[Trial, Variant]]], Answers]
+"""Runs what is not known yet, and gives all answers so far."""
+
+DESIGN: Final = 32
+"""Joint settings of a body's unknown inputs that are tried first, each in one run a test, and"""
+NEARER: Final = 16
+"""settings beside the best of them that are tried next."""
+FINALISTS: Final = 12
+"""The best of all, between which the likelihood decides, by"""
+DRAWS: Final = 4
+"""draws of each test beside its nominal run."""
+WIDTHS: Final = (0.5, 1.0, 2.0, 4.0)
+"""Factors tried on the scatter of all draws, by at most"""
+WIDTH_DRAWS: Final = 10
+"""draws of each test: the share of its tests then says more of a width than its draws."""
+COUNTS: Final = 0.25
+"""Counts of either outcome that are added to those of the draws where nothing is fitted: what never fell in ten draws falls in
+one of forty."""
+COUNTS_TRIED: Final = np.geomspace(0.02, 5.0, 25)
+OWN: Final = 2.0
+"""How many bodies count as much as none of the others being alike, and"""
+POOLINGS: Final = 3
+"""rounds in which they hear of each other: the first already has most of it."""
+NUMBERED: Final = ("contact_tolerance_m", "inset_m", "friction", "scale")
+"""Inputs of which a value at the end of its list says that the truth may lie beyond."""
+
+
+@dataclass(frozen=True, eq=False)
+class Weighed:
+    """Settings of a body's unknown inputs, and how probable each is."""
+
+    settings: Sequence[Inputs]
+    weights: Array
+
+    @property
+    def best(self) -> Inputs:
+        """The most probable one, the first of equals."""
+        return self.settings[int(np.argmax(self.weights))]
+
+    def drawn(self, count: int) -> list[Inputs]:
+        """So many of them, each as often as it is probable, in an order that is no draw's scatter (`scenes.scene_of`)."""
+        from scipy.stats.qmc import Halton
+
+        shares = Halton(1, scramble=False).random(count)[:, 0] + 0.5 / count
+        places = np.searchsorted(np.cumsum(self.weights), np.mod(shares, 1.0) * self.weights.sum())
+        return [self.settings[min(int(place), len(self.settings) - 1)] for place in places]
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """How the unknown inputs of every test are taken: by body and day, and of a test of the share (`fitted_on`) by its name, as
+    all other tests of its body say. Where nothing was fitted every value of a list is as probable as the others.
+    """
+
+    of_set_up: Mapping[tuple[str, str], Weighed] = field(default_factory=dict)
+    of_others: Mapping[str, Weighed] = field(default_factory=dict)
+    width: float = 1.0
+    counts: float = COUNTS
+    fitted_on: int = 0
+    log_score: float | None = None
+    runs: int = 0
+
+    def nominal(self, trial: Trial) -> Variant:
+        """A test at the most probable values, its numerical error stated; at the first of each list where nothing is fitted."""
+        known = self.of_set_up.get((trial.body, trial.day))
+        return Variant(trial.inputs(known.best if known else None), stated=True)
+
+    def draws(self, trial: Trial, samples: int) -> list[Variant]:
+        """So many draws of a test."""
+        weighed = self.of_others.get(trial.name) or self.of_set_up.get((trial.body, trial.day))
+        count = min(samples, WIDTH_DRAWS) if trial.name in self.of_others else samples
+        settings = weighed.drawn(count) if weighed else designed(trial.unknown, count)
+        return [Variant(trial.inputs(each), k, self.width) for k, each in enumerate(settings, 1)]
+
+    def probability(self, runs: Sequence[CaseRun]) -> float | None:
+        """That a test falls, by its draws; None where none says whether it did."""
+        falls = [run.outcome.fell for run in runs if run.outcome.fell is not None]
+        return (sum(falls) + self.counts) / (len(falls) + 2.0 * self.counts) if falls else None
+
+
+def planned(trials: Sequence[Trial], share: Sequence[Trial], samples: int) -> int:
+    """Runs of one model on tests of which those of the `share` are fitted on: as many, or few less where rows know more."""
+    fitting = len(share) * len(WIDTHS) * min(samples, WIDTH_DRAWS)
+    for group in _by_body(share).values():
+        size = math.prod(len(values) for values in _unknown(group).values())
+        if size > 1:
+            fitting += len(group) * (min(size, DESIGN + NEARER) + min(size, FINALISTS) * DRAWS)
+    return fitting + len(trials) + (len(trials) - len(share)) * samples
+
+
+def choose(trials: Sequence[Trial], ask: Ask, samples: int) -> Choice:
+    """Fit the unknown inputs on these tests, and with draws their scatter too; only these tests are run."""
+    if not trials:
+        return Choice()
+    seen: set[tuple[str, Variant]] = set()
+
+    def asked(pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
+        seen.update((trial.name, variant) for trial, variant in pairs)
+        return ask(pairs)
+
+    bodies = [_Body(group, unknown) for group in _by_body(trials).values() if (unknown := _unknown(group))]
+    for step in (_Body.begin, _Body.look_nearer, _Body.take_finalists):
+        # All bodies at once, so that all workers have something to do.
+        answers = asked([pair for body in bodies for pair in step(body)])
+        for body in bodies:
+            body.hear(answers)
+        _pool(bodies)
+    choice = Choice(
+        {place: each for body in bodies for place, each in body.set_ups().items()},
+        {name: each for body in bodies for name, each in body.others().items()},
+        fitted_on=len(trials),
+    )
+    known = {trial.name: Weighed([trial.inputs()], np.ones(1)) for trial in trials}
+    choice = replace(choice, of_others={**known, **choice.of_others})
+    if samples:
+        choice = _scattered(choice, trials, asked, samples)
+    return replace(choice, runs=len(seen))
+
+
+def _pool(bodies: Sequence[_Body]) -> None:
+    """Let each body take the values that the others have as the likelier ones, by input: one laboratory's tests are alike.
+
+    The predictive of a Dirichlet prior that is as strong as `OWN` bodies which are all different; nothing where they are one.
+    """
+    for _ in range(POOLINGS):
+        shares = [body.marginals() for body in bodies]
+        for k, body in enumerate(bodies):
+            body.learn(shares[:k] + shares[k + 1 :])
+
+
+def _scattered(choice: Choice, trials: Sequence[Trial], ask: Ask, samples: int) -> Choice:
+    """The choice with the scatter and the added counts by which the tests, each as the others say, are likeliest."""
+    wide = {width: replace(choice, width=width) for width in WIDTHS}
+    pairs = {width: [(trial, each.draws(trial, samples)) for trial in trials] for width, each in wide.items()}
+    answers = ask([(trial, variant) for drawn in pairs.values() for trial, all_ in drawn for variant in all_])
+    tried: list[tuple[float, Choice]] = []
+    for width, drawn in pairs.items():
+        runs = [(trial.fell, [answers[trial.name, variant] for variant in all_]) for trial, all_ in drawn]
+        for counts in COUNTS_TRIED.tolist():
+            each = replace(wide[width], counts=counts)
+            chances = [p if fell else 1.0 - p for fell, own in runs if (p := each.probability(own)) is not None]
+            if chances:
+                missed = -sum(map(math.log, chances))
+                # Few tests do not tell: as assumed within a factor of two and of e, for what they say against it.
+                own = 0.5 * (math.log2(width) ** 2 + math.log(counts / COUNTS) ** 2)
+                tried.append((missed + own, replace(each, log_score=missed / len(chances))))
+    return min(tried, key=lambda each: each[0], default=(0.0, choice))[1]
+
+
+def _by_body(trials: Sequence[Trial]) -> dict[str, list[Trial]]:
+    bodies: dict[str, list[Trial]] = {}
+    for trial in trials:
+        bodies.setdefault(trial.body, []).append(trial)
+    return bodies
+
+
+def _unknown(trials: Sequence[Trial]) -> dict[str, tuple[Any, ...]]:
+    """The lists of one body's tests."""
+    return {name: values for trial in trials for name, values in trial.unknown.items()}
+
+
+def designed(unknown: Mapping[str, Sequence[Any]], count: int) -> list[Inputs]:
+    """So many joint settings of lists: all of them, over again where they are fewer, or different ones of seeded Latin
+    hypercubes, in which every value of a list comes as often as the others.
+    """
+    if math.prod(len(values) for values in unknown.values()) <= count:
+        every = [Inputs(**dict(zip(unknown, each, strict=True))) for each in itertools.product(*unknown.values())]
+        return [every[k % len(every)] for k in range(count)]
+    from scipy.stats.qmc import LatinHypercube
+
+    random, found, counts = np.random.default_rng(0), dict[Inputs, None](), [len(values) for values in unknown.values()]
+    while len(found) < count:
+        for row in (LatinHypercube(len(counts), rng=random).random(count) * counts).astype(int).tolist():
+            found[Inputs(**{name: values[k] for (name, values), k in zip(unknown.items(), row, strict=True)})] = None
+    return list(found)[:count]
+
+
+Marginals = Mapping[tuple[str, Any], float]
+"""The probability of each value, by input."""
+
+
+class _Body:
+    """The tests of the share of one body, and how likely each setting makes them."""
+
+    def __init__(self, trials: Sequence[Trial], unknown: Mapping[str, Sequence[Any]]) -> None:
+        self._trials, self._unknown = trials, unknown
+        self._size = math.prod(len(values) for values in unknown.values())
+        self._days = list(dict.fromkeys(trial.day for trial in trials))
+        self._settings: list[Inputs] = []
+        self._samples = range(1)
+        self._likely = np.empty((0, 0))
+        self._prior = np.zeros(0)
+        self._others: Sequence[Marginals] = ()
+
+    def begin(self) -> list[tuple[Trial, Variant]]:
+        """The runs of the first settings."""
+        self._settings = designed(self._unknown, min(self._size, DESIGN))
+        return self._pairs(self._settings)
+
+    def look_nearer(self) -> list[tuple[Trial, Variant]]:
+        """The runs of settings beside the best: one input another, by one place in a list of numbers."""
+        more: dict[Inputs, None] = {}
+        for best in self._ranked():
+            for name, values in self._unknown.items():
+                place = values.index(getattr(best, name))
+                near = values if name not in NUMBERED else values[max(place - 1, 0) : place + 2]
+                more |= dict.fromkeys(replace(best, **{name: value}) for value in near)
+        new = [each for each in more if each not in self._settings][:NEARER]
+        self._settings += new
+        return self._pairs(new)
+
+    def take_finalists(self) -> list[tuple[Trial, Variant]]:
+        """The draws of the best settings, to which the others are left."""
+        self._settings, self._samples = self._ranked()[:FINALISTS], range(DRAWS + 1)
+        return self._pairs(self._settings)
+
+    def _pairs(self, settings: Sequence[Inputs]) -> list[tuple[Trial, Variant]]:
+        return [
+            (trial, each) for setting in settings for trial in self._trials for each in self._variants(trial, setting)
+        ]
+
+    def _variants(self, trial: Trial, setting: Inputs) -> list[Variant]:
+        return [Variant(trial.inputs(setting), k) for k in self._samples]
+
+    def hear(self, answers: Answers) -> None:
+        """How likely (ln) each setting makes each test, (tests, settings)."""
+        choice = Choice()
+        likely = np.empty((len(self._trials), len(self._settings)))
+        for row, trial in zip(likely, self._trials, strict=True):
+            for k, setting in enumerate(self._settings):
+                runs = [answers[trial.name, variant] for variant in self._variants(trial, setting)]
+                p = choice.probability(runs)
+                p = 0.5 if p is None else p
+                row[k] = math.log(p if trial.fell else 1.0 - p)
+        self._likely = likely
+        self.learn(self._others)
+
+    def learn(self, others: Sequence[Marginals]) -> None:
+        """Take what the other bodies have of each value as the prior (ln, by setting)."""
+        self._others = others
+        self._prior = np.zeros(len(self._settings))
+        for name, values in self._unknown.items():
+            seen = {value: sum(each.get((name, value), 0.0) for each in others) for value in values}
+            self._prior += [math.log(OWN / len(values) + seen[getattr(each, name)]) for each in self._settings]
+
+    def marginals(self) -> Marginals:
+        """The mean over its days of what this body has of each value."""
+        weights = np.mean([self._weighed(day, self._likely).weights for day in self._days], axis=0)
+        found: dict[tuple[str, Any], float] = {}
+        for setting, weight in zip(self._settings, weights.tolist(), strict=True):
+            for name in self._unknown:
+                key = name, getattr(setting, name)
+                found[key] = found.get(key, 0.0) + weight
+        return found
+
+    def _ranked(self) -> list[Inputs]:
+        """All settings, those that are most probable on each day first."""
+        orders = [np.argsort(-self._weighed(day, self._likely).weights, kind="stable") for day in self._days]
+        return list(dict.fromkeys(self._settings[k] for places in zip(*orders, strict=True) for k in places))
+
+    def _weighed(self, day: str, likely: Array) -> Weighed:
+        """The settings as the tests say, of which all others of this day share what was set up, those of other days what the body
+        keeps."""
+        own = np.array([trial.day == day for trial in self._trials])
+        kept = [tuple(getattr(each, name) for name in OF_BODY) for each in self._settings]
+        logs = self._prior + likely[own].sum(axis=0)
+        for other in self._days:
+            if other != day:
+                at = likely[[trial.day == other for trial in self._trials]].sum(axis=0)
+                means = {each: np.logaddexp.reduce(at[[one == each for one in kept]]) for each in set(kept)}
+                logs = logs + [means[each] - math.log(kept.count(each)) for each in kept]
+        weights = np.exp(logs - logs.max())
+        return Weighed(self._settings, weights / weights.sum())
+
+    def set_ups(self) -> dict[tuple[str, str], Weighed]:
+        """By body and day."""
+        return {(self._trials[0].body, day): self._weighed(day, self._likely) for day in self._days}
+
+    def others(self) -> dict[str, Weighed]:
+        """By test, as all others say."""
+        left = np.ones(len(self._trials))
+        found = {}
+        for k, trial in enumerate(self._trials):
+            left[k] = 0.0
+            found[trial.name] = self._weighed(trial.day, left[:, None] * self._likely)
+            left[k] = 1.0
+        return found
+
+
+def fitted(trials: Sequence[Trial], choice: Choice) -> Fitted:
+    """What was chosen, as values of the table."""
+    rows = []
+    for (body, day), weighed in choice.of_set_up.items():
+        lists = _unknown([trial for trial in trials if trial.body == body])
+        for name, values in lists.items():
+            best = getattr(weighed.best, name)
+            same = [getattr(each, name) == best for each in weighed.settings]
+            numbers = [value for value in values if isinstance(value, float)]
+            at_end = name in NUMBERED and len(numbers) > 2 and best in (min(numbers), max(numbers))
+            weight = float(weighed.weights[same].sum())
+            told = list(best) if isinstance(best, tuple) else best
+            rows.append(FittedInput(Path(body).name, day, name, told, weight, at_end))
+    at_end = choice.log_score is not None and choice.width in (WIDTHS[0], WIDTHS[-1])
+    return Fitted(choice.fitted_on, choice.log_score, choice.width, at_end, choice.counts, rows, choice.runs)

@@ -1,0 +1,303 @@
+"""What the runs of a validation are worth against what was measured, and two models beside each other."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from harness.comparison.statistics import fragility
+from harness.comparison.statistics.distributions import wilson
+from harness.comparison.statistics.outcomes import (
+    FELL,
+    Case,
+    area_under_curve,
+    brier,
+    brier_skill,
+    reliability,
+    score_outcomes,
+)
+from harness.comparison.verdict import COVERAGE
+from harness.model.history import Outcome
+from harness.questions.study.ensembles import score_sets
+from harness.questions.study.rows import KeyedRow
+from harness.questions.validate import baseline
+from harness.questions.validate.fit import Answers, Choice, fitted
+from harness.questions.validate.jobs import Model
+from harness.questions.validate.motions import Intensity
+from harness.questions.validate.scenes import Variant, scene_of
+from harness.questions.validate.table import Trial
+from harness.records.study import CaseRun
+from harness.records.validation import (
+    BaselineRecord,
+    BodyScores,
+    Curves,
+    FallScores,
+    IntensityClass,
+    ModelScores,
+    PairScores,
+    ProbabilityScores,
+    Repeats,
+)
+
+BINS: Final = 3
+"""Intensity classes of equal numbers of tests: weak, middle, strong."""
+CURVE_POINTS: Final = 60
+"""Points of every curve that a page draws."""
+LIKELIER: Final = 0.5
+"""From this probability on a fall is the likelier outcome."""
+LEAST_OF_BODY: Final = 5
+"""Tests of a body from which its own threshold is learnt: with fewer one odd test moves it to any place."""
+
+
+def case_of(trial: Trial, variant: Variant, answer: CaseRun) -> Case:
+    """Prediction and observation of one test, and whether the prediction flips within its own numerical error."""
+    observed = FELL if trial.observed == FELL else Outcome(trial.observed)
+    return Case(answer.outcome, observed, _flips(trial, variant, answer))
+
+
+def _flips(trial: Trial, variant: Variant, answer: CaseRun) -> bool:
+    """A fall that is decided after the run's reliable time, or a stand with its peak within 2u of the balance point."""
+    uncertainty, until = answer.numerical_uncertainty_rad, answer.reliable_until_s
+    if uncertainty is None:
+        return False
+    no_return = answer.no_return_time_s
+    if answer.outcome.overturned:
+        return until is not None and no_return is not None and no_return > until
+    statue = scene_of(trial, variant).statue
+    margin = min(statue.slenderness_rad(side) for side in (1, -1)) - abs(answer.peak_theta_rad)
+    return bool(abs(margin) <= COVERAGE * uncertainty)
+
+
+@dataclass(frozen=True, eq=False)
+class Answered:
+    """One model's answers to all tests: what was chosen of the unknown inputs, every run, `samples` draws of each test.
+
+    Tests that are not `asked` (None: all are) are another model's, whose boundary is nowhere near.
+    """
+
+    model: Model
+    choice: Choice
+    answers: Answers
+    samples: int
+    asked: frozenset[str] | None = field(default=None, kw_only=True)
+
+    def run(self, trial: Trial) -> CaseRun:
+        """The nominal run of a test."""
+        return self.answers[trial.name, self.choice.nominal(trial)]
+
+    def drawn(self, trial: Trial) -> list[CaseRun]:
+        """The draws of a test."""
+        return (
+            [self.answers[trial.name, each] for each in self.choice.draws(trial, self.samples)] if self.samples else []
+        )
+
+    def disagrees(self, trial: Trial) -> bool:
+        """Whether a test's runs end differently: it is near the boundary."""
+        return len({run.outcome.fell for run in (self.run(trial), *self.drawn(trial))}) > 1
+
+    def probability(self, trial: Trial) -> float | None:
+        """That a test falls, by its draws; without any by its nominal run alone. None where none says whether it fell."""
+        if not self.samples:
+            fell = self.run(trial).outcome.fell
+            return None if fell is None else float(fell)
+        return self.choice.probability(self.drawn(trial))
+
+
+def score_model(
+    trials: Sequence[Trial], scored: Sequence[Trial], answered: Answered, intensities: Mapping[str, Intensity]
+) -> ModelScores:
+    """All scores of one model on the `scored` tests; curves are over all `trials`."""
+    cases = {trial.name: case_of(trial, answered.choice.nominal(trial), answered.run(trial)) for trial in scored}
+    sure = {trial: chance for trial in scored if (chance := answered.probability(trial)) is not None}
+    seen = [trial.fell for trial in sure]
+    drawn = curves(trials, intensities, lambda trial: answered.run(trial).outcome.fell)
+    samples = answered.samples
+    return ModelScores(
+        tests=len(scored),
+        failed=sum(answered.run(trial).outcome.failed for trial in scored),
+        fitted=fitted(trials, answered.choice),
+        outcomes=score_outcomes(list(cases.values())),
+        by_probability=_of_falls([p >= LIKELIER for p in sure.values()], seen) if samples else None,
+        probability=replace(score_probabilities(list(sure.values()), seen), samples=samples),
+        by_intensity=by_intensity(scored, intensities, lambda trial: _right(cases[trial.name])),
+        by_body=_by_body(scored, cases, sure if samples else {}),
+        fragility_pgv=drawn.fragility_pgv,
+        contour=drawn.contour,
+    )
+
+
+def _by_body(scored: Sequence[Trial], cases: Mapping[str, Case], chances: Mapping[Trial, float]) -> list[BodyScores]:
+    """The scores of each body's tests, in the table's order."""
+    found = []
+    for body in dict.fromkeys(trial.body for trial in scored):
+        own = [trial for trial in scored if trial.body == body]
+        right = [known for trial in own if (known := _right(cases[trial.name])) is not None]
+        p = {trial: chances[trial] for trial in own if trial in chances}
+        likelier = [(chance >= LIKELIER) == trial.fell for trial, chance in p.items()]
+        found.append(
+            BodyScores(
+                own[0].body_name,
+                len(own),
+                sum(trial.fell for trial in own),
+                wilson(sum(right), len(right)),
+                wilson(sum(likelier), len(likelier)),
+                brier(list(p.values()), [trial.fell for trial in p]) if p else None,
+            )
+        )
+    return found
+
+
+def repeats_of(trials: Sequence[Trial]) -> Repeats | None:
+    """What disagreeing repeats leave to the best of models; None where no test is repeated.
+
+    A group's outcomes differ by chance: with n repeats of which k fell, k (n − k)/(n (n − 1)) estimates p (1 − p) without bias.
+    """
+    groups: dict[Trial, list[bool]] = {}
+    for trial in trials:
+        # What is not known of a set-up may differ from day to day.
+        day = trial.day if trial.unknown else ""
+        same = replace(trial, name="", row=0, observed="", share="", day=day, history=None)
+        groups.setdefault(same, []).append(trial.fell)
+    again = [seen for seen in groups.values() if len(seen) > 1]
+    if not again:
+        return None
+    wrong = sum(min(sum(seen), len(seen) - sum(seen)) for seen in again)
+    spread = sum(sum(seen) * (len(seen) - sum(seen)) / (len(seen) - 1) for seen in again)
+    return Repeats(
+        sum(map(len, again)), len(again), sum(len(set(seen)) > 1 for seen in again),
+        1.0 - wrong / len(trials), spread / len(trials),
+    )  # fmt: skip
+
+
+def score_probabilities(p: Sequence[float], seen: Sequence[bool]) -> ProbabilityScores:
+    """Brier's score and skill, the area under the curve and the reliability diagram of probabilities of falling."""
+    if not p:
+        return ProbabilityScores(0, None, None)
+    skill = brier_skill(p, seen)
+    return ProbabilityScores(
+        len(p),
+        brier(p, seen),
+        None if math.isnan(skill) else skill,
+        area=area_under_curve(p, seen),
+        reliability=reliability(p, seen),
+    )
+
+
+def _of_falls(predicted: Sequence[bool], seen: Sequence[bool]) -> FallScores:
+    """Scores of falls, whichever way."""
+    cases = [
+        Case(Outcome.OVERTURNED_RIGHT if fall else Outcome.STANDS, FELL if fell else Outcome.STANDS)
+        for fall, fell in zip(predicted, seen, strict=True)
+    ]
+    scores = score_outcomes(cases)
+    return FallScores(**{item.name: getattr(scores, item.name) for item in fields(FallScores)})
+
+
+def _right(case: Case) -> bool | None:
+    return None if not case.decided or case.within_uncertainty else case.predicted.overturned == case.fell
+
+
+def by_intensity(
+    trials: Sequence[Trial], intensities: Mapping[str, Intensity], right: Callable[[Trial], bool | None]
+) -> list[IntensityClass]:
+    """Accuracy in classes of PGV of equal size; tests of which nothing is known (None) are left out."""
+    ordered = sorted(trials, key=lambda trial: intensities[trial.name].pgv_m_s)
+    classes = []
+    for part in np.array_split(np.arange(len(ordered)), BINS):
+        group = [ordered[int(i)] for i in part]
+        if group:
+            known = [verdict for trial in group if (verdict := right(trial)) is not None]
+            low, high = (intensities[trial.name].pgv_m_s for trial in (group[0], group[-1]))
+            classes.append(IntensityClass(low, high, len(group), wilson(sum(known), len(known))))
+    return classes
+
+
+def curves(
+    trials: Sequence[Trial], intensities: Mapping[str, Intensity], fell: Callable[[Trial], bool | None]
+) -> Curves:
+    """Fragility in PGV with its band, and the contour in PGA against PGV/PGA, of what is predicted or observed.
+
+    Tests of which it is not known whether the body fell (None) are left out.
+    """
+    known = {
+        trial: fall for trial in trials if intensities[trial.name].pga_g > 0.0 and (fall := fell(trial)) is not None
+    }
+    if not known:
+        return Curves(None, None)
+    each, fallen = [intensities[trial.name] for trial in known], list(known.values())
+    pgv = np.array([one.pgv_m_s for one in each])
+    ratio = np.array([one.ratio_s for one in each])
+    contour = baseline.contour(each, fallen)
+    return Curves(
+        fragility.fit(pgv, fallen).curve(np.geomspace(pgv.min(), pgv.max(), CURVE_POINTS)),
+        None if contour is None else contour.record(np.geomspace(ratio.min(), ratio.max(), CURVE_POINTS)),
+    )
+
+
+def score_baseline(
+    fitted_on: Sequence[Trial], scored: Sequence[Trial], intensities: Mapping[str, Intensity]
+) -> BaselineRecord:
+    """Each body's bare PGV threshold, and the probability by its PGV alone.
+
+    Fitted on their own share, or where there is none for each test on all others; a body of fewer than `LEAST_OF_BODY` tests to
+    learn from takes those of all bodies.
+    """
+    taught = fitted_on or scored
+    apart = bool(fitted_on)
+    predicted, likely = [], []
+    for trial in scored:
+        others = [each for each in taught if each is not trial] or [trial]
+        own = [each for each in others if each.body == trial.body]
+        pgv, fell = _intensity_and_fall(own if len(own) >= LEAST_OF_BODY else others, intensities)
+        strength = intensities[trial.name].pgv_m_s
+        predicted.append(bool(strength >= baseline.best_threshold(pgv, fell)))
+        likely.append(float(baseline.chances(pgv, fell, [strength])[0]))
+    seen = [trial.fell for trial in scored]
+    right = {trial.name: said == trial.fell for trial, said in zip(scored, predicted, strict=True)}
+    by_body = {trial.body: [each for each in taught if each.body == trial.body] for trial in scored}
+    return BaselineRecord(
+        rule="overturns when PGV reaches its body's threshold",
+        threshold_m_s=baseline.best_threshold(*_intensity_and_fall(taught, intensities)),
+        fitted_on="the named share" if apart else "all tests but the one that is predicted",
+        outcomes=_of_falls(predicted, seen),
+        probability=score_probabilities(likely, seen),
+        by_intensity=by_intensity(scored, intensities, lambda trial: right[trial.name]),
+        threshold_by_body_m_s={
+            Path(body).name: baseline.best_threshold(*_intensity_and_fall(own, intensities))
+            for body, own in by_body.items()
+            if len(own) >= LEAST_OF_BODY
+        },
+    )
+
+
+def _intensity_and_fall(
+    trials: Sequence[Trial], intensities: Mapping[str, Intensity]
+) -> tuple[list[float], list[bool]]:
+    return [intensities[trial.name].pgv_m_s for trial in trials], [trial.fell for trial in trials]
+
+
+def score_pairs(trials: Sequence[Trial], answered: Sequence[Answered]) -> list[PairScores]:
+    """One entry for each two models, the later of the two against the earlier, over the tests that both answered.
+
+    The verdicts take a numerical error that is not stated as zero. No histories are kept of a validation's runs: verdicts rest on
+    the peaks and the times at which they are reached.
+    """
+    rows = {item.model.name: [_row(trial, item) for trial in trials] for item in answered}
+    pairs = []
+    for b, a in itertools.combinations(rows, 2):
+        scores = score_sets([*rows[b], *rows[a]], reference=b)[a]
+        unstated = [
+            name for name in (a, b) if any(row.run and row.run.numerical_uncertainty_rad is None for row in rows[name])
+        ]
+        pairs.append(PairScores(a=a, b=b, unstated=unstated, **vars(scores)))
+    return pairs
+
+
+def _row(trial: Trial, item: Answered) -> KeyedRow:
+    return KeyedRow(number=trial.row, engine=item.model.name, reason="", varied={}, run=item.run(trial), key=None)

@@ -1,0 +1,370 @@
+"""One call: read the table, run what is missing, score it, write the record."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from harness import engines
+from harness.comparison.comparator import compare
+from harness.comparison.scores.against_measured import Measured
+from harness.input.history_file import read_history
+from harness.model import run as record
+from harness.model.errors import InputError, Mistake
+from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
+from harness.model.run import Run
+from harness.questions.validate.fit import Answers, Choice, choose, planned
+from harness.questions.validate.jobs import BATCH, BATCH_OTHERWISE, Model, parse_model, tasks_of
+from harness.questions.validate.motions import Intensity
+from harness.questions.validate.scenes import Variant, intensity_of
+from harness.questions.validate.scoring import Answered, curves, repeats_of, score_baseline, score_model, score_pairs
+from harness.questions.validate.table import Trial, read_table
+from harness.records.base import RunCounts
+from harness.records.result_folder import write_whole
+from harness.records.scores import Interval
+from harness.records.study import CaseRun
+from harness.records.validation import (
+    BaselineRecord,
+    Curves,
+    FitShare,
+    MeasuredHistory,
+    ModelRecord,
+    PairScores,
+    TestRow,
+    ValidationRecord,
+)
+from harness.runs.execute import Campaign
+from harness.runs.progress import progress
+from harness.runs.runner import LocalPool
+from harness.runs.store import STORE_NAME, Store, check_begun
+
+# What a validation says: which models are right most often, and whether any beats a bare threshold on PGV.
+
+
+def answer_of(record: ValidationRecord) -> Answer:
+    """The models that are right most often, held against the threshold; its code says whether any is better."""
+    known = {name: item.outcomes.accuracy for name, item in record.models.items() if item.outcomes.accuracy}
+    if not known:
+        return Answer("no_answer", [changes_answer("no_test_decided", tests=record.tests)])
+    found, bare = [_best(known)], record.baseline.outcomes.accuracy
+    if bare is None:
+        return Answer("no_threshold", found)
+    better = [name for name, item in known.items() if item.low > bare.value]
+    worse = [name for name, item in known.items() if item.high < bare.value]
+    shown = "better" if better else "worse" if worse else "alike"
+    own = sorted(record.baseline.threshold_by_body_m_s.values()) or [record.baseline.threshold_m_s]
+    values = {"models": better or worse or list(known), "right": _values(bare), "threshold_m_s": [own[0], own[-1]]}
+    against = info("threshold", shown=shown, **values) if better else caution("threshold", shown=shown, **values)
+    return Answer(shown, [*found, against])
+
+
+def findings_of(record: ValidationRecord) -> list[Finding]:
+    """All that is to be known beside the headline."""
+    found = [each.of(name) for name, item in record.models.items() for each in _of_model(item)]
+    if record.unexplained:
+        found.append(caution("tests_unexplained", tests=list(record.unexplained)))
+    if record.repeats is not None:
+        found.append(info("repeats_disagree", **vars(record.repeats)))
+    if record.unfitted:
+        found.append(caution("not_fitted", keys=list(record.unfitted), fit_share=record.fit_share.name))
+    return [*found, info("runs_computed", computed=record.runs.computed, wanted=record.runs.wanted)]
+
+
+def _best(known: Mapping[str, Interval]) -> Finding:
+    """Which models are right most often; a bare count, whose intervals may overlap."""
+    most = max(item.value for item in known.values())
+    best = [name for name, item in known.items() if item.value == most]
+    return info("right_most_often", alone=len(best) == 1, models=best, right=_values(known[best[0]]))
+
+
+def _of_model(item: ModelRecord) -> Iterator[Finding]:
+    """What a model leaves open, and where what it says of a fall is no true probability."""
+    within = item.outcomes.within_uncertainty
+    left = item.outcomes.undecided + within
+    ends = sorted({f"{each.input} ({each.body})" for each in item.fitted.inputs if each.at_end})
+    if ends:
+        yield caution("fitted_at_end", inputs=ends)
+    if item.fitted.width_at_end:
+        yield caution("width_at_end", width=item.fitted.width)
+    if item.near:
+        yield info("asked_near", near=item.near, asked=item.asked)
+    if left or item.failed:
+        yield caution("tests_left_open", left=left, within=within, failed=item.failed)
+    for each in item.probability.reliability:
+        if not each.holds:
+            values = {"from": each.low, "to": each.high, "fell": _values(each.fell), "cases": each.cases}
+            yield caution("not_reliable", **values)
+
+
+def _values(item: Interval) -> list[float]:
+    return [item.value, item.low, item.high]
+
+
+MAX_SAMPLES: Final = 1000
+"""More perturbed runs of each test than this would measure the draws, not the model: their error is already 1.6 %."""
+
+
+def run_validation(
+    experiments: Path,
+    folder: Path,
+    *,
+    models: Sequence[str] | None = None,
+    samples: int = 0,
+    fit_share: str = "fit",
+    seed: int = 0,
+    jobs: int | None = None,
+    resume: bool = False,
+    quiet: bool = False,
+    say: Say = lambda finding: "",
+) -> ValidationRecord:
+    """Run the models on a table of measured tests and score them; writes store.sqlite and result.json into `folder`.
+
+    `models` are engines, each with a setting where wanted (`pymunk@accuracy=1e-4`, `pybullet@dt=5e-4`). Unknown inputs (lists in
+    the table) are fitted for each model on the tests of `fit_share` alone; then every test is run as given and with `samples`
+    draws of the statue (azimuth, base, friction). Results already in the folder's store are not computed again. Raises
+    `InputError` for a wrong table, model, file or number, or `resume` where there is nothing to go on.
+    """
+    start = time.perf_counter()
+    chosen = [parse_model(text) for text in dict.fromkeys(models or engines.DEFAULT_ENGINES)]
+    _check(folder, samples, resume, chosen)
+    trials = read_table(experiments)
+    share = [trial for trial in trials if trial.share == fit_share]
+    with closing(LocalPool(jobs)) as pool, progress(experiments.name, quiet) as on_progress:
+        of_model = planned(trials, share, samples)
+        plan = _Plan(on_progress, [0 if each.near else of_model for each in chosen])
+        intensities = _intensities(trials)
+        with Store(folder / STORE_NAME, "validation") as store:
+            campaign = Campaign(store, pool, plan, BATCH, BATCH_OTHERWISE)
+            answered: list[Computed] = []
+            for model in chosen:
+                plan.next_model()
+                runs = Runs(store, campaign, model, seed, plan)
+                base = next((each for each in answered if each.model.name == model.near), None)
+                answered.append(
+                    _answered(runs, trials, share, samples) if base is None else _near(runs, trials, base, samples)
+                )
+            plan.next_model()
+            plan(campaign.computed, campaign.computed)
+            scored = _scored(trials, answered, intensities, fit_share)
+    unknown = sorted({name for trial in trials for name in trial.unknown})
+    result = ValidationRecord(
+        **vars(scored),
+        title=f"Validation against {len(trials)} measured tests",
+        tests=len(trials),
+        bodies=len({trial.body for trial in trials}),
+        fit_share=FitShare(fit_share, len(share)),
+        samples=samples,
+        unknown=unknown,
+        unfitted=[] if share else unknown,
+        unexplained=_unexplained(trials, answered) if samples else [],
+        repeats=repeats_of([trial for trial in trials if trial.share != fit_share] or trials),
+        experiments=experiments.name,
+        runs=RunCounts(campaign.computed + len(campaign.reused), campaign.computed),
+        seed=seed,
+        versions=record.versions(),
+        machine=record.machine(),
+        seconds=time.perf_counter() - start,
+    )
+    result = replace(result, answer=answer_of(result), findings=findings_of(result))
+    return write_whole(folder, result.texted(say))
+
+
+class _Plan:
+    """Tells how many runs are done, of all that are planned for the models: those that a campaign has not heard of yet too."""
+
+    def __init__(self, on_progress: Callable[[int, int], None], runs: Sequence[int]) -> None:
+        self._on_progress, self._of_models, self._left = on_progress, list(runs), 0
+        self(0, 0)
+
+    def next_model(self) -> None:
+        """The first model's runs begin, or the next one's: what the one before did not need is none any more."""
+        self._left = self._of_models.pop(0) if self._of_models else 0
+
+    def begin(self, runs: int) -> None:
+        """So many of the model's runs are the campaign's from now on."""
+        self._left = max(self._left - runs, 0)
+
+    def __call__(self, done: int, expected: int) -> None:
+        """Hear the campaign."""
+        self._on_progress(done, expected + self._left + sum(self._of_models))
+
+
+class Runs:
+    """The answers of one model, by test and variant; what is asked and not in the store is run."""
+
+    def __init__(self, store: Store, campaign: Campaign, model: Model, seed: int, plan: _Plan) -> None:
+        self._store, self._campaign, self._plan, self._seed = store, campaign, plan, seed
+        self.model = model
+        self._answers: dict[tuple[str, Variant], CaseRun] = {}
+        self._keys: dict[tuple[str, Variant], str] = {}
+
+    def __call__(self, pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
+        wanted = [pair for pair in dict.fromkeys(pairs) if (pair[0].name, pair[1]) not in self._answers]
+        # Those of one body side by side, and of one motion: a worker then makes each statue once, and hears each motion once.
+        wanted.sort(key=lambda pair: (pair[0].body, str(pair[0].motion)))
+        self._plan.begin(len(wanted))
+        tasks = tasks_of(wanted, self.model, self._seed)
+        found = self._campaign.ask(tasks) if tasks else []
+        for (trial, variant), task, stored in zip(wanted, tasks, found, strict=True):
+            if stored is None:
+                raise InputError(
+                    Mistake(str(self._store.path), task.key, "the result of every run", "none", "run again")
+                )
+            self._answers[trial.name, variant] = CaseRun.stored(stored)
+            self._keys[trial.name, variant] = task.key
+        return self._answers
+
+    def history(self, trial: Trial, variant: Variant) -> Run | None:
+        """The run of a variant with its history, as the store keeps it."""
+        return self._store.run(self._keys[trial.name, variant])
+
+
+@dataclass(frozen=True, eq=False)
+class Computed(Answered):
+    """One model's answers, with its runs in the store."""
+
+    runs: Runs
+
+
+def _answered(runs: Runs, trials: Sequence[Trial], share: Sequence[Trial], samples: int) -> Computed:
+    """Fit the model on its share, then run every test as given and in its draws."""
+    choice = choose(share, runs, samples)
+    return Computed(runs.model, choice, runs(_wanted(trials, choice, samples)), samples, runs)
+
+
+def _near(runs: Runs, trials: Sequence[Trial], base: Computed, samples: int) -> Computed:
+    """Run the tests of which another model's draws disagree, at what was fitted for that; all others are as that says."""
+    near = [trial for trial in trials if base.disagrees(trial)]
+    answers = {**base.answers, **runs(_wanted(near, base.choice, samples))}
+    return Computed(runs.model, base.choice, answers, samples, runs, asked=frozenset(trial.name for trial in near))
+
+
+def _wanted(trials: Sequence[Trial], choice: Choice, samples: int) -> list[tuple[Trial, Variant]]:
+    return [
+        (trial, variant)
+        for trial in trials
+        for variant in (choice.nominal(trial), *(choice.draws(trial, samples) if samples else ()))
+    ]
+
+
+def _unexplained(trials: Sequence[Trial], answered: Sequence[Computed]) -> list[str]:
+    """Tests whose outcome no run of any model gives: not as fitted, in no draw, and at no value that was tried."""
+    odd = {trial.name: trial for trial in trials}
+    for item in answered:
+        for (name, _), answer in item.answers.items():
+            # A run that comes to no end excludes neither outcome.
+            if name in odd and answer.outcome.fell in (odd[name].fell, None):
+                del odd[name]
+    return list(odd)
+
+
+def _check(folder: Path, samples: int, resume: bool, models: Sequence[Model]) -> None:
+    for place, model in enumerate(models):
+        before = [each.name for each in models[:place] if not each.near]
+        if model.near and model.near not in before:
+            raise InputError(Mistake("--engine", "", "near= a model that is named before", model.name))
+        if model.near and not samples:
+            raise InputError(Mistake("--samples", "", f"draws, which tell what is near, for {model.name}", "0"))
+    if not 0 <= samples <= MAX_SAMPLES:
+        raise InputError(Mistake("--samples", "", f"a whole number from 0 to {MAX_SAMPLES}", str(samples)))
+    if resume:
+        check_begun(folder, "a validation")
+
+
+def _intensities(trials: Sequence[Trial]) -> dict[str, Intensity]:
+    """Intensities of all tests; this reads every scene, mesh and motion, so that all mistakes come before any run."""
+    by_test: dict[str, Intensity] = {}
+    mistakes: dict[str, Mistake] = {}
+    for trial in trials:
+        try:
+            by_test[trial.name] = intensity_of(trial)
+        except InputError as error:
+            mistakes |= {str(mistake): mistake for mistake in error.mistakes}
+    if mistakes:
+        raise InputError(mistakes.values())
+    return by_test
+
+
+@dataclass(frozen=True)
+class Scored:
+    """Tests and answers against each other, as the record has them."""
+
+    models: Mapping[str, ModelRecord]
+    pairs: Sequence[PairScores]
+    observed: Curves
+    baseline: BaselineRecord
+    rows: Sequence[TestRow]
+
+
+def _scored(
+    trials: Sequence[Trial], answered: Sequence[Computed], intensities: Mapping[str, Intensity], fit_share: str | None
+) -> Scored:
+    """The scores of all models, of each pair, and of the threshold."""
+    taught = [trial for trial in trials if trial.share == fit_share]
+    scored = [trial for trial in trials if trial.share != fit_share]
+    # Where all tests belong to the share they are scored on what they were fitted on, each threshold on all others.
+    apart = taught if scored else []
+    scored = scored or list(trials)
+    models = {
+        item.model.name: ModelRecord(
+            engine=item.model.engine,
+            accuracy_rad=item.model.accuracy_rad,
+            dt_s=item.model.dt_s,
+            histories=_histories(trials, item),
+            near=item.model.near,
+            asked=None if item.asked is None else len(item.asked),
+            **vars(score_model(trials, scored, item, intensities)),
+        )
+        for item in answered
+    }
+    return Scored(
+        models=models,
+        pairs=score_pairs(trials, answered),
+        observed=curves(trials, intensities, lambda trial: trial.fell),
+        baseline=score_baseline(apart, scored, intensities),
+        rows=_rows(trials, answered, intensities),
+    )
+
+
+def _histories(trials: Sequence[Trial], item: Computed) -> list[MeasuredHistory]:
+    """Scores against each measured history, which is a history like any other, up to where the run's own error is stated."""
+    histories = []
+    for trial in trials:
+        if trial.history is not None and (item.asked is None or trial.name in item.asked):
+            computed = item.runs.history(trial, item.choice.nominal(trial))
+            scores = None
+            if computed is not None and not computed.outcome.failed:
+                names = item.model.name, f"measured {trial.name}"
+                scores = compare(computed, read_history(trial.history), names=names, measured=_measured(trial, item))
+            histories.append(MeasuredHistory(trial.name, scores))
+    return histories
+
+
+def _measured(trial: Trial, item: Computed) -> Measured | None:
+    """The uncertainty of a test's history, where it is stated; of the inputs is the scatter of the draws' largest rotations."""
+    if trial.history_uncertainty_rad is None:
+        return None
+    peaks = [abs(run.peak_theta_rad) for run in item.drawn(trial) if run.outcome.fell is False]
+    return Measured(trial.history_uncertainty_rad, float(np.std(peaks, ddof=1)) if len(peaks) > 1 else 0.0)
+
+
+def _rows(trials: Sequence[Trial], answered: Sequence[Answered], intensities: Mapping[str, Intensity]) -> list[TestRow]:
+    return [
+        TestRow(
+            test=trial.name,
+            body=Path(trial.body).name,
+            share=trial.share,
+            observed=trial.observed,
+            pga_g=intensities[trial.name].pga_g,
+            pgv_m_s=intensities[trial.name].pgv_m_s,
+            predicted={item.model.name: str(item.run(trial).outcome) for item in answered},
+            probability={item.model.name: item.probability(trial) for item in answered},
+        )
+        for trial in trials
+    ]

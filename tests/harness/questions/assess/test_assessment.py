@@ -1,0 +1,229 @@
+"""The probability of overturning by the model: sweep and single runs alike, near what many draws gave."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pytest
+
+from analytic import Harmonic, Pulse
+from harness import engines
+from harness.comparison.statistics.distributions import wilson
+from harness.input.scene_file import load_scene
+from harness.model.options import RunOptions
+from harness.model.scene import BaseExcitation, Pedestal
+from harness.questions.assess import by_model
+from harness.questions.assess.answer import answer_of, findings_of, probability
+from harness.questions.assess.assessment import assess
+from harness.questions.assess.by_model import assess_models, probability_of
+from harness.questions.assess.inputs import draw, row, uncertain_inputs
+from harness.questions.assess.model_draws import ModelDraws, model_draws
+from harness.questions.assess.stratified import jeffreys
+from harness.questions.assess.variation import varied
+from harness.records.assess import AssessRecord, NotAssessed
+from reports.text.wording import tone_of_answers, worse_tone
+from tests import budgets_assess as budget
+from tests.engines_for_tests import ready
+from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, rectangle, scene
+
+SCENES = Path(__file__).parents[4] / "scenes"
+SINGLES = 40
+
+
+def test_the_shipped_pedestal_scene_falls_in_two_of_five() -> None:
+    """0.396 by 20 000 draws of another implementation with friction 15 %, strength 10 %, frequency 5 %, kinetic at impacts."""
+    kinetic = load_scene(SCENES / "paestum_pedestal.toml", {"contact.floor_impact": "kinetic"})
+    answers = assess_models(kinetic)
+    assert list(answers) == ["analytic"]
+    found = answers["analytic"]
+    assert found.probability_overturned == pytest.approx(0.396, abs=budget.MODEL_OWN)
+    assert found.low < found.probability_overturned < found.high
+    assert found.draws == found.engine_runs == 10_000
+
+
+def test_an_unknown_coefficient_at_impacts_is_part_of_the_probability() -> None:
+    """4 000 draws of another implementation: 0.40 with the kinetic one, 0.50 with the static one; it lies between."""
+    shipped = load_scene(SCENES / "paestum_pedestal.toml")
+    found = assess_models(shipped)["analytic"]
+    assert 0.396 + budget.MODEL_OWN < found.probability_overturned < 0.50 - budget.MODEL_OWN
+    inputs = uncertain_inputs(shipped)
+    static = {**draw(inputs, 4000, seed=1), "contact.floor_impact": np.ones(4000)}
+    assert model_draws(shipped, static).probability == pytest.approx(0.50, abs=2.0 * budget.MODEL_OWN)
+
+
+def test_the_sweep_says_of_every_draw_what_a_single_run_says() -> None:
+    on = paestum(0.429, 3.0, duration_s=6.0)
+    draws = draw(uncertain_inputs(on), SINGLES, seed=2)
+    swept, model = model_draws(on, draws), engines.load("analytic")
+    for k in range(SINGLES):
+        single = varied(on, row(draws, k))
+        outcome = model.simulate(single, model.refinement_levels(single)[0], RunOptions(history=False)).outcome
+        assert outcome.overturned == swept.overturned[k]
+    assert 0 < np.count_nonzero(swept.overturned) < SINGLES, "the draws should be of both kinds"
+
+
+def test_a_scene_that_knows_everything_has_no_probability() -> None:
+    assert assess_models(scene(PAESTUM, theta_rad=0.04, duration_s=1.0)) == {}
+
+
+def test_an_assessment_holds_what_the_contract_names() -> None:
+    record = assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic", "pymunk"], draws=500, most_runs=48).record
+    assert record.kind == "assess"
+    for name in ("analytic", "pymunk"):
+        own = record.assessment[name]
+        assert {"probability_overturned", "low", "high", "level", "draws", "engine_runs"} <= set(vars(own))
+        assert 0.0 <= own.low <= own.probability_overturned <= own.high <= 1.0
+        assert own.draws == 500
+    assert record.assessment["analytic"].engine_runs == 500
+    assert 0 < record.assessment["pymunk"].engine_runs <= 48
+    assert record.difference_from_model["pymunk"].low <= record.difference_from_model["pymunk"].high
+    assert np.all(np.diff(record.fragility.factor) > 0.0)
+    assert set(record.indices) <= {item.key for item in record.uncertainty}
+
+
+def test_an_engine_none_of_whose_runs_ends_has_no_probability_but_a_reason() -> None:
+    """The exact body knows no pedestal."""
+    record = assess(paestum(0.429, 3.0, duration_s=0.5), ["spatial"], draws=100, most_runs=30, more_options=None).record
+    none = record.assessment["spatial"]
+    assert isinstance(none, NotAssessed)
+    (reason,) = (each for each in record.findings if each.code == "not_assessed")
+    assert (reason.engine, reason.values) == ("spatial", {"reason": none.message})
+    assert set(record.answers) == {"analytic"}
+    assert record.difference_from_model == {}
+
+
+def test_a_push_across_the_plane_is_the_exact_bodys_to_answer_and_never_green() -> None:
+    """Pushed across its plane alone, a block that the planar model never moves falls; on a pedestal nobody answers that."""
+    push = Pulse("rectangular", 0.8 * 9.81, 0.5)
+    given = scene(rectangle(0.4, 1.4, depth_m=0.3), mu_statue=0.6, duration_s=2.0)
+    shaken = replace(given, base_excitation=BaseExcitation(y=push))
+    answers = assess_models(shaken, draws=40)
+    assert answers["analytic"].probability_overturned == 0.0
+    assert answers["analytic"].plane_only
+    assert answers["spatial"].probability_overturned > 0.9
+    assert tone_of_answers({"analytic": answers["analytic"]}) == "differ"
+    assert worse_tone(answers, "agree") == "failed"
+    record = assess(shaken, ["analytic"], draws=40).record
+    assert set(record.answers) == {"analytic", "spatial"}
+    assert record.difference_from_model["spatial"].high < -0.5
+    assert record.answer is not None
+    assert record.answer.findings[0].values["model"] == "spatial"
+    assert not any(each.values.get("needed") is False for each in record.answer.findings)
+    assert not codes(record) & {"assess_in_space", "probability_in_plane"}, "the exact body answers the other"
+    on_pedestal = paestum(0.429, 3.0, duration_s=1.0)
+    excitation = replace(on_pedestal.base_excitation, y=push)
+    across = replace(on_pedestal, base_excitation=excitation)
+    alone = assess_models(across, draws=20)
+    assert list(alone) == ["analytic"]
+    assert [each.code for each in probability(alone)][-1] == "probability_in_plane"
+    mine = replace(record, assessment=alone, scene=replace(record.scene, file="mine.toml"))
+    (command,) = (each for each in findings_of(mine) if each.code == "assess_in_space")
+    assert command.values == {"file": "mine.toml"}
+
+
+def codes(record: AssessRecord) -> set[str]:
+    """The codes of all that a record says."""
+    return {each.code for each in (*answer_of(record).findings, *findings_of(record))}
+
+
+def test_an_assumed_strength_is_the_files_own(tmp_path: Path) -> None:
+    """`[motion] scale` is what is uncertain where nobody says otherwise, not one."""
+    text = (SCENES / "paestum_block.toml").read_text().replace("[motion.x]", "[motion]\nscale = 0.2\n\n[motion.x]")
+    (tmp_path / "weak.toml").write_text(text)
+    weak = load_scene(tmp_path / "weak.toml")
+    assert {item.key: item.value for item in uncertain_inputs(weak)}["motion.scale"] == 0.2
+    assert assess_models(weak, draws=200)["analytic"].probability_overturned == 0.0
+
+
+TALL: Final = scene(
+    rectangle(0.25, 1.0),
+    Harmonic(0.24 * GRAVITY_M_S2, 1.2),
+    pedestal=Pedestal(80.0, 0.35, 0.35, 1.1),
+    mu=0.6,
+    duration_s=2.0,
+)
+"""The model holds its pedestal upright: of what the statue does on one that tips it knows nothing, fall or stand."""
+
+
+def test_draws_outside_the_models_domain_are_open_where_no_engine_answers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(type(engines.load("pymunk")), "missing", lambda self: "pymunk is not installed")
+    found = assess_models(TALL)["analytic"]
+    assert found.undecided == pytest.approx(found.left_domain)
+    assert found.left_domain > 0.99
+    assert (found.low, found.high, found.sampled) == (0.0, 1.0, 0)
+    assert not found.tells
+    assert [each.code for each in probability({"analytic": found})] == ["probability_open"]
+    low = assess_models(replace(TALL, pedestal=Pedestal(80.0, 1.0, 1.0, 0.2)))["analytic"]
+    assert low.tells
+
+
+def test_an_engine_answers_draws_outside_the_models_domain(monkeypatch: pytest.MonkeyPatch) -> None:
+    ready("pymunk")
+    monkeypatch.setattr(by_model, "MOST_SAMPLED", 12)
+    found = assess_models(TALL, draws=500)["analytic"]
+    assert (found.sampler, found.sampled) == ("pymunk", 12)
+    assert found.undecided == 0.0
+    assert found.tells
+    own = wilson(0, 500, 0.9)
+    assert own is not None
+    assert (found.low, found.high) == pytest.approx((0.0, np.hypot(own.high, found.left_domain * jeffreys(0, 12)[2])))
+
+
+def test_a_statue_that_slips_on_its_support_is_no_fall_of_the_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At a friction of 0.1 a slender block is pushed along the floor; the model, which knows no slip, overturns it."""
+    ready("pymunk")
+    monkeypatch.setattr(by_model, "MOST_SAMPLED", 12)
+    slips = scene(rectangle(0.25, 1.0), Pulse("one_sine", 0.8 * GRAVITY_M_S2, 1.0), mu_statue=0.1, duration_s=2.0)
+    found = assess_models(slips, draws=500)["analytic"]
+    assert found.left_domain > 0.9
+    assert found.high < 0.3
+    rough = assess_models(replace(slips, contact=replace(slips.contact, statue=5.0)), draws=500)["analytic"]
+    assert rough.left_domain == 0.0
+    assert rough.low > 0.9
+
+
+def test_a_fall_told_by_energy_past_the_domain_is_not_the_models() -> None:
+    """Such a fall has no instant of no return: of each draw a single run says that the statue slips, long before."""
+    slips = scene(rectangle(0.245, 1.0), Pulse("one_sine", 0.68 * GRAVITY_M_S2, 0.41), mu_statue=0.2, duration_s=4.0)
+    model = model_draws(slips, draw(uncertain_inputs(slips), 200, seed=0))
+    assert not model.overturned[~model.left].any()
+    assert model.left.mean() > 0.9
+
+
+def test_the_interval_holds_open_draws_either_way() -> None:
+    """Ten fall, 60 stand, 20 left the domain, 10 are open; of the 20 the engine ran 8: 3 fell, 4 stood, one came to no end."""
+    kind = np.repeat(np.arange(4), (10, 60, 20, 10))
+    model = ModelDraws(kind < 2, kind == 0, np.ones(100), np.zeros(100), kind == 2)
+    fell = dict(zip(range(70, 78), (True, True, True, False, False, False, False, None), strict=True))
+    none, some = probability_of(model, "pymunk", {}), probability_of(model, "pymunk", fell)
+    own, sample = wilson(10, 100, 0.9), jeffreys(3, 7)
+    assert none is not None
+    assert some is not None
+    assert own is not None
+    assert (none.probability_overturned, none.undecided, none.sampled) == pytest.approx((0.1, 0.3, 0))
+    assert (none.low, none.high) == pytest.approx((own.low, own.high + 0.3))
+    answered = 0.2 * 7 / 8
+    assert some.undecided == pytest.approx(0.3 - answered)
+    assert some.probability_overturned == pytest.approx(0.1 + answered * 3 / 7)
+    below = np.hypot(0.1 - own.low, answered * (sample[0] - sample[1]))
+    above = np.hypot(own.high - 0.1, answered * (sample[2] - sample[0])) + some.undecided
+    assert (some.low, some.high) == pytest.approx(
+        (some.probability_overturned - below, some.probability_overturned + above)
+    )
+
+
+def test_the_domain_of_an_ensemble_is_that_of_single_runs() -> None:
+    on = scene(rectangle(0.25, 1.0), Harmonic(0.24 * GRAVITY_M_S2, 1.2), pedestal=Pedestal(80.0, 0.5, 0.5, 0.7), mu=0.6)
+    on, model = replace(on, duration_s=2.0), engines.load("analytic")
+    draws = draw(uncertain_inputs(on), SINGLES, seed=3)
+    swept, left = model_draws(on, draws), 0
+    for k in range(SINGLES):
+        single = varied(on, row(draws, k))
+        run = model.simulate(single, model.refinement_levels(single)[0], RunOptions(history=False))
+        known = run.validity["left_domain_s"] is None
+        left += not known
+        assert swept.decided[k] is np.bool_(known and run.outcome.fell is not None)
+    assert 0 < left < SINGLES, "the draws should be of both kinds"

@@ -1,0 +1,218 @@
+"""What would help: options with common random numbers, intervals that cover, advice only where a difference is shown."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.input.scene_file import load_scene
+from harness.model.errors import InputError
+from harness.model.scene import Pedestal, Scene, Uncertain, Wall
+from harness.questions.assess import options as made
+from harness.questions.assess.answer import best_option, of_options
+from harness.questions.assess.bodies import as_one, sliding, turned_block
+from harness.questions.assess.compared import common, compare, option_draws, paired_difference
+from harness.questions.assess.inputs import draw, uncertain_inputs
+from harness.questions.assess.model_draws import model_draws
+from harness.questions.assess.options import PAIRS
+from harness.records.assess import OptionsRecord
+from tests import budgets_assess as budget
+from tests.scenes_for_tests import paestum, rectangle
+
+SCENES = Path(__file__).parents[4] / "scenes"
+DRAWS = 400
+
+
+def compared(scene: Scene, draws: int = DRAWS, more: list[made.Option] | None = None) -> OptionsRecord:
+    own, left_out = made.options_of(scene)
+    return compare(scene, uncertain_inputs(scene), [*own, *(more or [])], left_out, draws=draws)
+
+
+def test_statue_and_pedestal_as_one_body_by_hand() -> None:
+    """Two boxes of the same width and density are one box of both heights: its centroid and moment are known."""
+    statue, pedestal = rectangle(0.4, 1.0, mass_kg=500.0, depth_m=0.4), Pedestal(250.0, 0.4, 0.4, 0.5)
+    one = as_one(statue, pedestal)
+    assert one.mass_kg == 750.0
+    assert one.centroid_height_m == pytest.approx(0.75, rel=budget.ADDED)
+    assert one.inertia_kg_m2 == pytest.approx(750.0 * (0.4**2 + 1.5**2) / 12.0, rel=budget.ADDED)
+    assert (one.corner_left_m, one.corner_right_m) == pytest.approx((0.2, 0.2), rel=budget.ADDED)
+    # Off its centre by 10 cm: the common centroid lies a third of that from the statue's; both keep their moments.
+    aside = as_one(statue, replace(pedestal, offset_m=0.1))
+    assert aside.corner_right_m == pytest.approx(0.1 + 0.2 - 0.1 / 3.0, rel=budget.ADDED)
+    assert aside.inertia_kg_m2 == pytest.approx(one.inertia_kg_m2 + 0.1**2 * 500.0 * 250.0 / 750.0, rel=budget.ADDED)
+
+
+def test_a_turned_block_has_its_other_side_in_the_plane() -> None:
+    statue = rectangle(0.4, 1.0, mass_kg=600.0, depth_m=0.6)
+    turned = turned_block(replace(statue, inertia_tensor_kg_m2=np.diag([68.0, statue.inertia_kg_m2, 26.0])))
+    assert (turned.corner_left_m, turned.corner_right_m, turned.depth_m) == (0.3, 0.3, 0.4)
+    assert turned.inertia_kg_m2 == 68.0
+
+
+@pytest.mark.parametrize(("distance_m", "there"), [(0.1, False), (1.5, True)])
+def test_an_option_that_would_reach_the_wall_is_left_out(distance_m: float, there: bool) -> None:
+    """A pedestal half as wide again reaches some 0.15 m further."""
+    stand = Wall("right", distance_m)
+    wider = "pedestal wider"
+    options, left_out = made.options_of(replace(paestum(0.429, 3.0), wall=stand))
+    assert (wider in {each.name for each in options}, wider in left_out) == (there, not there)
+
+
+def test_draws_are_common() -> None:
+    """An option that changes nothing is the scene as it is in every single draw, the others differ by what they change alone."""
+    scene = paestum(0.429, 3.0, duration_s=3.0)
+    inputs = uncertain_inputs(scene)
+    values = draw(inputs, DRAWS, seed=4)
+    same = option_draws(scene, inputs, made.Option("same", "", lambda given: given), values)
+    np.testing.assert_array_equal(same.overturned, model_draws(scene, values).overturned)
+    lower = [replace(inputs[0], value=0.5 * inputs[0].value), *inputs[1:]]
+    moved = common(inputs, values, lower, seed=4)
+    np.testing.assert_allclose(moved["contact.floor"], 0.5 * values["contact.floor"], rtol=budget.ROUNDING)
+    np.testing.assert_array_equal(moved["motion.scale"], values["motion.scale"])
+
+
+def test_swept_draws_of_an_option_are_those_of_each_scene_changed() -> None:
+    """The one sweep, and each drawn scene changed by itself, agree for every option."""
+    scene = load_scene(SCENES / "paestum_block.toml", ["duration_s=3.0"])
+    inputs = uncertain_inputs(scene)
+    by_scene = [*inputs, Uncertain("pedestal.height_m", "uniform", 0.2, 1e-9)]
+    values = draw(inputs, 30, seed=1)
+    single = {**values, "pedestal.height_m": np.full(30, 0.2)}
+    for option in made.options_of(scene)[0]:
+        swept, slow = option_draws(scene, inputs, option, values), option_draws(scene, by_scene, option, single)
+        np.testing.assert_array_equal(swept.overturned, slow.overturned, err_msg=option.name)
+        np.testing.assert_allclose(swept.peak_slip_m, slow.peak_slip_m, atol=budget.ADDED, err_msg=option.name)
+
+
+def test_a_fixed_body_on_little_friction_slides_and_on_much_rocks() -> None:
+    scene = paestum(0.429, 3.0, duration_s=3.0)
+    fixed = next(item for item in made.options_of(scene)[0] if item.name == made.FIXED)
+    one = fixed.change(scene).statue
+    least = math.tan(min(one.slenderness_rad(side) for side in (1, -1)))
+    values = {"contact.floor": np.array([0.9 * least, 1.1 * least])}
+    inputs = [Uncertain("contact.floor", "lognormal", scene.contact.floor_static, 0.15)]
+    answer = option_draws(scene, inputs, fixed, values)
+    assert answer.peak_slip_m[0] > 0.0
+    assert answer.peak_share[1] > answer.peak_share[0]
+    assert answer.peak_slip_m[1] == 0.0
+
+
+def test_a_sliding_body_knows_no_mass() -> None:
+    light, heavy = (
+        sliding(replace(scene, statue=replace(scene.statue, mass_kg=mass)))
+        for scene, mass in ((paestum(0.429, 3.0, duration_s=3.0), 10.0), (paestum(0.429, 3.0, duration_s=3.0), 1000.0))
+    )
+    paths = [model_draws(scene, {}).peak_slip_m[0] for scene in (light, heavy)]
+    assert paths[0] == pytest.approx(paths[1], rel=1e3 * budget.ADDED)
+    assert paths[0] > 0.0
+
+
+@pytest.mark.parametrize("after", [0.4, 0.35, 0.05])
+def test_intervals_of_differences_cover(after: float) -> None:
+    """Draws of two options that share four of five lots: of repeated intervals at 99 % so many hold the true difference."""
+    random, covered = np.random.default_rng(11), 0
+    for _ in range(budget.REPETITIONS):
+        luck, other = random.random((2, budget.PAIRED_DRAWS))
+        common_lot = random.random(budget.PAIRED_DRAWS) < 0.8
+        fell = np.where(common_lot, luck, other) < after
+        answer = paired_difference(fell, luck < 0.4)
+        covered += answer.low <= after - 0.4 <= answer.high
+    assert covered / budget.REPETITIONS >= budget.PAIRED_LEAST
+
+
+def test_what_is_not_shown_is_not_recommended() -> None:
+    """A shaking that the statue bears in every draw, and options that change nothing: no advice to do anything."""
+    calm = compared(paestum(0.05, 3.0, duration_s=2.0))
+    assert not calm.helping
+    told = best_option(calm)
+    assert (told.code, told.values) == ("no_option_helps", {"needed": False})
+    scene = paestum(0.429, 3.0, duration_s=3.0)
+    same = [made.Option("same", "nothing is changed", lambda given: given)]
+    idle = compare(scene, uncertain_inputs(scene), same, {}, draws=DRAWS)
+    assert 0.0 < idle.as_it_is.probability_overturned < 1.0
+    assert best_option(idle).values == {"needed": True}
+    assert not list(of_options(idle))
+
+
+def test_an_option_whose_draws_come_to_no_end_is_not_recommended(tmp_path: Path) -> None:
+    """A wall that the statue strikes before it falls: no draw falls any more, none is shown to stand."""
+    scene = load_scene(SCENES / "paestum_block.toml", ["duration_s=3.0", "motion.x.amplitude_g=1.0"])
+    path = tmp_path / "mine.toml"
+    path.write_text('[[option]]\nname = "wall"\nset = {"wall.side" = "right", "wall.distance_m" = 0.08666}\n')
+    record = compare(scene, uncertain_inputs(scene), made.read_options(path, scene), {}, draws=60)
+    wall = record.options[-1]
+    assert record.as_it_is.probability_overturned > wall.probability_overturned + 0.4
+    assert wall.undecided > 0.5
+    assert wall.high > wall.probability_overturned + wall.undecided
+    assert not wall.tells
+    assert record.as_it_is.tells
+    assert not wall.helps
+    assert best_option(record).code == "no_option_helps"
+
+
+def test_the_shipped_pedestal_protects_its_statue() -> None:
+    record = compared(load_scene(SCENES / "paestum_pedestal.toml"))
+    by_name = {item.name: item for item in record.options}
+    assert record.as_it_is.name == made.AS_IT_IS
+    assert by_name[made.FLOOR].harms
+    assert by_name[made.FIXED].helps
+    assert by_name[made.TURNED].helps
+    best = best_option(record)
+    assert (best.code, best.values["option"]) == ("best_option", made.FIXED)
+    assert best.values["now"] == record.as_it_is.probability_overturned
+    assert pedestal(record) == "protects"
+    rough = next(item for name, item in by_name.items() if name.endswith(PAIRS[-1].name))
+    assert rough.harms
+    assert rough.source == PAIRS[-1].source
+
+
+def test_a_pedestal_that_does_not_slide_is_no_example_of_the_claim() -> None:
+    held = ["contact.floor_static=5.0", "duration_s=2.0"]
+    assert pedestal(compared(load_scene(SCENES / "paestum_block.toml", [*held, "motion.scale=0.5"]))) == "stuck"
+    # Within two seconds most falls come to no end.
+    assert pedestal(compared(load_scene(SCENES / "paestum_block.toml", held))) == "undecided"
+
+
+def pedestal(record: OptionsRecord) -> str:
+    """What the options say of the pedestal."""
+    return next(each.values["shown"] for each in of_options(record) if each.code == "pedestal_effect")
+
+
+def test_a_users_options_come_from_a_file(tmp_path: Path) -> None:
+    scene = load_scene(SCENES / "paestum_block.toml", ["duration_s=3.0"])
+    path = tmp_path / "mine.toml"
+    path.write_text(
+        '[[option]]\nname = "same"\nset = {"contact.floor_static" = 0.20}\n'
+        '[[option]]\nname = "no pedestal"\nset = {pedestal = "none"}\n'
+    )
+    record = compared(scene, more=made.read_options(path, scene))
+    by_name = {item.name: item for item in record.options}
+    assert by_name["same"].difference is not None
+    assert by_name["same"].difference.value == 0.0
+    assert by_name["no pedestal"].probability_overturned == by_name[made.FLOOR].probability_overturned
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        ("[[option]]\n", r"option\.0\.name: wanted this key"),
+        ('[[option]]\nname = "a"\nset = {"contact.flor" = 0.3}\n', "contact.flor"),
+        ('[[option]]\nname = "a"\nset = {"contact.floor_static" = "much"}\n', "values that make a scene"),
+        ('[[option]]\nname = "a"\nset = {"title.a" = 1}\n', "a key inside a table"),
+        ('[[option]]\nname = "a"\nset = {duration_s = 1.0}\n' * 2, "a name that no other"),
+        (f'[[option]]\nname = "{made.FLOOR}"\nset = {{duration_s = 1.0}}\n', "a name that no other option has"),
+        (f'[[option]]\nname = "{made.AS_IT_IS}"\nset = {{duration_s = 1.0}}\n', "a name that no other option has"),
+        ("option = [", "valid TOML"),
+    ],
+)
+def test_a_wrong_file_of_options_is_told(tmp_path: Path, text: str, wanted: str) -> None:
+    scene = load_scene(SCENES / "paestum_block.toml")
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=wanted) as raised:
+        made.read_options(path, scene)
+    assert "mine.toml" in str(raised.value)

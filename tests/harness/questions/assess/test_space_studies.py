@@ -1,0 +1,97 @@
+"""Options and fragility in space: a statue turned is one whose shaking is turned; draws without an end prove nothing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analytic import Pulse
+from harness.input.scene_file import load_scene
+from harness.model.scene import BaseExcitation, Scene
+from harness.questions.assess.assessment import assess
+from harness.questions.assess.compared import Ends, difference_of
+from harness.questions.assess.in_space import ends_in_space
+from harness.questions.assess.inputs import draw, uncertain_inputs
+from harness.questions.assess.options import TURNED, options_of
+from harness.questions.assess.space_studies import OPTION_STEPS
+from tests.scenes_for_tests import block, scene
+
+DRAWS = 24
+
+
+def lopsided() -> Scene:
+    """A block whose four edges are at four distances, pushed both ways, across harder."""
+    statue = block(
+        mass_kg=300.0,
+        corner_left_m=0.15,
+        corner_right_m=0.25,
+        centroid_height_m=0.7,
+        inertia_kg_m2=60.0,
+        height_m=1.4,
+        depth_m=0.36,
+    )
+    return both_ways(scene(statue, mu_statue=0.8, duration_s=3.0), 0.23, 0.33)
+
+
+def both_ways(given: Scene, along_g: float, across_g: float) -> Scene:
+    along, across = (Pulse("one_sine", strength * 9.81, 0.7) for strength in (along_g, across_g))
+    return replace(given, base_excitation=BaseExcitation(x=along, y=across))
+
+
+def scan(tmp_path: Path) -> Scene:
+    """A scanned wedge, no two sides alike."""
+    import trimesh
+
+    base = [[0.0, 0.0, 0.0], [0.26, 0.0, 0.0], [0.24, 0.24, 0.0], [0.0, 0.2, 0.0]]
+    top = [[0.0, 0.02, 1.4], [0.28, 0.02, 1.4], [0.2, 0.24, 1.4]]
+    trimesh.convex.convex_hull(np.array(base + top)).export(tmp_path / "wedge.ply")
+    text = """title = "wedge"\nduration_s = 3.0\n[statue]
+mesh = { file = "wedge.ply", unit = "m", up = "z", density_kg_m3 = 2700.0 }\n[contact]\nstatue = 0.8
+[motion.x]\nkind = "pulse"\nshape = "one_sine"\namplitude_g = 0.2\nduration_s = 0.7\n"""
+    (tmp_path / "wedge.toml").write_text(text)
+    return both_ways(load_scene(tmp_path / "wedge.toml"), 0.18, 0.26)
+
+
+@pytest.mark.parametrize("kind", ["block", "scan"])
+def test_a_turned_statue_is_one_whose_shaking_is_turned(kind: str, tmp_path: Path) -> None:
+    given = lopsided() if kind == "block" else scan(tmp_path)
+    values = draw(uncertain_inputs(given), DRAWS, seed=4)
+    turned = next(item for item in options_of(given)[0] if item.name == TURNED)
+    ends = ends_in_space(given, values, OPTION_STEPS, turned.change)
+    motion = given.base_excitation
+    other_way = replace(given, base_excitation=BaseExcitation(x=motion.y, y=motion.x.scaled(-1.0)))
+    expected, as_it_is = (ends_in_space(each, values, OPTION_STEPS) for each in (other_way, given))
+    assert ends is not None
+    assert expected is not None
+    assert as_it_is is not None
+    assert ends.tolist() == expected.tolist()
+    assert len(set(ends)) > 1, "the draws should be of both kinds"
+    assert ends.tolist() != as_it_is.tolist()
+
+
+def test_options_and_fragility_of_a_scene_in_space_are_the_exact_bodys() -> None:
+    record = assess(lopsided(), ["analytic"], draws=60).record
+    assert record.options is not None
+    assert record.fragility is not None
+    assert record.options.model == record.fragility.model == "spatial"
+    assert not record.options.plane_only
+    assert [item.name for item in record.options.options] == ["as it is", "base widened", TURNED]
+    assert record.options.as_it_is.probability_overturned > 0.1, "the plane never moves it"
+    assert record.options.options[1].helps
+    assert record.fragility.probability_overturned[0] == 0.0
+    assert record.fragility.probability_overturned[-1] > 0.9
+    assert record.indices == {}, "sixty draws are too few for one"
+
+
+def test_draws_without_an_end_show_nothing() -> None:
+    none, all_ = np.zeros(300, dtype=bool), np.ones(300, dtype=bool)
+    falls, stands, open_ = Ends(all_, all_), Ends(none, all_), Ends(none, none)
+    shown = difference_of(stands, falls)
+    assert shown.high < -0.9
+    for ends, own in ((open_, falls), (stands, open_), (open_, open_)):
+        interval = difference_of(ends, own)
+        assert interval.low < 0.0
+        assert interval.high >= 0.0

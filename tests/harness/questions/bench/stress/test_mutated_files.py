@@ -1,0 +1,47 @@
+"""The fuzz of the source tree as a part of a stress run: shared out whole, in processes whose end is seen."""
+
+from __future__ import annotations
+
+import pytest
+
+from harness.questions.bench.stress.stress_run import INPUTS as WHOLE
+from harness.questions.bench.stress.stress_run import compute, died, stress, summed, tasks
+from tests.fuzz.fuzz_run import rows
+from tests.fuzz.originals import kinds
+
+
+def test_the_work_is_shared_out_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    pieces = tasks(WHOLE)
+    spans = [piece.removeprefix("inputs ").split(" to ") for piece in pieces]
+    assert [n for first, last in spans for n in range(int(first), int(last) + 1)] == list(range(WHOLE))
+    assert WHOLE >= 20_000
+    asked: list[tuple[str, int]] = []
+    monkeypatch.setattr(
+        "tests.fuzz.fuzz_run._row", lambda kind, seeds, folder: asked.extend((kind.name, s) for s in seeds)
+    )
+    list(rows(0, 99))
+    list(rows(100, 1999))
+    assert len(set(asked)) == len(asked) == 2000
+    names = {name: [seed for kind, seed in asked if kind == name] for name, _ in asked}
+    assert all(seeds == list(range(len(seeds))) for seeds in names.values())
+    assert {"scene", "study", "experiments", "history", "store"} <= set(names)
+    assert {"output folder", "gzip", "sister in gzip", "AT2 header", "title"} <= set(names)
+
+
+def test_a_stress_run_reads_mutated_files_in_a_process_of_its_own() -> None:
+    every = kinds()
+    found = compute("tests.fuzz", f"inputs 0 to {len(every) - 1}")
+    assert [(row["reader"], row["inputs"], row["found"]) for row in found] == [(kind.name, 1, []) for kind in every]
+    (row,) = compute("tests.fuzz", "inputs 0 to none")
+    assert row["tracebacks"] == 1
+    assert "ValueError" in row["found"][0]["what"]
+    assert [part.name for part in stress().parts(False) if not part.tasks] == ["questions", "fuzz"]
+
+
+def test_a_process_that_ends_counts_as_a_failure() -> None:
+    counts = {"inputs": 100, "accepted": 30, "tracebacks": 0, "hangs": 0, "half_written": 0}
+    good = {"reader": "scene", **counts, "said": [1, 2], "found": []}
+    row, ended = summed([good, {**good, "said": [2, 3]}, *died("inputs 100 to 199: Timeout")])
+    assert (row.inputs, row.tracebacks, row.refusals) == (200, 0, 3)
+    assert ended.tracebacks == ended.harm == 1
+    assert "inputs 100 to 199: Timeout" in ended.found[0].what

@@ -1,0 +1,353 @@
+"""The stress run: checks that fail when they must, cells whose category follows from numbers, scenes that come out."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness import engines
+from harness.engines.base import Settings
+from harness.model.history import History, Outcome
+from harness.model.options import RunOptions
+from harness.model.run import Run
+from harness.model.scene import Scene
+from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
+from harness.questions.bench.stress import checks, hard_scenes, stability
+from harness.questions.bench.stress import hard_scenes as scenes
+from harness.questions.bench.stress.catalogue import catalogue, leaning
+from harness.questions.bench.stress.hard_scenes import converged
+from harness.records.bench import PartRow
+from harness.records.stress import Cell, HardRow, Harm, Mutated, StressRecord, findings_of
+from tests.measures import invariance_checks as invariance
+from tests.measures.whole import STRESS
+
+QUICK = ("released 1e-6 rad below balance", "released 1e-3 rad beyond balance", "0.01 m high", "100 m high",
+         "floor falls at 1 g: the two-block model", "floor falls at 1 g: the engines", "height to width 50",
+         "pedestal 1000 times the statue's mass", "floor friction 0", "floor friction 5", "5 g at 100 Hz")  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return scene_of("free", leaning(COLUMN, 0.5, 0.6))
+
+
+@pytest.fixture(scope="module")
+def exact(scene: Scene) -> Run:
+    engine = engines.load("analytic")
+    return engine.simulate(scene, engine.refinement_levels(scene)[-1], RunOptions())
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_hard_scenes_come_out(name: str) -> None:
+    hard = next(item for item in catalogue() if item.name == name)
+    found = scenes.row_of(hard)
+    assert found.holds, found.got
+
+
+def test_names_of_hard_scenes_are_their_own() -> None:
+    names = [item.name for item in catalogue()]
+    assert len(set(names)) == len(names)
+
+
+def test_every_hard_scene_is_held_to_the_exact_solution_or_to_rest() -> None:
+    loose = {hard.name for hard in catalogue() if not hard.exact and checks.creep not in hard.checks}
+    assert loose == {"floor falls at 1 g: the two-block model", "floor falls at 1 g: the engines"}, (
+        "only where the two-block model ends is there no exact solution"
+    )
+
+
+def test_a_hard_scene_with_another_outcome_or_another_motion_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    hard = next(item for item in catalogue() if item.name == "height to width 50")
+    assert scenes.row_of(hard).holds
+    assert not scenes.row_of(replace(hard, wanted="overturned_left")).holds
+    whole = scenes.simulate
+
+    def unmoved(*given: Any) -> Run:
+        run = whole(*given)
+        h = run.history
+        assert h is not None
+        return spoiled(run, history=History(h.t_s, 0.0 * h.theta_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s))
+
+    monkeypatch.setattr(scenes, "simulate", unmoved)
+    found = scenes.row_of(hard)
+    assert not found.holds
+    assert all("error 1.0e-02 rad of 5.0e-04 rad allowed" in got for got in found.got.values())
+
+
+def test_a_known_failure_is_told_with_what_avoids_it_and_an_unknown_one_fails(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    hard = next(item for item in catalogue() if item.name.startswith("pedestal 0.001"))
+    hard = replace(hard, engines=("pymunk",))
+    found = scenes.row_of(hard)
+    assert found.holds, found.got
+    assert "with up to 3000 iterations a step" in found.known["pymunk"]
+    assert not scenes.row_of(replace(hard, converged_s=None)).holds
+    monkeypatch.setattr(scenes, "converged", lambda settings: settings)
+    still_wrong = scenes.row_of(hard)
+    assert not still_wrong.holds, "what fails with more iterations too is not known to be theirs"
+    assert "but contacts add" in still_wrong.got["pymunk"]
+
+
+def test_so_many_iterations_reach_every_engine() -> None:
+    for name in ("pymunk", "pybullet"):
+        settings = engines.load(name).settings_for_dt(scene_of("any", leaning(COLUMN, 0.5, 1.0)), 1e-3)
+        many = converged(settings)
+        assert many.dt_s == settings.dt_s
+        assert many.as_dict()["iterations"] >= 3 * settings.as_dict()["iterations"]
+    with pytest.raises(ValueError, match="no iterations"):
+        converged(Settings(1e-3, 1e-3))
+
+
+def spoiled(run: Run, **changes: Any) -> Run:
+    return replace(run, **changes)
+
+
+def test_checks_fail_when_they_must(scene: Scene, exact: Run) -> None:
+    assert all(check(scene, exact).holds for check in checks.BASIC)
+    assert not checks.finite(scene, spoiled(exact, peak_theta_rad=float("nan"))).holds
+    gained = spoiled(exact, validity={"energy_gained_j": 0.05 * checks.barrier_j(scene)})
+    assert not checks.energy(scene, gained).holds
+    assert not checks.depth(scene, spoiled(exact, validity={"penetration_m": 1e-3})).holds
+    assert not checks.creep(scene, exact).holds, "a rocking statue is not at rest"
+    assert not checks.ends_at_rest(scene, exact).holds
+    assert not checks.upright(scene, exact).holds
+
+
+@pytest.mark.parametrize(("share", "holds"), [(0.04, True), (0.06, False)])
+def test_an_error_is_held_to_a_share_of_the_peak(share: float, holds: bool) -> None:
+    small = scene_of("small", leaning(COLUMN, 0.05, 0.6))
+    exact = scenes.solution(small)
+    h = exact.history
+    assert h is not None
+    off = History(h.t_s, h.theta_rad + share * exact.peak_theta_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s)
+    assert checks.allowed_rad(exact) == pytest.approx(0.05 * exact.peak_theta_rad)
+    assert checks.agrees(small, spoiled(exact, history=off), exact).holds is holds
+
+
+@pytest.mark.parametrize(("off_rad", "holds"), [(9e-4, True), (1.1e-3, False)])
+def test_no_error_beyond_a_milliradian_is_allowed(scene: Scene, exact: Run, off_rad: float, holds: bool) -> None:
+    h = exact.history
+    assert h is not None
+    assert checks.AGREES_SHARE * exact.peak_theta_rad > 2e-3
+    off = History(h.t_s, h.theta_rad + off_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s)
+    assert checks.agrees(scene, spoiled(exact, history=off), exact).holds is holds
+
+
+def test_a_slip_that_is_not_the_exact_one_is_seen() -> None:
+    slides = {"floor_static": 0.0, "floor_kinetic": 0.0}
+    sliding = scene_of("s", {"duration_s": 0.4, "statue": PAESTUM, "pedestal": PEDESTAL, "contact": slides,
+                             "motion": harmonic(0.429, 3.0)})  # fmt: skip
+    exact = scenes.solution(sliding)
+    h = exact.history
+    assert h is not None
+    assert exact.peak_slip_m > 0.01
+    assert checks.agrees(sliding, exact, exact).holds
+    held = History(h.t_s, h.theta_rad, h.theta_rate_rad_s, 0.9 * h.slip_m, h.slip_rate_m_s)
+    assert not checks.agrees(sliding, spoiled(exact, history=held), exact).holds
+
+
+def test_an_error_counts_as_long_as_the_two_block_model_holds(scene: Scene, exact: Run) -> None:
+    left = spoiled(exact, validity={**exact.validity, "left_domain_s": 0.2})
+    h = exact.history
+    assert h is not None
+    late = History(h.t_s, h.theta_rad + 0.1 * (h.t_s > 0.3), h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s)
+    assert not checks.agrees(scene, spoiled(exact, history=late), exact).holds
+    found = checks.agrees(scene, spoiled(exact, history=late), left)
+    assert found.holds
+    assert "until 0.2 s, where the two-block model ends" in found.sentence
+
+
+def test_energy_from_out_of_the_plane_is_told_from_energy_of_contacts(scene: Scene, exact: Run) -> None:
+    h = exact.history
+    assert h is not None
+    zero = np.zeros_like(h.t_s)
+    gained = {"energy_gained_j": 0.05 * checks.barrier_j(scene)}
+    turning = {"yaw_rad": 2.0 * h.t_s, "roll_rad": zero, "statue_y_m": zero}
+    for extra, holds in (({**turning, "yaw_rad": zero}, False), (turning, True)):
+        history = History(h.t_s, h.theta_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s, extra=extra)
+        found = checks.energy(scene, spoiled(exact, validity=gained, history=history))
+        assert found.holds is holds
+        assert ("out of the plane" in found.sentence) is holds
+    yaw_inertia = scene.statue.inertia_tensor_kg_m2[2, 2]
+    assert checks.beyond_plane_j(scene, spoiled(exact, history=history)) == pytest.approx(2.0 * yaw_inertia)
+
+
+def still(drift_rad: float) -> History:
+    t = np.linspace(0.0, 10.0, 1001)
+    zero = np.zeros_like(t)
+    return History(t, drift_rad * t / 10.0 + 1e-6 * np.sin(50.0 * t), zero, zero, zero)
+
+
+def test_creep_is_told_from_trembling(scene: Scene, exact: Run) -> None:
+    assert checks.creep(scene, spoiled(exact, history=still(1e-7), end_s=10.0)).holds
+    assert not checks.creep(scene, spoiled(exact, history=still(1e-5), end_s=10.0)).holds
+    calm = still(0.0)
+    zero = np.zeros_like(calm.t_s)
+    slides = History(calm.t_s, calm.theta_rad, zero, 1e-5 * calm.t_s / 10.0, zero)
+    assert not checks.creep(scene, spoiled(exact, history=slides, end_s=10.0)).holds
+    trembling = History(calm.t_s, 1e-3 * np.sin(50.0 * calm.t_s), zero, zero, zero)
+    assert not checks.creep(scene, spoiled(exact, history=trembling, end_s=10.0)).holds, "it trembles too much"
+    part = spoiled(exact, history=still(5e-7), end_s=10.0)
+    assert checks.creep(scene, part).holds
+    assert not checks.creep(scene, part, share=0.1).holds, "a tenth of the time may drift by a tenth"
+
+
+def test_a_cell_is_judged_by_its_numbers(scene: Scene, exact: Run) -> None:
+    h = exact.history
+    assert h is not None
+    assert stability.judge(scene, exact, exact, False)[0] == "stable"
+    wrong = History(h.t_s, 1.1 * h.theta_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s)
+    assert stability.judge(scene, spoiled(exact, history=wrong), exact, False)[0] == "inaccurate"
+    gained = spoiled(exact, validity={"energy_gained_j": checks.barrier_j(scene)})
+    assert stability.judge(scene, gained, exact, False)[0] == "drifting"
+    sunk = spoiled(exact, validity={"penetration_m": 0.01})
+    assert stability.judge(scene, sunk, exact, False)[0] == "drifting"
+    drifting = spoiled(exact, history=still(1e-5), end_s=10.0)
+    assert stability.judge(scene, drifting, drifting, True)[0] == "drifting"
+    crashed = spoiled(exact, outcome=Outcome.CRASHED, history=None, message="died")
+    assert stability.judge(scene, crashed, exact, False) == ("diverged", "died")
+
+
+def cell(setting: str, category: str, **more: Any) -> Cell:
+    return Cell("pymunk", setting, "hard", category, "evidence", **more)
+
+
+def why(*row: Cell, converged: Cell | None = None) -> list[str]:
+    return [item.explained for item in hard_scenes.explained(row, lambda: converged)]
+
+
+def test_only_a_finer_stable_whole_run_explains_by_the_step() -> None:
+    wrong, stable = cell("a", "inaccurate"), cell("b", "stable")
+    assert why(wrong, stable) == ["the step is too long for this scene: b is stable", ""]
+    assert why(stable, wrong) == ["", ""], "a coarser step explains nothing"
+    assert why(wrong, cell("b", "inaccurate")) == ["", ""]
+    assert why(cell("a", "drifting"), cell("b", "stable", short=True)) == ["", ""], "it says nothing of what came later"
+    assert why(stable, cell("b", "diverged")) == ["", ""]
+
+
+def test_more_iterations_explain_what_no_step_does_and_stand_in_the_row() -> None:
+    wrong = cell("a", "inaccurate")
+    told = why(wrong, cell("b", "drifting"), converged=cell("many", "stable"))
+    assert [text.partition(":")[0] for text in told] == [
+        "no step alone avoids it, the solver ends each too early"
+    ] * 2 + [""]
+    assert why(wrong, converged=cell("many", "inaccurate")) == ["", ""]
+    assert why(wrong, cell("b", "stable"), converged=cell("many", "stable")) == [
+        "the step is too long for this scene: b is stable", ""
+    ], "not computed where a step is stable"  # fmt: skip
+
+
+def test_a_hull_is_explained_by_what_is_stable_only() -> None:
+    margin, bare = cell("own margin", "inaccurate"), cell("margin 0", "stable")
+    assert stability._hull_avoided(margin, bare, []).startswith("known: margin 0 is stable")
+    worse = cell("margin 0", "inaccurate")
+    assert "spheres" in stability._hull_avoided(margin, worse, [cell("1 ms", "stable")])
+    assert stability._hull_avoided(margin, worse, []) == ""
+    assert stability._hull_avoided(bare, bare, []) == ""
+
+
+ASKED = (
+    invariance._repeated,
+    invariance._mirrored,
+    invariance._permuted,
+    invariance._perturbed,
+    invariance._refined,
+    invariance._touched,
+    invariance._no_motion,
+)
+
+
+@pytest.mark.parametrize("question", ASKED)
+def test_hard_questions(question: Any) -> None:
+    found = question()
+    assert found.holds, found.got
+
+
+def offset(run: Run, off_rad: float) -> Run:
+    h = run.history
+    assert h is not None
+    return spoiled(run, history=History(h.t_s, h.theta_rad + off_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s))
+
+
+SPOILT = (
+    (invariance._repeated, 1e-12, 0.0), (invariance._mirrored, 0.0, 1e-4), (invariance._perturbed, 1e-3, 0.0),
+    (invariance._refined, 0.0, 1e-6), (invariance._touched, 0.0, 2e-3),
+)  # fmt: skip
+"""Questions, and the least rotation, rad, growing from run to run or the same in all, with which they must not hold."""
+
+
+@pytest.mark.parametrize(("question", "growing_rad", "same_rad"), SPOILT)
+def test_a_question_sees_what_it_asks_for(
+    monkeypatch: pytest.MonkeyPatch, question: Any, growing_rad: float, same_rad: float
+) -> None:
+    whole, count = invariance._run, itertools.count()
+    monkeypatch.setattr(invariance, "_run", lambda *given: offset(whole(*given), next(count) * growing_rad + same_rad))
+    assert not question().holds
+
+
+def test_a_start_that_is_not_heard_is_no_small_growth(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = invariance._run
+    start = scene_of("start", leaning(COLUMN, 0.5, 2.0))
+    monkeypatch.setattr(invariance, "_run", lambda engine, *given: whole(engine, start))
+    assert not invariance._perturbed().holds
+
+
+def test_two_sides_of_a_touch_must_differ_by_one_impact(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(invariance, "TOUCH_EARLY_S", 0.0)
+    found = invariance._touched()
+    assert not found.holds
+    assert "does not" in found.got["analytic"]
+
+
+def test_other_bodies_orders_and_distances_are_compared(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(invariance, "PERMUTED_RAD", 1e-12)
+    assert not invariance._permuted().holds, "an order that changes no bit was not another order"
+    monkeypatch.setattr(invariance, "HULLS", (8, 200))
+    monkeypatch.setattr(invariance, "HULL_RAD", 1e-12)
+    assert not invariance._hulls().holds
+    monkeypatch.setattr(invariance, "FAR_S", 2.0)
+    assert invariance._far().holds
+    whole = invariance._run
+    monkeypatch.setattr(invariance, "_run", lambda *given: offset(whole(*given), 2e-3))
+    assert not invariance._far().holds
+
+
+def test_a_question_is_answered_by_a_program_that_is_given() -> None:
+    asks = "tests.measures.invariance_checks"
+    (questions,) = (part for part in STRESS.parts(False) if part.name == "questions")
+    assert tuple(invariance.ASKED) == scenes.QUESTIONS == tuple(questions.tasks)
+    (row,) = questions.work(scenes.QUESTIONS[-1])
+    assert HardRow(**row).holds
+    assert not HardRow(**scenes.answer(asks, "what nobody asks")[0]).holds
+
+
+def test_a_motion_that_is_none_must_be_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(invariance, "scene_of", lambda *given: None)
+    assert not invariance._no_motion().holds
+
+
+def test_what_does_not_hold_is_told_and_fails() -> None:
+    wrong = HardRow("n", "stands", {"pymunk": "overturned_left"}, holds=False)
+    good = Mutated("scene", 10, 0, 0, 0, accepted=2)
+    done = PartRow("fuzz", 1.0, 3, ())
+    whole = StressRecord(
+        scenes=[replace(wrong, holds=True)], cells=[cell("a", "stable")], fuzz=[good], parts=[done], seconds=1.0, versions={},
+        machine={},
+    )  # fmt: skip
+    assert whole.holds
+    assert not replace(whole, parts=[replace(done, left=["inputs 0 to 99"])]).holds, "what is not done does not hold"
+    for spoilt in (
+        replace(whole, scenes=[wrong]),
+        replace(whole, cells=[cell("a", "diverged")]),
+        replace(whole, fuzz=[replace(good, tracebacks=1, found=[Harm(3, "KeyError")])]),
+    ):
+        assert not spoilt.holds
+        told = {each.code: each.values for each in findings_of(spoilt)}
+        assert told.keys() & {"hard_scene_wrong", "cell_unexplained", "mutated_harm"}
+    told = {each.code: each.values for each in findings_of(replace(whole, absent={"pybullet": "no wheel"}))}
+    assert told["not_measured"] == {"what": "pybullet", "reason": "no wheel"}

@@ -1,0 +1,84 @@
+"""The amplitude that overturns: windows found, bracketed and followed, from where nothing lifts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import pytest
+
+import harness
+from harness.model.scene import Scene
+from harness.questions.effects3d import BASELINE, Search, find
+from harness.questions.effects3d.conditions import amplified, changed_scene
+from harness.questions.effects3d.search import SpaceOutcomes, first_crossing, nearest_crossing, peak_g, start_factor
+
+SEARCH = Search(most_g=1.0, resolution=0.02)
+
+
+def falls_in(*windows: tuple[float, float]) -> Callable[[float], str | None]:
+    """A statue that overturns at the factors inside these windows only."""
+    return lambda factor: "overturned_right" if any(low <= factor <= high for low, high in windows) else None
+
+
+def test_the_first_window_is_found_and_bracketed() -> None:
+    found = first_crossing(falls_in((0.7, 0.8), (1.5, 9.0)), 0.2, 4.0, 1.05, 1e-3)
+    assert found.above == pytest.approx(0.7, rel=1e-3)
+    assert found.below < 0.7 <= (found.above or 0.0) <= found.below * 1.001
+    assert found.outcome == "overturned_right"
+    assert found.runs < 50
+    coarse = first_crossing(falls_in((0.7, 0.8), (1.5, 9.0)), 0.2, 4.0, 1.5, 1e-3)
+    assert coarse.above is not None
+    assert coarse.above > 0.8, "a grid coarser than the window steps over it"
+
+
+def test_no_window_is_said() -> None:
+    found = first_crossing(falls_in(), 0.2, 4.0, 1.2, 1e-3)
+    assert found.above is None
+    assert found.below == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize("near", [0.5, 0.69, 0.7, 0.75, 1.4])
+def test_the_crossing_is_followed_from_nearby(near: float) -> None:
+    found = nearest_crossing(falls_in((0.7, 9.0)), near, 0.2, 4.0, 1e-3)
+    assert found.above == pytest.approx(0.7, rel=1e-3)
+    assert found.runs <= 20
+    assert nearest_crossing(falls_in(), near, 0.2, 4.0, 1e-3).above is None
+    everything = nearest_crossing(falls_in((0.0, 9.0)), near, 0.2, 4.0, 1e-3)
+    assert everything.above == pytest.approx(0.2)
+
+
+def test_the_amplitude_found_overturns_and_the_one_below_stands(block: Scene) -> None:
+    row = find(block, BASELINE, 0.0, "analytic", SEARCH)
+    assert row.peak_g is not None
+    assert row.stands_at_g < row.peak_g <= row.stands_at_g * (1.0 + SEARCH.resolution) * 1.0001
+    base = changed_scene(block, BASELINE, 0.0)
+    for peak, outcome in ((row.peak_g, row.outcome), (row.stands_at_g, "stands")):
+        assert harness.simulate(amplified(base, peak / peak_g(base)), "analytic").outcome.value == outcome
+    back = find(block, BASELINE, 180.0, "analytic", SEARCH)
+    assert back.peak_g == pytest.approx(row.peak_g, rel=1e-12)
+    assert back.outcome == row.outcome, "half a turn takes a block into itself"
+
+
+def test_the_exact_model_asked_in_the_plane_is_the_planar_model(block: Scene) -> None:
+    exact, planar = (find(block, BASELINE, 90.0, name, SEARCH) for name in ("spatial", "analytic"))
+    assert exact.peak_g == pytest.approx(planar.peak_g, rel=1e-12)
+    assert exact.outcome == planar.outcome
+    assert not exact.doubt
+
+
+def test_a_run_without_an_outcome_or_one_that_changes_is_told(block: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    space = SpaceOutcomes(block)
+    assert "local error" in space.doubt(1e-3, 1e-4), "neither overturns: the one above was said to"
+    monkeypatch.setattr(space, "unanswered", [0.7])
+    assert space.doubt(None, 1e-4) == "1 of its runs ended without an outcome"
+
+
+def test_below_the_start_nothing_lifts(scene: Scene) -> None:
+    """Shaken obliquely the body lifts where the push leaves the footprint, before the planar limit of that direction."""
+    oblique = changed_scene(scene, BASELINE, 45.0)
+    solid = oblique.statue.solid
+    assert solid is not None
+    along = 0.0682 * math.sqrt(2.0) / 0.774
+    assert start_factor(oblique) * peak_g(oblique) == pytest.approx(0.95 * along, rel=1e-3)
+    assert along < oblique.statue.corner_right_m / oblique.statue.centroid_height_m

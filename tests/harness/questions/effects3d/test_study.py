@@ -1,0 +1,68 @@
+"""A study of directions: its sides, effects, band and ledger, its mistakes, and a whole one resumed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from harness.model.scene import Scene
+from harness.questions.effects3d import BASELINE, Search
+from harness.questions.effects3d.study import (
+    checked_azimuths,
+    effects,
+    scan_directions,
+    side_azimuths,
+    static_rose,
+)
+from harness.records.effects3d import Amplitude
+
+SEARCH = Search(most_g=1.0, resolution=0.02)
+
+
+def test_sides_and_their_share_of_the_shaking(scene: Scene) -> None:
+    assert side_azimuths(scene) == pytest.approx([0.0, 90.0, 180.0, 270.0])
+    sides = [
+        Amplitude(BASELINE, azimuth, "analytic", peak, 0.1, "", 1) for azimuth, peak in ((0.0, 0.25), (90.0, None))
+    ]
+    rows = {row.azimuth_deg: row for row in static_rose(scene, [0.0, 60.0, 180.0], sides)}
+    assert rows[0.0].projected_g == pytest.approx(0.25)
+    assert rows[60.0].projected_g == pytest.approx(0.5)
+    assert rows[180.0].projected_g is None
+    assert rows[60.0].lifts_g < rows[60.0].planar_lifts_g
+
+
+def test_effects_are_changes_of_the_same_direction_and_engine() -> None:
+    def row(condition: str, azimuth: float, peak: float | None) -> Amplitude:
+        return Amplitude(condition, azimuth, "pybullet", peak, 0.1, "", 1)
+
+    name = "centroid 3 % higher"
+    rows = [row(BASELINE, a, p) for a, p in ((0.0, 0.2), (90.0, 0.4), (180.0, 0.5))]
+    rows += [row(name, 0.0, 0.19), row(name, 90.0, 0.40), row(name, 180.0, None)]
+    (found,) = effects(rows, [name])
+    assert found.median == pytest.approx(-0.025)
+    assert (found.least, found.largest) == (pytest.approx(-0.05), pytest.approx(0.0))
+    assert found.flips == 1
+
+
+def test_other_engines_are_asked_where_the_exact_model_doubts_and_where_the_plane_errs_most() -> None:
+    exact, planar = {0.0: 0.2, 90.0: 0.4, 180.0: 0.3, 270.0: None}, {0.0: 0.2, 90.0: None, 180.0: 0.9, 270.0: 0.5}
+    rows = [Amplitude(BASELINE, a, "spatial", p, 0.1, "", 1) for a, p in exact.items()]
+    rows += [Amplitude(BASELINE, a, "analytic", p, p or 1.3, "", 1) for a, p in planar.items()]
+    assert checked_azimuths(rows) == [90.0]
+    rows[3] = replace(rows[3], doubt="its runs ended without an outcome")
+    assert checked_azimuths(rows) == [90.0, 270.0]
+    assert checked_azimuths(rows[:3]) == []
+
+
+@pytest.mark.parametrize(("up", "turn_deg", "said"), [
+    ("z", 0.0, ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0])),
+    ("z", 90.0, ([0.0, -1.0, 0.0], [1.0, 0.0, 0.0])),
+    ("y", 0.0, ([1.0, 0.0, 0.0], [0.0, 0.0, -1.0])),
+])  # fmt: skip
+def test_directions_are_named_on_the_scan_as_its_file_has_it(
+    scene: Scene, up: str, turn_deg: float, said: tuple[list[float], list[float]]
+) -> None:
+    turned = replace(scene, given={"statue": {"mesh": {"file": "scan.ply", "up": up, "azimuth_deg": turn_deg}}})
+    found = scan_directions(turned).values
+    assert (found["along_0"], found["along_90"]) == said

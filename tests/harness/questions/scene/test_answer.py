@@ -1,0 +1,135 @@
+"""The headline of a run follows from its outcomes, scores, horizons and probability, and from nothing else."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from harness import Outcome, Run, compare
+from harness.model.finding import Finding
+from harness.model.scene import Scene
+from harness.questions.scene.answer import answer_of
+from harness.records.assess import Assessment
+from harness.records.run import HorizonRecord, has_answer
+from tests import doubles
+from tests.scenes_for_tests import paestum
+
+SCENE: Scene = paestum()
+KNOWN: dict[str, Any] = {"numerical_uncertainty_rad": 1e-4, "slip_uncertainty_m": 1e-4, "reliable_until_s": 10.0}
+
+
+def run(name: str, history: Any = None, **fields: Any) -> Run:
+    return doubles.run_of(history or doubles.rocking(), name, **{**KNOWN, **fields})
+
+
+def told(*runs: Run, horizons: Any = None, assessment: Any = None) -> tuple[str, dict[str, Finding]]:
+    """The answer's code, and its findings by code."""
+    by_name = {each.engine: each for each in runs}
+    good = [each for each in runs if not each.outcome.failed]
+    scores = {f"{a.engine}_vs_{b.engine}": compare(a, b) for k, a in enumerate(good) for b in good[k + 1 :]}
+    found = answer_of(SCENE, by_name, scores, horizons or {}, assessment or {})
+    return found.code, {each.code: each for each in found.findings}
+
+
+def test_models_that_agree_in_outcome_and_history_agree() -> None:
+    code, said = told(run("a"), run("b"))
+    assert code == "agree"
+    assert list(said) == ["models_agree", "histories_agree"]
+    assert said["models_agree"].values["outcome"] == "stands"
+    least, most = said["models_agree"].values["lean_rad"]
+    assert least == most == run("a").peak_theta_rad
+
+
+def test_histories_that_part_late_agree_until_then_and_the_reason_is_told() -> None:
+    parted = doubles.parted(doubles.rocking(), 6.0, 0.01)
+    code, said = told(run("a", parted, reliable_until_s=5.0), run("b"))
+    assert code == "agree_until"
+    until = said["histories_agree_until"].values
+    assert until["why"] == "unbounded"
+    assert until["until_s"] == 5.0
+
+
+def test_a_difference_of_models_is_the_answer_even_where_the_outcome_is_one() -> None:
+    code, said = told(run("a", doubles.raised(doubles.rocking(), 0.01)), run("b"))
+    assert code == "differ_by_model"
+    assert said["histories_agree_until"].values["why"] == "model"
+
+
+def test_the_headline_tells_of_the_pair_that_its_code_rests_on() -> None:
+    raised = doubles.parted(doubles.rocking(), 6.0, 0.02)
+    late = run("c", doubles.parted(doubles.rocking(), 2.0, 0.01), reliable_until_s=1.0)
+    code, said = told(run("a", raised), run("b"), late)
+    assert code == "differ_by_model"
+    assert said["histories_agree_until"].values["why"] == "model"
+    assert {said["histories_agree_until"].values[key] for key in "ab"} == {"a", "b"}
+
+
+def test_what_the_plane_leaves_out_is_no_difference_of_models() -> None:
+    flat = run("flat", doubles.parted(doubles.rocking(), 2.0, 0.01), motion_axes=("x",))
+    assert told(flat, run("space", motion_axes=("x", "y")))[0] == "plane_left_out"
+
+
+def test_outcomes_that_numerical_error_flips_are_unpredictable_others_differ() -> None:
+    fell = {"outcome": Outcome.OVERTURNED_LEFT, "no_return_time_s": 8.0}
+    parted = doubles.parted(doubles.rocking(), 6.0, 0.01)
+    assert told(run("a", parted, reliable_until_s=5.0, **fell), run("b"))[0] == "unpredictable"
+    code, said = told(run("a", **fell), run("b"), run("c", **fell))
+    assert code in ("unpredictable", "outcome_differs")
+    assert said["models_disagree"].values["groups"] == {"overturned": ["a", "c"], "stands": ["b"]}
+
+
+def test_histories_that_part_after_every_fall_agree_past_the_point_of_no_return() -> None:
+    fell = {"outcome": Outcome.OVERTURNED_LEFT, "no_return_time_s": 5.0}
+    parted = doubles.parted(doubles.rocking(), 6.0, 0.01)
+    _, said = told(run("a", parted, reliable_until_s=6.5, **fell), run("b", reliable_until_s=5.5, **fell))
+    assert said["histories_agree_past_return"].values["until_s"] >= 5.0
+    _, said = told(run("a", parted, reliable_until_s=4.0, **fell), run("b", reliable_until_s=4.0, **fell))
+    assert "histories_agree_past_return" not in said
+
+
+def test_falls_to_different_sides_are_one_outcome() -> None:
+    left, right = Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT
+    _, said = told(run("a", outcome=left, no_return_time_s=3.0), run("b", outcome=right, no_return_time_s=4.0))
+    assert said["models_agree"].values["outcome"] == "overturned"
+    assert (said["models_agree"].values["first_s"], said["models_agree"].values["last_s"]) == (3.0, 4.0)
+
+
+@pytest.mark.parametrize(
+    ("fields", "known"),
+    [
+        ({"outcome": Outcome.CRASHED}, False),
+        ({"outcome": Outcome.UNDECIDED}, False),
+        ({"outcome": Outcome.FRICTION_PARADOX}, False),
+        ({"validity": {"left_domain_s": 1.0, "left_domain_by": "pedestal_tips"}}, False),
+        ({"validity": {"left_domain_s": 1.0, "left_domain_by": "statue_slides"}}, True),
+        ({"outcome": Outcome.OVERTURNED_LEFT, "no_return_time_s": 0.5,
+          "validity": {"left_domain_s": 1.0, "left_domain_by": "pedestal_tips"}}, True),
+        ({}, True),
+    ],
+)  # fmt: skip
+def test_a_run_that_tells_nothing_of_the_statue_is_not_counted(fields: dict[str, Any], known: bool) -> None:
+    assert has_answer(run("a", **fields)) is known
+    code, _ = told(run("a", **fields), run("b"))
+    assert (code == "one_model") is not known
+    assert told(run("a", outcome=Outcome.CRASHED))[0] == "no_answer"
+
+
+def test_a_probability_of_a_run_is_about_and_undecided_draws_widen_it() -> None:
+    _, said = told(run("a"), run("b"), assessment={"analytic": Assessment(0.4, 0.39, 0.41, 0.9, 10_000, 10_000)})
+    assert said["probability"].values["share"] == 0.4
+    open_ = Assessment(0.4, 0.39, 0.61, 0.9, 10_000, 10_000, undecided=0.2)
+    _, said = told(run("a"), run("b"), assessment={"analytic": open_})
+    between = said["probability_between"].values
+    assert (between["low"], between["high"]) == (0.39, 0.61)
+    mostly = Assessment(0.1, 0.09, 0.91, 0.9, 10_000, 10_000, undecided=0.8, plane_only=True)
+    _, said = told(run("a"), run("b"), assessment={"analytic": mostly})
+    assert "probability_open" in said
+    assert "probability_in_plane" in said
+
+
+def test_perturbed_runs_that_end_otherwise_make_the_outcome_unpredictable() -> None:
+    ends = (Outcome.STANDS, Outcome.OVERTURNED_LEFT)
+    horizon = HorizonRecord(0.01, 10.0, (1e-9,), (5.0,), 4.0, ends, 0, 5.0)
+    _, said = told(run("analytic"), run("b"), horizons={"analytic": horizon})
+    assert said["outcome_not_predictable"].values["outcomes"] == ["overturned", "stands"]

@@ -1,0 +1,71 @@
+"Why a body in space leaves the planar model: said with the numbers of each thing taken away."
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.input.scene_file import load_scene
+from harness.questions.scene import left_out
+from harness.questions.scene.left_out import TAKEN_AWAY, TakenAway, explained, with_reasons
+from harness.questions.scene.scene_run import run_scene
+from harness.records.scores import Verdict
+from tests.doubles import codes, raised, rest, run_of
+from tests.reports.invented_run import invented_scores
+
+pytest.importorskip("pybullet")
+
+
+def test_the_shipped_pedestal_scene_differs_by_its_products_of_inertia(root: Path) -> None:
+    scene = replace(load_scene(root / "scenes" / "paestum_pedestal.toml"), duration_s=1.5)
+    pair = "analytic_vs_pybullet"
+    differ = run_scene(scene, ("analytic", "pybullet"), accuracy_rad=2.5e-4).scores[pair]
+    assert differ.verdict is Verdict.PLANE
+    assert [each.values["cause"] for each in differ.findings if each.code == "plane_cause"] == ["products_of_inertia"]
+    diagonal = np.diag(np.diag(scene.statue.inertia_tensor_kg_m2))
+    without = replace(scene, statue=replace(scene.statue, inertia_tensor_kg_m2=diagonal))
+    again = run_scene(without, ("analytic", "pybullet"), accuracy_rad=2.5e-4).scores[pair]
+    assert "plane_cause" not in codes(again.findings)
+
+
+def test_what_a_scene_has_none_of_is_not_taken_away(root: Path) -> None:
+    block = load_scene(root / "scenes" / "paestum_block.toml")
+    assert [what for what, take in TAKEN_AWAY.items() if take(block) is not None] == []
+
+
+@pytest.mark.parametrize(
+    ("left_rad", "code", "whole"),
+    [(0.0004, "plane_cause", True), (0.001, "plane_cause", False), (0.01, "plane_several_causes", None)],
+)
+def test_a_cause_is_named_by_what_stays_without_it(
+    left_rad: float, code: str, whole: bool | None, root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    "0.02 rad apart, 0.0005 rad are their joint error; without the products of inertia so much is left."
+    scene = load_scene(root / "scenes" / "paestum_pedestal.toml")
+    plane = run_of(rest(1.0), "pymunk")
+    space = run_of(raised(rest(1.0), 0.02), "pybullet")
+    monkeypatch.setattr(left_out, "_again", lambda *given: run_of(raised(rest(1.0), left_rad), "pybullet"))
+    scores = invented_scores("pymunk", "pybullet")
+    evidence = replace(scores.evidence, limit_rad=5e-4, differs_in="rotation")
+    scores = replace(scores, verdict=Verdict.MODEL, evidence=evidence)
+    runs, taken = {"pymunk": plane, "pybullet": space}, TakenAway(scene)
+    judged = with_reasons(runs, {"pair": scores}, taken)["pair"]
+    assert explained(runs, {"pair": scores}, taken) == (set() if left_rad > 0.002 else {"pair"})
+    told = judged.findings[-1]
+    assert (told.code, told.values.get("whole")) == (code, whole)
+    assert told.values["share_without"]["products_of_inertia"] == pytest.approx(left_rad / 0.02, rel=1e-6)
+    assert judged.verdict is (Verdict.MODEL if whole is None else Verdict.PLANE)
+
+
+def test_a_pedestal_that_slides_on_in_space_alone_names_the_products_of_inertia(root: Path) -> None:
+    """Their slips part by 4.7 mm where the plane has the pedestal stick (`test_a_pedestal_that_turns_aside_slides_on...`)."""
+    shaking = ["motion.x.amplitude_g=0.334", "motion.x.frequency_hz=2", "duration_s=1.6"]
+    scene = load_scene(root / "scenes" / "paestum_pedestal.toml", shaking)
+    said = run_scene(scene, ("analytic", "pybullet")).scores["analytic_vs_pybullet"]
+    assert said.evidence.differs_in == "slip"
+    (told,) = [each.values for each in said.findings if each.code == "plane_cause"]
+    assert told["cause"] == "products_of_inertia"
+    assert said.evidence.largest_slip_difference_m > 4e-3

@@ -1,0 +1,133 @@
+"""The class of a point follows from a run's own answer, verdicts and horizon."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness import Outcome, Run, compare
+from harness.model.finding import caution
+from harness.questions.scene.scene_run import Result
+from harness.questions.trust.point import Kept, explained, said
+from harness.records.base import part, plain
+from harness.records.run import HorizonRecord
+from harness.records.scores import Verdict
+from harness.records.trust import CLASSES
+from tests import doubles
+from tests.scenes_for_tests import paestum
+
+KNOWN: dict[str, Any] = {"numerical_uncertainty_rad": 1e-4, "slip_uncertainty_m": 1e-4, "reliable_until_s": 10.0}
+FELL = {"outcome": Outcome.OVERTURNED_LEFT, "no_return_time_s": 8.0}
+PARTED = doubles.parted(doubles.rocking(), 6.0, 0.01)
+
+
+def run(name: str, history: Any = None, **fields: Any) -> Run:
+    return doubles.run_of(history or doubles.rocking(), name, **{**KNOWN, **fields})
+
+
+def result(*runs: Run, outcomes: tuple[Outcome, ...] = (Outcome.STANDS,), horizon_s: float = 10.0) -> Result:
+    """A result of the analytic model and others, the model's perturbed starts ending in those outcomes."""
+    good = [each for each in runs if not each.outcome.failed]
+    scores = {f"{a.engine}_vs_{b.engine}": compare(a, b) for k, a in enumerate(good) for b in good[k + 1 :]}
+    horizons = {"analytic": HorizonRecord(0.01, 10.0, (1e-9,), (horizon_s,), None, outcomes, 0, horizon_s)}
+    return Result(paestum(), {each.engine: each for each in runs}, scores, [], 0.0, horizons)
+
+
+STILL = {"history": doubles.rest()}
+LEFT = {"validity": {"left_domain_s": 2.0, "left_domain_by": "statue_slides"}}
+TIPS = {"validity": {"left_domain_s": 2.0, "left_domain_by": "pedestal_tips"}}
+PLANE = {"motion_axes": ("x",), "history": doubles.parted(doubles.rocking(), 2.0, 0.01)}
+
+
+@pytest.mark.parametrize(
+    ("kind", "model", "engine"),
+    [
+        ("nothing_moves", STILL, STILL),
+        ("confirmed", {}, {}),
+        ("outcome_confirmed", {"history": PARTED, "reliable_until_s": 5.0}, {}),
+        ("probability", {"history": PARTED, "reliable_until_s": 5.0} | FELL, {}),
+        ("probability", {"outcome": Outcome.UNDECIDED}, {}),
+        ("probability", {}, {"outcome": Outcome.UNDECIDED}),
+        ("left_domain", {"history": PARTED} | LEFT, {}),
+        ("left_domain", TIPS, {}),
+        ("plane_left_out", PLANE, {"motion_axes": ("x", "y")}),
+        ("refuted", {"history": doubles.raised(doubles.rocking(), 0.01)}, {}),
+        ("no_answer", {}, {"outcome": Outcome.CRASHED}),
+    ],
+)
+def test_each_class_is_what_the_answer_of_a_run_says(kind: str, model: dict[str, Any], engine: dict[str, Any]) -> None:
+    found = said(result(run("analytic", **model), run("pymunk", **engine)))
+    assert found.kind == kind
+    assert found.kind in CLASSES
+
+
+def test_models_that_agree_tell_no_outcome_where_the_smallest_changes_have_another() -> None:
+    both = run("analytic"), run("pymunk")
+    found = said(result(*both, outcomes=(Outcome.STANDS, Outcome.OVERTURNED_LEFT)))
+    assert (found.kind, found.flips, found.why) == ("probability", True, ["overturned", "stands"])
+    assert said(result(*both)).kind == "confirmed"
+
+
+def test_a_robust_difference_refutes_whatever_else_is_true() -> None:
+    raised = run("analytic", doubles.raised(doubles.rocking(), 0.01), **LEFT | {"reliable_until_s": 10.0})
+    found = said(result(raised, run("pymunk"), outcomes=(Outcome.STANDS, Outcome.OVERTURNED_LEFT)))
+    assert (found.kind, found.answer) == ("refuted", "differ_by_model")
+    assert found.why == ["analytic_vs_pymunk"]
+
+
+def test_what_the_plane_leaves_out_is_named_by_its_cause() -> None:
+    whole = result(run("analytic", doubles.raised(doubles.rocking(), 0.01)), run("pybullet"))
+    pair, scores = next(iter(whole.scores.items()))
+    cause = caution("plane_cause", cause="products_of_inertia", whole=True)
+    judged = {pair: replace(scores, verdict=Verdict.PLANE, findings=[*scores.findings, cause])}
+    found = said(replace(whole, scores=judged))
+    assert (found.kind, found.why) == ("plane_left_out", ["products_of_inertia"])
+
+
+def test_peaks_are_confirmed_where_they_are_as_near_as_a_prediction_is_asked_to_be() -> None:
+    late = {"reliable_until_s": 0.1}
+    near, far = (doubles.scaled(doubles.rocking(), by) for by in (1.05, 1.2))
+    for history, confirmed in ((near, True), (far, False)):
+        found = said(result(run("analytic", history, **late), run("pymunk", **late)))
+        assert found.kind == "outcome_confirmed"
+        assert found.peak_confirmed is confirmed
+    assert said(result(run("analytic", far, **FELL), run("pymunk", **FELL, **late))).peak_confirmed
+
+
+def test_the_model_alone_says_alike_what_ends_alike() -> None:
+    stands, again = said(result(run("analytic"))), said(result(run("analytic", doubles.scaled(doubles.rocking(), 1.2))))
+    assert stands.alike == again.alike
+    others = [
+        result(run("analytic", **FELL)),
+        result(run("analytic", **STILL)),
+        result(run("analytic", **LEFT)),
+        result(run("analytic"), outcomes=(Outcome.STANDS, Outcome.OVERTURNED_LEFT)),
+        result(run("analytic"), horizon_s=4.0),
+    ]
+    assert len({stands.alike, *(said(each).alike for each in others)}) == 6
+
+
+def test_what_is_kept_of_a_point_says_what_its_runs_said() -> None:
+    """Runs, scores and horizons are kept, the class is not: read back it is derived by the rules of today."""
+    whole = result(run("analytic", PARTED, reliable_until_s=5.0), run("pymunk"))
+    kept = part(Kept, plain(Kept(whole.runs, whole.scores, whole.horizons)), Path("store"))
+    assert kept.said(whole.scene, ("analytic", "pymunk")) == said(whole)
+    assert kept.said(whole.scene, ("analytic",)).kind == "no_answer"
+
+
+@pytest.mark.parametrize(("stated_rad", "beside", "kind"), [
+    (1e-4, "agrees", "refuted"), (8e-3, "agrees", "outcome_confirmed"), (8e-3, "raised", "refuted"),
+])  # fmt: skip
+def test_engines_that_share_a_layer_are_held_by_the_wider_of_their_statements(
+    stated_rad: float, beside: str, kind: str
+) -> None:
+    """Both engines lean 0.01 rad further than the model: one states 1e-4 rad, and the other states more."""
+    raised = doubles.raised(doubles.rocking(), 0.01)
+    other = raised if beside == "agrees" else doubles.raised(doubles.rocking(), 0.05)
+    runs = run("analytic"), run("pymunk", raised), run("pybullet", other, numerical_uncertainty_rad=stated_rad)
+    whole = result(*runs)
+    judged = {**whole.scores, **explained(whole.runs, whole.scores)}
+    assert said(replace(whole, scores=judged)).kind == kind
