@@ -95,7 +95,7 @@ class EngineOptions:
 class Sampling:
     """How many draws, of which seed, and how far a contact engine's interval is narrowed with at most how many runs."""
 
-    draws: Annotated[int, typer.Option("--draws", help="Draws of what is uncertain.", min=10, max=1_000_000)] = 20_000
+    draws: Annotated[int, typer.Option("--draws", help="Draws of what is uncertain.", min=10, max=1_000_000)] = 10_000
     seed: Annotated[int, typer.Option("--seed", help="Seed of the draws.", min=0)] = 0
     half_width: Annotated[
         float, typer.Option("--half-width", help="Half width of an engine's interval at 90 %.", min=0.005, max=0.5)

@@ -17,9 +17,10 @@ from harness.input.scene_file import load_scene
 from harness.input.tables import read_model
 from harness.model.scene import BaseExcitation, Scene
 from harness.questions.assess.assessment import assess
-from harness.questions.assess.by_model import assess_models
-from harness.questions.assess.compared import OPTION_DRAWS, compare
+from harness.questions.assess.by_model import RUN_DRAWS, assess_models
+from harness.questions.assess.compared import Answered, compare
 from harness.questions.assess.inputs import uncertain_inputs
+from harness.questions.assess.model_draws import draws_of, model_draws
 from harness.questions.assess.options import options_of
 from harness.questions.assess.variation import varied
 from harness.questions.study.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of
@@ -76,7 +77,10 @@ def of_run(scene: Scene) -> str:
 def of_options() -> str:
     """Seven options with common random numbers."""
     scene = shipped()
-    record = compare(scene, uncertain_inputs(scene), options_of(scene)[0][:OPTIONS], {}, draws=OPTION_DRAWS)
+    inputs = uncertain_inputs(scene)
+    values = draws_of(scene, inputs, RUN_DRAWS, 0)
+    own = Answered(model_draws(scene, values))
+    record = compare(scene, inputs, options_of(scene)[0][:OPTIONS], {}, values, own)
     return f"{len(record.options) - 1} options × {record.draws} draws"
 
 

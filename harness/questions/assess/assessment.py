@@ -20,18 +20,19 @@ from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain
 from harness.model.shown import Shown, new_axes
 from harness.questions.assess.answer import answer_of, findings_of
-from harness.questions.assess.by_model import MODEL, SAMPLER, probability_of, sampled
+from harness.questions.assess.by_model import MODEL, RUN_DRAWS, SAMPLER, probability_of, sampled
 from harness.questions.assess.clearance import of_engine, of_model
-from harness.questions.assess.compared import OPTION_DRAWS, compare
+from harness.questions.assess.compared import Answered, compare
 from harness.questions.assess.engine_runs import EngineRuns
-from harness.questions.assess.in_space import SPACE, assess_in_space, clearance_in_space, shaken_across
-from harness.questions.assess.inputs import Array, uncertain_inputs
+from harness.questions.assess.in_space import SPACE, Ends, assess_in_space, clearance_in_space, shaken_across
+from harness.questions.assess.inputs import Array, row, uncertain_inputs
 from harness.questions.assess.model_draws import ModelDraws, draws_of, model_draws, sweepable
 from harness.questions.assess.options import Option, options_of
 from harness.questions.assess.plan import rest_outline_m
 from harness.questions.assess.sensitivity import FRAGILITY_DRAWS, fragility, indices, indices_of_draws
 from harness.questions.assess.space_studies import compare_in_space, fragility_in_space
 from harness.questions.assess.stratified import estimate
+from harness.questions.assess.variation import varied
 from harness.records.assess import (
     Assessment,
     AssessRecord,
@@ -50,7 +51,6 @@ from harness.runs.store import Store
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-ASSESS_DRAWS: Final = 20_000
 HALF_WIDTH: Final = 0.05
 """Half width to which a contact engine's probability is asked, at `LEVEL`."""
 SAMPLERS: Final = (SAMPLER, "pybullet")
@@ -109,7 +109,7 @@ def assess(
     scene: Scene,
     names: Sequence[str] | None = (MODEL,),
     *,
-    draws: int = ASSESS_DRAWS,
+    draws: int = RUN_DRAWS,
     seed: int = 0,
     half_width: float = HALF_WIDTH,
     most_runs: int = MOST_RUNS,
@@ -150,9 +150,8 @@ def assess(
         others = _others(scene, [name for name in names if name != MODEL], values, model, asked, on_progress)
         counts = RunCounts(campaign.computed + len(campaign.reused), campaign.computed)
     sampler = next((name for name in others.fell if name in SAMPLERS), SAMPLER)
-    own = probability_of(
-        model, sampler, others.fell.get(sampler) or sampled(scene, values, model), plane_only=shaken_across(scene)
-    )
+    fell_by = others.fell.get(sampler) or sampled(model, lambda number: varied(scene, row(values, number)))
+    own = probability_of(model, sampler, fell_by, plane_only=shaken_across(scene))
     on_progress(f"{MODEL}: clearance")
     answers, room = {MODEL: own, **others.answers}, {MODEL: of_model(scene, values), **others.room}
     record = AssessRecord(
@@ -169,10 +168,11 @@ def assess(
         runs=counts,
         clearance=ClearanceRecord(scene.statue.height_m, rest_outline_m(scene.statue).tolist(), room),
     )
-    fell = others.in_space if SPACE in answers and shaken_across(scene) else None
-    record = _by_model(record, scene, values, seed, more_options, on_progress, in_space=fell is not None)
+    answered = Answered(model, fell_by)
+    record = _by_model(record, scene, values, answered, more_options, on_progress, others.in_space)
     if record.indices is None:
-        record = replace(record, indices=indices_of_draws(inputs, values, model.overturned if fell is None else fell))
+        overturned = model.overturned if others.in_space is None else others.in_space == "overturned"
+        record = replace(record, indices=indices_of_draws(inputs, values, overturned))
     record = replace(record, answer=answer_of(record), findings=[*findings_of(record), *record.findings])
     return Assessed(record, values, model, others.fell)
 
@@ -204,13 +204,13 @@ def _forecast(
 
 class _Others(NamedTuple):
     """What models beside the analytic one answer, by name: probabilities, rooms, and whether the statue fell in each run; and
-    which of its draws overturn by the exact body.
+    how its draws end by the exact body, where the scene is that body's to answer.
     """
 
     answers: dict[str, Assessment | NotAssessed]
     room: dict[str, ClearanceByModel]
     fell: dict[str, Mapping[int, bool | None]]
-    in_space: NDArray[np.bool_]
+    in_space: Ends | None
 
 
 def _others(
@@ -222,9 +222,14 @@ def _others(
     on_progress: Callable[[str], None],
 ) -> _Others:
     """The engines of these names, and the exact body where the scene is its own to answer."""
-    others, across = _Others({}, {}, {}, np.empty(0, dtype=bool)), shaken_across(scene)
+    others, across = _Others({}, {}, {}, None), shaken_across(scene)
+    if across:
+        on_progress(f"{SPACE}: draws, then clearance")
+    space = assess_in_space(scene, values, SPACE_STEPS)
     for name in names:
         engine = engines.load(name)
+        if name == SPACE and space is not None:
+            continue
         if (reason := engine.missing()) is not None:
             others.answers[name] = NotAssessed(reason)
             continue
@@ -237,12 +242,10 @@ def _others(
             continue
         others.answers[name] = replace(answer, plane_only=plane_only)
         others.room[name] = of_engine(model, runs)
-    if across and SPACE not in names:
-        on_progress(f"{SPACE}: draws, then clearance")
-    if SPACE not in names and (space := assess_in_space(scene, values, SPACE_STEPS)) is not None:
-        others.answers[SPACE], others.room[SPACE] = space.answer, clearance_in_space(scene, values, space)
-        others = others._replace(in_space=space.ends == "overturned")
-    return others
+    if space is None:
+        return others
+    others.answers[SPACE], others.room[SPACE] = space.answer, clearance_in_space(scene, values, space)
+    return others._replace(in_space=space.ends)
 
 
 def _inputs(scene: Scene) -> Sequence[Uncertain]:
@@ -271,21 +274,22 @@ def _by_model(
     record: AssessRecord,
     scene: Scene,
     values: Mapping[str, Array],
-    seed: int,
+    own: Answered,
     more_options: Sequence[Option] | None,
     on_progress: Callable[[str], None],
-    *,
-    in_space: bool,
+    in_space: Ends | None,
 ) -> AssessRecord:
     """The record with all that one model alone answers: the exact body where the scene is its own, else the analytic model."""
-    draws, inputs = len(next(iter(values.values()))), record.uncertainty
+    draws, inputs, seed = len(next(iter(values.values()))), record.uncertainty, record.seed
     if more_options is not None:
         own_options, left_out = options_of(scene)
-        size, every = min(draws, OPTION_DRAWS), [*own_options, *more_options]
-        compared = compare_in_space(scene, inputs, every, left_out, seed, on_progress) if in_space else None
-        compared = compared or compare(scene, inputs, every, left_out, draws=size, seed=seed, on_progress=on_progress)
+        every = [*own_options, *more_options]
+        if in_space is not None:
+            compared = compare_in_space(scene, inputs, every, left_out, values, in_space, seed, on_progress)
+        else:
+            compared = compare(scene, inputs, every, left_out, values, own, seed=seed, on_progress=on_progress)
         record = replace(record, options=compared)
-    if in_space:
+    if in_space is not None:
         on_progress(f"{SPACE}: fragility")
         return replace(record, fragility=fragility_in_space(scene, inputs, seed))
     on_progress(f"{MODEL}: fragility and indices")

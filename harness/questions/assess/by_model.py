@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
-from typing import Final
+from collections.abc import Callable, Mapping
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from harness.questions.assess.engine_runs import ENGINE_ERROR_RAD
 from harness.questions.assess.in_space import SPACE, SPACE_S, assess_in_space, shaken_across
-from harness.questions.assess.inputs import Array, row, uncertain_inputs
+from harness.questions.assess.inputs import row, uncertain_inputs
 from harness.questions.assess.model_draws import ModelDraws, draws_of, model_draws
 from harness.questions.assess.stratified import LEVEL, jeffreys
 from harness.questions.assess.variation import varied
@@ -55,7 +55,8 @@ def assess_models(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> dict[s
         return {}
     values = draws_of(scene, inputs, draws, seed)
     model = model_draws(scene, values)
-    own = probability_of(model, SAMPLER, sampled(scene, values, model), plane_only=shaken_across(scene))
+    fell = sampled(model, lambda number: varied(scene, row(values, number)))
+    own = probability_of(model, SAMPLER, fell, plane_only=shaken_across(scene))
     in_space = assess_in_space(scene, values)
     answers = {MODEL: own, SPACE: None if in_space is None else in_space.answer}
     return {name: answer for name, answer in answers.items() if answer is not None}
@@ -81,9 +82,9 @@ def assessed_s(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> float:
     return seconds + SAMPLE_S * bool(model.left.mean() > OPEN) + SPACE_S * shaken_across(scene)
 
 
-def sampled(scene: Scene, values: Mapping[str, Array], model: ModelDraws) -> dict[int, bool | None]:
+def sampled(model: ModelDraws, scene_of: Callable[[int], Scene]) -> dict[int, bool | None]:
     """Whether the statue falls by the engine, by number of the draw, in the first draws outside the model's domain: as many as
-    `SAMPLE_STEPS` allows, none where they are few."""
+    `SAMPLE_STEPS` allows, none where they are few. `scene_of` gives the scene of a draw."""
     engine, fell = engines.load(SAMPLER), dict[int, bool | None]()
     if model.left.size == 0 or model.left.mean() <= OPEN or engine.missing() is not None:
         return fell
@@ -91,7 +92,7 @@ def sampled(scene: Scene, values: Mapping[str, Array], model: ModelDraws) -> dic
     for number in np.flatnonzero(model.left)[:MOST_SAMPLED].tolist():
         if steps >= SAMPLE_STEPS:
             break
-        drawn = varied(scene, row(values, number))
+        drawn = scene_of(number)
         try:
             settings, _ = first_level(engine.refinement_levels(drawn), ENGINE_ERROR_RAD, 1.0)
             run = engine.simulate(drawn, settings, RunOptions())
@@ -103,6 +104,27 @@ def sampled(scene: Scene, values: Mapping[str, Array], model: ModelDraws) -> dic
     return fell
 
 
+class Outside(NamedTuple):
+    """What an engine's sample answers of the draws outside the model's domain, as shares of all draws: what falls, with its
+    interval, and what nobody answers.
+    """
+
+    falls: float
+    low: float
+    high: float
+    undecided: float
+
+    @classmethod
+    def of(cls, model: ModelDraws, fell: Mapping[int, bool | None], level: float = LEVEL) -> Outside:
+        """Of the draws, where `fell` holds the engine's runs by number of the draw."""
+        runs = [fell[number] for number in np.flatnonzero(model.left).tolist() if number in fell]
+        ends = [each for each in runs if each is not None]
+        unknown = int((~model.decided).sum()) / model.decided.size
+        answered = float(model.left.mean()) * len(ends) / len(runs) if runs else 0.0
+        falls, low, high = (answered * share for share in jeffreys(sum(ends), len(ends), level))
+        return cls(falls, low, high, max(unknown - answered, 0.0))
+
+
 def probability_of(
     model: ModelDraws, engine: str, fell: Mapping[int, bool | None], *, plane_only: bool = False
 ) -> Assessment | None:
@@ -112,27 +134,20 @@ def probability_of(
     own = wilson(int(model.overturned.sum()), size, LEVEL)
     if own is None:
         return None
-    runs = [fell[number] for number in np.flatnonzero(model.left).tolist() if number in fell]
-    ends = [each for each in runs if each is not None]
-    left, unknown = float(model.left.mean()), int((~model.decided).sum()) / size
-    # What a sample answers of them, as a share of all draws.
-    answered = left * len(ends) / len(runs) if runs else 0.0
-    q, low, high = jeffreys(sum(ends), len(ends))
-    undecided = max(unknown - answered, 0.0)
-    p = own.value + answered * q
-    below, above = (
-        math.hypot(a, answered * b) for a, b in ((own.value - own.low, q - low), (own.high - own.value, high - q))
-    )
+    outside, runs = Outside.of(model, fell), int(model.left[list(fell)].sum())
+    p = own.value + outside.falls
+    below = math.hypot(own.value - own.low, outside.falls - outside.low)
+    above = math.hypot(own.high - own.value, outside.high - outside.falls)
     return Assessment(
         probability_overturned=p,
         low=max(p - below, 0.0),
-        high=min(p + above + undecided, 1.0),
+        high=min(p + above + outside.undecided, 1.0),
         level=LEVEL,
         draws=size,
         engine_runs=size,
-        undecided=undecided,
+        undecided=outside.undecided,
         plane_only=plane_only,
-        left_domain=left,
+        left_domain=float(model.left.mean()),
         sampler=engine if runs else "",
-        sampled=len(runs),
+        sampled=runs,
     )

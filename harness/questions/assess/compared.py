@@ -6,20 +6,20 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from statistics import NormalDist
+from types import MappingProxyType
 from typing import Final, NamedTuple
 
 import numpy as np
 
-from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene, Uncertain
 from harness.questions.assess.bodies import sliding
+from harness.questions.assess.by_model import SAMPLER, Outside, probability_of, sampled
 from harness.questions.assess.in_space import shaken_across
 from harness.questions.assess.inputs import LEAST_SHARE, Array, draw, row, uncertain_inputs
 from harness.questions.assess.model_draws import (
     SLOW_DRAWS,
     Flags,
     ModelDraws,
-    draws_of,
     joined,
     model_draws,
     repeated,
@@ -31,7 +31,6 @@ from harness.questions.assess.variation import KINETIC, STATIC, varied
 from harness.records.assess import OptionAnswer, OptionsRecord
 from harness.records.scores import Interval
 
-OPTION_DRAWS: Final = 10_000
 DIFFERENCE_LEVEL: Final = 0.99
 """Level of a difference's interval: of ten options without effect, one table in ten then names one."""
 HIGH: Final = 0.95
@@ -42,20 +41,29 @@ NEW_KEYS: Final = 2_000_003
 """Added to the seed where an option brings an uncertain number that the scene as it is does not have."""
 
 
+class Answered(NamedTuple):
+    """What the model says of each draw, and whether the statue falls by an engine in the first of those outside its domain."""
+
+    model: ModelDraws
+    fell: Mapping[int, bool | None] = MappingProxyType({})
+
+
 def compare(
     scene: Scene,
     inputs: Sequence[Uncertain],
     options: Sequence[Option],
     left_out: Mapping[str, str],
+    values: Mapping[str, Array],
+    own: Answered,
     *,
-    draws: int = OPTION_DRAWS,
     seed: int = 0,
     on_progress: Callable[[str], None] = lambda text: None,
 ) -> OptionsRecord:
-    """Every option's probability of a fall and its slip, and its difference to the scene as it is, draw by draw."""
-    values = draws_of(scene, inputs, draws, seed)
-    own = model_draws(scene, values)
-    answers = [_answer(None, own, None)]
+    """Every option's probability of a fall and its slip, and its difference to the scene as it is, draw by draw.
+
+    `values` (n,) are the draws of the scene as it is, and `own` what was answered of them; `seed` is that of both.
+    """
+    answers = [answer_of(None, own, None)]
     others: dict[str, ModelDraws | None] = {}
     for option in options:
         on_progress(f"options: {option.name}")
@@ -65,9 +73,22 @@ def compare(
     others |= _one_by_one(scene, slow, values) if slow else {}
     for option in options:
         if (other := others[option.name]) is not None:
-            answers.append(_answer(option, other, own))
+            # The one body that may slide is no scene of an engine's: its floor is what the pedestal stands on.
+            fell = {} if option.slides else sampled(other, _scenes_of(scene, inputs, option, values, seed))
+            answers.append(answer_of(option, Answered(other, fell), own))
     across = shaken_across(scene)
-    return OptionsRecord(answers, own.overturned.size, LEVEL, DIFFERENCE_LEVEL, dict(left_out), across)
+    return OptionsRecord(answers, own.model.overturned.size, LEVEL, DIFFERENCE_LEVEL, dict(left_out), across)
+
+
+def _scenes_of(
+    scene: Scene, inputs: Sequence[Uncertain], option: Option, values: Mapping[str, Array], seed: int
+) -> Callable[[int], Scene]:
+    """The option's scene in a draw, by its number."""
+    if not option.user:
+        return lambda number: option.change(varied(scene, row(values, number)))
+    other = option.change(scene)
+    drawn = common(inputs, values, uncertain_inputs(other), seed)
+    return lambda number: varied(other, row(drawn, number))
 
 
 def option_draws(
@@ -152,42 +173,30 @@ def common(
     return result
 
 
-def _answer(option: Option | None, other: ModelDraws, own: ModelDraws | None) -> OptionAnswer:
-    before = None if own is None else Ends(own.overturned, own.decided)
-    median_m, high_m = (float(value) for value in np.quantile(other.peak_slip_m, (0.5, HIGH)))
-    return answer_of(option, Ends(other.overturned, other.decided), before, (median_m, high_m))
-
-
-class Ends(NamedTuple):
-    """Whether each draw (n,) falls, and whether it falls or stands at all."""
-
-    fell: Flags
-    decided: Flags
-
-
-def answer_of(
-    option: Option | None, ends: Ends, before: Ends | None, slips_m: tuple[float | None, float | None]
-) -> OptionAnswer:
+def answer_of(option: Option | None, answered: Answered, before: Answered | None) -> OptionAnswer:
     """What is told of an option (None: the scene as it is), by its draws and the same ones of the scene as it is."""
-    fell, may_fall = (int(each.sum()) for each in (ends.fell, ends.fell | ~ends.decided))
-    share, most = (wilson(count, ends.fell.size, LEVEL) for count in (fell, may_fall))
-    if share is None or most is None:
+    model, fell = answered
+    share = probability_of(model, SAMPLER, fell)
+    if share is None:
         raise ValueError("an option without draws")
     name, what, source = (AS_IT_IS, "", "") if option is None else (option.name, option.what, option.source)
-    change = None if before is None else difference_of(ends, before)
-    interval = share.value, share.low, most.high
-    return OptionAnswer(
-        name, what, source, ends.fell.size, *interval, *slips_m, change, 1.0 - float(ends.decided.mean())
-    )
+    median_m, high_m = None, None
+    if np.isfinite(model.peak_slip_m).all():
+        median_m, high_m = (float(value) for value in np.quantile(model.peak_slip_m, (0.5, HIGH)))
+    change = None if before is None else difference_of(answered, before)
+    interval = share.probability_overturned, share.low, share.high
+    return OptionAnswer(name, what, source, share.draws, *interval, median_m, high_m, change, share.undecided)
 
 
-def difference_of(ends: Ends, before: Ends) -> Interval:
+def difference_of(answered: Answered, before: Answered) -> Interval:
     """The probability of a fall less the one before, of the same draws; where one comes to no end it may be either."""
-    size = min(ends.fell.size, before.fell.size)
-    fell, may_fall = ends.fell[:size], (ends.fell | ~ends.decided)[:size]
-    fell_before, might_fall = before.fell[:size], (before.fell | ~before.decided)[:size]
-    low, high = paired_difference(fell, might_fall).low, paired_difference(may_fall, fell_before).high
-    return Interval(float(fell.mean() - fell_before.mean()), low, high, DIFFERENCE_LEVEL)
+    size = min(answered.model.overturned.size, before.model.overturned.size)
+    paired = paired_difference(answered.model.overturned[:size], before.model.overturned[:size])
+    now, then = (Outside.of(*each, DIFFERENCE_LEVEL) for each in (answered, before))
+    value = paired.value + now.falls - then.falls
+    below = math.hypot(paired.value - paired.low, now.falls - now.low, then.high - then.falls) + then.undecided
+    above = math.hypot(paired.high - paired.value, now.high - now.falls, then.falls - then.low) + now.undecided
+    return Interval(value, max(value - below, -1.0), min(value + above, 1.0), DIFFERENCE_LEVEL)
 
 
 def paired_difference(fell: Flags, before: Flags, level: float = DIFFERENCE_LEVEL) -> Interval:

@@ -67,11 +67,12 @@ def assess_in_space(scene: Scene, values: Mapping[str, Array], most_steps: int =
 
 
 def _assessment(fell: int, draws: int, open_: int) -> Assessment:
-    """The probability of overturning where so many of the draws fell and so many came to no end, with Wilson's intervals."""
-    share, most = wilson(fell, draws, LEVEL), wilson(fell + open_, draws, LEVEL)
-    if share is None or most is None:
+    """The probability of overturning where so many of the draws fell and so many came to no end, with Wilson's interval
+    and the open ones at its high end."""
+    share = wilson(fell, draws, LEVEL)
+    if share is None:
         raise ValueError("a probability without draws")
-    return Assessment(share.value, share.low, most.high, LEVEL, draws, draws, open_ / draws)
+    return Assessment(share.value, share.low, min(share.high + open_ / draws, 1.0), LEVEL, draws, draws, open_ / draws)
 
 
 def without_end(ends: Ends) -> int:

@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 
 from harness.model.scene import Scene, Uncertain
-from harness.questions.assess.compared import DIFFERENCE_LEVEL, Ends, answer_of, common
-from harness.questions.assess.in_space import SPACE, ends_in_space, without_end
-from harness.questions.assess.in_space import Ends as Names
-from harness.questions.assess.inputs import draw, uncertain_inputs
-from harness.questions.assess.options import AS_IT_IS, Option
+from harness.questions.assess.compared import DIFFERENCE_LEVEL, Answered, answer_of, common
+from harness.questions.assess.in_space import SPACE, Ends, ends_in_space, without_end
+from harness.questions.assess.inputs import Array, draw, uncertain_inputs
+from harness.questions.assess.model_draws import ModelDraws
+from harness.questions.assess.options import Option
 from harness.questions.assess.sensitivity import fragility_of
 from harness.questions.assess.stratified import LEVEL
 from harness.questions.assess.variation import file_scale
@@ -35,17 +35,15 @@ def compare_in_space(
     inputs: Sequence[Uncertain],
     options: Sequence[Option],
     left_out: Mapping[str, str],
+    draws: Mapping[str, Array],
+    own: Ends,
     seed: int,
     on_progress: Callable[[str], None],
-) -> OptionsRecord | None:
-    """Every option's probability of a fall with common random numbers; None for a scene that the exact body does not know."""
-    values = draw(inputs, OPTION_DRAWS, seed)
-    on_progress(f"options in space: {AS_IT_IS}")
-    own = ends_in_space(scene, values, OPTION_STEPS)
-    if own is None:
-        return None
-    before, unknown = _flags(own), dict(left_out)
-    answers = [answer_of(None, before, None, (None, None))]
+) -> OptionsRecord:
+    """Every option's probability of a fall on the first of the draws (n,) of the scene as it is, which ended as `own` (n,)."""
+    values = {key: column[:OPTION_DRAWS] for key, column in draws.items()}
+    before, unknown = _answered(own), dict(left_out)
+    answers = [answer_of(None, before, None)]
     for option in options:
         on_progress(f"options in space: {option.name}")
         if option.user:
@@ -56,13 +54,13 @@ def compare_in_space(
         if ends is None:
             unknown[option.name] = f"{SPACE} does not know its scene (it stands on the floor, without a wall)"
         else:
-            answers.append(answer_of(option, _flags(ends), before, (None, None)))
+            answers.append(answer_of(option, _answered(ends), before))
     return OptionsRecord(answers, own.size, LEVEL, DIFFERENCE_LEVEL, unknown, model=SPACE)
 
 
-def _flags(ends: Names) -> Ends:
-    fell = ends == "overturned"
-    return Ends(fell, fell | (ends == "stands"))
+def _answered(ends: Ends) -> Answered:
+    fell, unknown = ends == "overturned", np.full(ends.size, np.nan)
+    return Answered(ModelDraws(fell | (ends == "stands"), fell, unknown, unknown, np.zeros(ends.size, dtype=bool)))
 
 
 def fragility_in_space(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> FragilityRecord | None:

@@ -60,11 +60,11 @@ def estimate(model: ModelDraws, run: Runs, *, half_width: float, most_runs: int,
     return tally.estimate(strata.size)
 
 
-def jeffreys(fell: int, runs: int) -> tuple[float, float, float]:
-    """The share that fell of so many runs (a half of none), and its interval at `LEVEL` (Jeffreys)."""
+def jeffreys(fell: int, runs: int, level: float = LEVEL) -> tuple[float, float, float]:
+    """The share that fell of so many runs (a half of none), and its interval at a level (Jeffreys)."""
     from scipy.special import betaincinv
 
-    tail, missed = 0.5 - 0.5 * LEVEL, runs - fell
+    tail, missed = 0.5 - 0.5 * level, runs - fell
     low = float(betaincinv(fell + 0.5, missed + 0.5, tail)) if fell else 0.0
     high = float(betaincinv(fell + 0.5, missed + 0.5, 1.0 - tail)) if missed else 1.0
     return fell / runs if runs else 0.5, low, high

@@ -9,19 +9,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from analytic import Pulse
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
-from harness.model.scene import Pedestal, Scene, Uncertain, Wall
+from harness.model.scene import BaseExcitation, Pedestal, Scene, Uncertain, Wall
 from harness.questions.assess import options as made
 from harness.questions.assess.answer import best_option, of_options
+from harness.questions.assess.assessment import assess
 from harness.questions.assess.bodies import as_one, sliding, turned_block
-from harness.questions.assess.compared import common, compare, option_draws, paired_difference
+from harness.questions.assess.compared import Answered, common, compare, option_draws, paired_difference
 from harness.questions.assess.inputs import draw, uncertain_inputs
-from harness.questions.assess.model_draws import model_draws
+from harness.questions.assess.model_draws import draws_of, model_draws
 from harness.questions.assess.options import PAIRS
 from harness.records.assess import OptionsRecord
 from tests import budgets_assess as budget
-from tests.scenes_for_tests import paestum, rectangle
+from tests.scenes_for_tests import paestum, rectangle, scene
 
 SCENES = Path(__file__).parents[4] / "scenes"
 DRAWS = 400
@@ -29,7 +31,15 @@ DRAWS = 400
 
 def compared(scene: Scene, draws: int = DRAWS, more: list[made.Option] | None = None) -> OptionsRecord:
     own, left_out = made.options_of(scene)
-    return compare(scene, uncertain_inputs(scene), [*own, *(more or [])], left_out, draws=draws)
+    return by_draws(scene, [*own, *(more or [])], draws, left_out)
+
+
+def by_draws(
+    scene: Scene, options: list[made.Option], draws: int, left_out: dict[str, str] | None = None
+) -> OptionsRecord:
+    inputs = uncertain_inputs(scene)
+    values = draws_of(scene, inputs, draws, 0)
+    return compare(scene, inputs, options, left_out or {}, values, Answered(model_draws(scene, values)))
 
 
 def test_statue_and_pedestal_as_one_body_by_hand() -> None:
@@ -132,7 +142,7 @@ def test_what_is_not_shown_is_not_recommended() -> None:
     assert (told.code, told.values) == ("no_option_helps", {"needed": False})
     scene = paestum(0.429, 3.0, duration_s=3.0)
     same = [made.Option("same", "nothing is changed", lambda given: given)]
-    idle = compare(scene, uncertain_inputs(scene), same, {}, draws=DRAWS)
+    idle = by_draws(scene, same, DRAWS)
     assert 0.0 < idle.as_it_is.probability_overturned < 1.0
     assert best_option(idle).values == {"needed": True}
     assert not list(of_options(idle))
@@ -143,7 +153,7 @@ def test_an_option_whose_draws_come_to_no_end_is_not_recommended(tmp_path: Path)
     scene = load_scene(SCENES / "paestum_block.toml", ["duration_s=3.0", "motion.x.amplitude_g=1.0"])
     path = tmp_path / "mine.toml"
     path.write_text('[[option]]\nname = "wall"\nset = {"wall.side" = "right", "wall.distance_m" = 0.08666}\n')
-    record = compare(scene, uncertain_inputs(scene), made.read_options(path, scene), {}, draws=60)
+    record = by_draws(scene, made.read_options(path, scene), 60)
     wall = record.options[-1]
     assert record.as_it_is.probability_overturned > wall.probability_overturned + 0.4
     assert wall.undecided > 0.5
@@ -216,3 +226,29 @@ def test_a_wrong_file_of_options_is_told(tmp_path: Path, text: str, wanted: str)
     with pytest.raises(InputError, match=wanted) as raised:
         made.read_options(path, scene)
     assert "mine.toml" in str(raised.value)
+
+
+def test_the_scene_as_it_is_has_one_probability() -> None:
+    """Headline and first row of the options are the same draws, in the plane and in space."""
+    across = BaseExcitation(x=Pulse("one_sine", 0.3 * 9.81, 0.4), y=Pulse("one_sine", 0.65 * 9.81, 0.4))
+    in_space = replace(scene(rectangle(0.2, 1.0, depth_m=0.3), mu_statue=0.7, duration_s=2.0), base_excitation=across)
+    for given, name in ((paestum(0.429, 3.0, duration_s=3.0), "analytic"), (in_space, "spatial")):
+        record = assess(given, ["analytic"], draws=400).record
+        assert record.options is not None
+        whole, row = record.answers[name], record.options.as_it_is
+        assert 0.0 < whole.probability_overturned < 1.0
+        assert (row.probability_overturned, row.draws) == (whole.probability_overturned, whole.draws)
+        assert (row.low, row.high, row.undecided) == pytest.approx((whole.low, whole.high, whole.undecided))
+
+
+def test_an_engine_answers_an_options_draws_outside_the_domain() -> None:
+    """A narrow plinth tips under the statue: of most draws the model says nothing, the engine that every run falls."""
+    given = paestum(0.8, 1.0, duration_s=4.0)
+    pedestal = Pedestal(60.0, 0.45, 0.8, 1.2)
+    narrow = [made.Option("plinth", "narrow and high", lambda one: replace(one, pedestal=pedestal))]
+    plinth = by_draws(given, narrow, 40).options[-1]
+    assert plinth.undecided < 0.3
+    assert plinth.difference is not None
+    assert plinth.probability_overturned > 0.5
+    assert plinth.low <= plinth.probability_overturned <= plinth.high
+    assert plinth.difference.high - plinth.difference.low < 1.0

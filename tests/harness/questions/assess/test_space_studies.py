@@ -12,9 +12,10 @@ from analytic import Pulse
 from harness.input.scene_file import load_scene
 from harness.model.scene import BaseExcitation, Scene
 from harness.questions.assess.assessment import assess
-from harness.questions.assess.compared import Ends, difference_of
+from harness.questions.assess.compared import Answered, difference_of
 from harness.questions.assess.in_space import ends_in_space
 from harness.questions.assess.inputs import draw, uncertain_inputs
+from harness.questions.assess.model_draws import ModelDraws
 from harness.questions.assess.options import TURNED, options_of
 from harness.questions.assess.space_studies import OPTION_STEPS
 from tests.scenes_for_tests import block, scene
@@ -88,7 +89,8 @@ def test_options_and_fragility_of_a_scene_in_space_are_the_exact_bodys() -> None
 
 def test_draws_without_an_end_show_nothing() -> None:
     none, all_ = np.zeros(300, dtype=bool), np.ones(300, dtype=bool)
-    falls, stands, open_ = Ends(all_, all_), Ends(none, all_), Ends(none, none)
+    ends = ((all_, all_), (all_, none), (none, none))
+    falls, stands, open_ = (Answered(ModelDraws(known, fell, none, none, none)) for known, fell in ends)
     shown = difference_of(stands, falls)
     assert shown.high < -0.9
     for ends, own in ((open_, falls), (stands, open_), (open_, open_)):
