@@ -28,7 +28,7 @@ COLUMN: Final = {
 """A homogeneous block 0.2 m wide, 1 m high (docs/model.md, section 7)."""
 RECORDS: Final = "${" + DATA_VARIABLE + "}/records"
 MESHES: Final = "${" + DATA_VARIABLE + "}/meshes"
-SCENES: Final = Path(__file__).parents[2] / "scenes"
+SCENES: Final = Path(__file__).parents[3] / "scenes"
 """The scenes that are shipped."""
 STONE: Final = {"mass_kg": 400.0, "width_m": 1.0, "depth_m": 1.0, "height_m": 0.3}
 """A pedestal wide enough for the Maria's base."""
