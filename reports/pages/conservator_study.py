@@ -21,7 +21,7 @@ from reports.pages.conservator import ENDS, order_picture, plain_page, push_pict
 from reports.source import run_source
 from reports.text.giving_way import compass, scan_turn_deg, support_of
 from reports.text.pedestal_effect import pedestal_effect
-from reports.text.study_rows import Condition, agreement, conditions, family, runs_of, varying_keys
+from reports.text.study_rows import Condition, conditions, family, runs_of, varying_keys
 from reports.text.wording import tone_of_study
 
 WIDTH: Final = 480
@@ -58,7 +58,7 @@ def of_study(record: StudyRecord, say: Language = ENGLISH) -> list[Block]:
     ends = {model: outcomes for model, outcomes in ends.items() if outcomes}
     said = [*_asked(record, models, say), *_by_variant(ends, say), *_bore(cases, say)]
     tone = tone_of_study(family(outcome) for outcomes in ends.values() for outcome in outcomes)
-    basis = [*_agree(models, cases, say), say("chance.unknown")]
+    basis = [*_agree(record, say), say("chance.unknown")]
     pictures = [*_map(record, cases, say), *_pictures(record, models, cases, say)]
     return plain_page(_headline(ends, say), tone, said, [say("todo.ask")], pictures, basis, say)
 
@@ -174,13 +174,14 @@ def _by_direction(record: StudyRecord, cases: Sequence[Condition]) -> dict[float
     return borne
 
 
-def _agree(models: Sequence[str], cases: Sequence[Condition], say: Language) -> list[str]:
-    pairs = agreement(models, cases)
-    same, total = sum(item[2] for item in pairs), sum(item[3] for item in pairs)
-    if not total:
+def _agree(record: StudyRecord, say: Language) -> list[str]:
+    """How often the other models end as the reference does: the record's own count."""
+    scores = [each for each in (record.scores or {}).values() if each.cases]
+    if not scores:
         return []
-    count = say.count(len({model.partition(" (")[0] for model in models}))
-    return [say("study.agree", count=count[0].upper() + count[1:], share=f"{100.0 * same / total:.0f}")]
+    same, total = sum(each.same for each in scores), sum(each.cases for each in scores)
+    count = say.count(len(scores) + 1)
+    return [say("study.agree", count=count[0].upper() + count[1:], same=same, total=total)]
 
 
 def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], say: Language) -> list[Drawing]:

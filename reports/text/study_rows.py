@@ -109,20 +109,3 @@ def varying_keys(cases: Sequence[Condition]) -> list[str]:
     """The keys that take more than one value."""
     keys = list(cases[0].varied) if cases else []
     return [key for key in keys if len({repr(item.varied[key]) for item in cases}) > 1]
-
-
-def agreement(models: Sequence[str], cases: Sequence[Condition]) -> list[tuple[str, str, int, int]]:
-    """For each pair of models of one variant: both names, conditions with the same outcome, conditions answered by both."""
-    pairs = []
-    for k, first in enumerate(models):
-        for second in models[k + 1 :]:
-            if first.partition(" (")[2] != second.partition(" (")[2]:
-                continue
-            both = [
-                (run.outcome, b.outcome)
-                for item, run in runs_of(cases, first)
-                if (b := item.run(second)) is not None and not (run.outcome.failed or b.outcome.failed)
-            ]
-            if both:
-                pairs.append((first, second, sum(a.same_as(b) for a, b in both), len(both)))
-    return pairs

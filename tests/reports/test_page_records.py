@@ -7,6 +7,7 @@ from dataclasses import replace
 from html import unescape
 from pathlib import Path
 
+from harness.comparison.statistics.outcomes import score_outcomes
 from harness.model.finding import Answer, caution, info
 from harness.model.run import write_json
 from harness.questions.study.answer import answer_of, findings_of
@@ -15,21 +16,23 @@ from harness.records.base import as_file, plain
 from harness.records.bench import PartRow, ScalingRow
 from harness.records.kinds import read_result
 from harness.records.scores import Interval
+from harness.records.sets import SetScores
 from harness.records.stress import Cell as Found
 from harness.records.stress import answer_of as stress_answer
 from harness.records.stress import findings_of as stress_findings
 from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import ValidationRecord
-from reports.blocks import Cell, Chart, Group, Section, Table
+from reports.blocks import Cell, Chart, Group, Section, Table, Text
 from reports.charts.curve_figures import on_front, precision_figure, scaling_figure
 from reports.charts.study_figures import rose_picture
 from reports.drawing.shapes import Disc
 from reports.messages import ENGLISH
+from reports.pages import conservator_study
 from reports.pages.bench_page import bench_verdict
 from reports.pages.page import page_blocks, write_report
 from reports.pages.stress_page import explanations, stress_verdict
 from reports.pages.validation_page import validation_verdict
-from reports.text.study_rows import agreement, conditions
+from reports.text.study_rows import conditions
 from tests.reports import invented_records, invented_study
 from tests.reports.charts.parts import part
 from tests.reports.page_parts import every, lines, rows
@@ -71,14 +74,6 @@ def test_the_matrix_marks_where_models_of_a_variant_differ(tmp_path: Path) -> No
     assert len(found.rows) == 60
     keys = [[cell for cell in row[:4] if isinstance(cell, Cell)] for row in found.rows]
     assert {tuple(cell.text for cell in row[2:]) for row in keys if row[0].style == "differs"} == {("2", "none")}
-
-
-def test_agreement_counts_pairs_of_one_variant_only(tmp_path: Path) -> None:
-    models, found = conditions(invented_study.study(invented_study.write_table_study(tmp_path)).rows)
-    pairs = {(first, second): (same, total) for first, second, same, total in agreement(models, found)}
-    assert pairs["analytic (own impact)", "pymunk (own impact)"] == (60, 60)
-    assert pairs["analytic (own impact)", "pybullet (own impact)"] == (54, 60)
-    assert ("analytic (own impact)", "analytic (paper)") not in pairs
 
 
 def test_a_map_shows_what_was_not_asked(tmp_path: Path) -> None:
@@ -293,3 +288,14 @@ def test_every_explanation_of_a_map_stands_below_it_once() -> None:
         "at rest, 1/60 s; 1/240 s: too long",
         "at rest, hull: known: margin 0 is stable",
     ]
+
+
+def test_the_conservators_page_counts_as_the_terminal_does(tmp_path: Path) -> None:
+    """How often models end alike stands in the record once; rows may be a coarser grid."""
+    given = invented_study.study(invented_study.write_table_study(tmp_path))
+    scores = SetScores(
+        reference="analytic", cases=1234, same=1201, outcomes=score_outcomes([]), verdicts={}, flips=0, peaks=None
+    )
+    said = conservator_study.blocks(tmp_path, replace(given, scores={"pymunk": scores}))
+    told = [line for each in every(said, Text) for line in each.lines]
+    assert ENGLISH("study.agree", count="Two", same=1201, total=1234) in told
