@@ -20,7 +20,7 @@ FLAT_RAD: Final = 1e-12
 
 def positive(**values: float) -> None:
     """Raise AnalyticInputError, naming every value that is not a finite positive number."""
-    wrong = [f"{name} = {value!r}" for name, value in values.items() if not (math.isfinite(value) and value > 0.0)]
+    wrong = [f"{name} = {value!r}" for name, value in values.items() if not 0.0 < value < math.inf]
     if wrong:
         raise AnalyticInputError(f"finite positive numbers are wanted, {', '.join(wrong)} came.")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -37,6 +38,10 @@ def _params(kind: int, peak: float, omega: float = 0.0, phase: float = 0.0, ramp
     return MotionParams(kind, peak, omega, phase, ramp, 0.0, 0.0, 1.0, 0, 0, 0)
 
 
+STILL: Final = _params(NONE, 0.0)
+"""No motion; not to be written to."""
+
+
 def encode_motion(motion: Excitation) -> tuple[MotionParams, Floats, Floats]:
     """The motion's numbers, and its samples' times (n,) and accelerations (n,), empty unless it is a record: the numbers hold
     their addresses, so the caller keeps them alive.
@@ -44,7 +49,7 @@ def encode_motion(motion: Excitation) -> tuple[MotionParams, Floats, Floats]:
     Raises AnalyticInputError for a motion that the kernel does not know.
     """
     if isinstance(motion, ZeroExcitation) or motion.peak_m_s2 == 0.0:
-        return _params(NONE, 0.0), _EMPTY, _EMPTY
+        return STILL, _EMPTY, _EMPTY
     if isinstance(motion, Harmonic):
         wave = motion.amplitude_m_s2, motion.omega_rad_s, motion.phase_rad, motion.ramp_s
         return _params(HARMONIC, *wave), _EMPTY, _EMPTY
@@ -71,6 +76,7 @@ def encode_base(problem: Problem) -> Base:
     return Base(x, z, facets, block.arrays[2].size, stands, *outline)
 
 
+@lru_cache(maxsize=16)
 def order_for(tolerance: float) -> int:
     """Order of the Taylor step that is cheapest at a local tolerance: two above Jorba and Zou's 1 − ln(tol)/2, which counts the
     terms alone and not what every step costs besides."""

@@ -84,7 +84,7 @@ class Solution:
             left_domain_by=LEFT_BY[r.left_domain_by],
         )
 
-    @cached_property
+    @property
     def work(self) -> Work:
         """What the run cost and what it left out."""
         c = self.counts

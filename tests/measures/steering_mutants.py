@@ -98,7 +98,7 @@ def _static(own: Any) -> Any:
 
     def slip_onset(self: Any, gravity: Any, pull: Any, before: Any, row: Any) -> Any:
         gaining = math.hypot(*self._slip(before, row, self.table_rate)) > math.hypot(*self.slip_before)
-        if gaining and self._saturated(self.static, pull, before, row):
+        if gaining and self._share_of_limit(self.static, pull, before, row) >= 1.0 - self.events.unsolved:
             self._hold(self.kinetic)
         return row
 
@@ -163,7 +163,7 @@ LAYER: Final[Mapping[str, Change]] = {
     },
     "limits of friction × 1.1": {_E + "stepper:Stepper.__init__": _limits},
     "limit × 1.1 in the test alone": {
-        _E + "settings:EVENTS": lambda own: replace(own, saturated=LIMIT * own.saturated)
+        _E + "stepper:Stepper._share_of_limit": lambda own: lambda self, *values: own(self, *values) / LIMIT
     },
     "release as static": {
         _E + "stepper:Stepper._slip_onset": _static,

@@ -102,8 +102,8 @@ class EventSettings:
     in a step does not come to rest."""
     sticks_below: float = 0.3
     """Share of a step's loss of velocity that may be left of it when the pedestal counts as stuck."""
-    saturated: float = 0.998
-    """Friction counts as at its limit from this share of it: the solver's iterations end before the last digits."""
+    unsolved: float = 2e-3
+    """Share of its limit that friction at it may lack: the solver's iterations end before the last digits."""
     whole: float = 0.5
     """Share of a step from which on a step tells the force that holds the pedestal."""
 

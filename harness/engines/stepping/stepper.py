@@ -145,6 +145,8 @@ class RowWriter:
 
 
 NOTHING: Final = (0.0, 0.0, 0.0)
+HOLDS: Final = 2.0
+"""Times the static coefficient with which a pedestal holds in a step that asks for the force that this takes."""
 LEAST_M_S: Final = 1e-12
 """Below this a velocity does not change."""
 REVERSAL: Final = "friction_reversal"
@@ -198,7 +200,7 @@ class Stepper:
         slip = self._slip(before, row, self.table_rate)
         if self._goes_past_rest(slip):
             return row
-        if self._sticks(slip) and not self._saturated(self.kinetic, pull, before, row):
+        if self._sticks(slip) and self._share_of_limit(self.kinetic, pull, before, row) < 1.0 - self.events.unsolved:
             self._hold(self.static)
         elif self._reversed(slip) and any(pull):
             # The velocity passed zero: the step again with the static limit, which may hold. An impact takes no time and has no
@@ -213,12 +215,19 @@ class Stepper:
 
         One that brings the pedestal to rest, from a slip or a blow, reaches the limit too: static friction has it then.
         """
-        if not self._saturated(self.static, pull, before, row):
+        if self._share_of_limit(self.static, pull, before, row) < 1.0 - self.events.unsolved:
             return row
         slip = self._slip(before, row, self.table_rate)
         gaining = math.hypot(*slip) > math.hypot(*self.slip_before)
         if not gaining and (self._sticks(slip) or self._reversed(slip)):
             return row
+        # So near to the limit an engine's feet, which do not all bear the same, give way one by one: what holds them is asked.
+        self._again(before)
+        self.backend.set_floor_friction(HOLDS * self.static)
+        held = self.backend.advance(gravity)
+        if self._share_of_limit(self.static, pull, before, held) <= 1.0:
+            self._hold(self.static)
+            return held
         self._again(before)
         # In an impact, which takes no time and has no pull, another coefficient may act: sliding begins with it.
         self.backend.set_floor_friction(self.kinetic if any(pull) else self.at_impact)
@@ -252,12 +261,12 @@ class Stepper:
         self.backend.set_floor_friction(friction)
         self.stuck = friction == self.static
 
-    def _saturated(self, friction: float, pull: Vector, before: Row, row: Row) -> bool:
-        """Whether the floor's friction in this step, from the balance of momentum, reached its limit."""
+    def _share_of_limit(self, friction: float, pull: Vector, before: Row, row: Row) -> float:
+        """The floor's friction in this step, from the balance of momentum, as a share of its limit; infinite without one."""
         x, y, normal = self.friction(pull, before, row)
         owed_x, owed_z = self.backend.owed_m_s
-        x, normal = x + self.masses[0] * owed_x, normal + self.masses[0] * owed_z
-        return math.hypot(x, y) >= self.events.saturated * friction * normal
+        x, limit = x + self.masses[0] * owed_x, friction * (normal + self.masses[0] * owed_z)
+        return math.hypot(x, y) / limit if limit > 0.0 else math.inf
 
     def friction(self, pull: Vector, before: Row, row: Row) -> Vector:
         """The floor's impulse on the pedestal in a step, N s, from the balance of momentum, less what `pull` gives."""

@@ -117,10 +117,11 @@ def test_static_friction_gives_way_inside_a_step(options: RunOptions) -> None:
     # From rest to the first slip: a step that is wholly static or wholly kinetic is off by up to (μ_s − μ_k) g times the step.
     on = paestum(0.334, 2.0, mu=(0.20, 0.15), duration_s=0.2)
     truth = exact(on)
-    for dt_s in (2e-3, 1e-3):
+    for dt_s, again in ((2e-3, 3), (1e-3, 4)):
         run = bullet(on, dt_s, options)
-        # Once with the kinetic coefficient, once with the mean that acts over the step.
-        assert run.interventions["friction_release"].steps_again == 2
+        # Once for the force that would hold it, once with the kinetic coefficient, once with the mean that acts over the step;
+        # at 1 ms the force of the step before comes near its limit too, and holds.
+        assert run.interventions["friction_release"].steps_again == again
         assert apart(run, truth, "slip_m") <= budget.SLIP_ONSET_M
 
 
@@ -145,7 +146,9 @@ def newmark_m(motion: Harmonic, friction: float, duration_s: float, steps: int =
 
 
 def test_a_pedestal_that_a_blow_set_sliding_has_kinetic_friction() -> None:
-    """Its friction is at the static limit and its velocity falls, but not to rest: the step is solved again, as a slip's."""
+    """Its friction is at the static limit and its velocity falls, but not to rest: the step is solved again, as a slip's is:
+    for the force that would hold it, then with kinetic friction.
+    """
     on, step_s = paestum(0.334, 2.0, mu=(0.20, 0.15)), 1e-3
     total_kg = on.statue.mass_kg + (0.0 if on.pedestal is None else on.pedestal.mass_kg)
     pull = (0.0, 0.0, -GRAVITY_M_S2 * step_s)
@@ -167,7 +170,7 @@ def test_a_pedestal_that_a_blow_set_sliding_has_kinetic_friction() -> None:
             stepper._slip_onset((0.0, 0.0, -GRAVITY_M_S2), pull, before, after)
             return sum(item.steps_again for item in stepper.writer.ledger.record().values())
 
-    assert solved_again(0.05) == 1
+    assert solved_again(0.05) == 2
     assert solved_again(0.20 * GRAVITY_M_S2 * step_s) == 0, "it comes to rest"
     assert solved_again(0.10 * GRAVITY_M_S2 * step_s) == 0, "it passes rest, where static friction holds it"
 

@@ -38,7 +38,7 @@ LOCATING = ("pymunk", "pybullet")
 NUMBERS = tuple(item.name for item in fields(EventSettings) if item.type == "float")
 EXACT = {"EIGHTH_RAD": "an eighth of a turn"}
 """Numbers that are no choice."""
-BOUNDS = {"approach": 1.0, "short": 1.0, "saturated": 1.0, "MOST_FRICTION": 1.0}
+BOUNDS = {"approach": 1.0, "short": 1.0, "MOST_FRICTION": 1.0}
 """Numbers that must stay below a bound, as an approach ends before its event: of these what they leave to it is changed."""
 SCENES = {
     "two coefficients": paestum(0.429, 3.0, mu=(0.20, 0.15)),
@@ -153,7 +153,7 @@ def test_a_fifth_more_or_less_of_a_level_s_numbers_does_neither(name: str) -> No
 
 
 def test_the_numbers_are_found_and_reach_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert {"short_steps", "near", "saturated"} <= set(NUMBERS)
+    assert {"short_steps", "near", "unsolved"} <= set(NUMBERS)
     assert {"HELD_SHARE", "RISES"} <= set(constants(import_module("harness.engines.pymunk.support")))
     own = histories("pymunk")
     monkeypatch.setattr(settings, "EVENTS", replace(settings.EVENTS, most_jumps=0))
