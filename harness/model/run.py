@@ -54,19 +54,11 @@ MANY: Final = 1000
 """A longer list in a record is a table: one line an item."""
 DISTRIBUTIONS: Final = ("rockcheck", "numpy", "scipy", "numba", "pybullet", "pymunk", "trimesh")
 
-PATTERN_NAMES: Final[Mapping[str, str]] = {
-    "rest": "at rest",
-    "rocking": "(a) rocking, pedestal at rest",
-    "sliding": "(b) sliding as one body",
-    "both": "(c) rocking and sliding",
-}
-
-
 PatternName = Literal["rest", "rocking", "sliding", "both"]
 
 
 class Pattern(NamedTuple):
-    """One stretch of one motion pattern: `name` is a key of `PATTERN_NAMES`."""
+    """One stretch of one motion pattern."""
 
     start_s: float
     end_s: float

@@ -25,47 +25,43 @@ from reports.charts.figure import (
     upwards,
 )  # fmt: skip
 from reports.charts.palette import INK, MUTED, Look, look
-from reports.messages.numbers import heading
+from reports.messages import ENGLISH, Language
 from reports.source import MOVED_SHARE, event_s
 
-DIFFERENCE: Final = "difference, first less second"
 
-
-def compare_figure(names: tuple[str, str], a: History, b: History) -> Json:
+def compare_figure(names: tuple[str, str], a: History, b: History, say: Language = ENGLISH) -> Json:
     """Rotations, their difference on one grid, and slips where there are any, over one axis of time."""
-    both = pair(a, b)
-    looks = {name: look(name, (*names, DIFFERENCE)) for name in (*names, DIFFERENCE)}
+    both, less = pair(a, b), say("chart.first_less_second")
+    looks = {name: look(name, (*names, less)) for name in (*names, less)}
     data: dict[str, list[Json]] = {
         "rotations": [
             {"name": name, "t": each.t_s, "theta": each.theta_rad} for name, each in zip(names, (a, b), strict=True)
         ],
-        "difference": [{"name": DIFFERENCE, "t": both.t_s, "difference": both.difference_rad}],
+        "difference": [{"name": less, "t": both.t_s, "difference": both.difference_rad}],
     }
     rows = [
-        ("rotations", "theta", "rotation θ  [rad]", 260.0),
-        ("difference", "difference", "difference  [rad]", 110.0),
+        ("rotations", "theta", "rad", 260.0),
+        ("difference", "difference", "rad", 110.0),
     ]
     if any(history.slip_m.any() for history in (a, b)):
         data["slips"] = [
             {"name": name, "t": each.t_s, "slip": 1e3 * each.slip_m} for name, each in zip(names, (a, b), strict=True)
         ]
-        rows.append(("slips", "slip", "slip  [mm]", 110.0))
+        rows.append(("slips", "slip", "mm", 110.0))
     moved = MOVED_SHARE * float(np.abs(b.theta_rad).max(initial=0.0))
     shown = list(event_s((a, b), moved, float(both.t_s[-1])))
     drawn = {
-        title: (axis(column, title, tickCount=5, format="~g"), height, name) for name, column, title, height in rows
+        column: (axis(column, say(f"chart.{column}"), tickCount=5, format="~g"), height, name)
+        for name, column, _, height in rows
     }
 
     def layers(y: Json, first: bool) -> list[Json]:
-        lines = [marks("line", drawn[y["title"]][2], {"y": y} | named(looks, legend=first))]
+        lines = [marks("line", drawn[y["field"]][2], {"y": y} | named(looks, legend=first))]
         return chosen(lines) if first else lines
 
-    x = across("t", "time  [s]", {"domain": shown, "padding": 0})
+    x = across("t", say("chart.time"), {"domain": shown, "padding": 0})
     spec = rows_of([(y, height) for y, height, _ in drawn.values()], x, data, layers)
-    told = [
-        {"data": name, "of": column, "words": "", "unit": title[-4:].strip(" []"), "decimals": 5}
-        for name, column, title, _ in rows
-    ]
+    told = [{"data": name, "of": column, "words": "", "unit": unit, "decimals": 5} for name, column, unit, _ in rows]
     whole = [float(min(each.theta_rad.min() for each in (a, b))), float(max(each.theta_rad.max() for each in (a, b)))]
     return spec | {
         "usermeta": {"views": {"event_s": shown, "duration_s": float(both.t_s[-1]), "whole": whole}, "read": told}
@@ -76,7 +72,7 @@ TICKS: Final = [0.25, 0.5, 1.0, 2.0, 4.0]
 """Factors written on the axis."""
 
 
-def fragility_by_factor(fragility: FragilityRecord) -> Json:
+def fragility_by_factor(fragility: FragilityRecord, say: Language = ENGLISH) -> Json:
     """The probability of overturning by a factor on the shaking, with its band."""
     chance = fragility.probability_overturned
     tips = [f"× {factor:.2f}: {value:.0%}" for factor, value in zip(fragility.factor, chance, strict=True)]
@@ -87,23 +83,17 @@ def fragility_by_factor(fragility: FragilityRecord) -> Json:
         layers.insert(
             0, marks("area", "band", {"y": {"field": "low"}, "y2": {"field": "high"}}, color=INK, opacity=0.1)
         )
-    layers += level(1.0, "today's shaking", "x", Look(MUTED, "4 3", 1.0))
-    x = across("x", "factor on the shaking, all axes", log(), values=TICKS)
+    layers += level(1.0, say("chart.today"), "x", Look(MUTED, "4 3", 1.0))
+    x = across("x", say("chart.factor"), log(), values=TICKS)
     return figure(
-        layers, 380, data, x, upwards("y", "probability of overturning", {"domain": [0.0, 1.0]}, format=".0%")
+        layers, 380, data, x, upwards("y", say("chart.overturning_probability"), {"domain": [0.0, 1.0]}, format=".0%")
     )
 
 
 SHAPES: Final = {LEVEL: "circle", TARGET: "diamond", DEFAULT: "square", OTHER_PROJECT: "triangle-up"}
-WORDS: Final = {
-    LEVEL: "by its accuracy",
-    TARGET: "to the target",
-    DEFAULT: "own defaults",
-    OTHER_PROJECT: "another project's settings",
-}
 QUANTITIES: Final = {"duration_s": "circle", "mesh_vertices": "square", "runs": "diamond", "workers": "triangle-up"}
-PANELS: Final = {"wall_s": ("time  [s]", 330.0), "memory_mb": ("memory  [MB]", 200.0)}
-"""For each measure its title and its height."""
+PANELS: Final = {"wall_s": 330.0, "memory_mb": 200.0}
+"""For each measure its height."""
 
 
 def on_front(row: PrecisionRow, rows: Sequence[PrecisionRow]) -> bool:
@@ -136,16 +126,19 @@ def shapes(known: Mapping[str, str]) -> Json:
     }
 
 
-def precision_figure(scene: str, rows: Sequence[PrecisionRow], target_rad: float) -> Json:
+def precision_figure(scene: str, rows: Sequence[PrecisionRow], target_rad: float, say: Language = ENGLISH) -> Json:
     """Work–precision of one scene on logarithmic axes: a line for each engine's levels, other signs for other settings."""
     here = [row for row in rows if row.scene == scene and row.failed is None and row.error_rad]
-    engines = list(dict.fromkeys(row.engine for row in rows))
+    engines, words = (
+        list(dict.fromkeys(row.engine for row in rows)),
+        {group: say(f"chart.group_{group}") for group in SHAPES},
+    )
     looks = {engine: look(engine, engines) for engine in engines}
     parts: list[Json] = [
         {
-            "name": engine, "kind": WORDS[group], "x": [row.cpu_s for row in mine], "y": [row.error_rad for row in mine],
+            "name": engine, "kind": words[group], "x": [row.cpu_s for row in mine], "y": [row.error_rad for row in mine],
             "size": [170 if row.chosen else 55 for row in mine],
-            "tip": [f"{engine}, {row.label}: {row.error_rad:.2e} rad in {row.cpu_s:.3g} s" for row in mine],
+            "tip": [_tip(row, say) for row in mine],
         }
         for engine in engines for group in SHAPES
         for mine in [sorted((row for row in here if (row.engine, row.group) == (engine, group)), key=_error)] if mine
@@ -153,21 +146,21 @@ def precision_figure(scene: str, rows: Sequence[PrecisionRow], target_rad: float
     front = sorted((row for row in here if row.dt_s and on_front(row, here)), key=_error)
     best = {"x": [row.cpu_s for row in front], "y": [row.error_rad for row in front]}
     met = {
-        WORDS[group]: shape for group, shape in SHAPES.items() if any(part["kind"] == WORDS[group] for part in parts)
+        words[group]: shape for group, shape in SHAPES.items() if any(part["kind"] == words[group] for part in parts)
     }
     drawn = named(looks)
     sign = {"fill": drawn["color"], "opacity": drawn["opacity"], **shapes(met)}
     size = {"size": {"field": "size", "type": "quantitative", "scale": None, "legend": None}}
     order = {"order": {"field": "y", "type": "quantitative"}}
-    data = {"settings": parts, "levels": [part for part in parts if part["kind"] == WORDS[LEVEL]], "front": [best]}
+    data = {"settings": parts, "levels": [part for part in parts if part["kind"] == words[LEVEL]], "front": [best]}
     layers = [
         marks("line", "front", order, color=MUTED, strokeWidth=6, opacity=0.25, interpolate="step-after"),
         marks("line", "levels", drawn | order),
         marks("point", "settings", sign | size, filled=True, strokeWidth=0),
-        *level(target_rad, "target", line=Look(INK, "6 4", 1.0)),
+        *level(target_rad, say("chart.target"), line=Look(INK, "6 4", 1.0)),
     ]
     layers[1] = chosen([layers[1]])[0]
-    x, y = across("x", "time to compute  [s]", log(), **POWERS), upwards("y", "error  [rad]", log(), **POWERS)
+    x, y = across("x", say("chart.cpu_s"), log(), **POWERS), upwards("y", say("chart.error_rad"), log(), **POWERS)
     return figure(layers, 460, data, x, y)
 
 
@@ -175,11 +168,22 @@ POWERS: Final = {"format": ".0e", "tickCount": 5}
 """How the powers of ten of a logarithmic axis are written."""
 
 
+def _tip(row: PrecisionRow, say: Language) -> str:
+    """What a setting says under the pointer."""
+    return say(
+        "chart.setting",
+        name=row.engine,
+        setting=row.label,
+        error=say.digits(row.error_rad or 0.0),
+        time=say.digits(row.cpu_s or 0.0),
+    )
+
+
 def _error(row: PrecisionRow) -> float:
     return row.error_rad or 0.0
 
 
-def scaling_figure(items: Sequence[ScalingRow]) -> Json:
+def scaling_figure(items: Sequence[ScalingRow], say: Language = ENGLISH) -> Json:
     """Time above, peak memory below, on logarithmic axes; one line for each engine (colour) and quantity (sign)."""
     engines = list(dict.fromkeys(item.engine for item in items))
     looks = {engine: look(engine, engines) for engine in engines}
@@ -190,9 +194,9 @@ def scaling_figure(items: Sequence[ScalingRow]) -> Json:
             "x": [item.value / mine[0].value for item in mine],
             **{key: [getattr(item, key) for item in mine] for key in PANELS},
         }
-        parts.append({"name": engine, "kind": heading(quantity), **sizes})
+        parts.append({"name": engine, "kind": say.heading(quantity), **sizes})
     quantities = {
-        heading(name): shape for name, shape in QUANTITIES.items() if any(item.quantity == name for item in items)
+        say.heading(name): shape for name, shape in QUANTITIES.items() if any(item.quantity == name for item in items)
     }
     most, least = max(max(part["x"]) for part in parts), min(item.wall_s for item in items)
     data = {"sizes": parts, "proportional": [{"x": [1.0, most], "wall_s": [least, least * most]}]}
@@ -216,9 +220,9 @@ def scaling_figure(items: Sequence[ScalingRow]) -> Json:
         with_line = marks("line", "proportional", {"y": y}, color=MUTED, strokeWidth=6, opacity=0.25)
         return [*chosen(mine), with_line] if first else mine
 
-    x = across("x", "size, as a multiple of the smallest", log(), tickCount=4)
+    x = across("x", say("chart.size"), log(), tickCount=4)
     return rows_of(
-        [(axis(key, title, scale=log(), tickCount=5), height) for key, (title, height) in PANELS.items()],
+        [(axis(key, say(f"chart.{key}"), scale=log(), tickCount=5), height) for key, height in PANELS.items()],
         x,
         data,
         layers,

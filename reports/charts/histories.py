@@ -9,25 +9,23 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.history import History
-from harness.model.run import PATTERN_NAMES, EngineRunRecord
-from harness.records.scene import SceneRecord
+from harness.model.run import EngineRunRecord
 from reports.charts import Json
 from reports.charts.figure import CHOSEN, LOOKING, ZOOMED, across, axis, kinds, level, marks, named, names, span
 from reports.charts.palette import INK, MUTED, PATTERN_FILLS, Look, look
+from reports.messages import ENGLISH, Language
 from reports.source import RunSource, run_event_s
 from reports.text.wording import horizon_s, prediction_s
 
 ACROSS: Final = "out_of_plane_rad"
 ACROSS_RAD: Final = 1e-4
 """A 3D engine's rotation across the rocking plane below this does not show beside the rotation in it."""
-BARE_PATTERNS: Final[Mapping[str, str]] = {"rest": "at rest", "rocking": "rocking"}
-"""Motion patterns of a statue without a pedestal."""
 MOST_STRETCHES: Final = 1500
 """Most stretches of motion pattern drawn per model; shorter ones than a pixel are drawn as their longest neighbour."""
 AXIS_LOOKS: Final = {
-    "floor x": Look(INK, "", 1.0),
-    "floor y": Look("#AA4499", "", 1.0),
-    "floor z": Look("#3A8FC7", "", 1.0),
+    "x": Look(INK, "", 1.0),
+    "y": Look("#AA4499", "", 1.0),
+    "z": Look("#3A8FC7", "", 1.0),
 }
 
 
@@ -35,7 +33,7 @@ Row = tuple[Json, Json | None]
 """A row of the chart, and what a pointer over it is told."""
 
 
-def histories_figure(source: RunSource) -> Json:
+def histories_figure(source: RunSource, say: Language = ENGLISH) -> Json:
     """The chart: rows over one axis of time; every curve is a record's history, peaks kept."""
     order, views, motion = list(source.histories), _views(source), source.record.motion
     looks = {name: look(name, order) for name in order}
@@ -43,29 +41,31 @@ def histories_figure(source: RunSource) -> Json:
     data: dict[str, list[Json]] = {
         "histories": [_columns(source, name) for name in order],
         "falls": [_fall(source, name) for name in order if _falls(source.runs[name])],
-        "patterns": pattern_strip(source),
+        "patterns": pattern_strip(source, say),
         "floor": [
-            {"name": f"floor {axis}", "t": t_s, "accel": np.asarray(accel) / gravity}
+            {"name": say("chart.floor_axis", axis=axis), "t": t_s, "accel": np.asarray(accel) / gravity}
             for axis, accel in motion.accel_m_s2.items()
         ],
     }
-    rows: list[Row] = [(_rotation(source, looks, views), _read("histories", "theta", "θ", "rad", 5))]
+    rows: list[Row] = [(_rotation(source, looks, views, say), _read("histories", "theta", "θ", "rad", 5))]
     if data["patterns"]:
-        rows.append((_strip(source, data["patterns"]), None))
+        rows.append((_strip(data["patterns"], say), None))
     curves = named(looks, legend=False)
     if source.scene.pedestal is not None:
-        rows.append(_below("slip u  [mm]", 130, curves, _read("histories", "slip", "slip", "mm", 3)))
+        rows.append(_below(say("chart.slip_u"), 130, curves, _read("histories", "slip", say("word.slip"), "mm", 3)))
     if any("across" in columns for columns in data["histories"]):
-        rows.append(_below("across  [rad]", 110, curves, _read("histories", "across", "out of plane", "rad", 4)))
+        rows.append(
+            _below(say("chart.across"), 110, curves, _read("histories", "across", say("chart.out_of_plane"), "rad", 4))
+        )
     if data["floor"]:
-        shown = {part["name"]: AXIS_LOOKS[part["name"]] for part in data["floor"]}
-        title = "floor  [g]" if len(shown) > 1 else f"{next(iter(shown))}  [g]"
+        shown = {part["name"]: AXIS_LOOKS[axis] for part, axis in zip(data["floor"], motion.accel_m_s2, strict=True)}
+        title = f"{say('chart.floor') if len(shown) > 1 else next(iter(shown))}  [g]"
         drawn = named(shown, len(shown) > 1, chosen=False)
         rows.append(_below(title, 100, drawn, _read("floor", "accel", "", "g", 3)))
     for row, _ in rows:
         last = row is rows[-1][0]
         x = across(
-            "t", "time  [s]" if last else "", {"domain": views["event_s"], "padding": 0}, labels=last, ticks=last
+            "t", say("chart.time") if last else "", {"domain": views["event_s"], "padding": 0}, labels=last, ticks=last
         )
         row |= {"encoding": {"x": x}, "layer": [*_doubt(source), *row["layer"]]}
     return {
@@ -115,11 +115,11 @@ def _row(layers: Sequence[Json], height: float) -> Json:
     return {"layer": list(layers), "height": height, "width": 1}
 
 
-def _rotation(source: RunSource, looks: Mapping[str, Look], views: Json) -> Json:
+def _rotation(source: RunSource, looks: Mapping[str, Look], views: Json, say: Language) -> Json:
     """The rotations with their numerical errors, the balance points and the horizon of prediction."""
     statue = source.scene.statue
     whole = {"zero": False, "nice": False, "domain": views["near"]}
-    y = axis("theta", "rotation θ  [rad]", "Y", whole, tickCount=7)
+    y = axis("theta", say("chart.theta"), "Y", whole, tickCount=7)
     error = (
         {"filter": "datum.t <= datum.until"},
         *({"calculate": f"datum.theta {sign} datum.size", "as": name} for sign, name in (("-", "low"), ("+", "high"))),
@@ -131,16 +131,16 @@ def _rotation(source: RunSource, looks: Mapping[str, Look], views: Json) -> Json
         band | {"transform": list(error)},
         marks("line", "histories", {"y": y} | named(looks)) | {"params": [CHOSEN]},
         marks("point", "falls", crosses, shape="cross", angle=45, size=90, filled=True, opacity=1),
-        *level(statue.slenderness_right_rad, "balances on the right edge"),
-        *level(-statue.slenderness_left_rad, "balances on the left edge", baseline="top"),
+        *level(statue.slenderness_right_rad, say("chart.balance_right")),
+        *level(-statue.slenderness_left_rad, say("chart.balance_left"), baseline="top"),
     ]
     horizon = prediction_s(source)
     if horizon is not None and horizon < source.scene.duration_s:
-        layers += level(horizon, f"horizon of prediction {horizon:.3g} s", "x", Look(MUTED, "2 3", 1.0))
+        layers += level(horizon, say("chart.horizon", time=say.digits(horizon)), "x", Look(MUTED, "2 3", 1.0))
     until = horizon_s(source)
     if until is not None and until < source.scene.duration_s:
         layers += level(
-            until, f"error bounded until {until:.3g} s", "x", Look(MUTED, "", 0.0), baseline="bottom", dy=-3
+            until, say("chart.bounded", time=say.digits(until)), "x", Look(MUTED, "", 0.0), baseline="bottom", dy=-3
         )
     return _row(layers, 320)
 
@@ -154,10 +154,10 @@ def _doubt(source: RunSource) -> list[Json]:
     return [there | marks("rect", "", span("from", "to", letter="x"), color="#7a8696", opacity=0.11)]
 
 
-def _strip(source: RunSource, patterns: Sequence[Json]) -> Json:
+def _strip(patterns: Sequence[Json], say: Language) -> Json:
     """What each model does over time, in colours that are hatched too."""
-    words = pattern_words(source.scene)
-    fills = {words[name]: fill for name, fill in PATTERN_FILLS.items() if name in words}
+    fills = {say(f"chart.pattern_{name}"): fill for name, fill in PATTERN_FILLS.items()}
+    fills[say("chart.pattern_rocking_bare")] = PATTERN_FILLS["rocking"]
     met = {kind for part in patterns for kind in part["kind"]}
     order = [part["name"] for part in patterns]
     bars = {"y": names("name", order, grid=False), "color": kinds({kind: fills[kind] for kind in fills if kind in met})}
@@ -183,14 +183,11 @@ def _padded(low: float, high: float) -> list[float]:
     return [low - margin, high + margin]
 
 
-def pattern_words(scene: SceneRecord) -> Mapping[str, str]:
-    """The motion patterns in words, those of a statue without a pedestal as they are then."""
-    return PATTERN_NAMES if scene.pedestal is not None else {**PATTERN_NAMES, **BARE_PATTERNS}
-
-
-def pattern_strip(source: RunSource) -> list[Json]:
-    """The stretches of motion pattern of each model that has them."""
-    words = pattern_words(source.scene)
+def pattern_strip(source: RunSource, say: Language = ENGLISH) -> list[Json]:
+    """The stretches of motion pattern of each model that has them; a statue without a pedestal only rocks."""
+    words = {name: say(f"chart.pattern_{name}") for name in PATTERN_FILLS}
+    if source.scene.pedestal is None:
+        words["rocking"] = say("chart.pattern_rocking_bare")
     return [
         {
             "name": name, "t": [start for start, _, _ in drawn], "t2": [end for _, end, _ in drawn],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -19,9 +20,8 @@ from harness.records.trust import CLASSES, TrustCell, TrustMap
 from reports.charts import Json
 from reports.charts.figure import CELL, axis, cell_edges, cells, chosen, figure, kinds, marks, named, names
 from reports.charts.palette import INK, Look, model_looks
-from reports.messages import ENGLISH
-from reports.messages.numbers import digits, heading
-from reports.text.study_rows import SYMBOLS, Condition, family
+from reports.messages import ENGLISH, Language
+from reports.text.study_rows import Condition, family, symbol
 
 FAMILIES: Final = ("none", "stands", "other", "wall", "overturns", "failed")
 COLOURS: Final = ("#ffffff", "#bfe0ee", "#b9bec6", "#E69F00", "#c8562d", "#000000")
@@ -69,7 +69,9 @@ def map_axes(conditions: Sequence[Condition], keys: Sequence[str]) -> tuple[str,
     return (second, first) if "amplitude" in first else (first, second)
 
 
-def map_figures(models: Sequence[str], conditions: Sequence[Condition], keys: Sequence[str]) -> list[tuple[str, Json]]:
+def map_figures(
+    models: Sequence[str], conditions: Sequence[Condition], keys: Sequence[str], say: Language = ENGLISH
+) -> list[tuple[str, Json]]:
     """For each combination of the remaining `keys`: all models' boundaries, then one map per model; empty when it is no map."""
     axes = map_axes(conditions, keys)
     if axes is None:
@@ -80,18 +82,22 @@ def map_figures(models: Sequence[str], conditions: Sequence[Condition], keys: Se
         groups.setdefault(tuple(item.varied[key] for key in rest), []).append(item)
     figures = []
     for values, members in groups.items():
-        where = [f"{heading(key)} {value}" for key, value in zip(rest, values, strict=True)]
+        where = [f"{say.heading(key)} {value}" for key, value in zip(rest, values, strict=True)]
         xs, ys = (sorted({item.number(key) for item in members}) for key in axes)
-        grids = [grid for model in models for grid in [_grid(model, members, axes, xs, ys)] if grid is not None]
+        grids = [grid for model in models for grid in [_grid(model, members, axes, xs, ys, say)] if grid is not None]
         if len(grids) > 1:
-            title = "Where the statue overturns: the boundary of each model"
-            figures.append((" · ".join([title, *where]), _boundaries(grids, axes, xs, ys)))
-        figures += [(" · ".join([grid.model, *where]), _map(grid, axes, xs, ys)) for grid in grids]
+            figures.append((" · ".join([say("chart.boundaries"), *where]), _boundaries(grids, axes, xs, ys, say)))
+        figures += [(" · ".join([grid.model, *where]), _map(grid, axes, xs, ys, say)) for grid in grids]
     return figures
 
 
 def _grid(
-    model: str, members: Sequence[Condition], axes: tuple[str, str], xs: Sequence[float], ys: Sequence[float]
+    model: str,
+    members: Sequence[Condition],
+    axes: tuple[str, str],
+    xs: Sequence[float],
+    ys: Sequence[float],
+    say: Language,
 ) -> Grid | None:
     """Outcomes by place; where a place holds several random samples, the most frequent one and its share in words."""
     rows, columns = ({value: k for k, value in enumerate(values)} for values in (ys, xs))
@@ -106,38 +112,39 @@ def _grid(
     if not samples:
         return None
     codes = np.zeros((len(ys), len(xs)), dtype=np.int64)
-    tips = [["not asked"] * len(xs) for _ in ys]
+    tips = [[say("text.not_sent")] * len(xs) for _ in ys]
     known: dict[Place, Answer] = {}
     for place, runs in samples.items():
         most, count = Counter(run.outcome for run in runs).most_common(1)[0]
         known[place] = Answer(family(most), 0.0)
         codes[place] = CODES.index(family(most))
-        words = SYMBOLS.get(most, ("", most))[1]
-        peak = max(float(run.peak_theta_rad) for run in runs)
-        tip = f"{words}, |θ| ≤ {peak:.3f} rad" if len(runs) == 1 else f"{words} in {count} of {len(runs)}"
-        tips[place[0]][place[1]] = tip
+        words, peak = symbol(most, say)[1], max(float(run.peak_theta_rad) for run in runs)
+        key = "chart.peak" if len(runs) == 1 else "chart.in_some"
+        tips[place[0]][place[1]] = say(key, what=words, peak=f"{peak:.3f}", count=count, total=len(runs))
     outcomes = filled([*samples, *agreed], known, (0, 1))
     for place in agreed:
         if place in outcomes:
             codes[place] = CODES.index(f"around {outcomes[place]}")
-            tips[place[0]][place[1]] = f"not computed: {outcomes[place]} at the points around"
+            tips[place[0]][place[1]] = _said(CODES[codes[place]], say)
     return Grid(model, codes, tips)
 
 
-def _map(grid: Grid, axes: tuple[str, str], xs: Sequence[float], ys: Sequence[float]) -> Json:
+def _map(grid: Grid, axes: tuple[str, str], xs: Sequence[float], ys: Sequence[float], say: Language) -> Json:
     met = {CODES[code] for row in grid.codes.tolist() for code in row}
-    shades = dict(zip(CODES, zip(map(_said, CODES), (*COLOURS, *PALE.values()), strict=True), strict=True))
+    shades = dict(
+        zip(CODES, zip((_said(code, say) for code in CODES), (*COLOURS, *PALE.values()), strict=True), strict=True)
+    )
     colours = dict(shades[code] for code in CODES if code in met)
     words = [[shades[CODES[code]][0] for code in row] for row in grid.codes.tolist()]
-    titles = [heading(key) for key in axes]
+    titles = [say.heading(key) for key in axes]
     return map_of(words, xs, ys, titles, grid.tips, kinds(colours))
 
 
-def _said(code: str) -> str:
+def _said(code: str, say: Language) -> str:
     """What a map's key says of a code."""
     name = code.removeprefix("around ")
-    words = ENGLISH(f"text.map_{'not_sent' if name == 'none' else name}")
-    return ENGLISH("text.map_around", what=words) if code.startswith("around ") else words
+    words = say(f"text.map_{'not_sent' if name == 'none' else name}")
+    return say("text.map_around", what=words) if code.startswith("around ") else words
 
 
 def map_of(
@@ -199,14 +206,18 @@ def number_map(
     return map_of(shades, xs, ys, titles, tips, colour, over=over)
 
 
-def _boundaries(grids: Sequence[Grid], axes: tuple[str, str], xs: Sequence[float], ys: Sequence[float]) -> Json:
+def _boundaries(
+    grids: Sequence[Grid], axes: tuple[str, str], xs: Sequence[float], ys: Sequence[float], say: Language
+) -> Json:
     """Lines between the places where the statue overturns and those where it does not, one colour a model."""
     looks = {
         model: replace(look, width=look.width + 0.6)
         for model, look in model_looks([grid.model for grid in grids]).items()
     }
     data = {"borders": [border(grid.falls, xs, ys, grid.model) for grid in grids]}
-    x, y = (map_axis(letter, heading(key), values) for letter, key, values in zip("xy", axes, (xs, ys), strict=True))
+    x, y = (
+        map_axis(letter, say.heading(key), values) for letter, key, values in zip("xy", axes, (xs, ys), strict=True)
+    )
     return figure(chosen([marks("rule", "borders", CELL | named(looks))]), 380, data, x, y)
 
 
@@ -264,7 +275,7 @@ LINES: Final = {
 """The lines on a trust map, all of the analytic model: where its statue falls, and `CONTOURS`."""
 
 
-def trust_map(record: TrustMap, floor: TrustMap | None = None, command: str = "") -> Json:
+def trust_map(record: TrustMap, floor: TrustMap | None = None, command: str = "", say: Language = ENGLISH) -> Json:
     """Strength upwards, frequency across (of a scene's own motion one column): each point in its class's colour, with contours.
 
     `floor` is the map without the pedestal, of which it shows where the statue falls; `command` runs the scene: a point that is
@@ -275,19 +286,19 @@ def trust_map(record: TrustMap, floor: TrustMap | None = None, command: str = ""
     rows = [record.cells[j :: len(strengths)] for j in range(len(strengths))]
     own = frequencies == [None]
     along = [0.0] if own else [each for each in frequencies if each is not None]
-    colours = {ENGLISH.word(kind): CLASS_COLOURS[kind] for kind in CLASSES if record.shares.get(kind)}
-    classes = [[ENGLISH.word(cell["class"]) for cell in row] for row in rows]
+    colours = {say.word(kind): CLASS_COLOURS[kind] for kind in CLASSES if record.shares.get(kind)}
+    classes = [[say.word(cell["class"]) for cell in row] for row in rows]
     falls = {"border": record} if floor is None or floor is record else {"border": record, "floor": floor}
-    edges = [border(_falls(each), along, strengths, ENGLISH.word(f"line_{name}")) for name, each in falls.items()]
+    edges = [border(_falls(each), along, strengths, say.word(f"line_{name}")) for name, each in falls.items()]
     drawn = {name for name, line in record.contours.items() if any(at is not None for at in line)} | falls.keys()
-    looks = named({ENGLISH.word(f"line_{name}"): look for name, look in LINES.items() if name in drawn})
+    looks = named({say.word(f"line_{name}"): look for name, look in LINES.items() if name in drawn})
     contours = [
-        {"name": ENGLISH.word(f"line_{name}"), **dict(zip("xy", map(list, zip(*known, strict=True)), strict=True))}
+        {"name": say.word(f"line_{name}"), **dict(zip("xy", map(list, zip(*known, strict=True)), strict=True))}
         for name in LINES
         if (known := [(x, y) for x, y in zip(along, record.contours.get(name, []), strict=False) if y is not None])
     ]
-    titles = "" if own else "frequency  [Hz]", "strength, peak of the floor  [g]"
-    tips = [[tip(cell) for cell in row] for row in rows]
+    titles = "" if own else say("chart.frequency"), say("chart.strength")
+    tips = [[tip(cell, say) for cell in row] for row in rows]
     first, second = chosen([marks("rule", "border", CELL | looks), marks("tick" if own else "line", "contours", looks)])
     over = {"border": (edges, first), "contours": (contours, second)}
     spec = map_of(classes, along, strengths, titles, tips, kinds(colours), 460, over)
@@ -296,7 +307,11 @@ def trust_map(record: TrustMap, floor: TrustMap | None = None, command: str = ""
             shlex.join([*shlex.split(command), *sets(cell)]) for row in rows for cell in row
         ]
     if own:
-        spec["encoding"]["x"]["axis"] = {"values": [0.0], "labelExpr": '"the scene\'s own motion"', "grid": False}
+        spec["encoding"]["x"]["axis"] = {
+            "values": [0.0],
+            "labelExpr": json.dumps(say("chart.own_motion")),
+            "grid": False,
+        }
     return spec
 
 
@@ -312,17 +327,20 @@ def sets(cell: TrustCell) -> list[str]:
     return [word for each in cell["set"] for word in ("--set", each)]
 
 
-def tip(cell: TrustCell) -> str:
+def tip(cell: TrustCell, say: Language = ENGLISH) -> str:
     """What a point says under the pointer."""
-    words = [f"{digits(cell['amplitude_g'])} g"]
-    words += [f"{digits(cell['frequency_hz'])} Hz"] if cell["frequency_hz"] else []
-    lines = [", ".join(words), f"{ENGLISH.word(cell['class'])}, {ENGLISH('text.basis_' + cell['basis'])}"]
-    lines += [f"why: {ENGLISH.listed(map(ENGLISH.word, cell['why']))}"] if cell["why"] else []
-    ends = [f"{name}: {ENGLISH.word(end)}" for name, end in cell["outcomes"].items()]
-    lines += [*ends, *([f"agree until {digits(cell['agree_until_s'])} s"] if cell["agree_until_s"] else [])]
+    words = [f"{say.digits(cell['amplitude_g'])} g"]
+    words += [f"{say.digits(cell['frequency_hz'])} Hz"] if cell["frequency_hz"] else []
+    lines = [", ".join(words), f"{say.word(cell['class'])}, {say('text.basis_' + cell['basis'])}"]
+    lines += [say("chart.why", why=say.listed(map(say.word, cell["why"])))] if cell["why"] else []
+    ends = [f"{name}: {say.word(end)}" for name, end in cell["outcomes"].items()]
+    lines += [
+        *ends,
+        *([say("chart.agree_until", time=say.digits(cell["agree_until_s"]))] if cell["agree_until_s"] else []),
+    ]
     for name, chance in cell["probability"].items():
-        low, high = ENGLISH.percent(chance.low), ENGLISH.percent(chance.high)
-        lines.append(f"overturning probability ({name}) {ENGLISH.percent(chance.value)} ({low} to {high})")
+        share, low, high = map(say.percent, (chance.value, chance.low, chance.high))
+        lines.append(say("chart.probability", name=name, share=share, low=low, high=high))
     return "\n".join(lines)
 
 
@@ -330,17 +348,24 @@ STABILITY: Final = {"stable": "#bfe0ee", "inaccurate": "#f8e1b8", "drifting": "#
 """What becomes of a hard scene, and its colour."""
 
 
-def stability_figure(settings: Sequence[str], rows: Sequence[tuple[str, Sequence[Cell | None]]]) -> Json:
+def stability_figure(
+    settings: Sequence[str], rows: Sequence[tuple[str, Sequence[Cell | None]]], say: Language = ENGLISH
+) -> Json:
     """What becomes of hard scenes, by difficulty (rows) and setting."""
     found = [
-        (setting, words, cell.category)
+        (setting, words, say(f"text.{cell.category}"))
         for words, row in rows
         for setting, cell in zip(settings, row, strict=True)
         if cell is not None
     ]
     data = {"cells": [dict(zip(("x", "y", "kind"), map(list, zip(*found, strict=True)), strict=True))]}
     layers = [
-        marks("rect", "cells", {"color": kinds(STABILITY, key=False)}, stroke="#ffffff"),
+        marks(
+            "rect",
+            "cells",
+            {"color": kinds({say(f"text.{name}"): colour for name, colour in STABILITY.items()}, key=False)},
+            stroke="#ffffff",
+        ),
         marks("text", "cells", {"text": {"field": "kind"}}),
     ]
     x = names("x", settings, labelAngle=0, grid=False)

@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.fragility import fit
+from harness.model.finding import Finding, info
 from harness.records.study import CaseRun, Panel
 from reports.charts import Json
 from reports.charts.drawn import BETWEEN
@@ -32,8 +33,8 @@ from reports.charts.map_figures import LEAST, map_axes, number_map, numeric
 from reports.charts.palette import INK, Look, model_looks
 from reports.drawing.effects_figures import Curve, rose_of
 from reports.drawing.shapes import Picture
-from reports.messages.numbers import heading, short
-from reports.text.study_rows import FAILED, SYMBOLS, Condition, family, runs_of
+from reports.messages import ENGLISH, Language
+from reports.text.study_rows import Condition, family, runs_of, symbol
 
 # Maps of numbers: how far the statue rotates and its pedestal slides over what varies, and where the pedestal
 # would tip.
@@ -46,7 +47,7 @@ TIPPING: Final = ("pedestal_tipping_margin_m", "pedestal_tipping_margin_at_impac
 
 
 def design_figures(
-    models: Sequence[str], conditions: Sequence[Condition], axes: tuple[str, str] | None
+    models: Sequence[str], conditions: Sequence[Condition], axes: tuple[str, str] | None, say: Language = ENGLISH
 ) -> list[tuple[str, Json]]:
     """For each model maps of the largest rotation where it stands, and where it slides of the pedestal's largest displacement.
 
@@ -62,39 +63,37 @@ def design_figures(
             axes,
             lambda run: abs(run.peak_theta_rad) if run.outcome == "stands" else np.nan,
             "rad",
+            say,
             marked=False,
         )
         if peak is not None:
-            figures.append((f"{model}: largest rotation where the statue stands", peak))
+            figures.append((say("chart.map_peak", model=model), peak))
     for model in models:
-        slip = _value_map(model, conditions, axes, lambda run: 1000.0 * run.peak_slip_m, "mm")
+        slip = _value_map(model, conditions, axes, lambda run: 1000.0 * run.peak_slip_m, "mm", say)
         if slip is not None:
-            figures.append((f"{model}: largest displacement of the pedestal; ✕ where the pedestal would tip", slip))
+            figures.append((say("chart.map_slip", model=model), slip))
     return figures
 
 
-def best_designs(models: Sequence[str], conditions: Sequence[Condition], axes: tuple[str, str] | None) -> list[str]:
-    """For each model that slides one sentence: of the designs in which the statue stands and nothing tips, the least slip."""
+def best_designs(models: Sequence[str], conditions: Sequence[Condition], axes: tuple[str, str] | None) -> list[Finding]:
+    """For each model that slides: of the designs in which the statue stands and nothing tips, the least slip."""
     if axes is None or len({tuple(item.varied[key] for key in axes) for item in conditions}) != len(conditions):
         return []
-    sentences = []
+    found = []
     for model in models:
         runs = [(run, item) for item, run in runs_of(conditions, model)]
         if not any(run.peak_slip_m > 0.0 for run, _ in runs):
             continue
         good = [(run, item) for run, item in runs if run.outcome == "stands" and not _tips(run)]
         if not good:
-            sentences.append(
-                f"In none of {len(runs)} designs does the statue stand on a pedestal that does not tip ({model})."
-            )
+            found.append(info("no_design_stands", designs=len(runs), model=model))
             continue
         run, item = min(good, key=lambda pair: float(pair[0].peak_slip_m))
-        where = " and ".join(f"{heading(key)} = {short(float(item.varied[key]))}" for key in axes)
-        sentences.append(
-            f"The statue stands and the pedestal does not tip in {len(good)} of {len(runs)} designs; of these the pedestal moves "
-            f"least, {1000.0 * float(run.peak_slip_m):.0f} mm, at {where} ({model})."
+        at = {key: item.number(key) for key in axes}
+        found.append(
+            info("best_design", good=len(good), designs=len(runs), slip_m=float(run.peak_slip_m), at=at, model=model)
         )
-    return sentences
+    return found
 
 
 def _tips(run: CaseRun) -> bool:
@@ -108,6 +107,7 @@ def _value_map(
     axes: tuple[str, str],
     value_of: Callable[[CaseRun], float],
     unit: str,
+    say: Language,
     marked: bool = True,
 ) -> Json | None:
     """A heatmap of one number of each run; None where it is nought everywhere."""
@@ -122,7 +122,7 @@ def _value_map(
     if not np.nanmax(values, initial=0.0) > 0.0:
         return None
     return number_map(
-        values, xs, ys, [heading(key) for key in axes], unit, over={"tipping": _crosses(tips)} if marked else None
+        values, xs, ys, [say.heading(key) for key in axes], unit, over={"tipping": _crosses(tips)} if marked else None
     )
 
 
@@ -140,7 +140,7 @@ MOST_GROUPS: Final = 6
 
 
 def curve_figures(
-    models: Sequence[str], conditions: Sequence[Condition], keys: Sequence[str]
+    models: Sequence[str], conditions: Sequence[Condition], keys: Sequence[str], say: Language = ENGLISH
 ) -> list[tuple[str, Json]]:
     """For each axis of numbers, and each combination of the other `keys`, a chart of all models; none where there is a map."""
     if map_axes(conditions, keys) is not None:
@@ -151,23 +151,23 @@ def curve_figures(
             continue
         groups: dict[tuple[str, ...], list[Condition]] = {}
         for item in conditions:
-            where = tuple(f"{heading(other)} {item.varied[other]}" for other in keys if other != key)
+            where = tuple(f"{say.heading(other)} {item.varied[other]}" for other in keys if other != key)
             groups.setdefault(where, []).append(item)
         if len(groups) <= MOST_GROUPS:
             figures += [
-                (" · ".join([f"By {heading(key)}", *where]), _curves(models, members, key))
+                (" · ".join([say("text.by", name=say.heading(key)), *where]), _curves(models, members, key, say))
                 for where, members in groups.items()
             ]
     return figures
 
 
-def _curves(models: Sequence[str], members: Sequence[Condition], key: str) -> Json:
+def _curves(models: Sequence[str], members: Sequence[Condition], key: str, say: Language) -> Json:
     """Outcome, largest rotation and, where anything slides, slip; where the statue does not stand the last two say nothing."""
     looks, along = model_looks(models), sorted(members, key=lambda item: float(item.varied[key]))
     parts: list[Json] = [
         {
             "name": model, "x": [float(item.varied[key]) for item, _ in runs],
-            "outcome": [SYMBOLS.get(run.outcome, FAILED)[1] for _, run in runs],
+            "outcome": [symbol(run.outcome, say)[1] for _, run in runs],
             "theta": [abs(run.peak_theta_rad) if run.outcome == "stands" else None for _, run in runs],
             "slip": [1e3 * run.peak_slip_m if run.outcome == "stands" else None for _, run in runs],
         }
@@ -176,11 +176,13 @@ def _curves(models: Sequence[str], members: Sequence[Condition], key: str) -> Js
     outcomes = list(dict.fromkeys(words for part in parts for words in part["outcome"]))
     rows = [
         (names("outcome", outcomes[::-1], grid=True), 40 + 26 * len(outcomes)),
-        (axis("theta", "rotation  [rad]", scale={"zero": True}), 180),
+        (axis("theta", say("chart.theta"), scale={"zero": True}), 180),
     ]
     if any(value for part in parts for value in part["slip"]):
-        rows.append((axis("slip", "slip  [mm]", scale={"zero": True}), 140))
-    return rows_of(rows, across("x", heading(key)), {"runs": parts}, lambda y, first: points("runs", looks, y, first))
+        rows.append((axis("slip", say("chart.slip"), scale={"zero": True}), 140))
+    return rows_of(
+        rows, across("x", say.heading(key)), {"runs": parts}, lambda y, first: points("runs", looks, y, first)
+    )
 
 
 FLOOR_COLOUR: Final = "#0072B2"
@@ -189,11 +191,11 @@ SLIP_COLOUR: Final = "#009E73"
 SHOWN_RAD: Final = 0.50
 """The paper's figures show rotations up to this value."""
 PANEL_CURVES: Final = (
-    ("floor", "theta_rad", 1.0, FLOOR_COLOUR, "θ, on the floor (rad)"),
-    ("pedestal", "theta_rad", 1.0, PEDESTAL_COLOUR, "θ, on the pedestal (rad)"),
-    ("pedestal", "slip_m", 0.1, SLIP_COLOUR, "slip of the pedestal (m ÷ 10)"),
+    ("floor", "theta_rad", 1.0, FLOOR_COLOUR),
+    ("pedestal", "theta_rad", 1.0, PEDESTAL_COLOUR),
+    ("pedestal", "slip_m", 0.1, SLIP_COLOUR),
 )
-"""What a panel shows of a condition: setting, curve, factor, colour, words."""
+"""What a panel shows of a condition: setting, curve, factor, colour."""
 LEAST_RUNS: Final = 10
 """Runs at one level below which a share says little."""
 
@@ -201,12 +203,15 @@ LEAST_DIRECTIONS: Final = 4
 """Directions in which the statue overturns below which a rose says little."""
 
 
-def panels_figure(panels: Sequence[Panel], model: str | None = None, restitution: float | None = None) -> Json:
+def panels_figure(
+    panels: Sequence[Panel], model: str | None = None, restitution: float | None = None, say: Language = ENGLISH
+) -> Json:
     """The paper's figures 7 to 9: amplitudes across, frequencies down, of one model and restitution (default: the first).
 
     The page's reader chooses another of both.
     """
-    kinds_of = {name: Look(colour, "", 1.4) for *_, colour, name in PANEL_CURVES}
+    shown_as = [(*each, say(f"chart.panel_{each[0]}_{each[1]}")) for each in PANEL_CURVES]
+    kinds_of = {name: Look(colour, "", 1.4) for *_, colour, name in shown_as}
     models = list(dict.fromkeys(model for panel in panels for model in panel.curves))
     parts: list[Json] = [
         {
@@ -214,19 +219,19 @@ def panels_figure(panels: Sequence[Panel], model: str | None = None, restitution
             "t": np.asarray(curves[setting].t_s), "value": scale * np.asarray(getattr(curves[setting], column)),
         }
         for panel in panels for of, curves in panel.curves.items()
-        for setting, column, scale, _, name in PANEL_CURVES if setting in curves
+        for setting, column, scale, _, name in shown_as if setting in curves
     ]  # fmt: skip
     ends = {"domain": [0.0, max((float(part["t"][-1]) for part in parts), default=1.0)]}
     shown = {"domain": [-SHOWN_RAD, SHOWN_RAD]}
     order = [place(panel) for panel in sorted(panels, key=lambda each: (each.frequency_hz, each.amplitude_g))]
     params = [
-        _choice("model", "Model", models, model),
-        _choice("r", "Restitution", sorted({panel.restitution for panel in panels}), restitution),
+        _choice("model", say("chart.model"), models, model),
+        _choice("r", say("chart.restitution"), sorted({panel.restitution for panel in panels}), restitution),
     ]
     lines = marks(
         "line",
         "",
-        {"x": across("t", "time  [s]", ends), "y": axis("value", "", scale=shown, tickCount=5)}
+        {"x": across("t", say("chart.time"), ends), "y": axis("value", "", scale=shown, tickCount=5)}
         | named(kinds_of, chosen=False),
     )
     columns = len({panel.amplitude_g for panel in panels})
@@ -248,7 +253,9 @@ def place(panel: Panel) -> str:
     return f"{panel.amplitude_g:g} g, {panel.frequency_hz:g} Hz"
 
 
-def fragility_figure(models: Sequence[str], conditions: Sequence[Condition], key: str) -> Json | None:
+def fragility_figure(
+    models: Sequence[str], conditions: Sequence[Condition], key: str, say: Language = ENGLISH
+) -> Json | None:
     """Share of overturned runs against an intensity, with 95 % intervals and the lognormal fit with its band.
 
     Everything else that varies is pooled. None unless some model has at least three levels of ten runs each.
@@ -266,14 +273,14 @@ def fragility_figure(models: Sequence[str], conditions: Sequence[Condition], key
             data["fits"] += fitted
     if not data["points"]:
         return None
-    y = upwards("y", "share of runs that overturn", {"domain": [0.0, 1.0]})
+    y = upwards("y", say("chart.share_overturns"), {"domain": [0.0, 1.0]})
     drawn = named({name: looks[name] for name in looks if any(part["name"] == name for part in data["points"])})
     layers = [
         band("fits", drawn, 0.12),
         marks("line", "fits", drawn),
         *estimates("points", drawn),
     ]
-    return figure(chosen(layers), 420, data, across("x", heading(key)), y)
+    return figure(chosen(layers), 420, data, across("x", say.heading(key)), y)
 
 
 def _fragility(model: str, levels: Mapping[float, Sequence[bool]]) -> tuple[Json, list[Json]]:
@@ -289,7 +296,7 @@ def _fragility(model: str, levels: Mapping[float, Sequence[bool]]) -> tuple[Json
     return estimated, [{"name": model, "x": xs, "y": curve_fit.probability(xs), "low": low, "high": high}]
 
 
-def rose_picture(models: Sequence[str], conditions: Sequence[Condition]) -> Picture | None:
+def rose_picture(models: Sequence[str], conditions: Sequence[Condition], say: Language = ENGLISH) -> Picture | None:
     """Least amplitude that overturns the statue, by direction of shaking; None without azimuths and amplitudes."""
     keys = list(conditions[0].varied) if conditions else []
     turn = next((key for key in keys if key.endswith("azimuth_deg")), None)
@@ -309,4 +316,4 @@ def rose_picture(models: Sequence[str], conditions: Sequence[Condition]) -> Pict
     if not drawn:
         return None
     most = max(float(item.varied[size]) for item in conditions)
-    return rose_of(drawn, most, " g" if size.endswith("_g") else "")
+    return rose_of(drawn, most, " g" if size.endswith("_g") else "", say=say)

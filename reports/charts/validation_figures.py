@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final, TypeVar
 
+from harness.comparison.statistics.outcomes import FELL
 from harness.questions.validate.scenes import GRAVITY_M_S2
 from harness.records.sets import ReliabilityBin
 from harness.records.validation import Curves, ValidationRecord
@@ -23,30 +24,25 @@ from reports.charts.figure import (
     upwards,
 )  # fmt: skip
 from reports.charts.palette import HAIRLINE, INK, Look, look
+from reports.messages import ENGLISH, Language
 
 T = TypeVar("T")
-BASELINE: Final = "PGV threshold"
 BASELINE_LOOK: Final = Look("#8a6d00", "2 3")
-FELL: Final = "overturned"
 DASHES: Final = ("", "6 4", "1.5 3", "6 3 1.5 3", "10 4")
 
 
-def charts(record: ValidationRecord) -> list[tuple[str, str, Json]]:
+def charts(record: ValidationRecord, say: Language = ENGLISH) -> list[tuple[str, str, Json]]:
     """Accuracy by model, tests in PGA against PGV/PGA with contours, fragility curves, accuracy by intensity."""
-    figures = [("accuracy", "Share of tests predicted right, with 95 % intervals", _accuracy(record))]
-    figures.append(("plane", "Every test, and where half of them fall", _plane(record)))
-    fragility = _fragility(record)
-    if fragility is not None:
-        figures.append(("fragility", "Probability of overturning against PGV", fragility))
+    figures = {"accuracy": _accuracy(record, say), "plane": _plane(record, say), "fragility": _fragility(record, say)}
     diagram = reliability_diagram(
         [
             *((name, _styles(record)[name], item.probability.reliability) for name, item in record.models.items()),
-            (BASELINE, BASELINE_LOOK, record.baseline.probability.reliability),
-        ]
+            (say("word.pgv_threshold"), BASELINE_LOOK, record.baseline.probability.reliability),
+        ],
+        say,
     )
-    if record.samples and diagram is not None:
-        figures.append(("reliability", "Share that fell against the probability said, with 95 % intervals", diagram))
-    return figures
+    figures["reliability"] = diagram if record.samples else None
+    return [(name, say(f"chart.validation_{name}"), each) for name, each in figures.items() if each is not None]
 
 
 def _styles(record: ValidationRecord) -> dict[str, Look]:
@@ -64,36 +60,38 @@ def styles(engine_of: Mapping[str, str]) -> dict[str, Look]:
     return looks
 
 
-def _accuracy(record: ValidationRecord) -> Json:
-    looks = _styles(record) | {BASELINE: BASELINE_LOOK}
+def _accuracy(record: ValidationRecord, say: Language) -> Json:
+    looks = _styles(record) | {say("word.pgv_threshold"): BASELINE_LOOK}
     shares = {name: item.outcomes.accuracy for name, item in record.models.items()}
-    shares[BASELINE] = record.baseline.outcomes.accuracy
+    shares[say("word.pgv_threshold")] = record.baseline.outcomes.accuracy
     rows = {name: share for name, share in shares.items() if share is not None}
     parts = [
         {"name": name, "y": [name], "tip": [f"{name} {100 * item.value:.0f} %"], **columns_of([item], 100.0, "x")}
         for name, item in rows.items()
     ]
     layers = estimates("shares", {"color": named(looks, legend=False)["color"]}, "x")
-    x = across("x", "right  [%]", {"domain": [0, 100]})
+    x = across("x", say("chart.right"), {"domain": [0, 100]})
     return figure(layers, 40 + 40 * len(rows), {"shares": parts}, x, names("y", list(rows), grid=False))
 
 
-def _plane(record: ValidationRecord) -> Json:
+def _plane(record: ValidationRecord, say: Language) -> Json:
     tests: list[Json] = []
-    for fell, words in ((False, "stood"), (True, "fell")):
+    stood, fallen = say("chart.stood"), say("chart.fell")
+    for fell, words in ((False, stood), (True, fallen)):
         rows = [row for row in record.rows if row.observed.startswith(FELL) == fell and row.pga_g > 0.0]
         ratio = [row.pgv_m_s / (GRAVITY_M_S2 * row.pga_g) for row in rows]
         tips = [f"{row.test}: {row.pga_g:.3f} g, {words}" for row in rows]
         tests.append({"kind": words, "x": ratio, "y": [row.pga_g for row in rows], "tip": tips})
     contours = {
-        f"half fall: {name}": (style, contour.contour_50) for name, style, contour in _curves(record, lambda item: item.contour)
+        say("chart.half_fall", name=name): (style, contour.contour_50)
+        for name, style, contour in _curves(record, lambda item: item.contour, say)
         if contour is not None
     }  # fmt: skip
     lines = [{"name": name, "x": each.ratio_s, "y": each.pga_g} for name, (_, each) in contours.items()]
     kind: Json = {"field": "kind", "type": "nominal"}
     sign = {
-        "shape": kind | {"scale": {"domain": ["stood", "fell"], "range": ["circle", "M-1-1L1 1M-1 1L1-1"]}},
-        "stroke": kind | {"scale": {"domain": ["stood", "fell"], "range": ["#0072B2", "#D55E00"]}},
+        "shape": kind | {"scale": {"domain": [stood, fallen], "range": ["circle", "M-1-1L1 1M-1 1L1-1"]}},
+        "stroke": kind | {"scale": {"domain": [stood, fallen], "range": ["#0072B2", "#D55E00"]}},
     }
     layers = [marks("point", "tests", sign, size=50, strokeWidth=1.6, filled=False)]
     if contours:
@@ -104,16 +102,17 @@ def _plane(record: ValidationRecord) -> Json:
     return figure(layers, 420, {"tests": tests, "contours": lines}, x, y)
 
 
-def _curves(record: ValidationRecord, of: Callable[[Curves], T]) -> list[tuple[str, Look, T]]:
+def _curves(record: ValidationRecord, of: Callable[[Curves], T], say: Language) -> list[tuple[str, Look, T]]:
     """What was measured and each model by name: how its line is drawn, and its curve."""
-    looks = {"measured": Look(INK, "", 3.0)} | _styles(record)
-    return [(name, looks[name], of(item)) for name, item in {"measured": record.observed, **record.models}.items()]
+    measured = say("chart.measured")
+    looks = {measured: Look(INK, "", 3.0)} | _styles(record)
+    return [(name, looks[name], of(item)) for name, item in {measured: record.observed, **record.models}.items()]
 
 
-def _fragility(record: ValidationRecord) -> Json | None:
+def _fragility(record: ValidationRecord, say: Language) -> Json | None:
     """The fitted curves, that of the measured tests with its band."""
     fitted = {
-        name: (style, item) for name, style, item in _curves(record, lambda each: each.fragility_pgv)
+        name: (style, item) for name, style, item in _curves(record, lambda each: each.fragility_pgv, say)
         if item is not None and item.median is not None
     }  # fmt: skip
     if not fitted:
@@ -122,20 +121,25 @@ def _fragility(record: ValidationRecord) -> Json | None:
     parts = [{"name": name, "x": item.intensity, "y": item.probability} for name, (_, item) in fitted.items()]
     around = [
         {"name": name, "x": item.intensity, "low": item.low, "high": item.high}
-        for name, (_, item) in fitted.items() if name == "measured"
+        for name, (_, item) in fitted.items() if name == say("chart.measured")
     ]  # fmt: skip
     layers = [band("around", drawn, 0.1), marks("line", "curves", drawn)]
-    y = upwards("y", "probability of overturning", {"domain": [0.0, 1.0]})
+    y = upwards("y", say("chart.overturning_probability"), {"domain": [0.0, 1.0]})
     return figure(layers, 380, {"curves": parts, "around": around}, across("x", "PGV  [m/s]", log(), tickCount=6), y)
 
 
-def reliability_diagram(curves: Sequence[tuple[str, Look, Sequence[ReliabilityBin]]]) -> Json | None:
+def reliability_diagram(
+    curves: Sequence[tuple[str, Look, Sequence[ReliabilityBin]]], say: Language = ENGLISH
+) -> Json | None:
     """Of each name, look and bins: the share that fell over its bin's mean probability; true ones lie on the diagonal."""
     drawn = named({name: style for name, style, bins in curves if bins}, chosen=False)
     parts = [
         {
             "name": name, "x": [item.mean for item in bins], **columns_of([item.fell for item in bins]),
-            "tip": [f"{name}, {item.cases} tests: said {item.mean:.2f}, fell {item.fell.value:.2f}" for item in bins],
+            "tip": [
+                say("chart.bin", name=name, cases=item.cases, said=f"{item.mean:.2f}", fell=f"{item.fell.value:.2f}")
+                for item in bins
+            ],
         }
         for name, _, bins in curves if bins
     ]  # fmt: skip
@@ -152,6 +156,6 @@ def reliability_diagram(curves: Sequence[tuple[str, Look, Sequence[ReliabilityBi
         layers,
         400,
         data,
-        across("x", "probability of overturning", shown),
-        upwards("y", "share that overturned", shown),
+        across("x", say("chart.overturning_probability"), shown),
+        upwards("y", say("chart.share_fell"), shown),
     )

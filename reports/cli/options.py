@@ -36,9 +36,7 @@ Resume = Annotated[
     bool,
     typer.Option("--resume", help="Only continue: refuse a folder without results of an earlier call."),
 ]
-InLanguage = Annotated[
-    str, typer.Option("--language", help="Language of the conservator's page: en or it.", show_default=True)
-]
+InLanguage = Annotated[str, typer.Option("--language", help="Language of the pages: en or it.", show_default=True)]
 
 
 @dataclass(frozen=True)

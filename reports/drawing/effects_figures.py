@@ -10,21 +10,20 @@ from typing import Final
 import numpy as np
 from markupsafe import Markup
 
-from harness.records.effects3d import BASELINE, Band, Effect, EffectsRecord
+from harness.records.effects3d import BASELINE, Band, EffectsRecord
+from reports.charts import Json
+from reports.charts.figure import HEIGHT, WIDTH, across, axis, figure, level, marks, named, span
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
 from reports.drawing.display_mesh import read_mesh
 from reports.drawing.scan_picture import Figure, directions_picture
-from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, box, line, nice_ticks
+from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, line, nice_ticks
+from reports.messages import ENGLISH, Language
 from reports.source import RunSource
 
 SIZE: Final = 640.0
 RADIUS: Final = 275.0
-WIDE: Final = 940.0
-ROW: Final = 30.0
-LABELS: Final = 300.0
-"""Width of the conditions' names."""
-RIGHT: Final = 40.0
-"""Room beside the last mark of the scale, for its label."""
+ROW: Final = 46.0
+"""Height of a condition."""
 RINGS: Final = 6
 """Most rings of a rose."""
 KEY_ROW: Final = 20.0
@@ -45,7 +44,7 @@ class Curve:
     width: float
 
 
-def curves(record: EffectsRecord) -> list[Curve]:
+def curves(record: EffectsRecord, say: Language = ENGLISH) -> list[Curve]:
     """The curves of a record: every engine's, and the planar model asked at the base's sides."""
     engines = record.engines
     drawn = []
@@ -54,18 +53,20 @@ def curves(record: EffectsRecord) -> list[Curve]:
         style = look(name, engines)
         drawn.append(Curve(name, points, style.colour, style.dash, style.width + 0.4))
     sides = [(row.azimuth_deg, row.projected_g) for row in record.static]
-    return [*drawn, Curve("analytic, at the base's sides", sides, SIDES_COLOUR, "1.5 4", 2.6)]
+    return [*drawn, Curve(say("chart.at_sides"), sides, SIDES_COLOUR, "1.5 4", 2.6)]
 
 
-def rose(record: EffectsRecord) -> Picture:
+def rose(record: EffectsRecord, say: Language = ENGLISH) -> Picture:
     """The least peak that overturns by direction; curves end on the rim where it does not overturn up to the most tried."""
     most = record.study.search.most_g
     lifts = [_place(row.azimuth_deg, row.lifts_g, most) for row in record.static]
     under = [*_base(record), *_band(record.bands, most), area(lifts, "#cdd3da", opacity=0.55)]
-    return rose_of(curves(record), most, " g", under)
+    return rose_of(curves(record, say), most, " g", under, say)
 
 
-def rose_of(drawn: Sequence[Curve], most: float, unit: str, under: Sequence[Shape] = ()) -> Picture:
+def rose_of(
+    drawn: Sequence[Curve], most: float, unit: str, under: Sequence[Shape] = (), say: Language = ENGLISH
+) -> Picture:
     """Curves by direction of shaking out to `most`, over the shapes `under` them, with a key below.
 
     Each joins neighbouring directions of all that were asked: what lies between others is not known.
@@ -73,10 +74,10 @@ def rose_of(drawn: Sequence[Curve], most: float, unit: str, under: Sequence[Shap
     shapes = [*_rings(most, unit), *under]
     asked = sorted({azimuth for curve in drawn for azimuth, _ in curve.points})
     for curve in drawn:
-        shapes += _curve(curve, asked, most, unit)
+        shapes += _curve(curve, asked, most, unit, say)
     for k, curve in enumerate(drawn):
         y = SIZE + 12.0 + KEY_ROW * k
-        shapes.append(line([(40.0, y), (72.0, y)], curve.colour, curve.width, _dash(curve)))
+        shapes.append(line([(40.0, y), (72.0, y)], curve.colour, curve.width, curve.dash))
         shapes.append(Text(80.0, y + 4.0, curve.name, "start"))
     return Picture(SIZE, SIZE + KEY_ROW * len(drawn) + 8.0, shapes)
 
@@ -125,40 +126,64 @@ def _band(bands: Sequence[Band], most_g: float) -> list[Shape]:
     ]  # fmt: skip
 
 
-def _dash(curve: Curve) -> str:
-    return curve.dash
-
-
-def _curve(curve: Curve, asked: Sequence[float], most_g: float, unit: str) -> list[Shape]:
+def _curve(curve: Curve, asked: Sequence[float], most_g: float, unit: str, say: Language) -> list[Shape]:
     places = {azimuth: _place(azimuth, most_g if peak is None else peak, most_g) for azimuth, peak in curve.points}
     whole = len(places) == len(asked)
     around = [places.get(azimuth, (math.nan, math.nan)) for azimuth in [*asked, *([] if whole else asked[:1])]]
-    shapes: list[Shape] = [Path(np.array(around), curve.colour, curve.width, _dash(curve), closed=whole)]
+    shapes: list[Shape] = [Path(np.array(around), curve.colour, curve.width, curve.dash, closed=whole)]
     for azimuth, peak in curve.points:
         x, y = places[azimuth]
-        tip = f"{curve.name}, {azimuth:g}°: " + ("stands" if peak is None else f"{peak:.3f}{unit}")
+        tip = f"{curve.name}, {azimuth:g}°: " + (say("ends.stands") if peak is None else f"{peak:.3f}{unit}")
         shapes.append(Disc(x, y, 3.0, "#fff" if peak is None else curve.colour, curve.colour, title=tip))
     return shapes
 
 
-def changes(record: EffectsRecord) -> Picture:
-    """Each condition's change of the overturning amplitude: one dot for a direction, a bar for the median, by engine."""
-    items = record.effects
-    conditions = list(dict.fromkeys(item.condition for item in items))
+def changes(record: EffectsRecord, say: Language = ENGLISH) -> Json:
+    """Each condition's change of the overturning amplitude: a disc for a direction, a stroke for the median, by engine.
+
+    What lies beyond the axis stands at its end as a triangle; the field behind is how far errors of a survey move it.
+    """
+    items, conditions = record.effects, list(dict.fromkeys(item.condition for item in record.effects))
     engines = list(dict.fromkeys(item.engine for item in items))
-    values = [abs(change.relative) for item in items for change in item.changes]
-    most = max(0.05, math.ceil(20.0 * float(np.quantile(values, 0.9))) / 20.0) if values else 0.05
-    height = 46.0 + ROW * len(conditions)
-    shapes = [*_scale(most, height), *_uncertainty(items, most, height)]
-    for number, condition in enumerate(conditions):
-        top = 34.0 + ROW * number
-        shapes.append(Text(LABELS - 12.0, top + 0.62 * ROW, condition, "end"))
-        shapes.append(line([(0.0, top + ROW), (WIDE, top + ROW)], HAIRLINE, opacity=0.6))
-        for item in items:
-            if item.condition == condition:
-                shift = (engines.index(item.engine) + 1.0) / (len(engines) + 1.0)
-                shapes += _dots(item, top + ROW * shift, most, look(item.engine, engines).colour)
-    return Picture(WIDE, height, shapes)
+    sizes = [abs(change.relative) for item in items for change in item.changes]
+    most = max(5.0, 5.0 * math.ceil(20.0 * float(np.quantile(sizes, 0.9)))) if sizes else 5.0
+    parts: list[Json] = []
+    for item in items:
+        at = conditions.index(item.condition) + (engines.index(item.engine) + 1.0) / (len(engines) + 1.0)
+        percent = [100.0 * change.relative for change in item.changes]
+        parts.append({
+            "name": item.engine, "x": [max(-most, min(most, value)) for value in percent], "y": [at] * len(percent),
+            "kind": ["within" if abs(value) <= most else "above" if value > 0.0 else "below" for value in percent],
+            "tip": [
+                f"{item.engine}, {each.azimuth_deg:g}°: {say.value(each.relative, 'points')}\u00a0%" for each in item.changes
+            ],
+            "median": None if item.median is None else 100.0 * item.median, "high": at - 0.2, "low": at + 0.2,
+        })  # fmt: skip
+    moved = [100.0 * c.relative for item in items if item.group == "uncertainty" for c in item.changes]
+    field = (
+        [dict(zip(("x", "x2"), ([float(np.quantile(moved, q))] for q in (0.05, 0.95)), strict=True))] if moved else []
+    )
+    names_of = {"words": [say.word(each) for each in conditions], "y": list(map(float, range(len(conditions))))}
+    drawn = named({engine: look(engine, engines) for engine in engines}, legend=False, chosen=False)["color"]
+    shapes = {"within": "circle", "above": "triangle-right", "below": "triangle-left"}
+    shape = {
+        "field": "kind",
+        "type": "nominal",
+        "legend": None,
+        "scale": {"domain": [*shapes], "range": [*shapes.values()]},
+    }
+    layers = [
+        marks("rect", "field", {"x2": {"field": "x2"}, "y": {"value": 0}, "y2": HEIGHT}, color=INK, opacity=0.07),
+        marks("rule", "conditions", {"x": {"value": 0}, "x2": WIDTH}, color=HAIRLINE),
+        *level(0.0, letter="x"),
+        marks("point", "changes", {"fill": drawn, "shape": shape}, filled=True, size=40, opacity=0.5, strokeWidth=0),
+        marks("rule", "changes", {"x": {"field": "median"}, **span("high", "low"), "color": drawn}, strokeWidth=3),
+        marks("text", "conditions", {"x": {"value": 0}, "text": {"field": "words"}}, align="left", baseline="top", dy=4),
+    ]  # fmt: skip
+    x = across("x", say("chart.change"), {"domain": [-most, most], "padding": 0})
+    y = axis("y", scale={"domain": [len(conditions), 0], "nice": False}, labels=False, ticks=False, grid=False)
+    data = {"changes": parts, "field": field, "conditions": [names_of]}
+    return figure(layers, ROW * len(conditions), data, x, y)
 
 
 def scan_figure(record: EffectsRecord, source: RunSource) -> Figure | None:
@@ -179,53 +204,9 @@ def scan_figure(record: EffectsRecord, source: RunSource) -> Figure | None:
     return Figure(turn.apply(vertices), faces, footprint, min(peaks, key=lambda azimuth: peaks[azimuth]))
 
 
-def directions(record: EffectsRecord, source: RunSource) -> Markup | None:
+def directions(record: EffectsRecord, source: RunSource, say: Language) -> Markup | None:
     """The scan with the rose's directions on the floor around it."""
     figure = scan_figure(record, source)
     if figure is None:
         return None
-    words = "The scan, and the directions by their angles; the arrow points towards"
-    return directions_picture(figure).svg(f"{words} {figure.weakest_deg:g}°.")
-
-
-def _x(relative: float, most: float) -> float:
-    return LABELS + (WIDE - LABELS - RIGHT) * 0.5 * (1.0 + max(-1.0, min(1.0, relative / most)))
-
-
-def _scale(most: float, height: float) -> list[Shape]:
-    shapes: list[Shape] = []
-    for k in range(-4, 5):
-        value = most * k / 4.0
-        x, colour = _x(value, most), MUTED if k == 0 else HAIRLINE
-        sign = "+" if value > 0 else "−" if value < 0 else ""
-        shapes += [
-            line([(x, 26.0), (x, height - 12.0)], colour),
-            Text(x, 18.0, f"{sign}{abs(100.0 * value):g} %", colour=MUTED),
-        ]
-    return shapes
-
-
-def _uncertainty(items: Sequence[Effect], most: float, height: float) -> list[Shape]:
-    """The range in which a survey's and friction's errors move the amplitude: quantiles 5 and 95 % of those changes."""
-    moved = [c.relative for item in items if item.group == "uncertainty" for c in item.changes]
-    if not moved:
-        return []
-    low, high = (_x(float(np.quantile(moved, q)), most) for q in (0.05, 0.95))
-    return [box(low, 26.0, high - low, height - 38.0, INK, 0.07)]
-
-
-def _dots(item: Effect, y: float, most: float, colour: str) -> list[Shape]:
-    shapes: list[Shape] = []
-    for change in item.changes:
-        relative = change.relative
-        x, tip = _x(relative, most), f"{item.engine}, {change.azimuth_deg:g}°: {100.0 * relative:+.1f} %"
-        if abs(relative) > most:
-            d = 5.0 if relative > 0 else -5.0
-            arrow = np.array([(x - d, y - 4.0), (x + d, y), (x - d, y + 4.0)])
-            shapes.append(Path(arrow, fill=colour, closed=True, title=tip))
-        else:
-            shapes.append(Disc(x, y, 3.0, colour, opacity=0.5, title=tip))
-    if item.median is not None:
-        x = _x(item.median, most)
-        shapes.append(line([(x, y - 5.0), (x, y + 5.0)], colour, 3.0))
-    return shapes
+    return directions_picture(figure).svg(say("scan.directions", towards=f"{figure.weakest_deg:g}"))

@@ -14,6 +14,7 @@ from meshes.solid import Solid
 from reports.charts.palette import MUTED
 from reports.drawing.display_mesh import Array, decimated, facing
 from reports.drawing.shapes import Path, Picture, Shape, Text, area, line, moved
+from reports.messages import ENGLISH, Language
 
 SIDE: Final = 640.0
 MARGIN: Final = 70.0
@@ -43,17 +44,18 @@ class Figure:
     weakest_deg: float
 
 
-def scan_picture(solid: Solid, rotation: Array, name: str) -> Picture:
+def scan_picture(solid: Solid, rotation: Array, name: str, say: Language = ENGLISH) -> Picture:
     """The solid with its base and weakest direction; `rotation` (3, 3) is from the axes of the file `name` to the solid's."""
     weakest = weakest_azimuth_deg(solid.footprint_m)
     balance = float(np.rad2deg(slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, weakest)[0]))
-    words = f"weakest towards {weakest:.0f}° from x: balances at {balance:.1f}°"
+    words = say("scan.weakest_towards", towards=f"{weakest:.0f}", balance=f"{balance:.1f}")
     shapes: list[Shape] = [Text(0.5 * SIDE, 46.0, words, colour=WEAKEST)]
     shapes += _standing(Figure(np.asarray(solid.vertices_m), np.asarray(solid.faces), solid.footprint_m, weakest))
     view = _view(weakest + FROM_WEAKEST_DEG)
-    shapes += _axes(view, rotation, MARGIN, "the file's")
-    shapes += _axes(view, np.eye(3), SIDE - MARGIN, "the scene's")
-    shapes.append(Text(0.5 * SIDE, 24.0, f"{name}: {solid.height_m:.3g} m high, on {len(solid.footprint_m)} corners"))
+    shapes += _axes(view, rotation, MARGIN, say("scan.axes_file"))
+    shapes += _axes(view, np.eye(3), SIDE - MARGIN, say("scan.axes_scene"))
+    title = say("scan.stands", name=name, height=say.length(solid.height_m), corners=len(solid.footprint_m))
+    shapes.append(Text(0.5 * SIDE, 24.0, title))
     return Picture(SIDE, SIDE, shapes)
 
 
@@ -119,10 +121,10 @@ def _faces(vertices: Array, faces: NDArray[np.int64], view: Array, place: Callab
     return [area(placed[k], colours[k], colours[k], 0.6) for k in order]
 
 
-def _axes(view: Array, rotation: Array, x: float, whose: str) -> list[Shape]:
+def _axes(view: Array, rotation: Array, x: float, words: str) -> list[Shape]:
     """A triad at the picture's foot; the columns of `rotation` are its axes."""
     foot = np.array([x, SIDE - MARGIN])
-    shapes: list[Shape] = [Text(x, SIDE - 12.0, f"{whose} axes", size_px=11.0)]
+    shapes: list[Shape] = [Text(x, SIDE - 12.0, words, size_px=11.0)]
     for name, axis in zip("xyz", rotation.T, strict=True):
         along = view[:2] @ axis * np.array([1.0, -1.0])
         shapes.append(line([foot, foot + 34.0 * along], MUTED, 2.0))

@@ -142,7 +142,7 @@ def _pictures(
         return
     if isinstance(record, EffectsRecord):
         yield "rose", "", as_wide(rose(record), width_px)
-        yield "effects", "", as_wide(changes(record), width_px)
+        yield "effects", "", changes(record)
         return
     for chart in walk(page_blocks(folder, record)):
         if isinstance(chart, Chart) and chart.name not in ("saved", "moved", "panels"):

@@ -73,14 +73,14 @@ def histories_figure(inspection: Inspection) -> Json:
         for name, each in zip(words, inspection.traces, strict=True)
     ]  # fmt: skip
     end = max(float(each.series.t_s[-1]) for each in inspection.traces)
-    rows = {"accel": "acceleration (g)", "velocity": "velocity (m/s)", "displacement": "displacement (m)"}
-    looks, x = _looks(words, 1.3), across("t", "time (s)", {"domain": [0.0, end], "padding": 0})
+    rows = ("accel", "velocity", "displacement")
+    looks, x = _looks(words, 1.3), across("t", ENGLISH("chart.time"), {"domain": [0.0, end], "padding": 0})
 
     def layers(y: Json, first: bool) -> list[Json]:
         return [marks("line", "traces", {"y": y} | named(looks, legend=first, chosen=False))]
 
     return rows_of(
-        [(axis(name, title, tickCount=6), 205.0) for name, title in rows.items()], x, {"traces": parts}, layers
+        [(axis(name, ENGLISH(f"chart.{name}"), tickCount=6), 205.0) for name in rows], x, {"traces": parts}, layers
     )
 
 
@@ -102,8 +102,14 @@ def spectrum_figure(inspection: Inspection) -> Json:
         data["target"] = [{"x": PERIODS_S, "low": 0.9 * wanted, "high": 1.1 * wanted}]
         layers.append(marks("area", "target", {"y": {"field": "low"}, "y2": {"field": "high"}}, color="#dddddd"))
     damping = DAMPING if target is None else target.damping
-    x = across("x", "period (s)", log(domain=[float(PERIODS_S[0]), float(PERIODS_S[-1])]), values=TICKS_S, format="~g")
-    y = axis("y", f"pseudo-acceleration (g), damping {damping:.0%}", scale={"domain": [0.0, _HEAD_ROOM * most]})
+    x = across(
+        "x",
+        ENGLISH("chart.period"),
+        log(domain=[float(PERIODS_S[0]), float(PERIODS_S[-1])]),
+        values=TICKS_S,
+        format="~g",
+    )
+    y = axis("y", ENGLISH("chart.spectrum", damping=f"{damping:.0%}"), scale={"domain": [0.0, _HEAD_ROOM * most]})
     return figure([*layers, marks("line", "spectra", named(looks, chosen=False))], 330, data, x, y)
 
 
@@ -111,7 +117,10 @@ def build_up_figure(inspection: Inspection) -> Json:
     """How the Arias intensity of every trace builds up, in per cent."""
     end = max(float(each.series.t_s[-1]) for each in inspection.traces)
     shaken: Mapping[str, Json] = {
-        f"{each.name}: {each.measures.arias_m_s:.2f} m/s, 5-95 % in {each.measures.significant_5_95_s:.1f} s": {
+        ENGLISH(
+            "chart.arias", name=each.name, arias=f"{each.measures.arias_m_s:.2f}",
+            time=f"{each.measures.significant_5_95_s:.1f}",
+        ): {
             "t": each.series.t_s, "share": 100.0 * arias_share(each.series.accel_m_s2**2)
         }
         for each in inspection.traces if each.measures.arias_m_s > 0.0
@@ -119,11 +128,11 @@ def build_up_figure(inspection: Inspection) -> Json:
     parts = [{"name": name, **columns} for name, columns in shaken.items()]
     lines = [layer for at in (5.0, 95.0) for layer in level(at, line=Look(MUTED, "2 3", 1.0))]
     drawn = [marks("line", "shares", named(_looks(list(shaken), 1.6), chosen=False))] if parts else []
-    x = across("t", "time (s)", {"domain": [0.0, end], "padding": 0})
+    x = across("t", ENGLISH("chart.time"), {"domain": [0.0, end], "padding": 0})
     return figure(
         [*drawn, *lines],
         170,
         {"shares": parts},
         x,
-        axis("share", "Arias intensity (%)", scale={"domain": [0.0, 100.0]}),
+        axis("share", ENGLISH("chart.arias_share"), scale={"domain": [0.0, 100.0]}),
     )

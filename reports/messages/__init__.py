@@ -87,8 +87,17 @@ class Language:
 
     def label(self, key: str) -> str:
         """What a value of a record is called, and its unit."""
+        words, unit = self.named(key)
+        return f"{words} [{unit}]" if unit else words
+
+    def named(self, key: str) -> tuple[str, str]:
+        """What a value is called, and its unit, apart."""
         words, unit = numbers.split_unit(key)
-        return f"{self.strings.get(f'label.{key}', words)}{f' [{unit}]' if unit else ''}"
+        return self.strings.get(f"label.{key}", words), unit
+
+    def heading(self, key: str) -> str:
+        """A scene's dotted key as a short heading: what its last part is called (`motion.x.amplitude_g` → `amplitude [g]`)."""
+        return self.label(key.rsplit(".", 1)[-1])
 
     def plain(self, value: Any, count: int = 4) -> str:
         """Any value of a record in one table cell, its numbers with `count` digits."""
@@ -153,6 +162,12 @@ def _named_key(say: Language, key: str) -> str:
     return printable(key) if words is None else f"{words} ({key})"
 
 
+def _settings(say: Language, values: Mapping[str, float]) -> str:
+    """`mass 250 kg and width 0.9 m`, of dotted keys of a scene."""
+    named = ((*say.named(key.rsplit(".", 1)[-1]), say.short(value)) for key, value in values.items())
+    return say.listed(f"{words} {value}" + (f"\u00a0{unit}" if unit else "") for words, unit, value in named)
+
+
 def _change(say: Language, share: float) -> str:
     return say._written(f"{round(100.0 * share, 2) + 0.0:+g}\u00a0%")
 
@@ -194,6 +209,7 @@ FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
     "points": _points,
     "pairs": lambda say, value: say.listed(f"{say.word(name)}: {say.word(each)}" for name, each in value.items()),
     "rate": lambda say, value: "{:.0f}\u00a0% ({:.0f}–{:.0f}\u00a0%)".format(*(100.0 * each for each in value)),
+    "settings": _settings,
     "speeds": lambda say, value: f"{say.range([*map(say.digits, value)])}\u00a0m/s",
 }
 """How a value is written, by the word after its colon."""

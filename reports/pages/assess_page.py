@@ -48,7 +48,7 @@ def blocks(_folder: Path, record: AssessRecord, say: Language) -> list[Block]:
         *_clearance(record, say),
         *(
             section(
-                say, "fragility", Chart("fragility", say("text.fragility_chart"), fragility_by_factor(fragility), 1060),
+                say, "fragility", Chart("fragility", say("text.fragility_chart"), fragility_by_factor(fragility, say), 1060),
                 words(say, "fragility", model=fragility.model, draws=fragility.draws),
             )
             if fragility else ()

@@ -31,20 +31,21 @@ from reports.blocks import (
 )
 from reports.charts.curve_figures import on_front, precision_figure, scaling_figure
 from reports.messages import Language
-from reports.messages.numbers import heading
 
 
 def blocks(_folder: Path, record: BenchRecord, say: Language) -> list[Block]:
     """The blocks of a bench's page."""
     rows, scenes = record.rows, list(dict.fromkeys(row.scene for row in record.rows))
-    work = [Chart(f"work-{k}", each, precision_figure(each, rows, record.target_rad)) for k, each in enumerate(scenes)]
+    work = [
+        Chart(f"work-{k}", each, precision_figure(each, rows, record.target_rad, say)) for k, each in enumerate(scenes)
+    ]
     scaling: list[Block] = []
     if record.scaling:
         scaling = [
             words(say, "scaling"),
-            Chart("scaling", say("text.scaling_chart"), scaling_figure(record.scaling), 760),
+            Chart("scaling", say("text.scaling_chart"), scaling_figure(record.scaling, say), 760),
         ]
-    sizes = [{**vars(row), "size": f"{row.engine}, {heading(row.quantity)}"} for row in record.scaling]
+    sizes = [{**vars(row), "size": f"{row.engine}, {say.heading(row.quantity)}"} for row in record.scaling]
     covered = [
         {"engine": name, "inside": say("text.of", part=item.inside, whole=item.total), "missed_seed": item.missed}
         for name, item in record.coverage.items()

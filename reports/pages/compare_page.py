@@ -31,7 +31,9 @@ def blocks(folder: Path, record: CompareRecord, say: Language) -> list[Block]:
     tone = "agree" if scores.verdict is ScoredVerdict.AGREE else "differ"
     return [
         Verdict(scores.verdict_sentence, tone, [each.text for each in scores.findings[1:]]),
-        *section(say, "histories", Chart("histories", say("text.compare_chart"), compare_figure(names, a, b), 1060)),
+        *section(
+            say, "histories", Chart("histories", say("text.compare_chart"), compare_figure(names, a, b, say), 1060)
+        ),
         *section(say, "scores", Table(say("table.compare"), ["", say("label.value")], rows)),
         *repeat(say, record, shlex.join(["rockcheck", "compare", scores.a, scores.b, "--out", folder.name])),
     ]

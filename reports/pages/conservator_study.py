@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.model.history import Outcome
 from harness.records.effects3d import EffectsRecord
@@ -26,16 +26,7 @@ from reports.text.wording import tone_of_study
 
 WIDTH: Final = 480
 """Width of the charts among the page's pictures."""
-CHART: Final[Mapping[str, str]] = {
-    "frequency [Hz]": "chart.frequency",
-    "top moves by  [m]": "chart.top",
-    "overturns  [%]": "chart.overturns",
-    "on the floor": "chart.floor",
-    "on the pedestal": "chart.stone",
-    "wall": "chart.wall",
-}
-"""What stands in the engineer's charts, by the key of its plain words."""
-AXES: Final = {"frequency_hz": "chart.frequency", "amplitude_g": "chart.strength", "pga_g": "chart.strength"}
+AXES: Final = {"frequency_hz": "plain.frequency", "amplitude_g": "plain.strength", "pga_g": "plain.strength"}
 """The words of a map's axis with their unit, by the last part of its key; others have the key's own."""
 SEVERE: Final = ("stands", "failed", "other", "wall", "overturns")
 """Families of outcomes, the worst for the statue last."""
@@ -188,14 +179,14 @@ def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condit
     """Reach and effect of the pedestal where the study varied it; else what gives way first."""
     scene, support = record.scene, record.supports or support_of(record.scene)
     push = push_picture(scene, support, say, borne=_by_direction(record, cases))
-    effect = pedestal_effect(record, models, cases)
+    effect = pedestal_effect(record, models, cases, say, "plain")
     if effect is None:
         return [push, order_picture(scene, support, say)]
     saved_words = say("study.saved", **effect.finding.values)
     if not effect.charts:
         order = order_picture(scene, support, say)
         return [push, replace(order, caption=[*order.caption, saved_words])]
-    saved, moved = (still(_plainly(each.figure, say), WIDTH) for each in effect.charts)
+    saved, moved = (still(each.figure, WIDTH) for each in effect.charts)
     return [
         Drawing(moved, [say("study.far")], heading=say("study.top")),
         push,
@@ -215,7 +206,7 @@ def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list
             if place not in worst or _severity(row) > _severity(worst[place]):
                 worst[place] = row
     places = [Condition(dict(zip(axes, place, strict=True)), {"": row}) for place, row in worst.items()]
-    figures = map_figures([""], places, axes)
+    figures = map_figures([""], places, axes, say)
     if not figures:
         return []
     _, figure = figures[0]
@@ -232,15 +223,6 @@ def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list
 def _severity(row: StudyRow) -> int:
     """Place of what a row says among `SEVERE`; nothing computed is the least."""
     return -1 if row.run is None else SEVERE.index(family(row.run.outcome))
-
-
-def _plainly(part: Any, say: Language) -> Any:
-    """A chart, or a part of one, with everything that stands in it in plain words."""
-    if isinstance(part, dict):
-        return {key: _plainly(value, say) for key, value in part.items()}
-    if isinstance(part, list):
-        return [_plainly(value, say) for value in part]
-    return say(CHART[part]) if isinstance(part, str) and part in CHART else part
 
 
 def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> list[Block]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from harness.records.effects3d import BASELINE, EffectsRecord
 from reports.blocks import (
     Block,
+    Chart,
     Details,
     Drawing,
     Group,
@@ -35,27 +36,22 @@ def blocks(folder: Path, record: EffectsRecord, say: Language) -> list[Block]:
     """The blocks of an effects study's page."""
     engines, chosen = record.engines, record.replay
     source = run_source(folder / chosen.folder) if chosen else None
-    scan = source and directions(record, source)
+    scan = source and directions(record, source, say)
     asked = list(dict.fromkeys(item.engine for item in record.effects))
     colours = [(look(name, engines).colour, name) for name in engines if name in asked]
-    left = "; ".join(f"{name} ({why})" for name, why in record.left_out.items())
+    left = "; ".join(f"{say.word(name)} ({say.word(why)})" for name, why in record.left_out.items())
     keys = [
-        *((each.colour, each.name) for each in curves(record)),
+        *((each.colour, each.name) for each in curves(record, say)),
         ("#cdd3da", say("text.lifts")),
         ("#c3c6ca", say("text.band")),
     ]
-    pictures: list[Block] = [Drawing(rose(record).svg(say("text.rose")), style="chart-box")]
+    pictures: list[Block] = [Drawing(rose(record, say).svg(say("text.rose")), style="chart-box")]
     pictures += [Drawing(scan, [say("text.scan_directions")], "plain-figure")] if scan else []
     told: list[Block] = [
         words(say, "amplitudes", most=f"{record.study.search.most_g:g}"), Legend(keys), words(say, "sides"),
         Details(say("text.seen_along_y"), [Drawing(scene_svg(record.scene), [record.scene.title])]),
     ]  # fmt: skip
-    drawn = Drawing(
-        changes(record).svg(say("text.changes"), style="min-width: 700px"),
-        (),
-        "chart-box scroll",
-        say("section.effects"),
-    )
+    drawn = Chart("effects", say("text.changes"), changes(record, say), 1060)
     moving: list[Block] = [
         words(
             say, "replayed", azimuth=f"{chosen.azimuth_deg:g}°", peak=say.value(chosen.peak_g, "g"),
@@ -131,7 +127,7 @@ def _effects(record: EffectsRecord, asked: Sequence[str], say: Language) -> Tabl
     groups = {item.condition: item.group for item in record.effects}
     rows = []
     for name, group in groups.items():
-        row = [name, say(f"text.group_{group}")]
+        row = [say.word(name), say(f"text.group_{group}")]
         for engine in asked:
             item = found.get((name, engine))
             if item is None or item.median is None:

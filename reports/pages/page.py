@@ -39,15 +39,16 @@ SCRIPTS: Final[Mapping[type, str]] = {Replay: "replay.js"}
 def write_report(folder: Path, language_code: str = "en") -> Path:
     """Write `report.html` into a result folder from its records alone, and `conservator.html` beside it for a run or a study.
 
-    The second is in the language of that code (`reports.messages.LANGUAGES`).
+    Both are in the language of that code (`reports.messages.LANGUAGES`).
 
     Returns the path of the first; raises `InputError` for a broken folder, after every page that can be was written, and what a
     page itself tripped over, with a note that names the page.
     """
-    record = read_result(folder).texted(ENGLISH.say)
+    say = language(language_code)
+    record = read_result(folder).texted(say.say)
     mistakes: list[Mistake] = []
     faults: list[Exception] = []
-    for name, build in _pages(record, language(language_code)).items():
+    for name, build in _pages(record, say).items():
         try:
             text = build(folder, record)
         except InputError as error:
@@ -67,7 +68,7 @@ def write_report(folder: Path, language_code: str = "en") -> Path:
 def _pages(record: Record, say: Language) -> dict[str, Callable[[Path, Record], str]]:
     """What builds each page of a record, by file name."""
     plain = {CONSERVATOR_NAME: partial(_conservator, say=say)} if record.kind in CONSERVATOR_PAGES else {}
-    return {REPORT_NAME: _report, **plain}
+    return {REPORT_NAME: partial(_report, say=say), **plain}
 
 
 def page_blocks(folder: Path, record: Record, say: Language = ENGLISH) -> list[Block]:
@@ -76,16 +77,16 @@ def page_blocks(folder: Path, record: Record, say: Language = ENGLISH) -> list[B
     return blocks
 
 
-def _report(folder: Path, record: Record) -> str:
-    blocks = page_blocks(folder, record)
-    plain = [(CONSERVATOR_NAME, ENGLISH("page.plain"))] if record.kind in CONSERVATOR_PAGES else []
+def _report(folder: Path, record: Record, say: Language) -> str:
+    blocks = page_blocks(folder, record, say)
+    plain = [(CONSERVATOR_NAME, say("page.plain"))] if record.kind in CONSERVATOR_PAGES else []
     names = {each.name: each.heading for each in walk(blocks) if isinstance(each, Section)}
     kinds = {type(each) for each in walk(blocks)}
     if Replay in kinds:
-        names = {"replay": ENGLISH("section.replay"), **names}
+        names = {"replay": say("section.replay"), **names}
     scripts = ["page.js", "units.js", *(SCRIPTS[kind] for kind in SCRIPTS if kind in kinds)]
     links = [*plain, *((f"#{name}", words) for name, words in names.items())]
-    return _render(record, ENGLISH(f"kind.{record.kind}"), blocks, links, ENGLISH, scripts)
+    return _render(record, say(f"kind.{record.kind}"), blocks, links, say, scripts)
 
 
 def _conservator(folder: Path, record: Record, say: Language) -> str:

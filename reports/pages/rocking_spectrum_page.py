@@ -26,8 +26,8 @@ Map = Sequence[Sequence[float | None]]
 def blocks(_folder: Path, record: RockingSpectrumRecord, say: Language) -> list[Block]:
     """The blocks of a rocking spectrum's page."""
     falls, peaks = (
-        _map(record, record.probability_overturned, "P", 1.0),
-        _map(record, record.peak_median, "peak/α", 1.0),
+        _map(record, record.probability_overturned, "P", say),
+        _map(record, record.peak_median, say("chart.peak_over_alpha"), say),
     )
     spread = say.percent(record.strength_cov)
     settings = {
@@ -58,12 +58,12 @@ def verdict(record: RockingSpectrumRecord) -> Verdict:
     return verdict_of(record, "agree" if safe else "differ")
 
 
-def _map(record: RockingSpectrumRecord, values: Map, name: str, most: float) -> Json:
+def _map(record: RockingSpectrumRecord, values: Map, name: str, say: Language) -> Json:
     """A map of at most `MOST_CELLS` a side; white where half of the cases overturn and there is no median."""
     rows, columns = (_picked(len(axis)) for axis in (record.size_m, record.slenderness))
     shown = np.array([[values[i][j] for j in columns] for i in rows], dtype=np.float64)
     x, y = [record.slenderness[j] for j in columns], [record.size_m[i] for i in rows]
-    return number_map(shown, x, y, ("slenderness h/b", "size R  [m]"), name, (0.0, most))
+    return number_map(shown, x, y, (say("chart.slenderness"), say("chart.half_diagonal")), name, (0.0, 1.0))
 
 
 def _picked(count: int) -> list[int]:

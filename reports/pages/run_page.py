@@ -70,7 +70,7 @@ def blocks(folder: Path, record: RunRecord, say: Language) -> list[Block]:
 def _histories(source: RunSource, say: Language) -> Chart:
     """The histories of all models."""
     below = [words(say, "histories", "caption")]
-    return Chart("histories", say("text.histories_chart"), histories_figure(source), 1060, "time", below)
+    return Chart("histories", say("text.histories_chart"), histories_figure(source, say), 1060, "time", below)
 
 
 def _scene(source: RunSource, say: Language) -> Group:

@@ -99,7 +99,7 @@ def _map(engine: str, cells: Sequence[Found], say: Language) -> list[Block]:
     map_of = Table(say("table.stability", engine=engine), [say("label.difficulty"), *settings], shown, "matrix")
     explained = Text([f"* {text}" for text in explanations(engine, cells)], "variant")
     more = Details(say("text.evidence"), [Text(evidence, "plan")])
-    return [Group("", [map_of, stability_chart(engine, cells), explained, more], engine)]
+    return [Group("", [map_of, stability_chart(engine, cells, say), explained, more], engine)]
 
 
 def stability_map(engine: str, cells: Sequence[Found]) -> tuple[list[str], list[tuple[str, list[Found | None]]]]:
@@ -111,10 +111,11 @@ def stability_map(engine: str, cells: Sequence[Found]) -> tuple[list[str], list[
     return settings, [(row, [by_place.get((row, column)) for column in settings]) for row in difficulties]
 
 
-def stability_chart(engine: str, cells: Sequence[Found]) -> Chart:
+def stability_chart(engine: str, cells: Sequence[Found], say: Language) -> Chart:
     """The map for print, where a page has its table."""
-    name, title = f"stability-{engine.replace(':', '-')}", f"{engine}: what becomes of hard scenes, by setting"
-    return Chart(name, title, stability_figure(*stability_map(engine, cells)), width=0)
+    name = f"stability-{engine.replace(':', '-')}"
+    figure = stability_figure(*stability_map(engine, cells), say)
+    return Chart(name, say("chart.stability", engine=engine), figure, width=0)
 
 
 def explanations(engine: str, cells: Sequence[Found]) -> list[str]:

@@ -41,17 +41,15 @@ from reports.charts.study_figures import (
 )
 from reports.drawing.scene_picture import scene_svg
 from reports.messages import Language
-from reports.messages.numbers import heading, label, plain, short
+from reports.messages.numbers import plain, short
 from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import (
-    FAILED,
-    NOT_SENT,
-    SYMBOLS,
     Condition,
     cell,
     conditions,
     family,
     runs_of,
+    symbols,
     varying_keys,
 )
 from reports.text.wording import tone_of_study
@@ -66,25 +64,28 @@ def blocks(_folder: Path, record: StudyRecord, say: Language) -> list[Block]:
     """The blocks of a study's page."""
     models, cases = conditions(record.rows)
     keys = varying_keys(cases)
-    effect, charts = pedestal_effect(record, models, cases), study_charts(record, models, cases, keys)
-    rose = rose_picture(models, cases)
+    effect, charts = pedestal_effect(record, models, cases, say), study_charts(record, models, cases, keys, say)
+    rose = rose_picture(models, cases, say)
     drawn: list[Chart | Drawing] = [*charts]
     drawn += [] if rose is None else [Drawing(rose.svg(say("text.study_rose")), [say("text.study_rose")], "chart-box")]
-    reasons = [f"{count}: {reason}" for reason, count in Counter(row.reason for row in record.rows).most_common()]
-    vary = [(label(key), ", ".join(_shown(value) for value in values)) for key, values in record.vary.items()]
+    reasons = [
+        f"{count}: {say.word(reason)}" for reason, count in Counter(row.reason for row in record.rows).most_common()
+    ]
+    vary = [
+        (say.value(key, "key"), ", ".join(_shown(value) for value in values)) for key, values in record.vary.items()
+    ]
     seconds = Facts([(name, say.value(value, "s")) for name, value in record.engine_seconds.items()])
     picture = Drawing(scene_svg(record.scene), [say("text.study_scene", title=record.scene.title)])
     shown = matrix(models, cases, keys, say) if len(cases) <= MOST_MATRIX_ROWS else None
-    signs = [SYMBOLS[name] for name in SYMBOLS] + [FAILED, NOT_SENT]
     return [
-        study_verdict(record, models, cases),
+        study_verdict(record, models, cases, say),
         *_claims(record, say),
         *_panels(record, say),
         *section(
             say, "maps", grid(drawn)
         ),
         *(section(say, "pedestal", Text([say.say(effect.finding)]), grid(effect.charts)) if effect else ()),
-        *(section(say, "matrix", Legend(signs, say("text.matrix")), shown) if shown else ()),
+        *(section(say, "matrix", Legend(symbols(say), say("text.matrix")), shown) if shown else ()),
         *section(say, "scene", Group("split", [picture, Facts(vary, "")])),
         *section(say, "asked", Text(reasons, "plan"), *notes(say, record.findings)),
         *repeat(
@@ -115,29 +116,31 @@ def _panels(record: StudyRecord, say: Language) -> list[Section]:
     """The histories in the paper's arrangement."""
     if not record.panels:
         return []
-    drawn = Chart("panels", say("text.panels_chart"), panels_figure(record.panels), 1060)
+    drawn = Chart("panels", say("text.panels_chart"), panels_figure(record.panels, say=say), 1060)
     return section(say, "panels", drawn, words(say, "panels", shown=f"{SHOWN_RAD:g}"))
 
 
 def study_charts(
-    record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str]
+    record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str], say: Language
 ) -> list[Chart]:
     """The charts that the rows hold, each with its name on the page and its words: maps, curves, fragility."""
     axes = [key for key in record.vary if key in keys]
     if record.panels:  # the paper's arrangement shows the same as histories
         return []
-    charts = [Chart(f"map-{k}", title, figure) for k, (title, figure) in enumerate(map_figures(models, cases, axes))]
-    designs = design_figures(models, cases, map_axes(cases, axes))
+    charts = [
+        Chart(f"map-{k}", title, figure) for k, (title, figure) in enumerate(map_figures(models, cases, axes, say))
+    ]
+    designs = design_figures(models, cases, map_axes(cases, axes), say)
     charts += [Chart(f"map-design-{k}", title, figure) for k, (title, figure) in enumerate(designs)]
     charts += [
-        Chart(f"curve-{k}", title, figure) for k, (title, figure) in enumerate(curve_figures(models, cases, axes))
+        Chart(f"curve-{k}", title, figure) for k, (title, figure) in enumerate(curve_figures(models, cases, axes, say))
     ]
     scattered = len(axes) < len(keys)
     for key in axes if scattered else ():
         if "amplitude" in key or key.endswith("scale"):
-            figure = fragility_figure(models, cases, key)
+            figure = fragility_figure(models, cases, key, say)
             if figure is not None:
-                charts.append(Chart(f"fragility-{key}", f"Share of runs that overturn, against {heading(key)}", figure))
+                charts.append(Chart(f"fragility-{key}", say("text.study_fragility", key=say.heading(key)), figure))
     return charts
 
 
@@ -145,19 +148,19 @@ def _shown(value: Any) -> str:
     return short(float(value)) if isinstance(value, (int, float)) and not isinstance(value, bool) else plain(value)
 
 
-def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition]) -> Verdict:
+def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], say: Language) -> Verdict:
     """The record's answer; no green without a probability."""
     keys = [key for key in record.vary if key in varying_keys(cases)]
     ends = [family(run.outcome) for model in models for _, run in runs_of(cases, model)]
     tone = tone_of_study(ends) if code(record) == "overturning" else "differ"
-    return verdict(record, tone, best_designs(models, cases, map_axes(cases, keys)))
+    return verdict(record, tone, [say.say(each) for each in best_designs(models, cases, map_axes(cases, keys))])
 
 
 def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str], say: Language) -> Table:
     """What was varied, and every model's answer; `differs` where models of one variant do not agree (different falls do)."""
     rows: list[list[str | Cell]] = []
     for item in cases:
-        cells = [cell(item.answers.get(model)) for model in models]
+        cells = [cell(item.answers.get(model), say) for model in models]
         by_variant: dict[str, set[str]] = {}
         for model, shown in zip(models, cells, strict=True):
             if shown.family != "none":
@@ -166,4 +169,4 @@ def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str
         style = "differs" if any(len(ends) > 1 for ends in by_variant.values()) else ""
         varied = [Cell(_shown(item.varied[key]), style) for key in keys]
         rows.append([*varied, *(Cell("", f"o-{each.family}", each.tip, each.sign, each.words) for each in cells)])
-    return Table(say("table.matrix"), [*map(heading, keys), *map(_head, models)], rows, "matrix")
+    return Table(say("table.matrix"), [*map(say.heading, keys), *map(_head, models)], rows, "matrix")

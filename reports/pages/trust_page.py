@@ -39,7 +39,7 @@ def blocks(_folder: Path, record: TrustRecord, say: Language) -> list[Block]:
         verdict(record, tone),
         *section(
             say, "map", Group("grid", [
-                Chart(each.stands_on, say(f"text.trust_on_{each.stands_on}"), trust_map(each, floor, command))
+                Chart(each.stands_on, say(f"text.trust_on_{each.stands_on}"), trust_map(each, floor, command, say))
                 for each in record.maps
             ]),
             words(say, "trust_map", motion=say(f"text.motion_{record.motion}"), name=CELLS_NAME),

@@ -6,6 +6,7 @@ import shlex
 from pathlib import Path
 from typing import Any, Final
 
+from harness.comparison.statistics.outcomes import FELL
 from harness.model.finding import info
 from harness.records.scores import Scores
 from harness.records.scores import Verdict as Verdicts
@@ -26,9 +27,9 @@ from reports.blocks import (
     section,
     verdict,
 )
-from reports.charts.validation_figures import BASELINE, charts
+from reports.charts.validation_figures import charts
 from reports.messages import Language
-from reports.text.study_rows import FAILED, SYMBOLS
+from reports.text.study_rows import SIGNS, symbol
 
 RATES: Final = ("accuracy", "precision", "recall", "f1", "matthews")
 PLAIN: Final = ("f1", "matthews", "area")
@@ -77,7 +78,7 @@ def blocks(_folder: Path, record: ValidationRecord, say: Language) -> list[Block
             Group("", [*pairs, beside], say("text.beside_each_other")) if record.pairs else None,
             Group("", [fitted, *([inputs] if chosen else [])], say("text.fitted")),
         ),
-        *section(say, "charts", grid(Chart(*each) for each in charts(record))),
+        *section(say, "charts", grid(Chart(*each) for each in charts(record, say))),
         *section(
             say, "tests", _tests(record, say),
             Group("", [Facts(told, "sentences")], say("text.measured_histories")) if told else None,
@@ -119,7 +120,9 @@ def _scores(record: ValidationRecord, say: Language) -> Table:
     for key in ("brier", "brier_skill"):
         values = [getattr(item, key) for item in chances]
         rows += [[say.label(key), *map(say.plain, values)]] if any(value is not None for value in values) else []
-    return Table(say("table.validation", fitted_on=baseline.fitted_on), ["", *record.models, BASELINE], rows)
+    return Table(
+        say("table.validation", fitted_on=baseline.fitted_on), ["", *record.models, say("word.pgv_threshold")], rows
+    )
 
 
 def _both(pair: PairScores, say: Language) -> str:
@@ -156,7 +159,8 @@ def _tests(record: ValidationRecord, say: Language) -> Table:
     keys = ("test", "body", "share", "pga_g", "pgv_m_s", "measured")
     rows: list[list[str | Cell]] = []
     for row in record.rows:
-        fell, (sign, seen) = row.observed.startswith("overturned"), SYMBOLS.get(row.observed, ("✕", "overturned"))
+        fell, seen = row.observed.startswith(FELL), say("ends.overturns")
+        sign, seen = symbol(row.observed, say) if row.observed in SIGNS else ("✕", seen)
         first = [row.test, row.body, row.share, f"{row.pga_g:.3f}", f"{row.pgv_m_s:.3f}"]
         cells = [_predicted(row, name, say, fell=fell) for name in record.models]
         rows.append([*first, Cell("", "", seen, sign, seen), *cells])
@@ -165,9 +169,9 @@ def _tests(record: ValidationRecord, say: Language) -> Table:
 
 def _predicted(row: TestRow, name: str, say: Language, *, fell: bool) -> Cell:
     end, chance = row.predicted[name], row.probability[name]
-    sign, said = SYMBOLS.get(end, FAILED)
+    sign, said = symbol(end, say)
     said += "" if chance is None else say("text.overturns_in", share=f"{100 * chance:.0f}")
-    right = end.startswith("overturned") == fell
+    right = end.startswith(FELL) == fell
     style, note = ("o-stands", "") if right else ("o-overturns", say("text.wrong"))
     return Cell(note, style, said, sign, said)
 

@@ -18,8 +18,7 @@ from reports.charts.figure import across, figure, kinds, level, marks, names, po
 from reports.charts.palette import Look
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
 from reports.drawing.kinematics import section
-from reports.messages import ENGLISH
-from reports.messages.numbers import heading
+from reports.messages import ENGLISH, Language
 from reports.text.study_rows import Condition, runs_of
 
 WALL_COLOUR: Final = "#8c1d2f"
@@ -36,8 +35,17 @@ class PedestalEffect:
     charts: Sequence[Chart] = ()
 
 
-def pedestal_effect(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition]) -> PedestalEffect | None:
-    """The effect in a study with and without pedestal, by its first analytic model; None for other studies."""
+def pedestal_effect(
+    record: StudyRecord,
+    models: Sequence[str],
+    cases: Sequence[Condition],
+    say: Language = ENGLISH,
+    words: str = "chart",
+) -> PedestalEffect | None:
+    """The effect in a study with and without pedestal, by its first analytic model; None for other studies.
+
+    `words` is the table of the catalogue that names what the charts show.
+    """
     keys = list(cases[0].varied) if cases else []
     paces = (key for key in keys if key.endswith("frequency_hz"))
     # "keep" is no number.
@@ -51,16 +59,18 @@ def pedestal_effect(record: StudyRecord, models: Sequence[str], cases: Sequence[
     fell: dict[tuple[float, str], list[bool]] = {}
     reach: dict[tuple[float, str], float] = {}
     for item, run in runs_of(cases, model):
-        setting = "on the floor" if item.varied["pedestal"] == "none" else "on the pedestal"
+        setting = "floor" if item.varied["pedestal"] == "none" else "pedestal"
         place = (float(item.varied[pace]), setting)
         fell.setdefault(place, []).append(run.outcome.overturned)
         if run.outcome is Outcome.STANDS:
             theta = run.peak_theta_rad * np.array([-1.0, 1.0])
             moved = float(np.abs(shape.top_displacement_m(theta, np.zeros(2))).max()) + run.peak_slip_m
             reach[place] = max(reach.get(place, 0.0), moved)
-    by_pace = heading(pace)
-    drawn = {"saved": _by_setting(fell, by_pace), "moved": _reach_by_setting(reach, by_pace, record)}
-    charts = [Chart(name, ENGLISH(f"text.pedestal_{name}", model=model), figure) for name, figure in drawn.items()]
+    named = {
+        each: say(f"{words}.{each}") for each in ("frequency", "on_floor", "on_pedestal", "share_falls", "top", "wall")
+    }
+    drawn = {"saved": _by_setting(fell, named), "moved": _reach_by_setting(reach, named, record)}
+    charts = [Chart(name, say(f"text.pedestal_{name}", model=model), figure) for name, figure in drawn.items()]
     return PedestalEffect(_saved(cases, model), charts)
 
 
@@ -74,33 +84,42 @@ def _saved(cases: Sequence[Condition], model: str) -> Finding:
     return info("pedestal_saves", model=model, **vars(saved))
 
 
-SETTINGS: Final = {"on the floor": FLOOR_COLOUR, "on the pedestal": PEDESTAL_COLOUR}
+SETTINGS: Final = {"floor": FLOOR_COLOUR, "pedestal": PEDESTAL_COLOUR}
 
 
-def _by_setting(fell: Mapping[tuple[float, str], Sequence[bool]], title: str) -> Json:
+def _by_setting(fell: Mapping[tuple[float, str], Sequence[bool]], named: Mapping[str, str]) -> Json:
     places = sorted(fell)
     parts = [
         {
-            "kind": setting, "x": [f"{place[0]:g}" for place in mine],
+            "kind": named[f"on_{setting}"], "x": [f"{place[0]:g}" for place in mine],
             "y": [100.0 * sum(fell[place]) / len(fell[place]) for place in mine],
             "count": [f"{sum(fell[place])}/{len(fell[place])}" for place in mine],
         }
         for setting in SETTINGS for mine in [[place for place in places if place[1] == setting]]
     ]  # fmt: skip
-    beside = {"xOffset": {"field": "kind", "sort": list(SETTINGS)}}
-    bars = marks("bar", "falls", beside | {"color": kinds(SETTINGS)})
+    colours = {named[f"on_{setting}"]: colour for setting, colour in SETTINGS.items()}
+    beside = {"xOffset": {"field": "kind", "sort": list(colours)}}
+    bars = marks("bar", "falls", beside | {"color": kinds(colours)})
     words = marks("text", "falls", beside | {"text": {"field": "count"}}, dy=-7, clip=False)
-    x = names("x", [f"{value:g}" for value in sorted({place[0] for place in places})], title, labelAngle=0, grid=False)
-    return figure([bars, words], 340, {"falls": parts}, x, upwards("y", "overturns  [%]", {"domain": [0, 112]}))
+    x = names(
+        "x",
+        [f"{value:g}" for value in sorted({place[0] for place in places})],
+        named["frequency"],
+        labelAngle=0,
+        grid=False,
+    )
+    return figure([bars, words], 340, {"falls": parts}, x, upwards("y", named["share_falls"], {"domain": [0, 112]}))
 
 
-def _reach_by_setting(reach: Mapping[tuple[float, str], float], title: str, record: StudyRecord) -> Json:
+def _reach_by_setting(reach: Mapping[tuple[float, str], float], named: Mapping[str, str], record: StudyRecord) -> Json:
     parts = [
-        {"name": setting, "x": [place[0] for place in mine], "y": [reach[place] for place in mine]}
+        {"name": named[f"on_{setting}"], "x": [place[0] for place in mine], "y": [reach[place] for place in mine]}
         for setting in SETTINGS for mine in [[place for place in sorted(reach) if place[1] == setting]]
     ]  # fmt: skip
-    y = upwards("y", "top moves by  [m]", {"zero": True})
+    y = upwards("y", named["top"], {"zero": True})
     wall = record.scene.wall
-    lines = [] if wall is None else level(wall.distance_m, "wall", line=Look(WALL_COLOUR, "6 4", 1.5))
-    looks = {setting: Look(colour) for setting, colour in SETTINGS.items()}
-    return figure([*points("reach", looks, y, first=True), *lines], 340, {"reach": parts}, across("x", title), y)
+    lines = [] if wall is None else level(wall.distance_m, named["wall"], line=Look(WALL_COLOUR, "6 4", 1.5))
+    looks = {named[f"on_{setting}"]: Look(colour) for setting, colour in SETTINGS.items()}
+    return figure(
+        [*points("reach", looks, y, first=True), *lines], 340, {"reach": parts}, across("x", named["frequency"]), y
+    )

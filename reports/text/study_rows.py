@@ -8,17 +8,13 @@ from typing import Final
 
 from harness.model.history import Outcome
 from harness.records.study import CaseRun, StudyRow, Value
-from reports.messages import ENGLISH
-from reports.messages.numbers import digits
+from reports.messages import Language
 
 SIGNS: Final = {
     "stands": "●", "overturned_left": "◀", "overturned_right": "▶", "overturned_front": "▼", "overturned_back": "▲",
     "touches_wall": "▌", "left_pedestal": "⇲", "lift_off": "↥", "friction_paradox": "∅", "undecided": "?",
 }  # fmt: skip
-SYMBOLS: Final = {outcome: (sign, ENGLISH(f"short.{outcome}")) for outcome, sign in SIGNS.items()}
-"""Sign and words of each outcome: told apart without colour."""
-FAILED: Final = ("✕", ENGLISH("text.map_failed"))
-NOT_SENT: Final = ("·", ENGLISH("text.not_sent"))
+"""The sign of each outcome: told apart without colour."""
 FAMILY: Final = {"stands": "stands", "touches_wall": "wall"}
 
 
@@ -87,21 +83,30 @@ def family(outcome: str) -> str:
     return FAMILY.get(outcome, "other")
 
 
-def cell(row: StudyRow | None) -> Cell:
+def symbol(outcome: str, say: Language) -> tuple[str, str]:
+    """Sign and words of an outcome, of any failure the same."""
+    return (SIGNS[outcome], say(f"short.{outcome}")) if outcome in SIGNS else ("✕", say("text.map_failed"))
+
+
+def symbols(say: Language) -> list[tuple[str, str]]:
+    """Every sign with its words."""
+    return [*(symbol(each, say) for each in (*SIGNS, "failed")), ("·", say("text.not_sent"))]
+
+
+def cell(row: StudyRow | None, say: Language) -> Cell:
     """What a table shows of one row."""
-    if row is None:
-        return Cell(*NOT_SENT, "none", NOT_SENT[1])
-    run = row.run
+    run = None if row is None else row.run
     if run is None:
-        return Cell(*NOT_SENT, "none", str(row.reason))
-    sign, words = SYMBOLS.get(run.outcome, FAILED)
+        sign, words = symbols(say)[-1]
+        return Cell(sign, words, "none", words if row is None else say.word(str(row.reason)))
+    sign, words = symbol(run.outcome, say)
     stood = run.outcome == "stands"
     told = {
         "peak": abs(run.peak_theta_rad) if stood and run.peak_theta_rad is not None else None,
         "no_return": run.no_return_time_s,
         "error": run.numerical_uncertainty_rad,
     }
-    known = [ENGLISH(f"text.tip_{name}", value=digits(value, 4)) for name, value in told.items() if value is not None]
+    known = [say(f"text.tip_{name}", value=say.digits(value, 4)) for name, value in told.items() if value is not None]
     return Cell(sign, words, family(run.outcome), "; ".join([words, *known]))
 
 

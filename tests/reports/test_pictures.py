@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from harness.model.errors import InputError
-from harness.model.run import PATTERN_NAMES, write_json
+from harness.model.run import PatternName, write_json
 from harness.records.base import as_file
 from harness.records.kinds import read_result
 from harness.records.run import RunRecord
@@ -22,6 +23,7 @@ from reports.charts.histories import histories_figure
 from reports.charts.study_figures import panels_figure, place
 from reports.export.animation import FRAMES_PER_S, write_gif
 from reports.export.figures import DPI, WIDTHS_MM, pixels_across, printed, write_figures
+from reports.messages import ENGLISH
 from reports.pages.page import page_blocks
 from reports.source import run_source
 from tests.budgets_reports import ROUNDED_INCH
@@ -61,7 +63,9 @@ def test_a_printed_figure_is_as_wide_as_asked_and_has_its_words(folder: Path) ->
         assert f'width="{width_mm:.2f}mm"' in drawn
         words = set(re.findall(r">([^<>\n]+)</text>", drawn))
         assert {"rotation θ  [rad]", "slip u  [mm]", "floor x  [g]", "time  [s]", *source.histories} <= words
-        assert set(PATTERN_NAMES.values()) & words, "a strip of patterns needs its key"
+        assert {ENGLISH.strings[f"chart.pattern_{name}"] for name in get_args(PatternName)} & words, (
+            "a strip of patterns needs its key"
+        )
 
 
 def test_vector_and_pixel_figures_have_one_size(folder: Path) -> None:

@@ -124,18 +124,18 @@ def changed_scene(scene: Scene, condition: str, azimuth_deg: float) -> Scene:
 
 
 def without_meaning(scene: Scene) -> dict[str, str]:
-    """The conditions that change nothing of this scene, each with the reason."""
+    """The conditions that change nothing of this scene, each with the code of its reason."""
     y, z = (isinstance(item, ZeroExcitation) for item in (scene.base_excitation.y, scene.base_excitation.z))
     flat = float(np.ptp(solid_of(scene).feet_m[:, 2])) < FLAT_M
     reasons = {}
     if z:
-        reasons["with the vertical component"] = "the scene's motion has none"
+        reasons["with the vertical component"] = "motion_has_none"
     if y:
-        reasons["with the second horizontal component"] = "the scene's motion has none"
+        reasons["with the second horizontal component"] = "motion_has_none"
     if y or z:
-        reasons["with all three components"] = "the scene's motion has fewer"
+        reasons["with all three components"] = "motion_has_fewer"
     if flat:
-        reasons["base planed flat"] = "the base is flat"
+        reasons["base planed flat"] = "base_flat"
     else:
-        reasons["base ragged by 1 mm"] = "the base is uneven as it is"
+        reasons["base ragged by 1 mm"] = "base_uneven"
     return reasons

@@ -19,14 +19,15 @@ Cell = tuple[tuple[int, int], tuple[int, int]]
 
 REFERENCE: Final = "analytic"
 """The model that runs every case first; it costs next to nothing."""
-EVERY: Final = "every case is asked"
-NEAR: Final = "near a change of the analytic outcome"
-MARGIN: Final = "the analytic peak is near the balance point"
-RECHECK: Final = "random recheck"
-COARSE: Final = "on the map's coarse grid"
-REFINED: Final = "beside a change of this engine's outcome on the map"
-NOT_SENT: Final = "not sent: the analytic outcome is far from a change"
-SAME_CELL: Final = "not sent: the map's points around it agree"
+EVERY: Final = "every_case"
+NEAR: Final = "near_change"
+MARGIN: Final = "near_balance"
+RECHECK: Final = "random_recheck"
+COARSE: Final = "coarse_grid"
+REFINED: Final = "beside_change"
+NOT_SENT: Final = "not_sent"
+SAME_CELL: Final = "same_cell"
+"""Why a case is asked or not, as the catalogues of messages name it."""
 COARSEST: Final = 8
 """Stride of the map's first grid: every eighth point along each axis."""
 

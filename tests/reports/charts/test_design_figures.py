@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from reports.charts.study_figures import best_designs, design_figures
+from reports.messages import ENGLISH
 from reports.text.study_rows import Condition
 from tests.reports.charts.parts import kind_at, part
 from tests.reports.invented_study import case_row, case_run
@@ -27,14 +28,16 @@ DESIGNS = [
 
 
 def test_the_best_design_stands_and_does_not_tip() -> None:
-    (sentence,) = best_designs([MODEL], DESIGNS, AXES)
-    assert "in 2 of 4 designs" in sentence
-    assert "20 mm, at width [m] = 0.8 and height [m] = 0.2" in sentence
+    (found,) = best_designs([MODEL], DESIGNS, AXES)
+    assert found.code == "best_design"
+    assert (found.values["good"], found.values["designs"], found.values["slip_m"]) == (2, 4, 0.02)
+    assert found.values["at"] == dict(zip(AXES, (0.8, 0.2), strict=True))
+    assert "width 0.8\u00a0m and height 0.2\u00a0m" in ENGLISH.say(found)
 
 
 def test_where_no_design_holds_that_is_said() -> None:
-    (sentence,) = best_designs([MODEL], [DESIGNS[0], DESIGNS[3]], AXES)
-    assert sentence.startswith("In none of 2 designs")
+    (found,) = best_designs([MODEL], [DESIGNS[0], DESIGNS[3]], AXES)
+    assert (found.code, found.values["designs"]) == ("no_design_stands", 2)
 
 
 def test_the_map_marks_the_places_that_tip() -> None:

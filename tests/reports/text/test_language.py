@@ -37,7 +37,7 @@ FINDINGS = (
     "text",
 )
 """Tables of findings, outcomes and verdicts, and of the engineer's page."""
-SHARED = {"order.case", "study.more"}
+SHARED = {"order.case", "study.more", "chart.arias", "chart.peak", "chart.setting"}
 """Strings that hold nothing but signs around braces."""
 JARGON = {
     "en": (
@@ -119,7 +119,7 @@ def test_no_string_of_the_page_stands_outside_the_file(
     folders: dict[str, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """With marks around every string of the file, nothing but numbers, units and the user's own words is left outside."""
-    marked = {key: text if key in BARE else f"⟦{text}⟧" for key, text in ENGLISH.strings.items()}
+    marked = {key: text if key in BARE or key.endswith(".by") else f"⟦{text}⟧" for key, text in ENGLISH.strings.items()}
     monkeypatch.setattr("reports.pages.page.language", lambda _: Language("en", marked))
     for name, folder in folders.items():
         record = read_result(folder)

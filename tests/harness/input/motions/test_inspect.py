@@ -53,7 +53,7 @@ def test_the_picture_holds_every_trace_and_the_target(data_dir: Path) -> None:
     shares = build_up_figure(found)["datasets"]["shares"]
     assert max(trace["share"][-1] for trace in shares) == pytest.approx(100.0)
     words = set(re.findall(r">([^<>\n]+)</text>", printed(motion_picture(found), WIDE)))
-    assert {"acceleration (g)", "velocity (m/s)", "displacement (m)", "period (s)", target.name} <= words
+    assert {"acceleration  [g]", "velocity  [m/s]", "displacement  [m]", "period  [s]", target.name} <= words
 
 
 @pytest.mark.parametrize(
