@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterable
 from html import unescape
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from harness.model.run import RUN_FIELDS
 from harness.records.base import Record
 from harness.records.kinds import read_result
 from reports.blocks import Block, Chart, Section, Table, walk
+from reports.charts.drawn import svg
 from reports.messages import ENGLISH, LANGUAGES, language
 from reports.pages.page import page_blocks, write_report
 from tests.reports import invented_records, invented_study
@@ -33,6 +35,10 @@ WRITERS: dict[str, Callable[[Path], Path]] = {
     "trust": invented_records.write_trust,
 }
 """A folder of every kind of record that has an invented one."""
+
+
+NAMES = ("own impact", "free", "level", "own defaults", "slenderness")
+"""What the records themselves name: a study's variants, a bench's scenes and settings, difficulties."""
 
 
 @pytest.fixture(scope="module", params=WRITERS)
@@ -92,6 +98,34 @@ def test_the_page_shows_every_finding_row_and_chart_and_markup_stays_text(page: 
     assert html.partition("<h1>")[2].partition("</h1>")[0]
     for version in record.versions.values():
         assert version in shown
+
+
+def words_of(texts: Iterable[str]) -> set[str]:
+    """The words of some texts, in small letters; what stands in braces is none."""
+    return {word for text in texts for word in re.findall(r"[^\W\d_]{3,}", re.sub(r"\{.*?\}", "", text).lower())}
+
+
+def read_of(chart: Chart) -> list[str]:
+    """What a reader sees of a chart: its title, what is drawn, what stands under the pointer, what is chosen of."""
+    drawn = [unescape(text) for text in re.findall(r">([^<>]+)</text>", svg(chart.figure, 900.0))]
+    parts = [part for data in chart.figure["datasets"].values() for part in data]
+    tips = [tip for part in parts for tip in part.get("tip", [])]
+    told = [each["words"] for each in chart.figure.get("usermeta", {}).get("read", []) if each]
+    return [
+        chart.words,
+        *drawn,
+        *tips,
+        *told,
+        *(each["bind"]["name"] for each in chart.figure["params"] if "bind" in each),
+    ]
+
+
+def test_no_chart_of_another_language_has_an_english_word(page: tuple[Path, Record]) -> None:
+    english = words_of(ENGLISH.strings.values()) - words_of(language("it").strings.values())
+    assert {"rotation", "until", "pedestal", "share"} <= english
+    own = words_of([page[1].title, *NAMES])
+    for chart in every(of_language(page, "it"), Chart):
+        assert words_of(read_of(chart)) & english <= own, chart.name
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
