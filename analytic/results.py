@@ -16,6 +16,7 @@ from analytic.solution import KINDS, OUTCOMES, Doubts, Event, EventKind, Interva
 
 LEFT_BY: Final = ("", "statue_slides", "contact_lost", "pedestal_tips")
 """What each of the kernel's codes for a limit passed says: statue on its support, statue or pedestal in flight, pedestal."""
+PATTERNS: Final = ("rest", "sliding", "rocking", "both")
 NO_HISTORY: Final[NDArray[np.float64]] = np.zeros((5, 0))
 NO_EVENTS: Final[Records] = np.zeros(0, EVENT_ROW)
 
@@ -123,30 +124,27 @@ class Solution:
     @property
     def impact_times_s(self) -> Floats:
         """Times of the impacts, s."""
-        return np.array([event.time_s for event in self.impacts])
+        return self.event_rows["time_s"][self.event_rows["kind"] == KINDS.index(EventKind.IMPACT)]
 
     @property
     def uplift_times_s(self) -> Floats:
         """Times at which the statue left its rest, s."""
-        pairs = zip(self.events[:-1], self.events[1:], strict=True)
-        lifted = [b.time_s for a, b in pairs if b.rocking and not a.rocking]
-        first = (
-            [self.events[0].time_s]
-            if self.events and self.events[0].rocking and self.events[0].theta_rad == 0.0
-            else []
-        )
-        return np.array(first + lifted)
+        rows = self.event_rows
+        rocks = rows["pivot"] >= 0
+        # A start at an angle is no uplift.
+        rested = np.concatenate([rows["theta_rad"][:1] == 0.0, ~rocks[:-1]])
+        return rows["time_s"][rocks & rested]
 
     @property
     def patterns(self) -> tuple[Interval, ...]:
         """The motion patterns one after another, neighbours of the same pattern joined."""
-        strip: list[Interval] = []
-        for event, after in zip(self.events[:-1], self.events[1:], strict=True):
-            if strip and strip[-1].pattern == event.pattern:
-                strip[-1] = Interval(strip[-1].start_s, after.time_s, event.pattern)
-            elif after.time_s > event.time_s:
-                strip.append(Interval(event.time_s, after.time_s, event.pattern))
-        return tuple(strip)
+        time_s, lasts = self.event_rows["time_s"], np.diff(self.event_rows["time_s"]) > 0.0
+        kinds = 2 * (self.event_rows["pivot"] >= 0) + (self.event_rows["slide"] != 0)
+        begin = np.flatnonzero(lasts)
+        begin = begin[np.diff(kinds[begin], prepend=-1) != 0]
+        ends = [*time_s[begin[1:]].tolist(), *time_s[-1:].tolist()]
+        patterns = [PATTERNS[kind] for kind in kinds[begin].tolist()]
+        return tuple(map(Interval, time_s[begin].tolist(), ends, patterns))
 
 
 def solution_of(

@@ -202,7 +202,7 @@ def parted_s(a: History, b: History, tolerance_rad: float) -> float | None:
 
 def horizon_of(engine: Engine, scene: Scene, settings: Settings, **keywords: Any) -> HorizonRecord:
     """The horizon of an engine with its settings (see `horizon`)."""
-    options = RunOptions(history=True)
+    options = RunOptions(history=True, stated=False)
     return horizon(scene, lambda each: engine.simulate(each, settings, options), **keywords)
 
 
