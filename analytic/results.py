@@ -124,7 +124,7 @@ class Solution:
     @property
     def impact_times_s(self) -> Floats:
         """Times of the impacts, s."""
-        return self.event_rows["time_s"][self.event_rows["kind"] == KINDS.index(EventKind.IMPACT)]
+        return np.asarray(self.event_rows["time_s"][self.event_rows["kind"] == KINDS.index(EventKind.IMPACT)])
 
     @property
     def uplift_times_s(self) -> Floats:
@@ -133,7 +133,7 @@ class Solution:
         rocks = rows["pivot"] >= 0
         # A start at an angle is no uplift.
         rested = np.concatenate([rows["theta_rad"][:1] == 0.0, ~rocks[:-1]])
-        return rows["time_s"][rocks & rested]
+        return np.asarray(rows["time_s"][rocks & rested])
 
     @property
     def patterns(self) -> tuple[Interval, ...]:

@@ -30,6 +30,15 @@ HELD: Final = frozenset(("nothing_moves", "confirmed", "outcome_confirmed"))
 """Classes in which the model's outcome is confirmed."""
 Basis = Literal["rest", "runs", "between", "checked"]
 
+
+@dataclass(frozen=True)
+class Rotation:
+    """One model's rotation at a point, rad, from 0 to `end_s`: whole, or the least and largest of equal stretches of time."""
+
+    end_s: float
+    theta_rad: Sequence[float]
+
+
 # `class` is no name of an attribute: so a cell is a typed table.
 TrustCell = TypedDict(
     "TrustCell",
@@ -50,6 +59,7 @@ TrustCell = TypedDict(
         "amplitude_over_g_tan_alpha": float,
         "frequency_over_p": float | None,
         "set": Sequence[str],
+        "paths": Mapping[str, Rotation],
     },
 )
 """One point: its class; `basis` is what that rests on: limits of rest, runs of engines, such runs at the points around, which

@@ -21,6 +21,12 @@ CHOSEN: Final = {"name": "chosen", "select": {"type": "point", "fields": ["name"
 """Which names are chosen in the legend; the others stand back."""
 
 
+def choice(name: str, words: str, known: Sequence[Any], value: Any = None) -> Json:
+    """What a page's reader chooses of the known values; default: the first."""
+    shown = {"input": "select", "options": list(known), "name": f"{words} "}
+    return {"name": name, "value": known[0] if value is None else value, "bind": shown}
+
+
 DASHED: Final = Look(MUTED, "6 4", 1.0)
 """A line of reference."""
 

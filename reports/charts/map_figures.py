@@ -18,8 +18,23 @@ from harness.records.stress import Cell
 from harness.records.study import CaseRun
 from harness.records.trust import CLASSES, TrustCell, TrustMap
 from reports.charts import Json
-from reports.charts.figure import CELL, axis, cell_edges, cells, chosen, figure, kinds, marks, named, names
-from reports.charts.palette import INK, Look, model_looks
+from reports.charts.figure import (
+    CELL,
+    ZOOMED,
+    across,
+    axis,
+    cell_edges,
+    cells,
+    choice,
+    chosen,
+    figure,
+    kinds,
+    marks,
+    named,
+    names,
+    upwards,
+)
+from reports.charts.palette import INK, Look, look, model_looks
 from reports.messages import ENGLISH, Language
 from reports.text.study_rows import Condition, family, symbol
 
@@ -256,6 +271,8 @@ def _axis_kind(values: Sequence[float]) -> str:
 # The maps that one page each shows: of trust, of stability, of blocks.
 
 
+POINT: Final = "point"
+"""The chart in which a point of a map that is clicked opens, and what it is chosen by."""
 CLASS_COLOURS: Final = dict(
     zip(CLASSES, ("#e3e6ea", "#0072b2", "#9ccbe8", "#e69f00", "#aa4499", "#f0e442", "#8c1d2f", "#000000"), strict=True)
 )
@@ -303,9 +320,12 @@ def trust_map(record: TrustMap, floor: TrustMap | None = None, command: str = ""
     over = {"border": (edges, first), "contours": (contours, second)}
     spec = map_of(classes, along, strengths, titles, tips, kinds(colours), 460, over)
     if command:
-        spec["datasets"]["tips"][0]["more"] = [
-            shlex.join([*shlex.split(command), *sets(cell)]) for row in rows for cell in row
-        ]
+        points = [cell for row in rows for cell in row]
+        spec["datasets"]["tips"][0] |= {
+            "more": [shlex.join([*shlex.split(command), *sets(cell)]) for cell in points],
+            "point": [place(record, cell, say) for cell in points],
+        }
+        spec["usermeta"] = {**spec.get("usermeta", {}), "opens": POINT}
     if own:
         spec["encoding"]["x"]["axis"] = {
             "values": [0.0],
@@ -320,6 +340,39 @@ def _falls(record: TrustMap) -> NDArray[np.bool_]:
     count = len(dict.fromkeys(cell["amplitude_g"] for cell in record.cells))
     fell = [cell["outcomes"].get(MODEL) == "overturned" for cell in record.cells]
     return np.array(fell).reshape(-1, count).T
+
+
+def place(record: TrustMap, cell: TrustCell, say: Language) -> str:
+    """What names a point among those of all maps."""
+    frequency = [f"{say.digits(cell['frequency_hz'])} Hz"] if cell["frequency_hz"] else []
+    return ", ".join([f"{say.digits(cell['amplitude_g'])} g", *frequency, say(f"chart.on_{record.stands_on}")])
+
+
+def point_figure(maps: Sequence[TrustMap], say: Language = ENGLISH) -> Json | None:
+    """What each model says of one point of the maps, which the reader chooses: rotation over time. None where nothing moved."""
+    runs = [
+        {
+            "point": place(each, cell, say),
+            "name": name,
+            "t": np.linspace(0.0, run.end_s, len(run.theta_rad)),
+            "theta": theta,
+        }
+        for each in maps
+        for cell in each.cells
+        for name, run in cell["paths"].items()
+        if np.any(theta := np.array(run.theta_rad))
+    ]
+    if not runs:
+        return None
+    known, models = ([*dict.fromkeys(str(run[key]) for run in runs)] for key in ("point", "name"))
+    # The strongest shaking of the first map stands there until another point is chosen.
+    first = [each for each in known if each.endswith(say(f"chart.on_{maps[0].stands_on}"))][-1:]
+    lines = {"x": across("t", say("chart.time")), "y": upwards("theta", say("chart.theta"))}
+    return {
+        "datasets": {"runs": runs}, "data": {"name": "runs"}, "height": 200,
+        "params": [*ZOOMED, choice(POINT, say("chart.point"), known, *first)],
+        **marks("line", "", lines | named({name: look(name, models) for name in models}, chosen=False)),
+    }  # fmt: skip
 
 
 def sets(cell: TrustCell) -> list[str]:

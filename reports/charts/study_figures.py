@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from reports.charts.figure import (
     across,
     axis,
     band,
+    choice,
     chosen,
     columns_of,
     estimates,
@@ -225,8 +226,8 @@ def panels_figure(
     shown = {"domain": [-SHOWN_RAD, SHOWN_RAD]}
     order = [place(panel) for panel in sorted(panels, key=lambda each: (each.frequency_hz, each.amplitude_g))]
     params = [
-        _choice("model", say("chart.model"), models, model),
-        _choice("r", say("chart.restitution"), sorted({panel.restitution for panel in panels}), restitution),
+        choice("model", say("chart.model"), models, model),
+        choice("r", say("chart.restitution"), sorted({panel.restitution for panel in panels}), restitution),
     ]
     lines = marks(
         "line",
@@ -240,12 +241,6 @@ def panels_figure(
         "facet": {"field": "place", "sort": list(dict.fromkeys(order)), "header": {"title": None}},
         "spec": lines | {"height": 120}, "spacing": {"row": 14, "column": BETWEEN},
     }  # fmt: skip
-
-
-def _choice(name: str, words: str, known: Sequence[Any], value: Any) -> Json:
-    """What a page's reader chooses of the known values; default: the first."""
-    shown = {"input": "select", "options": list(known), "name": f"{words} "}
-    return {"name": name, "value": known[0] if value is None else value, "bind": shown}
 
 
 def place(panel: Panel) -> str:

@@ -9,8 +9,8 @@ from typing import Final
 from harness.questions.trust.point import MODEL
 from harness.questions.trust.trust_run import CELLS_NAME
 from harness.records.trust import CLASSES, HELD, TrustRecord
-from reports.blocks import Block, Chart, Facts, Group, Text, facts, repeat, section, verdict, words
-from reports.charts.map_figures import sets, trust_map
+from reports.blocks import Block, Chart, Facts, Group, Text, facts, grid, repeat, section, verdict, words
+from reports.charts.map_figures import POINT, point_figure, sets, trust_map
 from reports.messages import Language
 
 BASES: Final = ("rest", "runs", "between", "checked")
@@ -35,13 +35,16 @@ def blocks(_folder: Path, record: TrustRecord, say: Language) -> list[Block]:
     keys = [word for each in record.overrides for word in ("--set", each)]
     command = shlex.join(["rockcheck", "run", record.scene.file or "SCENE", *asked, *keys])
     *_, floor = record.maps
+    run = point_figure(record.maps, say)
     return [
         verdict(record, tone),
         *section(
-            say, "map", Group("grid", [
+            say, "map",
+            grid(
                 Chart(each.stands_on, say(f"text.trust_on_{each.stands_on}"), trust_map(each, floor, command, say))
                 for each in record.maps
-            ]),
+            ),
+            Group("", [Chart(POINT, say("text.trust_point"), run, 1060)], say("text.trust_point")) if run else None,
             words(say, "trust_map", motion=say(f"text.motion_{record.motion}"), name=CELLS_NAME),
         ),
         *section(

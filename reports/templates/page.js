@@ -184,10 +184,12 @@ const answering = async (name, spec) => {
     }
     return said;
   };
-  /* Of a point that is clicked, the command that runs it, marked to be copied. */
+  /* Of a point that is clicked, its run in the chart that it opens, and the command for it, marked to be copied. */
   plot.addEventListener("click", (event) => {
     const area = under(event), command = area && nearest(event, area, "more");
     if (!command) return;
+    const opens = spec.usermeta.opens, other = rockcheck.charts[opens], point = nearest(event, area, opens);
+    if (other?.spec.datasets.runs.some((each) => each[opens] === point)) other.zoom({ [opens]: point, X: null, Y: null });
     let shown = box.nextElementSibling;
     if (!shown?.matches("output.command")) { shown = document.createElement("output"); shown.className = "command"; box.after(shown); }
     shown.textContent = command;

@@ -27,7 +27,7 @@ from harness.records.scene import SceneRecord
 from harness.records.scores import Interval, Scores
 from harness.records.sets import FragilityCurve
 from harness.records.stress import Cell, HardRow, Mutated, StressRecord
-from harness.records.trust import CLASSES, CONTOURS, TrustCell, TrustMap, TrustRecord, TrustSummary
+from harness.records.trust import CLASSES, CONTOURS, Rotation, TrustCell, TrustMap, TrustRecord, TrustSummary
 from harness.records.validation import FallScores
 from reports.messages import ENGLISH
 from tests import doubles
@@ -255,6 +255,7 @@ def trust() -> TrustRecord:
             "peak_over_alpha": 0.05 * k, "peaks_apart_rad": 1e-4, "agree_until_s": 3.0, "horizon_s": 4.0,
             "probability": {"analytic": Interval(0.4, 0.3, 0.5, 0.9)} if kind == "probability" else {},
             "amplitude_over_g_tan_alpha": 1.0, "frequency_over_p": 0.5, "set": ["motion.x.amplitude_g=0.1"],
+            "paths": {"analytic": Rotation(4.0, [0.0, 0.01 * k, 0.0]), "pymunk": Rotation(2.0, [0.0, 0.011 * k])},
         })
         for k, kind in enumerate(CLASSES)
     ]  # fmt: skip

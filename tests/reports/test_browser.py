@@ -10,9 +10,10 @@ from typing import Any
 
 import pytest
 
+from reports.messages import ENGLISH
 from reports.pages.page import CONSERVATOR_NAME, write_report
 from tests.budgets_reports import FRAME_MS
-from tests.reports import invented_study
+from tests.reports import invented_records, invented_study
 from tests.reports.invented_run import write_invented
 
 pytestmark = pytest.mark.browser
@@ -45,7 +46,9 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     found = {"run": write_report(write_invented(base / "run", disagree=True, mesh=True))}
     found["table"] = write_report(invented_study.write_table_study(base / "table"))
     found["map"] = write_report(invented_study.write_map_study(base / "map"))
-    return found | {f"plain {name}": path.with_name(CONSERVATOR_NAME) for name, path in found.items()}
+    found["trust"] = write_report(invented_records.write_trust(base / "trust"))
+    plain = {f"plain {name}": found[name].with_name(CONSERVATOR_NAME) for name in ("run", "table", "map")}
+    return found | plain
 
 
 @pytest.fixture(scope="module")
@@ -198,6 +201,21 @@ def test_a_click_sets_the_replay_and_the_pointer_is_told_what_stands_there(visit
     assert [line.split()[0] for line in told[1:]] == ["analytic", "pymunk", "pybullet"]
     page.mouse.click(*place)
     assert page.evaluate("rockcheck.time") == pytest.approx(3.0, abs=10.0 / area["width"])
+
+
+def test_a_point_of_a_trust_map_that_is_clicked_opens_its_run(visit: Callable[[str, str], Visit]) -> None:
+    found = visit("trust", "desk")
+    page = found.page
+    box = page.locator("#chart-floor .live")
+    box.scroll_into_view_if_needed()
+    area, *_ = page.evaluate("rockcheck.charts.floor.plots().map(({x, y, width, height}) => ({x, y, width, height}))")
+    page.mouse.click(area["x"] + 0.75 * area["width"], area["y"] + 0.1 * area["height"])
+    opened = page.evaluate("rockcheck.charts.point.view.signal('point')")
+    assert opened == f"0.338 g, 2.00 Hz, {ENGLISH('chart.on_floor')}"
+    page.wait_for_function(f"rockcheck.charts.point.view.data('runs').every((row) => row.point === '{opened}')")
+    assert page.evaluate("rockcheck.charts.point.view.data('runs').length") == 5
+    assert "motion.x.amplitude_g=0.1" in page.locator("output.command").inner_text()
+    assert not found.said
 
 
 def test_a_chart_that_print_hides_is_left_as_it_is_and_follows_its_width(visit: Callable[[str, str], Visit]) -> None:

@@ -9,9 +9,11 @@ from dataclasses import dataclass, replace
 from itertools import permutations
 from typing import Any, Final
 
+import numpy as np
+
 from harness import engines
 from harness.accuracy.horizon import TOLERANCE_RAD
-from harness.model.history import Outcome
+from harness.model.history import History, Outcome
 from harness.model.run import EngineRunRecord, Run, to_plain
 from harness.model.scene import Scene
 from harness.questions.assess.by_model import assess_models
@@ -26,7 +28,7 @@ from harness.records.assess import Assessment
 from harness.records.base import Plain, plain, same_fields
 from harness.records.run import HorizonRecord, has_answer
 from harness.records.scores import Interval, Scores, Verdict
-from harness.records.trust import TrustClass
+from harness.records.trust import Rotation, TrustClass
 from harness.runs.task import Answer
 
 MODEL: Final = "analytic"
@@ -38,6 +40,8 @@ HALF_WIDTH: Final = 0.1
 """To which an engine's probability is asked."""
 BATCH: Final = 8
 """Runs between two looks at the interval."""
+STRETCHES: Final = 60
+"""Of a history that a map keeps the first of the least and largest rotation of each: what a small picture shows."""
 CHANGED: Final = "outcome_not_predictable"
 
 
@@ -78,13 +82,14 @@ class Said:
 
 @dataclass(frozen=True)
 class Kept:
-    """What is kept of a point: runs without their histories, scores of each pair and horizons. Its class is none of it, and
-    follows anew whenever it is read.
+    """What is kept of a point: runs with their histories thinned (`paths`), scores of each pair and horizons. Its class is none
+    of it, and follows anew whenever it is read.
     """
 
     runs: Mapping[str, EngineRunRecord]
     scores: Mapping[str, Scores]
     horizons: Mapping[str, HorizonRecord]
+    paths: Mapping[str, Rotation]
 
     def said(self, scene: Scene, names: Sequence[str]) -> Said:
         """What those of these models that ran say of the point, whose scene that is."""
@@ -105,8 +110,18 @@ def run_point(question: Question) -> Answer:
     """What a worker does for a point's class; its cost is the processor time, s, that it took."""
     begin = time.process_time()
     result = run_scene(question.scene, question.engines, horizon=len(question.engines) == 1)
-    kept = Kept(result.runs, result.scores, result.horizons)
+    paths = {name: path_of(run.history) for name, run in result.runs.items() if run.history is not None}
+    kept = Kept(result.runs, result.scores, result.horizons, paths)
     return Answer("point", plain(kept), time.process_time() - begin)
+
+
+def path_of(history: History) -> Rotation:
+    """A history as a map keeps it: of each of `STRETCHES` the least and largest rotation in their order, to three digits."""
+    theta = history.theta_rad
+    if theta.size > 2 * STRETCHES:
+        parts = np.array_split(theta, STRETCHES)
+        theta = np.concatenate([part[np.sort([part.argmin(), part.argmax()])] for part in parts])
+    return Rotation(history.duration_s, [float(f"{value:.3g}") for value in theta.tolist()])
 
 
 def assess_point(question: Question) -> Answer:

@@ -25,7 +25,17 @@ from harness.questions.scene.workload import check as check_work
 from harness.questions.study import case_selection as selection
 from harness.questions.study.case_selection import filled, refined
 from harness.questions.trust.plane import Plane, Point, below, to_ask
-from harness.questions.trust.point import DRAWS, MODEL, Kept, Question, Said, assess_point, interval_of, run_point
+from harness.questions.trust.point import (
+    DRAWS,
+    MODEL,
+    STRETCHES,
+    Kept,
+    Question,
+    Said,
+    assess_point,
+    interval_of,
+    run_point,
+)
 from harness.records.base import Plain, part
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.records.scene import SceneRecord
@@ -36,6 +46,7 @@ from harness.records.trust import (
     HELD,
     MOTIONS,
     Basis,
+    Rotation,
     Saved,
     TrustCell,
     TrustClass,
@@ -86,7 +97,7 @@ class Points:
     def _ask(
         self, work: Callable[[Question], Told], plane: Plane, points: Iterable[Point], names: tuple[str, ...]
     ) -> dict[Point, Plain | None]:
-        asked = "trust", work.__name__, names, DRAWS, DEFAULT_ACCURACY_RAD
+        asked = "trust", work.__name__, names, DRAWS, STRETCHES, DEFAULT_ACCURACY_RAD
         group = MODEL if names == (MODEL,) else ""
         scenes = {point: plane.at(point) for point in points}
         tasks = [
@@ -111,6 +122,7 @@ class Map:
     whole: dict[Point, Said] = field(default_factory=dict)
     checks: set[Point] = field(default_factory=set)
     changed: set[Point] = field(default_factory=set)
+    paths: dict[Point, Mapping[str, Rotation]] = field(default_factory=dict)
 
     @property
     def quick(self) -> tuple[str, ...]:
@@ -137,6 +149,8 @@ class Map:
             scene = self.plane.at(point)
             said = {who: _died(who) if each is None else each.said(scene, who) for who in (names, self.quick)}
             self.ran[point] = said[self.quick]
+            if each is not None:
+                self.paths[point] = each.paths
             if names == self.names:
                 self.whole[point] = said[names]
 
@@ -309,7 +323,9 @@ def explored(plane: Plane, names: tuple[str, ...], points: Points, seed: int) ->
     every = plane.points
     alone = points.kept(plane, every, (MODEL,))
     model = {at: _died((MODEL,)) if kept is None else kept.said(plane.at(at), (MODEL,)) for at, kept in alone.items()}
-    found = Map(plane, names, model, {point for point in every if model[point].still and plane.at_rest(point)})
+    rest = {point for point in every if model[point].still and plane.at_rest(point)}
+    paths = {at: kept.paths for at, kept in alone.items() if kept is not None}
+    found = Map(plane, names, model, rest, paths=paths)
     _refine(found, points)
     stream = np.random.default_rng(seed)
     for _ in range(MOST_CHECKS):
@@ -466,7 +482,7 @@ def write_cells(maps: Sequence[TrustMap], path: Path) -> None:
     """A row for each point of each map."""
     cells = [cell for each in maps for cell in each.cells]
     models = [*dict.fromkeys(name for cell in cells for name in cell["outcomes"])]
-    plain = [name for name in cells[0] if name not in ("outcomes", "probability")]
+    plain = [name for name in cells[0] if name not in ("outcomes", "probability", "paths")]
     chances = [*dict.fromkeys(name for cell in cells for name in cell["probability"])]
     ends = [f"probability_{name}{end}" for name in chances for end in ("", "_low", "_high")]
     with path.open("w", newline="", encoding="utf-8") as stream:
@@ -512,6 +528,7 @@ def _cell(found: Map, point: Point, word: tuple[TrustClass, Basis, Said], chance
         "amplitude_over_g_tan_alpha": strength,
         "frequency_over_p": frequency,
         "set": plane.command(point),
+        "paths": found.paths.get(point, {}),
     }
 
 

@@ -6,12 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from harness import Outcome, Run, compare
 from harness.model.finding import caution
+from harness.model.history import History
 from harness.questions.scene.scene_run import Result
-from harness.questions.trust.point import Kept, explained, said
+from harness.questions.trust.point import STRETCHES, Kept, explained, path_of, said
 from harness.records.base import part, plain
 from harness.records.run import HorizonRecord
 from harness.records.scores import Verdict
@@ -113,7 +115,7 @@ def test_the_model_alone_says_alike_what_ends_alike() -> None:
 def test_what_is_kept_of_a_point_says_what_its_runs_said() -> None:
     """Runs, scores and horizons are kept, the class is not: read back it is derived by the rules of today."""
     whole = result(run("analytic", PARTED, reliable_until_s=5.0), run("pymunk"))
-    kept = part(Kept, plain(Kept(whole.runs, whole.scores, whole.horizons)), Path("store"))
+    kept = part(Kept, plain(Kept(whole.runs, whole.scores, whole.horizons, {})), Path("store"))
     assert kept.said(whole.scene, ("analytic", "pymunk")) == said(whole)
     assert kept.said(whole.scene, ("analytic",)).kind == "no_answer"
 
@@ -131,3 +133,16 @@ def test_engines_that_share_a_layer_are_held_by_the_wider_of_their_statements(
     whole = result(*runs)
     judged = {**whole.scores, **explained(whole.runs, whole.scores)}
     assert said(replace(whole, scores=judged)).kind == kind
+
+
+def test_a_thinned_history_keeps_its_extremes_in_their_places() -> None:
+    rocking = doubles.rocking()
+    kept, whole = path_of(rocking), rocking.theta_rad
+    assert kept.end_s == rocking.duration_s
+    assert len(kept.theta_rad) == 2 * STRETCHES < whole.size
+    for extreme in (np.argmax, np.argmin):
+        there, here = int(extreme(whole)), int(extreme(kept.theta_rad))
+        assert kept.theta_rad[here] == pytest.approx(whole[there], rel=5e-3)
+        assert here / (2 * STRETCHES) == pytest.approx(there / whole.size, abs=1.0 / STRETCHES)
+    few = History.from_arrays([0.0, 0.5, 1.0], [0.0, 0.01, 0.0])
+    assert path_of(few).theta_rad == [0.0, 0.01, 0.0]

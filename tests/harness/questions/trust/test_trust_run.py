@@ -7,10 +7,11 @@ import json
 import math
 import tomllib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import tomli_w
 from typer.testing import CliRunner
@@ -27,10 +28,10 @@ from harness.questions.trust.point import Said
 from harness.questions.trust.trust_run import Map, confirmed_up_to_g, crossing, doubtful, engines_of, falls
 from harness.records.kinds import read_result
 from harness.records.scores import Interval
-from harness.records.trust import CLASSES, CONTOURS, TrustRecord
+from harness.records.trust import CLASSES, CONTOURS, Rotation, TrustRecord
 from harness.runs.runner import InlinePool
 from harness.runs.store import STORE_NAME, Store
-from reports.charts.map_figures import trust_map
+from reports.charts.map_figures import point_figure, trust_map
 from reports.cli import app
 from reports.messages import ENGLISH
 from reports.pages.page import write_report
@@ -92,6 +93,11 @@ def test_a_point_says_what_a_run_of_it_says(small: Path, tmp_path: Path) -> None
     cell = record.maps[0].cells[-1]
     result = harness.run_scene(load_scene(small, cell["set"]), ["analytic", "pymunk"])
     assert cell["answer"] == result.answer().code
+    assert {*cell["paths"]} == {"analytic", "pymunk"}
+    for name, path in cell["paths"].items():
+        ran = result.runs[name]
+        assert path.end_s == ran.end_s
+        assert np.abs(path.theta_rad).max() == pytest.approx(np.abs(ran.history.theta_rad).max(), rel=5e-3)
 
 
 @pytest.mark.parametrize(
@@ -145,6 +151,7 @@ class Told:
     """What is kept of a point whose class by each set of models is that."""
 
     kinds: dict[tuple[str, ...], str]
+    paths: dict[str, Rotation] = field(default_factory=dict)
 
     def said(self, scene: Scene, names: tuple[str, ...]) -> Said:
         return word(self.kinds[names])
@@ -311,6 +318,14 @@ def test_a_map_s_picture_has_its_contours_and_where_the_statue_falls_without_the
     (tips,) = drawn["datasets"]["tips"]
     assert tips["more"] == ["rockcheck run a.toml --set motion.x.amplitude_g=0.1"] * len(tips["tip"])
     assert "more" not in trust_map(own)["datasets"]["tips"][0]
+    # A point that is clicked opens its run in the chart of that name.
+    figure = point_figure([own, floor])
+    assert figure is not None
+    runs = {part["point"] for part in figure["datasets"]["runs"]}
+    assert set(tips["point"][1:]) <= runs, "the first does not move"
+    assert drawn["usermeta"]["opens"] == figure["params"][-1]["name"]
+    still = [replace(own, cells=[{**cell, "paths": {"analytic": Rotation(4.0, [0.0, 0.0])}} for cell in own.cells])]
+    assert point_figure(still) is None
 
 
 def test_a_map_of_every_class_fits_the_terminal_and_its_page_names_each(tmp_path: Path) -> None:
