@@ -13,6 +13,7 @@ from harness.questions.study.cases import base_of, expand
 from harness.questions.study.file import load_study
 from harness.records.base import as_file
 from reports.cli import studies
+from reports.messages import ENGLISH
 from reports.pages.conservator_study import blocks
 from reports.pages.page import write_report
 from reports.pages.study_page import study_verdict
@@ -104,7 +105,7 @@ def test_falls_are_counted_in_every_variant_and_colour_the_page(study: tuple[Pat
         expected = f"“{variant}”: it falls in" if len(falls) > 1 else "It falls in"
         assert any(f"{expected} {sum(each)} of {len(each)}" in point for point in said.points)
     assert said.tone != "agree"
-    assert study_verdict(record, *conditions(record.rows)).tone != "agree", "it holds no probability of a fall"
+    assert study_verdict(record, *conditions(record.rows), ENGLISH).tone != "agree", "it holds no probability of a fall"
 
 
 def test_a_shaking_is_called_borne_where_no_model_falls_in_any_variant(study: tuple[Path, Path]) -> None:
