@@ -22,7 +22,7 @@ CERTIFIED_S: Final[Mapping[str, float]] = {"analytic": 6e-5, "spatial": 3e-3}
 """Processor seconds per second of motion of models that certify their own error: an order of magnitude."""
 UNTIMED_S: Final = 5e-5
 """Processor seconds of a contact engine's step where there are too few of them to be timed: 2e-5 to 2e-4."""
-TIMED_STEPS: Final = 30_000
+TIMED_STEPS: Final = 60_000
 """From so many steps on a step is timed in the scene itself, in"""
 TRIAL_STEPS: Final = (100, 300, 1000)
 """runs of so many: the first loads the engine, the others differ by steps alone."""
