@@ -6,8 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from harness.accuracy.forecast import expected_steps, moving_s, step_s
+from harness import engines
+from harness.accuracy.forecast import TRIAL_STEPS, expected_steps, first_settings, moving_s, step_s
 from harness.accuracy.simulation import simulate
+from harness.engines.base import Engine, Settings
+from harness.model.options import RunOptions
+from harness.model.run import Run
 from harness.model.scene import Scene
 from tests.budgets import FORECAST_TIMES
 from tests.measures.seeded_scenes import random_scene, tipping_scene, wide_scene
@@ -50,8 +54,17 @@ def test_what_cannot_move_takes_no_steps_and_what_falls_none_after_it() -> None:
     assert expected_steps("pymunk", falls, dt_s=1e-3).most == pytest.approx(20_000.0)
 
 
-def test_a_step_is_timed_in_its_own_scene() -> None:
-    """A finer target's step has more iterations: what a table of seconds would not know."""
-    scene = paestum(0.2, 3.0, duration_s=6.0)
-    coarse_s, fine_s = (min(step_s("pymunk", scene, target_rad) for _ in range(3)) for target_rad in (None, 1e-6))
-    assert 0.0 < coarse_s < fine_s
+def test_a_step_is_timed_in_its_own_scene(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At the settings of its target: a finer one's step has more iterations, what a table of seconds would not know."""
+    scene, engine, timed = paestum(0.2, 3.0, duration_s=6.0), engines.load("pymunk"), list[Settings]()
+
+    def simulate(self: Engine, given: Scene, settings: Settings, options: RunOptions) -> Run:
+        timed.append(settings)
+        return own(self, given, settings, options)
+
+    own = type(engine).simulate
+    monkeypatch.setattr(type(engine), "simulate", simulate)
+    for target_rad in (None, 1e-6):
+        timed.clear()
+        assert step_s("pymunk", scene, target_rad) > 0.0
+        assert timed == [first_settings("pymunk", scene, target_rad)] * len(TRIAL_STEPS)
