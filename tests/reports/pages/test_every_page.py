@@ -37,8 +37,8 @@ WRITERS: dict[str, Callable[[Path], Path]] = {
 """A folder of every kind of record that has an invented one."""
 
 
-NAMES = ("own impact", "free", "level", "own defaults", "slenderness")
-"""What the records themselves name: a study's variants, a bench's scenes and settings, difficulties."""
+NAMES = ("own impact", "level", "own defaults", "slenderness")
+"""What the records themselves name: a study's variants, a bench's settings, difficulties."""
 
 
 @pytest.fixture(scope="module", params=WRITERS)
@@ -123,7 +123,8 @@ def read_of(chart: Chart) -> list[str]:
 def test_no_chart_of_another_language_has_an_english_word(page: tuple[Path, Record]) -> None:
     english = words_of(ENGLISH.strings.values()) - words_of(language("it").strings.values())
     assert {"rotation", "until", "pedestal", "share"} <= english
-    own = words_of([page[1].title, *NAMES])
+    scenes = [row.scene for row in getattr(page[1], "rows", ()) if hasattr(row, "scene")]
+    own = words_of([page[1].title, *scenes, *NAMES])
     for chart in every(of_language(page, "it"), Chart):
         assert words_of(read_of(chart)) & english <= own, chart.name
 
