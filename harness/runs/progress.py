@@ -112,10 +112,11 @@ def _spinner() -> Progress:
 
 
 @contextmanager
-def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
+def progress(title: str, quiet: bool, size: str = "", *, workers: int = 1, after_s: float = 0.0) -> Iterator[Any]:
     """A bar with the time left on a terminal, lines elsewhere; yields `on_progress(done, all)`; `size` is said first.
 
-    The time left is by the clock, from the rate at which tasks finished lately: it holds whatever else the machine does.
+    The time left is by the clock, from the rate at which tasks finished lately: it holds whatever else the machine does. What
+    `workers` have in hand at the end takes them one after another out of work; `after_s` is what follows the last task.
     """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -161,9 +162,13 @@ def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
             if not samples:
                 return ""
             (begin_s, before), (_, done) = samples[0], samples[-1]
-            return time_left(
-                (time.monotonic() - begin_s) * (wanted - done) / (done - before) if done > before else None
-            )
+            if done == before or done >= wanted:
+                return ""
+            each_s = (time.monotonic() - begin_s) / (done - before)
+            # The last of n tasks of chance lengths that run at once takes 1 + 1/2 + … + 1/n times their mean.
+            last = min(wanted - done, workers)
+            in_hand = workers * sum(1.0 / k for k in range(1, last + 1))
+            return time_left(each_s * (wanted - done - last + in_hand) + after_s)
 
         lines.left = left
         yield on_progress

@@ -91,7 +91,8 @@ def _run(
     start = time.perf_counter()
     size = estimate.check(study, base_of(study, path), pool.workers, str(path), witness=witness, large=large)
     with ExitStack() as stack:
-        on_progress = stack.enter_context(progress(study.title, quiet, size))
+        at_work = progress(study.title, quiet, size, workers=pool.workers, after_s=estimate.RESULT_S)
+        on_progress = stack.enter_context(at_work)
         stack.enter_context(unbegun(folder))
         store = stack.enter_context(Store(folder / STORE_NAME))
         summary = run_study(study, path, store, pool, on_progress, singly=witness)

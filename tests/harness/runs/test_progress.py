@@ -61,6 +61,12 @@ def test_the_time_left_is_that_of_the_clock(
         for done in (20, 30):
             on_progress(done, 50)
     assert capsys.readouterr().err.splitlines()[-1] == "blocks: 30 of 50 runs, about 60 s left"
+    # Two workers have the last two in hand: the later of both takes half as long again, and then the page is written.
+    with progress("last", quiet=False, workers=2, after_s=4.0) as on_progress:
+        on_progress(0, 10)
+        now_s[0] += 80.0
+        on_progress(8, 10)
+    assert capsys.readouterr().err.splitlines()[-1] == "last: 8 of 10 runs, about 34 s left"
     assert [time_left(value) for value in (None, 0.0, 7.0, 5400.0, 2e5)] == [
         "",
         "",
