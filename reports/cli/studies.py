@@ -89,9 +89,11 @@ def _run(
 ) -> StudyRecord:
     """A study of cases: its size is told, or refused, before anything is begun."""
     start = time.perf_counter()
-    size = estimate.check(study, base_of(study, path), pool.workers, str(path), witness=witness, large=large)
+    workers, after_s = pool.workers, estimate.RESULT_S
+    cost = estimate.cost(study, base_of(study, path), workers, witness=witness)
+    size = estimate.check(study, cost.cpu_s, workers, str(path), large=large)
     with ExitStack() as stack:
-        at_work = progress(study.title, quiet, size, workers=pool.workers, after_s=estimate.RESULT_S)
+        at_work = progress(study.title, quiet, size, workers=workers, each_s=cost.each_s / workers, after_s=after_s)
         on_progress = stack.enter_context(at_work)
         stack.enter_context(unbegun(folder))
         store = stack.enter_context(Store(folder / STORE_NAME))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from collections import defaultdict
 from operator import itemgetter
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -39,15 +39,22 @@ MOST_CASES: Final = 2_000_000
 """Larger studies, and longer ones, are run only when that is asked for."""
 
 
-def seconds(study: StudyFile, base: Base, workers: int, *, witness: bool = False) -> float:
-    """Processor seconds that the study is expected to take, nothing of it being stored yet: by drawn cases of each variant.
+class StudyCost(NamedTuple):
+    """Processor seconds that a study is expected to take, and those of a run of a contact engine: 0 where it has none."""
+
+    cpu_s: float
+    each_s: float
+
+
+def cost(study: StudyFile, base: Base, workers: int, *, witness: bool = False) -> StudyCost:
+    """What the study is expected to take, nothing of it being stored yet: by drawn cases of each variant.
 
     What is the same to an engine by its physics counts once.
     """
     rows = study.points * sum(REFERENCE in variant.engines for variant in study.variant)
     if in_columns(study, base) and not witness:
-        return RESULT_S + rows * ROW_S * base.scene({**study.variant[0].set}).duration_s
-    stream, spent = random.Random(study.seed), 0.0
+        return StudyCost(RESULT_S + rows * ROW_S * base.scene({**study.variant[0].set}).duration_s, 0.0)
+    stream, spent, contact = random.Random(study.seed), 0.0, 0.0
     steps: dict[tuple[str, bool], float] = defaultdict(float)
     timed: dict[tuple[str, bool], tuple[float, Scene]] = {}
     for variant in range(len(study.variant)):
@@ -58,6 +65,7 @@ def seconds(study: StudyFile, base: Base, workers: int, *, witness: bool = False
             scene = base.scene(case.setting)
             for name in sorted(set(case.engines) - {REFERENCE}):
                 runs = min(_sent(study), study.points / alike(study, base, case, name)) / len(drawn)
+                contact += runs
                 if name in CERTIFIED_S:
                     spent += runs * run_s(name, scene).middle
                 else:
@@ -69,7 +77,8 @@ def seconds(study: StudyFile, base: Base, workers: int, *, witness: bool = False
                     # The longest: in a fall steps take several times as long.
                     timed[kind] = max(timed.get(kind, (0.0, scene)), (each, scene), key=itemgetter(0))
     spent += sum(count * step_s(kind[0], timed[kind][1], study.asked_rad.get(kind[0])) for kind, count in steps.items())
-    return RESULT_S + START_S * workers + CASE_S * rows + spent * (1.0 + witness * SHARE * (1.0 + BUDGET))
+    spent *= 1.0 + witness * SHARE * (1.0 + BUDGET)
+    return StudyCost(RESULT_S + START_S * workers + CASE_S * rows + spent, spent / contact if contact else 0.0)
 
 
 def alike(study: StudyFile, base: Base, case: Case, name: str) -> float:
@@ -113,12 +122,10 @@ def sentence(study: StudyFile, cpu_s: float, workers: int) -> str:
     return f"{size}: {at_most}about {spent} of processor time, {clock} by the clock on {workers} workers"
 
 
-def check(study: StudyFile, base: Base, workers: int, where: str, *, witness: bool = False, large: bool = False) -> str:
+def check(study: StudyFile, cpu_s: float, workers: int, where: str, *, large: bool = False) -> str:
     """What the study will take, in words. Raises `InputError` for more cases or hours than anyone starts without knowing it."""
-    cases = study.points * len(study.variant)
-    cpu_s = seconds(study, base, workers, witness=witness)
     told = sentence(study, cpu_s, workers)
-    if large or (cases <= MOST_CASES and cpu_s / workers <= LONGEST_S):
+    if large or (study.points * len(study.variant) <= MOST_CASES and cpu_s / workers <= LONGEST_S):
         return told
     wanted = f"at most {MOST_CASES} cases and {duration_words(LONGEST_S)}"
     advice = "a coarser grid, fewer samples, [ask] cases = 'adaptive' or 'boundary' for contact engines, or --large to run it all"

@@ -67,6 +67,14 @@ def test_the_time_left_is_that_of_the_clock(
         now_s[0] += 80.0
         on_progress(8, 10)
     assert capsys.readouterr().err.splitlines()[-1] == "last: 8 of 10 runs, about 34 s left"
+    # A forecast of 30 s a task counts as ten tasks: it is told at once, and two tasks of no time take a sixth from it.
+    with progress("forecast", quiet=False, each_s=30.0) as on_progress:
+        on_progress(0, 20)
+        on_progress(2, 20)
+    assert capsys.readouterr().err.splitlines() == [
+        "forecast: 0 of 20 runs, about 10 min left",
+        "forecast: 2 of 20 runs, about 7.5 min left",
+    ]
     assert [time_left(value) for value in (None, 0.0, 7.0, 5400.0, 2e5)] == [
         "",
         "",

@@ -150,10 +150,12 @@ def test_the_size_is_told_and_what_nobody_can_wait_for_is_refused(tmp_path: Path
     path = written(tmp_path, text)
     study = load_study(path)
     base = base_of(study, path)
-    assert estimate.check(study, base, 2, "study.toml").startswith("60 cases, 120 runs: about ")
+    assert estimate.check(study, estimate.cost(study, base, 2).cpu_s, 2, "study.toml").startswith(
+        "60 cases, 120 runs: about "
+    )
     huge = load_study(written(tmp_path, text.replace("count = 6", "count = 3000").replace("count = 5", "count = 3000")))
     with pytest.raises(InputError, match=r"18000000 cases, 36000000 runs: about .* on 2 workers.*--large"):
-        estimate.check(huge, base, 2, "study.toml")
+        estimate.check(huge, estimate.cost(huge, base, 2).cpu_s, 2, "study.toml")
 
 
 def test_a_map_is_estimated_by_its_boundary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -165,7 +167,7 @@ def test_a_map_is_estimated_by_its_boundary(tmp_path: Path, monkeypatch: pytest.
         load_study(written(tmp_path, text + ask)) for ask in ("", '[ask]\ncases = "adaptive"\naudit = 0.01\n')
     )
     base = base_of(whole, tmp_path / "study.toml")
-    assert estimate.seconds(along, base, 1) < 0.2 * estimate.seconds(whole, base, 1)
+    assert estimate.cost(along, base, 1).cpu_s < 0.2 * estimate.cost(whole, base, 1).cpu_s
 
 
 def test_a_forecast_counts_what_is_the_same_by_its_physics_once(tmp_path: Path) -> None:
