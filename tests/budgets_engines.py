@@ -163,3 +163,5 @@ TOUCH_S: Final = 5e-5
 """When a wall is touched, at 0.5 ms: what slides and turns at 0.5 m/s and more errs by up to SLIP_M."""
 PLAIN_TOUCH_S: Final = 5e-4
 """One step."""
+WALL_S = 2e-3
+"""A touch of the wall against the model's: within steps of 0.5 ms, and what a slip of 10 cm is off by at that step."""

@@ -20,10 +20,8 @@ from harness.statics.rest import first_motion_s
 
 CERTIFIED_S: Final[Mapping[str, float]] = {"analytic": 6e-5, "spatial": 3e-3}
 """Processor seconds per second of motion of models that certify their own error: an order of magnitude."""
-UNTIMED_S: Final = 5e-5
-"""Processor seconds of a contact engine's step where there are too few of them to be timed: 2e-5 to 2e-4."""
 TIMED_STEPS: Final = 60_000
-"""From so many steps on a step is timed in the scene itself, in"""
+"""From so many steps on a step is timed in the scene itself, else as its engine says (`Engine.step_s`), in"""
 TRIAL_STEPS: Final = (100, 300, 1000)
 """runs of so many: the first loads the engine, the others differ by steps alone."""
 CALM_TIMES: Final = (4.2, 20.0)
@@ -37,7 +35,7 @@ LONGER_TIMES: Final = 2.0
 """So many times later than the model's an engine's statue may fall there."""
 REST_S: Final = 3.0
 """A statue that stands has come to rest so long after its last impact and the motion's end."""
-START_S: Final = 0.7
+START_S: Final = 0.9
 """To start a process that has an engine's code: its imports."""
 ASKED_S: Final = 30.0
 """The model is asked of so much of a scene at most: what does not outgrow by then hardly does; and"""
@@ -78,7 +76,7 @@ def run_s(engine: str, scene: Scene, accuracy_rad: float | None = None, dt_s: fl
         return NONE
     steps = expected_steps(engine, scene, accuracy_rad, dt_s)
     if steps.most < TIMED_STEPS:
-        return steps.times(UNTIMED_S)
+        return steps.times(load(engine).step_s(scene))
     return steps.times(step_s(engine, scene, accuracy_rad, dt_s))
 
 
@@ -142,7 +140,7 @@ def step_s(name: str, scene: Scene, accuracy_rad: float | None = None, dt_s: flo
         try:
             steps = engine.simulate(short, settings, RunOptions()).steps
         except EngineFailure:  # its run will say why
-            return UNTIMED_S
+            return engine.step_s(scene)
         spent.append((steps, time.thread_time() - begin))
     (few, few_s), (many, many_s) = spent[-2:]
-    return (many_s - few_s) / (many - few) if many > few and many_s > few_s else UNTIMED_S
+    return (many_s - few_s) / (many - few) if many > few and many_s > few_s else engine.step_s(scene)

@@ -200,6 +200,10 @@ NEAR_TIE: Final = 1e-3
 """An energy that decides the outcome is a near tie within this share of the barrier's."""
 
 
+SAME_END: Final = 1e-6
+"""Runs that end at one event end at times that differ by their errors: no part of a history lies between them."""
+
+
 def findings_of(certified: Certified) -> tuple[Finding, ...]:
     """What is to be known of a run and its own numerical error."""
     run, until_s = certified.solution, certified.reliable_until_s
@@ -209,7 +213,7 @@ def findings_of(certified: Certified) -> tuple[Finding, ...]:
         found.append(changes_answer("outcome_changes_with_steps", outcomes=[each.value for each in certified.outcomes]))
     if until_s < run.end_s and run.t_s.size == 0 and until_s <= 0.0:
         found.append(caution("peak_not_bounded", uncertainty_rad=certified.uncertainty_rad))
-    elif until_s < run.end_s:
+    elif until_s < run.end_s * (1.0 - SAME_END):
         found.append(_from(run, until_s, caution("error_not_bounded", until_s=until_s, end_s=run.end_s)))
     if doubts.gave_up:
         found.append(changes_answer("run_given_up", at_s=run.end_s, steps=run.work.steps))

@@ -152,6 +152,10 @@ class Engine(ABC):
         """Processor time of a step of an unmodified engine over that of the same engine with events located, at most."""
         return 1.0
 
+    def step_s(self, scene: Scene) -> float:
+        """Processor seconds of a step, to an order of magnitude: what a forecast takes where there are too few to be timed."""
+        return 5e-5
+
     def awaited(self) -> str:
         """What a run in a process of its own, from which nothing is heard, is at."""
         return "still"

@@ -22,7 +22,8 @@ class Assessment:
     in `low` and as falling in `high`: it came to no end, failed, or left what the model knows and was not sampled.
 
     `left_domain` is the share of draws in which the model left its domain (the pedestal tips, contact is lost, the statue slips
-    on its support) before a fall was decided; `sampled` runs of the engine `sampler` answer for them. `plane_only`: the scene is
+    on its support) before a fall was decided; `sampled` runs of the engine `sampler` answer for them. `touches_wall` is the share
+    of draws that ended at the wall: they are undecided. `plane_only`: the scene is
     shaken across the rocking plane too, of which this model knows nothing.
     """
 
@@ -37,6 +38,7 @@ class Assessment:
     left_domain: float = 0.0
     sampler: str = ""
     sampled: int = 0
+    touches_wall: float = 0.0
 
     @property
     def tells(self) -> bool:

@@ -71,7 +71,7 @@ def invented(random: np.random.Generator) -> Population:
         overturned,
         np.array([0.2, 0.9, 17.0])[stratum],
         np.zeros(SIZE),
-        np.zeros(SIZE, dtype=bool),
+        *np.zeros((2, SIZE), dtype=bool),
     )
     return Population(model, random.random(SIZE) < np.array(shares)[stratum])
 

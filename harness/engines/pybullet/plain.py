@@ -26,7 +26,7 @@ from harness.engines.stepping.plain_steps import plain_steps, refuse_steering
 from harness.engines.stepping.reduce import Report, reduce_trajectory
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
-from harness.engines.stepping.watch import LOOK_STEPS, Watch
+from harness.engines.stepping.watch import LOOK_STEPS, WallWatch, Watch
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
@@ -128,7 +128,8 @@ def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, options: Ru
     from harness.engines.pybullet.edge import EdgeWatch
     from harness.engines.pybullet.full import full_shape
 
-    watch = Watch(setup.axis, stop=options.stop, ends_fallen=options.allows("stop_at_overturn"))
+    wall = WallWatch.of(scene, setup.axes, settings.dt_s)
+    watch = Watch(setup.axis, stop=options.stop, ends_fallen=options.allows("stop_at_overturn"), wall=wall)
     p = scene.pedestal
     if p is None:
         return _stepped(scene, settings, setup, None, watch), None

@@ -24,7 +24,7 @@ from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import StepState
 from harness.engines.stepping.stepper import Stepper
-from harness.engines.stepping.watch import RestSpells, Watch
+from harness.engines.stepping.watch import RestSpells, WallWatch, Watch
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from harness.statics.rest import LimitsOfRest, first_motion_s
@@ -159,6 +159,7 @@ def _watch(scene: Scene, level: BulletSettings, setup: Setup, options: RunOption
         stop=options.stop,
         gaps=gaps_of(scene, setup, level, edges=crossing is not None) if level.events else None,
         edges=None if crossing is None else edges,
+        wall=WallWatch.of(scene, setup.axes, level.dt_s),
         spells=None if limits is None else RestSpells(limits, setup.axes, axis, rest),
     )
 

@@ -32,7 +32,7 @@ from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import StepState
 from harness.engines.stepping.stepper import Stepper
 from harness.engines.stepping.support import flat_base
-from harness.engines.stepping.watch import STILL_M_S, Watch
+from harness.engines.stepping.watch import STILL_M_S, WallWatch, Watch
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
@@ -128,6 +128,10 @@ class Munk2D(Engine):
             ),
         )
 
+    def step_s(self, scene: Scene) -> float:
+        """Measured on the shipped scenes, with and without a pedestal."""
+        return 3e-5
+
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it."""
         from harness.engines.stepping.columns import trajectory
@@ -192,6 +196,7 @@ def _integrated(scene: Scene, own: MunkSettings, options: RunOptions) -> tuple[S
         stop=options.stop,
         gaps=gaps,
         ends_fallen=options.allows("stop_at_overturn"),
+        wall=WallWatch.of(scene, None, own.dt_s),
     )
     return integrate(scene, schedule, watch, state), first
 

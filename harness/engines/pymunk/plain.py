@@ -21,7 +21,7 @@ from harness.engines.stepping.plain_steps import plain_steps, refuse_steering
 from harness.engines.stepping.reduce import Report, reduce_trajectory
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
-from harness.engines.stepping.watch import Watch
+from harness.engines.stepping.watch import WallWatch, Watch
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
@@ -122,6 +122,8 @@ def _integrate(scene: Scene, settings: MunkSettings, options: RunOptions) -> Ste
     from harness.engines.pymunk.backend import ChipmunkBackend
 
     schedule = Schedule(scene, settings.dt_s, 0, step_count(scene.duration_s, settings.dt_s))
-    watch = Watch(stop=options.stop, ends_fallen=options.allows("stop_at_overturn"))
+    watch = Watch(
+        stop=options.stop, ends_fallen=options.allows("stop_at_overturn"), wall=WallWatch.of(scene, None, settings.dt_s)
+    )
     # Without a support the backend holds nothing: it is Chipmunk's own step, read.
     return plain_steps(ChipmunkBackend(world.build(scene, settings), settings), schedule, watch)

@@ -14,7 +14,7 @@ from harness.engines.stepping.schedule import SAME_INSTANT, Schedule
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import ContactTime, HalfCycle, StepState
 from harness.engines.stepping.stepper import Stepper
-from harness.engines.stepping.watch import LOOK_STEPS, STILL_M_S, Watch
+from harness.engines.stepping.watch import LOOK_STEPS, STILL_M_S, WALL_STEPS, Watch
 from harness.model.scene import Scene
 
 # When a foot comes down that gathers speed: velocities are older than places, and a short half-cycle's change
@@ -246,7 +246,7 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) 
     pull = greatest_pull_m_s2(scene)
     kinetic = scene.contact.floor_kinetic * scene.gravity_m_s2
     still, record, falls = Still(watch), state.record, watch.ends_fallen and scene.initial.pose is None
-    look, leave_look, beside = state.number, state.number, False
+    look, leave_look, wall_look, beside = state.number, state.number, state.number, False
     while state.number < schedule.count:
         row, jump_s = state.row, schedule.jump_after_s(state.kick_s)
         zx, zy, zz = axis_of(row, watch.axis)
@@ -261,6 +261,10 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) 
             if watch.stop is not None and state.number >= look:
                 look = state.number + LOOK_STEPS
                 if watch.stop(state.t_s, math.atan2(zx, zz)):
+                    break
+            if watch.wall is not None and state.number >= wall_look:
+                wall_look = state.number + WALL_STEPS
+                if watch.wall.ends(record):
                     break
             if still.lasts(state.number, row, zx, zy):
                 record.rested = True

@@ -11,7 +11,7 @@ from harness.engines.stepping.friction import floor_friction, followed
 from harness.engines.stepping.rows import Row, axis_of, base_velocity
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
-from harness.engines.stepping.watch import LOOK_STEPS, Watch
+from harness.engines.stepping.watch import LOOK_STEPS, WALL_STEPS, Watch
 from harness.model.scene import Scene
 
 # What a contact engine could compute only by writing to its bodies: unmodified engines refuse it.
@@ -50,6 +50,8 @@ def plain_steps(backend: Backend, schedule: Schedule, watch: Watch) -> StepLog:
                 backend.set_floor_friction(wanted)
                 acting = wanted
         if number % LOOK_STEPS == 0 and _ended(schedule.scene, watch, number * step_s, row):
+            break
+        if watch.wall is not None and number % WALL_STEPS == 0 and watch.wall.ends(record):
             break
     return record
 

@@ -242,7 +242,8 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
     motion = trajectory.until(until_s)
     theta, rate = motion.theta_rad, motion.theta_rate_rad_s
     cycles = rocking(motion.t_s, theta, rate, report.resolution_rad)
-    wall_s = support.wall_touch_s(scene, motion)
+    touch = support.wall_touch(scene, motion)
+    wall_s = None if touch is None else touch[1]
     inside = motion.t_s <= end_s
     peak = int(np.abs(np.where(inside, theta, 0.0)).argmax())
     derived = _derive(scene, motion)
@@ -251,6 +252,11 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
         check_friction(scene, used, report.interventions if report.repeats else None)
     fallen = fall(scene, motion, overturn_s)
     outcome, ahead_rad = _outcome(scene, motion, fallen, wall_s, derived, report.stuck_below_m_s)
+    if touch is not None and outcome is Outcome.TOUCHES_WALL and scene.initial.pose is None:
+        count = touch[0] + 1
+        if 1 < count < motion.t_s.size:
+            # The run ends there, as the model's does.
+            return reduce_trajectory(scene, trajectory.until(count), replace(report, rested=False))
     if not outcome.overturned and overturn_s is None:
         fallen = None
     peak_rad, peak_s = float(abs(theta[peak])), float(motion.t_s[peak])

@@ -138,6 +138,10 @@ class StepLog:
         self.kick_s.append(kick_s)
         self.flat.frombytes(self.pack(*row))
 
+    def tail(self, first: int) -> StepLog:
+        """The samples from number `first` on."""
+        return StepLog(self.width, self.t_s[first:], self.kick_s[first:], self.flat[first * self.width :])
+
     def whole_steps(self, first: int, count: int, step_s: float) -> None:
         """The times of so many whole steps from number `first` on, whose rows stand here already."""
         numbers = range(first, first + count)

@@ -156,8 +156,9 @@ def flat_base(scene: Scene) -> bool:
     return bool(np.all(apart.min(axis=0) <= FLAT_M) and np.min(statue.section_m[:, 1]) >= -FLAT_M)
 
 
-def wall_touch_s(scene: Scene, trajectory: Trajectory) -> float | None:
-    """When the statue's silhouette or the pedestal's side reaches the wall; None if neither does or there is no wall.
+def wall_touch(scene: Scene, trajectory: Trajectory) -> tuple[int, float] | None:
+    """The sample at which the statue's silhouette or the pedestal's side has reached the wall, and when it did; None if neither
+    does or there is no wall.
 
     The time is that at which what is left at the sample before would close at the speed with which it came: an engine's own wall
     stops a body inside the step in which it arrives.
@@ -181,6 +182,6 @@ def wall_touch_s(scene: Scene, trajectory: Trajectory) -> float | None:
         return None
     t_s, k = trajectory.t_s, int(touching[0])
     if k < 2:
-        return float(t_s[k])
+        return k, float(t_s[k])
     speed = (gap[k - 2] - gap[k - 1]) / (t_s[k - 1] - t_s[k - 2])
-    return float(min(t_s[k - 1] + gap[k - 1] / speed, t_s[k]) if speed > 0.0 else t_s[k])
+    return k, float(min(t_s[k - 1] + gap[k - 1] / speed, t_s[k]) if speed > 0.0 else t_s[k])

@@ -8,15 +8,22 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
+from harness.engines.stepping.columns import trajectory
 from harness.engines.stepping.frame import matrices
 from harness.engines.stepping.rows import Row, Vector, axis_of
+from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import StepState
+from harness.engines.stepping.support import wall_touch
+from harness.model.scene import Scene
 from harness.statics.rest import LimitsOfRest
 
 if TYPE_CHECKING:
     from harness.engines.stepping.contact_gaps import ContactGaps
 
+
+Array = NDArray[np.float64]
 
 # Spells of rest inside a run: while the statue rests on its base and the motion cannot move it, nothing is
 # integrated.
@@ -38,7 +45,7 @@ class RestSpells:
     """
 
     limits: LimitsOfRest
-    axes: np.ndarray[tuple[int, int], np.dtype[np.float64]]
+    axes: Array
     axis: Vector
     rest: Vector
     still_at: int = -1
@@ -66,6 +73,38 @@ class RestSpells:
         return steps if steps >= LEAST_STEPS else 0
 
 
+WALL_STEPS: Final = 256
+"""Steps between two looks whether a wall was reached: a look costs what ten steps do."""
+ACROSS: Final = 0.5
+"""Share of the balance angle across the plane within which the statue is not on its way to a fall there, which would come
+first."""
+
+
+@dataclass(eq=False)
+class WallWatch:
+    """Whether the run has come to its end at a wall; `axes` and `step_s` as `columns.trajectory` takes them."""
+
+    scene: Scene
+    axes: Array | None
+    step_s: float
+    seen: int = 0
+    touched: bool = False
+
+    @classmethod
+    def of(cls, scene: Scene, axes: Array | None, step_s: float) -> WallWatch | None:
+        """None without a wall, and for a thrown body, which goes on after it."""
+        return None if scene.wall is None or scene.initial.pose is not None else cls(scene, axes, step_s)
+
+    def ends(self, record: StepLog) -> bool:
+        """Whether something touched the wall since the last look or before, and the statue does not fall across the plane."""
+        path = trajectory(self.scene, record.tail(max(self.seen - 2, 0)), self.axes, self.step_s)
+        self.seen = len(record.t_s)
+        self.touched = self.touched or wall_touch(self.scene, path) is not None
+        across, statue = path.extra.get("out_of_plane_rad"), self.scene.statue
+        most_rad = ACROSS * math.atan2(0.5 * statue.depth_m, statue.centroid_height_m)
+        return self.touched and (across is None or abs(float(across[-1])) < most_rad)
+
+
 UPRIGHT: Final[Vector] = (0.0, 0.0, 1.0)
 LOOK_STEPS: Final = 64
 """Steps between two questions whether the run may end: a statue that has fallen stays down."""
@@ -77,8 +116,9 @@ class Watch:
 
     `impose` says that impacts are the model's. `quiet_from` is the number of the step from which the table is still (None: the
     run is not ended at rest). `leave` is asked now and then whether the statue may touch what this world leaves out, `stop`, with
-    time and rotation, whether the run may end. `gaps` finds impacts; None leaves them to whole steps, as they are while `edges`
-    says that the pedestal's edges may be met. `spells` finds times of rest; `ends_fallen` ends a run whose statue has overturned.
+    time and rotation, whether the run may end, `wall` whether one was reached. `gaps` finds impacts; None leaves them to whole
+    steps, as they are while `edges` says that the pedestal's edges may be met. `spells` finds times of rest; `ends_fallen` ends a
+    run whose statue has overturned.
     """
 
     axis: Vector = UPRIGHT
@@ -90,5 +130,6 @@ class Watch:
     gaps: ContactGaps | None = None
     spells: RestSpells | None = None
     edges: Callable[[Row], bool] | None = None
+    wall: WallWatch | None = None
     # Engines that do not say otherwise end there: what has fallen does not stand up again.
     ends_fallen: bool = True

@@ -20,7 +20,7 @@ from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain
 from harness.model.shown import Shown, new_axes
 from harness.questions.assess.answer import answer_of, findings_of
-from harness.questions.assess.by_model import MODEL, RUN_DRAWS, SAMPLER, probability_of, sampled
+from harness.questions.assess.by_model import MODEL, RUN_DRAWS, SAMPLE_S, SAMPLER, probability_of, sampled
 from harness.questions.assess.clearance import of_engine, of_model
 from harness.questions.assess.compared import Answered, compare
 from harness.questions.assess.engine_runs import EngineRuns
@@ -60,6 +60,8 @@ MOST_RUNS: Final = 400
 SPACE_DIMENSIONS: Final = 3
 SPACE_STEPS: Final = 1_000_000
 """Steps that the exact body may take in all, where it is asked beside the others: three times those beside a single run."""
+OPTIONS: Final = 10
+"""Options of which draws outside the model's domain may be answered by the engine, in a forecast: as many as are shipped."""
 ALL_TIMES: Final = 4.2
 """What the models take for all that is asked of them over what the draws take: clearance, options, fragility, indices."""
 RESULT_S: Final = 3.0
@@ -197,7 +199,9 @@ def _forecast(
     ).engine_runs
     runs = Range(agreed, min(3 * agreed, most_runs))
     each_s = sum(step_s(name, scene) * moving_s(scene)[0] / first_settings(name, scene).dt_s for name in names)
-    spent = Range(models_s, models_s).and_also(runs.times(each_s), RESULT_S, START_S * workers * bool(names))
+    spent = Range(models_s, models_s).and_also(
+        runs.times(each_s), RESULT_S, START_S * workers * bool(names), Range(0.0, SAMPLE_S * OPTIONS)
+    )
     clock = forecast_words(*spent.times(1.0 / workers))
     return f"this takes {forecast_words(*spent)} of processor time, {clock} by the clock on {workers} cores"
 

@@ -150,4 +150,5 @@ def probability_of(
         left_domain=float(model.left.mean()),
         sampler=engine if runs else "",
         sampled=runs,
+        touches_wall=float(model.wall.mean()),
     )

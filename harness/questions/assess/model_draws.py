@@ -46,7 +46,8 @@ class ModelDraws(NamedTuple):
     """What the model says of each draw, shape (n,): whether it decides, whether the statue overturns, peak |θ| over α, peak slip.
 
     A draw that is not decided (still beyond α at the end, or `left`) did not overturn in the time computed. `left`: the model
-    left its domain before a fall was decided (the pedestal tips, contact is lost, the statue slips on its support).
+    left its domain before a fall was decided (the pedestal tips, contact is lost, the statue slips on its support). `wall`: the
+    run ended at the wall, whose impact the model does not know.
     """
 
     decided: Flags
@@ -54,6 +55,7 @@ class ModelDraws(NamedTuple):
     peak_share: Array
     peak_slip_m: Array
     left: Flags
+    wall: Flags
 
     @property
     def probability(self) -> float:
@@ -121,9 +123,9 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
     height = sweep.get("centroid_height_m", scene.statue.centroid_height_m)
     to_left = sweep.get("corner_left_m", scene.statue.corner_left_m)
     alpha = np.arctan(np.minimum(to_left, sweep.get("corner_right_m", scene.statue.corner_right_m)) / height)
-    answers = ModelDraws(
-        np.asarray(stands | over, dtype=bool), np.asarray(over), swept.peak_theta_rad / alpha, swept.peak_slip_m, left
-    )
+    wall = ~left & (swept.outcomes == Outcome.TOUCHES_WALL)
+    decided = np.asarray(stands | over, dtype=bool)
+    answers = ModelDraws(decided, np.asarray(over), swept.peak_theta_rad / alpha, swept.peak_slip_m, left, wall)
     return repeated(answers, len(next(iter(draws.values()), (0,))))
 
 

@@ -60,7 +60,9 @@ def compare_in_space(
 
 def _answered(ends: Ends) -> Answered:
     fell, unknown = ends == "overturned", np.full(ends.size, np.nan)
-    return Answered(ModelDraws(fell | (ends == "stands"), fell, unknown, unknown, np.zeros(ends.size, dtype=bool)))
+    return Answered(
+        ModelDraws(fell | (ends == "stands"), fell, unknown, unknown, *np.zeros((2, ends.size), dtype=bool))
+    )
 
 
 def fragility_in_space(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> FragilityRecord | None:

@@ -10,14 +10,18 @@ from typing import Final
 from harness.accuracy.forecast import CERTIFIED_S, START_S, Range, first_settings, moving_s, run_s
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
+from harness.questions.scene.left_out import TAKEN_AWAY
 from harness.questions.scene.witness import BUDGET, plain_names
 from harness.records.run import PLAIN
 from harness.runs.progress import duration_words, forecast_words
 
 HORIZON_RUNS: Final = 17
 """Runs by which a model's horizon is found: of four sizes four perturbations each."""
-RESULT_S: Final = 1.5
+RESULT_S: Final = 2.2
 """To score the pairs, to write the result and its pages."""
+CAUSE_SHARE: Final = 0.3
+"""Of a climb in space its last run once more, up to where it is known: so much for each thing that the plane leaves out, where
+a difference is found."""
 LONGEST_S: Final = 24 * 3600.0
 """Longer work is refused, or begun only when that is asked for."""
 REPORTED_FROM_S: Final = 20.0
@@ -49,8 +53,8 @@ def check(
 ) -> str:
     """What a run with engines (their dimensions by name) will take, in words; empty where that is not worth a word.
 
-    `spent_s` of processor time are spent already. Counted are also the probability, the witness and the horizons that are asked;
-    a finer run is not, for few scenes need one.
+    `spent_s` of processor time are spent already. Counted are also the probability, the witness and the horizons that are asked,
+    and the runs that find what the plane leaves out; a finer run is not, for few scenes need one.
     Raises `InputError` naming the key of what would take more than a day, or more memory than there is (`memory_bytes`, by
     default this machine's).
     """
@@ -77,12 +81,20 @@ def check(
         if horizon and name not in CERTIFIED_S
     ]
     asked += [HORIZON_RUNS * runs[name].least for name in engines if name in CERTIFIED_S and len(engines) > 1]
+    causes = sum(take(scene) is not None for take in TAKEN_AWAY.values()) if 2 in engines.values() else 0
+    known = [
+        Range(0.0, CAUSE_SHARE * causes * runs[name].most)
+        for name, dimensions in engines.items()
+        if dimensions == 3 and name not in CERTIFIED_S
+    ]
     if assess:
         from harness.questions.assess.by_model import assessed_s  # else not loaded
 
         asked.append(assessed_s(scene))
     written = Range(*moving_s(scene)).times(NUMBER_S * wanted / scene.duration_s)
-    own = written.and_also(spent_s, RESULT_S, *asked, *(each for name, each in runs.items() if name not in beside))
+    own = written.and_also(
+        spent_s, RESULT_S, *asked, *known, *(each for name, each in runs.items() if name not in beside)
+    )
     total = own.and_also(*apart)
     if total.middle > LONGEST_S:
         key = "duration_s" if dt_s is None else "--dt"

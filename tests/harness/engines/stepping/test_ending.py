@@ -57,6 +57,21 @@ def test_a_run_ends_by_the_models_rule(name: str, end: str) -> None:
         assert found.peak_theta_rad == pytest.approx(model.peak_theta_rad, abs=budget.LAST_STATE_RAD)
 
 
+@pytest.mark.parametrize("name", ["pymunk", "pybullet", "pymunk:plain", "pybullet:plain"])
+def test_a_run_ends_at_the_wall(name: str) -> None:
+    """What follows the touch is the wall's impact, which no model here knows: it is neither computed nor told."""
+    for on in (
+        replace(paestum(0.429, 2.0, pedestal=False, duration_s=8.0), wall=Wall("right", 0.2)),
+        replace(paestum(0.5, 1.5, mu=(0.20, 0.15), duration_s=8.0), wall=Wall("left", 0.12)),
+    ):
+        model, found = run("analytic", on), run(name, on)
+        assert model.outcome is found.outcome is Outcome.TOUCHES_WALL
+        assert found.end_s == pytest.approx(model.end_s, abs=budget.WALL_S)
+        assert found.history is not None
+        assert found.history.t_s[-1] == found.end_s
+        assert found.steps < 0.5 * on.duration_s / 5e-4
+
+
 def test_while_the_floor_still_moves_nothing_is_foretold() -> None:
     on = scene(rectangle(0.2, 1.0), duration_s=0.05, **OVER_THE_HILL)
     shaken = replace(on, base_excitation=replace(on.base_excitation, x=PUSH))

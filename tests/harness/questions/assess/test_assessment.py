@@ -14,13 +14,13 @@ from harness import engines
 from harness.comparison.statistics.distributions import wilson
 from harness.input.scene_file import load_scene
 from harness.model.options import RunOptions
-from harness.model.scene import BaseExcitation, Pedestal
+from harness.model.scene import BaseExcitation, Pedestal, Scene, Wall
 from harness.questions.assess import by_model
 from harness.questions.assess.answer import answer_of, findings_of, probability
 from harness.questions.assess.assessment import assess
 from harness.questions.assess.by_model import assess_models, probability_of
 from harness.questions.assess.inputs import draw, row, uncertain_inputs
-from harness.questions.assess.model_draws import ModelDraws, model_draws
+from harness.questions.assess.model_draws import ModelDraws, draws_of, model_draws
 from harness.questions.assess.stratified import jeffreys
 from harness.questions.assess.variation import varied
 from harness.records.assess import AssessRecord, NotAssessed
@@ -196,7 +196,7 @@ def test_a_fall_told_by_energy_past_the_domain_is_not_the_models() -> None:
 def test_the_interval_holds_open_draws_either_way() -> None:
     """Ten fall, 60 stand, 20 left the domain, 10 are open; of the 20 the engine ran 8: 3 fell, 4 stood, one came to no end."""
     kind = np.repeat(np.arange(4), (10, 60, 20, 10))
-    model = ModelDraws(kind < 2, kind == 0, np.ones(100), np.zeros(100), kind == 2)
+    model = ModelDraws(kind < 2, kind == 0, np.ones(100), np.zeros(100), kind == 2, np.zeros(100, bool))
     fell = dict(zip(range(70, 78), (True, True, True, False, False, False, False, None), strict=True))
     none, some = probability_of(model, "pymunk", {}), probability_of(model, "pymunk", fell)
     own, sample = wilson(10, 100, 0.9), jeffreys(3, 7)
@@ -227,3 +227,25 @@ def test_the_domain_of_an_ensemble_is_that_of_single_runs() -> None:
         left += not known
         assert swept.decided[k] is np.bool_(known and run.outcome.fell is not None)
     assert 0 < left < SINGLES, "the draws should be of both kinds"
+
+
+def test_draws_that_touch_the_wall_are_told_as_such() -> None:
+    """A statue that falls against a wall falls no more by this model, and does not stand: the share that touches is told."""
+    walled = replace(paestum(0.429, 3.0, pedestal=False, duration_s=4.0), wall=Wall("right", 0.3))
+    found = assess_models(walled, draws=300)["analytic"]
+    ends = analytic_outcomes(walled, 300)
+    assert 0.9 < found.touches_wall == ends.count("touches_wall") / len(ends)
+    assert found.undecided >= found.touches_wall
+    (open_,) = probability({"analytic": found})
+    assert open_.code == "probability_open"
+    assert open_.values["touches_wall"] == found.touches_wall
+    assert open_.values["undecided"] == pytest.approx(found.undecided - found.touches_wall)
+    assert assess_models(replace(walled, wall=None), draws=300)["analytic"].touches_wall == 0.0
+
+
+def analytic_outcomes(on: Scene, draws: int) -> list[str]:
+    """How each draw ends as a run of its own."""
+    values = draws_of(on, uncertain_inputs(on), draws, seed=0)
+    model = engines.load("analytic")
+    scenes = (varied(on, row(values, number)) for number in range(draws))
+    return [model.simulate(each, model.settings_for_dt(each, 1e-3), RunOptions()).outcome.value for each in scenes]

@@ -19,7 +19,7 @@ def population(agreement: float, probability: float, random: np.random.Generator
     same = random.random(budget.TRUTH_DRAWS) < agreement
     engine = np.where(same, fell, random.random(budget.TRUTH_DRAWS) < probability)
     share = np.where(fell, 17.0, random.uniform(0.0, 1.2, budget.TRUTH_DRAWS))
-    return ModelDraws(np.ones_like(fell), fell, share, np.zeros(fell.size), np.zeros_like(fell)), engine
+    return ModelDraws(np.ones_like(fell), fell, share, np.zeros(fell.size), *np.zeros((2, fell.size), bool)), engine
 
 
 def estimated(model: ModelDraws, engine: np.ndarray, half_width: float = 0.05) -> Assessment:
