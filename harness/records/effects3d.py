@@ -16,13 +16,16 @@ SOLID: Final = ("spatial", "pybullet", "pybullet:plain")
 """Engines that compute in three dimensions."""
 Group = Literal["baseline", "components", "base", "inertia", "uncertainty", "numerical"]
 
+Doubt = Literal["", "undecided", "change"]
+
 
 @dataclass(frozen=True)
 class Amplitude:
     """The least peak acceleration of the floor, g, at which an engine's statue overturns under a condition at an azimuth.
 
     None: it does not overturn up to the most tried; `stands_at_g` is the largest tried below it at which it stands. `doubt` is
-    why the exact model's answer is not to be trusted alone.
+    why the exact model's answer is not to be trusted alone: some of its runs came to no outcome (`undecided`), or outcomes
+    `change` with a smaller local error.
     """
 
     condition: str
@@ -32,7 +35,7 @@ class Amplitude:
     stands_at_g: float
     outcome: Outcome | Literal[""]
     runs: int
-    doubt: str = ""
+    doubt: Doubt = ""
 
 
 @dataclass(frozen=True)

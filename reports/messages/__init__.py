@@ -186,6 +186,7 @@ FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
     "j": lambda say, value: f"{say.digits(value, 3)}\u00a0J",
     "share": lambda say, value: f"{probability_text(value)}\u00a0%".replace(".", say.strings["decimal"]),
     "names": lambda say, value: say.listed(map(say.word, value)),
+    "directions": lambda say, value: say.listed(f"{say.short(each)}°" for each in value),
     "vector": lambda say, value: ", ".join(say.short(part, 3) for part in value),
     "groups": _grouped,
     "choices": lambda say, value: "; ".join(f"{say.word(name)}: {say.word(end)}" for name, end in value.items()),

@@ -123,7 +123,7 @@ def _options(record: AssessRecord, say: Language) -> list[Section]:
     columns = "option probability shown interval change_points slip_median slip_high"
     level = _share(say, options.difference_level)
     return section(
-        say, "options", table(say, "options", columns, rows, model=options.model),
+        say, "options", table(say, "options", columns, rows, "options", model=options.model),
         words(say, "options", draws=options.draws, some=some, level=level),
         words(say, "planar" if options.model == MODEL else "in_space"),
         Details(say("text.each_option"), [Facts(what), Text(left, "variant")], fold=True),

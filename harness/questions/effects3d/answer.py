@@ -84,9 +84,11 @@ def _solid_pairs(record: EffectsRecord) -> Iterator[Finding]:
         if both:
             values = {"median": float(np.median(apart)), "within": int((apart <= NEAR).sum()), "directions": len(both)}
             yield info("solids_apart", a=name, b=first, near=NEAR, **values)
-    for row in record.amplitudes(first, BASELINE):
-        if row.doubt:
-            yield caution("peak_in_doubt", azimuth_deg=row.azimuth_deg, reason=row.doubt).of(first)
+    doubted = {row.azimuth_deg: row.doubt for row in record.amplitudes(first, BASELINE) if row.doubt}
+    if undecided := [azimuth for azimuth, doubt in doubted.items() if doubt == "undecided"]:
+        yield caution("peaks_undecided", azimuths_deg=undecided).of(first)
+    if change := [azimuth for azimuth, doubt in doubted.items() if doubt == "change"]:
+        yield caution("peaks_change", azimuths_deg=change).of(first)
 
 
 def _effects(record: EffectsRecord) -> Iterator[Finding]:

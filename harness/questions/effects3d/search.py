@@ -19,7 +19,7 @@ from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.questions.effects3d.conditions import CONDITIONS, amplified, changed_scene, solid_of
-from harness.records.effects3d import BASELINE, Amplitude, Departure
+from harness.records.effects3d import BASELINE, Amplitude, Departure, Doubt
 from harness.statics.rest import limit_of_rest_m_s2
 from meshes.footprint import reach_m
 
@@ -231,7 +231,7 @@ def find(
     else:
         crossing = nearest_crossing(outcome_at, near_g / unit, least, most, search.resolution)
     above, below = None if crossing.above is None else crossing.above * unit, crossing.below * unit
-    doubt = "" if space is None else space.doubt(crossing.above, crossing.below)
+    doubt: Doubt = "" if space is None else space.doubt(crossing.above, crossing.below)
     return Amplitude(condition, float(azimuth_deg), engine, above, below, crossing.outcome or "", crossing.runs, doubt)
 
 
@@ -259,11 +259,11 @@ class SpaceOutcomes:
             return Outcome.OVERTURNED_BACK if y > 0.0 else Outcome.OVERTURNED_FRONT
         return Outcome.OVERTURNED_RIGHT if x > 0.0 else Outcome.OVERTURNED_LEFT
 
-    def doubt(self, above: float | None, below: float) -> str:
+    def doubt(self, above: float | None, below: float) -> Doubt:
         """Why an amplitude between `below` (stands) and `above` (overturns) is in doubt; empty where it is not."""
         if self.unanswered:
-            return f"{len(self.unanswered)} of its runs ended without an outcome"
+            return "undecided"
         again = (above is None or self.overturning(above, SECOND_TOLERANCE) is not None) and (
             below == 0.0 or self.overturning(below, SECOND_TOLERANCE) is None
         )
-        return "" if again and not self.unanswered else "its outcomes change with a smaller local error"
+        return "" if again and not self.unanswered else "change"

@@ -20,6 +20,7 @@ MAKERS = {"info", "caution", "changes_answer", "Doubt", "Change"}
 SAMPLES = {
     "plain": "pymunk", "count": 3, "number": 0.25, "s": 1.25, "rad": 1e-4, "angle": 0.1, "angles": [0.1, 0.2], "m": 0.012,
     "lengths": [0.01, 0.02], "g": 0.3, "j": 2.0, "share": 0.123, "names": ["analytic", "pymunk"], "vector": [1.0, 0.0, 0.0],
+    "directions": [0.0, 22.5],
     "choices": {"kinetic": "stands", "static": "overturned_right"},
     "groups": {"stands": ["analytic"], "overturned": ["pymunk"]}, "without": {"products_of_inertia": 0.03},
     "change": -0.02, "adjusted": {"centroid": 0.03},
