@@ -91,7 +91,7 @@ class Campaign:
 
     def ask(self, tasks: Sequence[Task]) -> list[Plain | None]:
         """The records of the tasks' results in their order, those that the store lacks computed; None where a worker died."""
-        self.run(tasks, len(tasks))
+        self.run(tasks, sum(task.group not in self._free for task in tasks))
         self._asked |= dict.fromkeys(task.key for task in tasks)
         return [self._store.get(task.key) for task in tasks]
 

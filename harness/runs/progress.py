@@ -157,7 +157,8 @@ def progress(
                 samples.popleft()
             bar.update(task, completed=done, total=total, left=left())
             tenth = 10 * done // total if total else 10
-            words = f"{title}: {done} of {total} runs"
+            # Nothing that costs is known yet.
+            words = f"{title}: {done} of {total} runs" if total else title
             if tenth != said:
                 lines.now(words + left())
             # A reminder says the time that is left as it is then.

@@ -85,7 +85,9 @@ def friction_used(
     counted = (motion.t_s[1:] < (np.inf if plain_from_s is None else plain_from_s)) & (normal > 0.0)
     one_way = motion.slip_rate_m_s[:-1] * motion.slip_rate_m_s[1:] > 0.0
     sliding = counted & one_way & ~hard & (np.minimum(before, after) > SLIDES * still_m_s)
-    held = counted & ~hard & (np.maximum(before, after) <= still_m_s)
+    # As it comes to rest a step's force is read from velocities of which one is of its sliding.
+    settled = np.maximum(before, np.concatenate([[0.0], before[:-1]])) <= still_m_s
+    held = counted & ~hard & settled & (after <= still_m_s)
     loose = counted & (before <= still_m_s) & (after > still_m_s)
     # Less than μ_k N: what moved the pedestal by more than counts as rest was a solver's remainder, or a part of the step.
     released = loose & (friction > (kinetic - 0.5 * (static - kinetic)) * normal)

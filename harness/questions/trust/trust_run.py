@@ -251,7 +251,7 @@ def run_trust(
     own = (LocalPool(jobs) if dask is None else DaskPool(dask)) if pool is None else None
     try:
         with Store(folder / STORE_NAME, "trust") as store, progress(f"{path.stem}, trust map", quiet) as on_progress:
-            campaign = Campaign(store, own or pool, on_progress, {MODEL: BATCH})  # type: ignore[arg-type]
+            campaign = Campaign(store, own or pool, on_progress, {MODEL: BATCH}, free=(MODEL,))  # type: ignore[arg-type]
             record = trust_map(plane, chosen, Points(store, campaign), coarse=coarse, seed=seed)
     finally:
         if own is not None:
