@@ -62,6 +62,22 @@ class Trajectory:
         extra = {name: value[:count] for name, value in self.extra.items()}
         return Trajectory(**cut, gravity_xz_m_s2=per_step, extra=extra)  # type: ignore[arg-type]
 
+    def up_to(self, count: int, t_s: float) -> Trajectory:
+        """The first `count` samples (two at least), and one at `t_s`, as the last two of them go on."""
+        before = self.until(count)
+        share = (t_s - before.t_s[-1]) / (before.t_s[-1] - before.t_s[-2])
+
+        def longer(column: Array) -> Array:
+            return np.concatenate([column, column[-1:] + share * (column[-1:] - column[-2:-1])])
+
+        columns = {
+            name: value if value is None else longer(value)
+            for name, value in vars(before).items()
+            if name not in ("gravity_xz_m_s2", "extra")
+        }
+        extra = {name: longer(value) for name, value in before.extra.items()}
+        return Trajectory(**columns, gravity_xz_m_s2=self.gravity_xz_m_s2[:count], extra=extra)  # type: ignore[arg-type]
+
 
 JUMP_IN_G: Final = 10.0
 """An acceleration above this many g is an impact's: velocities on its two sides are not averaged."""

@@ -227,11 +227,12 @@ class Report:
     repeats: bool = True
 
 
-def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> Run:
+def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, wall_s: float | None = None) -> Run:
     """The whole record of a run; a trajectory that is not finite is `diverged`, without a history.
 
     The run ends at the overturning rotation, the same in every model, unless it begins from a pose in space; the time is
-    interpolated between two samples. Raises `LayerFault` where the floor's friction was not Coulomb's.
+    interpolated between two samples. It ends at a wall, which it reaches at `wall_s` where that is known. Raises `LayerFault`
+    where the floor's friction was not Coulomb's.
     """
     finite = (
         np.isfinite(trajectory.theta_rad) & np.isfinite(trajectory.theta_rate_rad_s) & np.isfinite(trajectory.slip_m)
@@ -242,8 +243,8 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
     motion = trajectory.until(until_s)
     theta, rate = motion.theta_rad, motion.theta_rate_rad_s
     cycles = rocking(motion.t_s, theta, rate, report.resolution_rad)
-    touch = support.wall_touch(scene, motion)
-    wall_s = None if touch is None else touch[1]
+    touch = None if wall_s is not None else support.wall_touch(scene, motion)
+    wall_s = wall_s if touch is None else touch[1]
     inside = motion.t_s <= end_s
     peak = int(np.abs(np.where(inside, theta, 0.0)).argmax())
     derived = _derive(scene, motion)
@@ -252,11 +253,11 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
         check_friction(scene, used, report.interventions if report.repeats else None)
     fallen = fall(scene, motion, overturn_s)
     outcome, ahead_rad = _outcome(scene, motion, fallen, wall_s, derived, report.stuck_below_m_s)
-    if touch is not None and outcome is Outcome.TOUCHES_WALL and scene.initial.pose is None:
-        count = touch[0] + 1
-        if 1 < count < motion.t_s.size:
-            # The run ends there, as the model's does.
-            return reduce_trajectory(scene, trajectory.until(count), replace(report, rested=False))
+    ends = outcome is Outcome.TOUCHES_WALL and scene.initial.pose is None
+    if ends and touch is not None and touch[0] > 1 and touch[1] > motion.t_s[touch[0] - 1]:
+        # The run ends there, as the model's does: the sample after it is of the wall's impact.
+        ended = trajectory.up_to(touch[0], touch[1])
+        return reduce_trajectory(scene, ended, replace(report, rested=False), wall_s=touch[1])
     if not outcome.overturned and overturn_s is None:
         fallen = None
     peak_rad, peak_s = float(abs(theta[peak])), float(motion.t_s[peak])
