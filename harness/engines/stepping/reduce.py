@@ -253,11 +253,11 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
         check_friction(scene, used, report.interventions if report.repeats else None)
     fallen = fall(scene, motion, overturn_s)
     outcome, ahead_rad = _outcome(scene, motion, fallen, wall_s, derived, report.stuck_below_m_s)
-    ends = outcome is Outcome.TOUCHES_WALL and scene.initial.pose is None
-    if ends and touch is not None and touch[0] > 1 and touch[1] > motion.t_s[touch[0] - 1]:
+    count, reached_s = touch or (0, 0.0)
+    if outcome is Outcome.TOUCHES_WALL and count > 1 and reached_s > motion.t_s[count - 1]:
         # The run ends there, as the model's does: the sample after it is of the wall's impact.
-        ended = trajectory.up_to(touch[0], touch[1])
-        return reduce_trajectory(scene, ended, replace(report, rested=False), wall_s=touch[1])
+        ended = trajectory.up_to(count, reached_s)
+        return reduce_trajectory(scene, ended, replace(report, rested=False), wall_s=reached_s)
     if not outcome.overturned and overturn_s is None:
         fallen = None
     peak_rad, peak_s = float(abs(theta[peak])), float(motion.t_s[peak])

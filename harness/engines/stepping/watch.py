@@ -92,8 +92,8 @@ class WallWatch:
 
     @classmethod
     def of(cls, scene: Scene, axes: Array | None, step_s: float) -> WallWatch | None:
-        """None without a wall, and for a thrown body, which goes on after it."""
-        return None if scene.wall is None or scene.initial.pose is not None else cls(scene, axes, step_s)
+        """None without a wall."""
+        return None if scene.wall is None else cls(scene, axes, step_s)
 
     def ends(self, record: StepLog) -> bool:
         """Whether something touched the wall since the last look or before, and the statue does not fall across the plane."""
