@@ -14,7 +14,7 @@ from harness.model.history import Outcome
 from harness.model.in_space import support_m
 from harness.model.run import EngineRunRecord
 from harness.questions.scene.answer import STILL_RAD
-from harness.records.assess import Assessment, worst
+from harness.records.assess import MOSTLY, Assessment, worst
 from harness.records.run import RunRecord, has_answer, tips_s
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import SupportRecord
@@ -213,12 +213,20 @@ def _answer(source: RunSource, nominal: str, say: Language) -> tuple[str, list[s
         shaken = bool(source.record.motion.accel_m_s2)
         return nominal, [say("chance.unknown")] if shaken else []
     item = source.record.assessment[worst(source.record.assessment)]
-    if item.undecided >= 1.0:
+    # What follows a touch of the wall no model knows: such a draw is undecided, and yet it is known what happens.
+    undecided, wall = max(item.undecided - item.touches_wall, 0.0), item.touches_wall
+    if undecided >= 1.0:
         return say("chance.open"), []
-    open_ = [say("chance.undecided", share=_share(item.undecided, say))] if item.undecided else []
+    open_ = [
+        *([say("chance.wall", share=_share(wall, say))] if wall else []),
+        *([say("chance.undecided", share=_share(undecided, say))] if undecided else []),
+    ]
     known = any(not each.plane_only for each in source.record.assessment.values())
     plane = [say("chance.plane"), *([] if known else [say("chance.plane_open")])] if item.plane_only else []
     basis = [say("chance.cases"), *open_, *([" ".join(plane)] if plane else [])]
+    if wall >= MOSTLY:
+        often = "wall_always" if wall > 1.0 - NEXT_TO_NONE else "wall_mostly"
+        return say(f"chance.{often}", share=f"{100.0 * wall:.0f}"), basis
     return _falls(item, say) if item.tells else say("chance.open"), basis
 
 

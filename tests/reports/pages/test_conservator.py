@@ -287,6 +287,21 @@ def test_the_few_draws_that_ended_are_no_headline(tmp_path: Path) -> None:
     assert not re.search("analytic|pymunk|pybullet", spoken(page)), "an engine"
 
 
+def test_draws_that_strike_the_wall_are_no_open_answer(tmp_path: Path) -> None:
+    source = run_source(write_invented(tmp_path))
+    for wall, headline in ((0.9983, ENGLISH("chance.wall_always")), (0.7, ENGLISH("chance.wall_mostly", share="70"))):
+        item = Assessment(0.0, 0.0, wall + 0.01, 0.9, 1000, 1000, wall + 0.005, touches_wall=wall)
+        page = of_run(replace(source, record=replace(source.record, assessment={"analytic": item})))
+        assert answer(page).headline == headline
+        assert answer(page).tone == "differ"
+        assert ENGLISH("chance.undecided", share="0.5") in spoken(page)
+    some = Assessment(0.1, 0.09, 0.32, 0.9, 1000, 1000, 0.2, touches_wall=0.2)
+    page = of_run(replace(source, record=replace(source.record, assessment={"analytic": some})))
+    assert answer(page).headline == ENGLISH("chance.between", share="10", low="9", high="32")
+    assert ENGLISH("chance.wall", share="20") in spoken(page)
+    assert ENGLISH("chance.undecided", share="0") not in spoken(page)
+
+
 def test_next_to_none_and_next_to_all_have_no_digits(tmp_path: Path) -> None:
     source = run_source(write_invented(tmp_path))
     for p, low, high, undecided, key, values in (
