@@ -116,13 +116,21 @@ def _spinner() -> Progress:
 
 @contextmanager
 def progress(
-    title: str, quiet: bool, size: str = "", *, workers: int = 1, each_s: float = 0.0, after_s: float = 0.0
+    title: str,
+    quiet: bool,
+    size: str = "",
+    *,
+    workers: int = 1,
+    each_s: float = 0.0,
+    after_s: float = 0.0,
+    grows: bool = False,
 ) -> Iterator[Any]:
     """A bar with the time left on a terminal, lines elsewhere; yields `on_progress(done, all)`; `size` is said first.
 
     The time left is by the clock, from the rate at which tasks finished lately: it holds whatever else the machine does. The
     first count for little beside `each_s`, what a task was forecast to take by the clock (0: nothing was). What `workers` have in
     hand at the end takes them one after another out of work; `after_s` is what follows the last task.
+    Of tasks that ask for others (it `grows`) none is told.
     """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -166,7 +174,7 @@ def progress(
             said = tenth
 
         def left() -> str:
-            if not samples:
+            if grows or not samples:
                 return ""
             (begin_s, before), (_, done) = samples[0], samples[-1]
             known = FORECAST_TASKS * (each_s > 0.0)

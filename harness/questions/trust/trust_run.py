@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 
 from harness import engines
+from harness.accuracy.forecast import run_s
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
@@ -57,7 +58,7 @@ from harness.records.trust import (
 from harness.runs.cache_key import request_key
 from harness.runs.dask_pool import DaskPool
 from harness.runs.execute import Campaign
-from harness.runs.progress import progress
+from harness.runs.progress import duration_words, progress
 from harness.runs.runner import LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, check_begun
 from harness.runs.task import Answer as Told
@@ -75,6 +76,15 @@ DOUBTFUL: Final = (0.05, 0.95)
 SAME: Final = ""
 """The engines in space change nothing of what those in the plane say."""
 PLANAR: Final = 2
+POINT_S: Final = 0.15
+"""Processor seconds of a point by the model, in a forecast: its run, its horizon and its probability."""
+ASKED: Final = {2: 0.55, 3: 0.25}
+"""Share of the points at which an engine in the plane, and one in space, is asked: 0.41 to 0.57, and 0.2 to 0.26, of the shipped
+statue's maps."""
+CHANCE_S: Final = 6.0
+"""Of an engine's probability, at one point of each frequency of a whole map."""
+TRIALS: Final = 16
+"""Drawn points of each map whose runs are forecast."""
 
 
 @dataclass
@@ -250,8 +260,13 @@ def run_trust(
         check_begun(folder, "a trust map")
     own = (LocalPool(jobs) if dask is None else DaskPool(dask)) if pool is None else None
     try:
-        with Store(folder / STORE_NAME, "trust") as store, progress(f"{path.stem}, trust map", quiet) as on_progress:
-            campaign = Campaign(store, own or pool, on_progress, {MODEL: BATCH}, free=(MODEL,))  # type: ignore[arg-type]
+        workers: Pool = own or pool  # type: ignore[assignment]
+        size = cost_words(plane, chosen, workers.workers, coarse=coarse)
+        with (
+            Store(folder / STORE_NAME, "trust") as store,
+            progress(f"{path.stem}, trust map", quiet, size) as on_progress,
+        ):
+            campaign = Campaign(store, workers, on_progress, {MODEL: BATCH}, free=(MODEL,))
             record = trust_map(plane, chosen, Points(store, campaign), coarse=coarse, seed=seed)
     finally:
         if own is not None:
@@ -279,15 +294,34 @@ def engines_of(scene: Scene, names: Sequence[str] | None, *, coarse: bool) -> tu
     return (MODEL, *(item.name for item in here))
 
 
+def planes_of(plane: Plane) -> tuple[list[Plane], list[Finding]]:
+    """The plane, and of a statue on a pedestal that without it; or why there is none."""
+    if plane.scene.pedestal is None:
+        return [plane], []
+    try:
+        return [plane, plane.without_pedestal()], []
+    except InputError as error:
+        return [plane], [caution("trust_without_floor", reason=str(error))]
+
+
+def cost_words(plane: Plane, names: Sequence[str], workers: int, *, coarse: bool) -> str:
+    """How many points a map has, and what it is expected to take, nothing being stored yet: by the runs of drawn points."""
+    planes, cpu_s = planes_of(plane)[0], 0.0
+    for each in planes:
+        drawn = np.random.default_rng(0).permutation(len(each.points))[:TRIALS].tolist()
+        scenes = [each.at(each.points[k]) for k in drawn]
+        asked = {name: ASKED[engines.load(name).capabilities.dimensions] for name in names if name != MODEL}
+        runs_s = sum(share * run_s(name, scene).middle for name, share in asked.items() for scene in scenes)
+        cpu_s += len(each.points) * (POINT_S + runs_s / len(scenes))
+        cpu_s += 0.0 if coarse else CHANCE_S * len(each.frequencies_hz)
+    points, spent, clock = len(planes) * len(plane.points), duration_words(cpu_s), duration_words(cpu_s / workers)
+    return f"{points} points: about {spent} of processor time, {clock} by the clock on {workers} workers"
+
+
 def trust_map(plane: Plane, names: tuple[str, ...], points: Points, *, coarse: bool, seed: int) -> TrustRecord:
     """The record of a map whose answers are kept in a store; of a statue on a pedestal also that of the map without it."""
     start = time.perf_counter()
-    planes, alone = [plane], list[Finding]()
-    if plane.scene.pedestal is not None:
-        try:
-            planes.append(plane.without_pedestal())
-        except InputError as error:
-            alone.append(caution("trust_without_floor", reason=str(error)))
+    planes, alone = planes_of(plane)
     found = [explored(each, names, points, seed) for each in planes]
     maps = [map_of(each, points, coarse=coarse) for each in found]
     summary = TrustSummary(

@@ -18,6 +18,7 @@ from typer.testing import CliRunner
 
 import harness
 from harness import engines
+from harness.accuracy.forecast import Range
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.finding import Severity
@@ -29,6 +30,7 @@ from harness.questions.trust.trust_run import Map, confirmed_up_to_g, crossing, 
 from harness.records.kinds import read_result
 from harness.records.scores import Interval
 from harness.records.trust import CLASSES, CONTOURS, Rotation, TrustRecord
+from harness.runs.progress import duration_words
 from harness.runs.runner import InlinePool
 from harness.runs.store import STORE_NAME, Store
 from reports.charts.map_figures import point_figure, trust_map
@@ -86,6 +88,25 @@ def test_the_command_writes_a_row_for_each_point_and_goes_on_with_what_it_has(sm
     assert second["maps"][0]["cells"] == cells
     with Store(out / STORE_NAME, "trust") as store:
         assert second["summary"]["found"] == len(store.keys())
+
+
+def test_what_a_map_takes_is_told_before_it_begins(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs of 100 s at half of the points in the plane, at a quarter in space; without its pedestal as often again."""
+    monkeypatch.setattr(trust_run, "run_s", lambda name, scene: Range(50.0, 200.0))
+    on = Plane.of(load_scene(Path(__file__).parents[4] / "scenes" / "paestum_pedestal.toml"), "sine", coarse=True)
+    count = 2 * len(on.points)
+    shares = trust_run.ASKED
+    for names, share in (
+        (("analytic", "pymunk"), shares[2]),
+        (("analytic", "pymunk", "pybullet"), shares[2] + shares[3]),
+    ):
+        cpu_s = count * (trust_run.POINT_S + 100.0 * share)
+        told = trust_run.cost_words(on, names, 2, coarse=True)
+        spent, clock = duration_words(cpu_s), duration_words(cpu_s / 2)
+        assert told == f"{count} points: about {spent} of processor time, {clock} by the clock on 2 workers"
+    whole = trust_run.cost_words(on, ("analytic", "pymunk"), 1, coarse=False)
+    chances_s = 2 * trust_run.CHANCE_S * len(on.frequencies_hz)
+    assert duration_words(count * (trust_run.POINT_S + 100.0 * shares[2]) + chances_s) in whole
 
 
 def test_a_point_says_what_a_run_of_it_says(small: Path, tmp_path: Path) -> None:
