@@ -264,7 +264,7 @@ def run_trust(
         size = cost_words(plane, chosen, workers.workers, coarse=coarse)
         with (
             Store(folder / STORE_NAME, "trust") as store,
-            progress(f"{path.stem}, trust map", quiet, size) as on_progress,
+            progress(f"{path.stem}, trust map", quiet, size, grows=True) as on_progress,
         ):
             campaign = Campaign(store, workers, on_progress, {MODEL: BATCH}, free=(MODEL,))
             record = trust_map(plane, chosen, Points(store, campaign), coarse=coarse, seed=seed)

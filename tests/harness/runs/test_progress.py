@@ -67,6 +67,13 @@ def test_the_time_left_is_that_of_the_clock(
         now_s[0] += 80.0
         on_progress(8, 10)
     assert capsys.readouterr().err.splitlines()[-1] == "last: 8 of 10 runs, about 34 s left"
+    # Each may ask for others: what is left is not known.
+    with progress("search", quiet=False, grows=True) as on_progress:
+        on_progress(0, 0)
+        on_progress(1, 3)
+        now_s[0] += 10.0
+        on_progress(2, 4)
+    assert capsys.readouterr().err.splitlines() == ["search", "search: 1 of 3 runs", "search: 2 of 4 runs"]
     # A forecast of 30 s a task counts as ten tasks: it is told at once, and two tasks of no time take a sixth from it.
     with progress("forecast", quiet=False, each_s=30.0) as on_progress:
         on_progress(0, 20)
