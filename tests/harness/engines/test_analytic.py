@@ -122,6 +122,16 @@ def test_a_wall_ends_the_run(side: str) -> None:
     assert found.peak_theta_rad == pytest.approx(each.wall_rotation_rad, abs=1e-9)
 
 
+def test_a_run_that_is_known_up_to_its_wall_is_known_to_its_end() -> None:
+    """Runs of other tolerances touch it some 1e-8 s earlier or later: no part of the history lies between."""
+    shaken = replace(paestum(0.429, 3.0, pedestal=False, duration_s=10.0), wall=Wall("right", 0.6))
+    found = run(shaken)
+    assert found.outcome is Outcome.TOUCHES_WALL
+    assert found.reliable_until_s is not None
+    assert found.end_s - 1e-6 < found.reliable_until_s < found.end_s
+    assert "error_not_bounded" not in doubles.codes(found.findings)
+
+
 def test_both_preset_forms_reach_the_model() -> None:
     mu = (0.20, 0.15)
     consistent = paestum(0.429, 4.5, mu=mu, duration_s=4.0)
