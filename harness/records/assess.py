@@ -109,12 +109,13 @@ class Index:
 class OptionAnswer:
     """One option: probability of a fall, the pedestal's slip (median, 95 %; None: not followed), difference to as it is.
 
+    `name` is a code, of the user's own the name given; `values` are what is changed: `static`, `times`, `plate_m`, or keys `set`.
     `undecided` is the share of draws that neither fall nor stand: they stand in `low` and fall in `high`, and the difference's
     interval counts them against either claim.
     """
 
     name: str
-    what: str
+    values: Mapping[str, float | str]
     source: str
     draws: int
     probability_overturned: float

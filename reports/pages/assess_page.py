@@ -84,6 +84,13 @@ def _between(say: Language, item: Assessment | OptionAnswer) -> str:
     return say.range([_share(say, item.low), _share(say, item.high)]).replace(" ", "\u00a0")
 
 
+def _changed(item: OptionAnswer, say: Language) -> str:
+    """What an option changes."""
+    kind = "set" if "set" in item.values else "friction" if "static" in item.values else item.name
+    numbers = {key: value if isinstance(value, str) else say.short(value) for key, value in item.values.items()}
+    return say(f"option.{kind}", **numbers)
+
+
 def _options(record: AssessRecord, say: Language) -> list[Section]:
     """Options with common random numbers: what each does to the probability and to the pedestal's slip."""
     options = record.options
@@ -97,7 +104,7 @@ def _options(record: AssessRecord, say: Language) -> list[Section]:
 
     rows = [
         {
-            "option": item.name,
+            "option": say.word(item.name),
             "probability": (_share(say, item.probability_overturned) if item.tells else "–")
             + (f" ({say('text.no_end', share=_share(say, item.undecided))})" if item.undecided else ""),
             "shown": "" if item.difference is None
@@ -116,10 +123,13 @@ def _options(record: AssessRecord, say: Language) -> list[Section]:
     fewer = sorted({item.draws for item in options.options} - {options.draws})
     some = say("text.fewer_draws", draws=", ".join(map(str, fewer))) if fewer else ""
     what = [
-        (item.name, f"{item.what}{say('text.source', source=item.source) if item.source else ''}")
-        for item in options.options if item.what
-    ]  # fmt: skip
-    left = [say("text.option_left_out", name=name, reason=reason) for name, reason in options.left_out.items()]
+        (say.word(item.name), f"{_changed(item, say)}{say('text.source', source=item.source) if item.source else ''}")
+        for item in options.options[1:]
+    ]
+    left = [
+        say("text.option_left_out", name=say.word(name), reason=say.word(reason))
+        for name, reason in options.left_out.items()
+    ]
     columns = "option probability shown interval change_points slip_median slip_high"
     level = _share(say, options.difference_level)
     return section(

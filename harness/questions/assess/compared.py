@@ -66,7 +66,7 @@ def compare(
     answers = [answer_of(None, own, None)]
     others: dict[str, ModelDraws | None] = {}
     for option in options:
-        on_progress(f"options: {option.name}")
+        on_progress(f"option {option.name}")
         others[option.name] = _at_once(scene, inputs, option, values, seed)
     # What needs a scene made anew for each draw is done for all such options together: reading a scan costs most.
     slow = [option for option in options if others[option.name] is None]
@@ -179,13 +179,14 @@ def answer_of(option: Option | None, answered: Answered, before: Answered | None
     share = probability_of(model, SAMPLER, fell)
     if share is None:
         raise ValueError("an option without draws")
-    name, what, source = (AS_IT_IS, "", "") if option is None else (option.name, option.what, option.source)
+    shown = Option(AS_IT_IS, lambda scene: scene) if option is None else option
     median_m, high_m = None, None
     if np.isfinite(model.peak_slip_m).all():
         median_m, high_m = (float(value) for value in np.quantile(model.peak_slip_m, (0.5, HIGH)))
     change = None if before is None else difference_of(answered, before)
     interval = share.probability_overturned, share.low, share.high
-    return OptionAnswer(name, what, source, share.draws, *interval, median_m, high_m, change, share.undecided)
+    told = shown.name, shown.values, shown.source
+    return OptionAnswer(*told, share.draws, *interval, median_m, high_m, change, share.undecided)
 
 
 def difference_of(answered: Answered, before: Answered) -> Interval:

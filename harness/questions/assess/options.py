@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -25,21 +25,22 @@ BASE_M: Final = 0.05
 """By how much a plate widens the statue's base on each side: what is hardly seen."""
 SAME_FRICTION: Final = 0.1
 """A pair whose static coefficient is this near to the scene's own, as a share of it, is no option."""
-AS_IT_IS: Final = "as it is"
-FLOOR: Final = "on the floor"
-FIXED: Final = "fixed to its pedestal"
-TURNED: Final = "turned by 90°"
+AS_IT_IS: Final = "as_it_is"
+FLOOR: Final = "floor_alone"
+FIXED: Final = "fixed_to_pedestal"
+TURNED: Final = "turned_90"
 
 
 @dataclass(frozen=True)
 class Option:
     """One option: `change` makes its scene of the scene as it is, whatever is drawn of that; a `user` option sets keys of the
-    file, and draws are made of its scene. A body that `slides` does so where friction is too small to tip it.
+    file, and draws are made of its scene. A body that `slides` does so where friction is too small to tip it. `name` is a code
+    with its words in the catalogue, which `values` fill; of the user's own it is the name given.
     """
 
     name: str
-    what: str
     change: Callable[[Scene], Scene]
+    values: Mapping[str, float | str] = field(default_factory=dict)
     source: str = ""
     slides: bool = False
     user: bool = False
@@ -49,20 +50,18 @@ def options_of(scene: Scene) -> tuple[list[Option], dict[str, str]]:
     """What can be done in this scene, and the reasons for which other options are left out."""
     options, left_out = _of_pedestal(scene) if scene.pedestal is not None else [], {}
     if scene.wall is not None:
-        left_out["another base"] = "beside a wall its distance would change with the base"
-        left_out |= {each.name: "it would reach the wall" for each in options if not _before_wall(each.change(scene))}
+        left_out["another_base"] = "changes_wall_distance"
+        left_out |= {each.name: "reaches_wall" for each in options if not _before_wall(each.change(scene))}
         return [each for each in options if each.name not in left_out], left_out
-    what = f"a plate under the statue reaches {100.0 * BASE_M:g} cm further on each side"
-    options.append(Option("base widened", what, _base_widened))
+    options.append(Option("base_widened", _base_widened, {"plate_m": BASE_M}))
     if scene.pedestal is not None:
-        what = "statue and pedestal are one body, which rocks as a whole or slides"
-        options.append(Option(FIXED, what, _fixed, slides=True))
+        options.append(Option(FIXED, _fixed, slides=True))
     try:
         _turned(scene)
     except InputError as error:
         left_out[TURNED] = "; ".join(mistake.wanted for mistake in error.mistakes)
     else:
-        options.append(Option(TURNED, "statue and pedestal stand with another side before the shaking", _turned))
+        options.append(Option(TURNED, _turned))
     return options, left_out
 
 
@@ -77,31 +76,24 @@ def _before_wall(scene: Scene) -> bool:
 def _of_pedestal(scene: Scene) -> list[Option]:
     own = scene.contact.floor_static
     pairs = [pair for pair in PAIRS if own == 0.0 or abs(pair.static / own - 1.0) > SAME_FRICTION]
-    heavier, wider = (
-        f"a pedestal of {HEAVIER:g} times the mass",
-        f"a pedestal {WIDER:g} times as wide, of the same stone",
-    )
     return [
-        Option(
-            FLOOR, "the statue stands on the floor, without a pedestal", lambda given: replace(given, pedestal=None)
-        ),
+        Option(FLOOR, lambda given: replace(given, pedestal=None)),
         *(_with_friction(pair, own) for pair in pairs),
-        Option("pedestal heavier", heavier, lambda given: _pedestal(given, mass=HEAVIER)),
-        Option("pedestal wider", wider, lambda given: _pedestal(given, mass=WIDER, width=WIDER)),
+        Option("pedestal_heavier", lambda given: _pedestal(given, mass=HEAVIER), {"times": HEAVIER}),
+        Option("pedestal_wider", lambda given: _pedestal(given, mass=WIDER, width=WIDER), {"times": WIDER}),
     ]
 
 
 def _with_friction(pair: Pair, own: float) -> Option:
     higher = "more" if pair.static > own else "less"
-    name = f"{higher} friction: {pair.name}"
-    what = f"under the pedestal {pair.static:g} static and {pair.kinetic:g} kinetic (published: {pair.published})"
+    values: dict[str, float | str] = {"static": pair.static, "kinetic": pair.kinetic, "published": pair.published}
 
     def change(scene: Scene) -> Scene:
         # What is drawn of the friction as it is moves the new friction by the same factor.
         factor = scene.contact.floor_static / own if own > 0.0 else 1.0
         return replace(scene, contact=scene.contact.with_floor(factor * pair.static, factor * pair.kinetic))
 
-    return Option(name, what, change, pair.source)
+    return Option(f"{higher}_friction_{pair.name}", change, values, pair.source)
 
 
 def _pedestal(scene: Scene, mass: float, width: float = 1.0) -> Scene:
@@ -170,7 +162,7 @@ def read_options(path: Path, scene: Scene) -> list[Option]:
 def _users(name: str, values: Mapping[str, object], path: Path, scene: Scene) -> Option:
     other = reread(scene, values, f"{path}: option {name!r}")
     sets: Sequence[str] = [f"{key} = {value}" for key, value in values.items()]
-    return Option(name, ", ".join(sets), lambda _: other, path.name, user=True)
+    return Option(name, lambda _: other, {"set": ", ".join(sets)}, path.name, user=True)
 
 
 @dataclass(frozen=True)
@@ -186,28 +178,28 @@ class Pair:
 
 PAIRS: Final = (
     Pair(
-        "PTFE on steel",
+        "ptfe",
         0.04,
         0.04,
         "0.04 on steel, 0.04 to 0.20 on itself; changes with pressure and speed",
         "Engineering ToolBox, Friction and friction coefficients",
     ),
     Pair(
-        "smooth stone on stone",
+        "smooth_stone",
         0.40,
         0.30,
         "0.40 static and 0.30 kinetic, assumed there for a statue's pedestal",
         "Monaco et al., Procedia Structural Integrity 29 (2020) 134-141",
     ),
     Pair(
-        "rough granite or limestone, dry",
+        "rough_stone",
         0.75,
         0.75,
         "0.67 to 0.84, one value for both; wet it is much less",
         "Statics of drystone walls, stonewalls.ch",
     ),
     Pair(
-        "rubber on dry concrete",
+        "rubber",
         1.0,
         0.8,
         "static 1.0, kinetic 0.60 to 0.85; wet 0.30 and 0.25",

@@ -45,14 +45,14 @@ def compare_in_space(
     before, unknown = _answered(own), dict(left_out)
     answers = [answer_of(None, before, None)]
     for option in options:
-        on_progress(f"options in space: {option.name}")
+        on_progress(f"option {option.name}, in space")
         if option.user:
             other = option.change(scene)
             ends = ends_in_space(other, common(inputs, values, uncertain_inputs(other), seed), OPTION_STEPS)
         else:
             ends = ends_in_space(scene, values, OPTION_STEPS, option.change)
         if ends is None:
-            unknown[option.name] = f"{SPACE} does not know its scene (it stands on the floor, without a wall)"
+            unknown[option.name] = "unknown_in_space"
         else:
             answers.append(answer_of(option, _answered(ends), before))
     return OptionsRecord(answers, own.size, LEVEL, DIFFERENCE_LEVEL, unknown, model=SPACE)

@@ -67,7 +67,7 @@ def test_a_turned_block_has_its_other_side_in_the_plane() -> None:
 def test_an_option_that_would_reach_the_wall_is_left_out(distance_m: float, there: bool) -> None:
     """A pedestal half as wide again reaches some 0.15 m further."""
     stand = Wall("right", distance_m)
-    wider = "pedestal wider"
+    wider = "pedestal_wider"
     options, left_out = made.options_of(replace(paestum(0.429, 3.0), wall=stand))
     assert (wider in {each.name for each in options}, wider in left_out) == (there, not there)
 
@@ -77,7 +77,7 @@ def test_draws_are_common() -> None:
     scene = paestum(0.429, 3.0, duration_s=3.0)
     inputs = uncertain_inputs(scene)
     values = draw(inputs, DRAWS, seed=4)
-    same = option_draws(scene, inputs, made.Option("same", "", lambda given: given), values)
+    same = option_draws(scene, inputs, made.Option("same", lambda given: given), values)
     np.testing.assert_array_equal(same.overturned, model_draws(scene, values).overturned)
     lower = [replace(inputs[0], value=0.5 * inputs[0].value), *inputs[1:]]
     moved = common(inputs, values, lower, seed=4)
@@ -141,7 +141,7 @@ def test_what_is_not_shown_is_not_recommended() -> None:
     told = best_option(calm)
     assert (told.code, told.values) == ("no_option_helps", {"needed": False})
     scene = paestum(0.429, 3.0, duration_s=3.0)
-    same = [made.Option("same", "nothing is changed", lambda given: given)]
+    same = [made.Option("same", lambda given: given)]
     idle = by_draws(scene, same, DRAWS)
     assert 0.0 < idle.as_it_is.probability_overturned < 1.0
     assert best_option(idle).values == {"needed": True}
@@ -245,7 +245,7 @@ def test_an_engine_answers_an_options_draws_outside_the_domain() -> None:
     """A narrow plinth tips under the statue: of most draws the model says nothing, the engine that every run falls."""
     given = paestum(0.8, 1.0, duration_s=4.0)
     pedestal = Pedestal(60.0, 0.45, 0.8, 1.2)
-    narrow = [made.Option("plinth", "narrow and high", lambda one: replace(one, pedestal=pedestal))]
+    narrow = [made.Option("plinth", lambda one: replace(one, pedestal=pedestal))]
     plinth = by_draws(given, narrow, 40).options[-1]
     assert plinth.undecided < 0.3
     assert plinth.difference is not None

@@ -16,7 +16,7 @@ from harness.questions.assess.compared import Answered, difference_of
 from harness.questions.assess.in_space import ends_in_space
 from harness.questions.assess.inputs import draw, uncertain_inputs
 from harness.questions.assess.model_draws import ModelDraws
-from harness.questions.assess.options import TURNED, options_of
+from harness.questions.assess.options import AS_IT_IS, TURNED, options_of
 from harness.questions.assess.space_studies import OPTION_STEPS
 from tests.scenes_for_tests import block, scene
 
@@ -79,7 +79,7 @@ def test_options_and_fragility_of_a_scene_in_space_are_the_exact_bodys() -> None
     assert record.fragility is not None
     assert record.options.model == record.fragility.model == "spatial"
     assert not record.options.plane_only
-    assert [item.name for item in record.options.options] == ["as it is", "base widened", TURNED]
+    assert [item.name for item in record.options.options] == [AS_IT_IS, "base_widened", TURNED]
     assert record.options.as_it_is.probability_overturned > 0.1, "the plane never moves it"
     assert record.options.options[1].helps
     assert record.fragility.probability_overturned[0] == 0.0
