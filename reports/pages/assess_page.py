@@ -85,8 +85,10 @@ def _between(say: Language, item: Assessment | OptionAnswer) -> str:
 
 
 def _changed(item: OptionAnswer, say: Language) -> str:
-    """What an option changes."""
-    kind = "set" if "set" in item.values else "friction" if "static" in item.values else item.name
+    """What an option changes: the user's own in the keys of its file."""
+    if "set" in item.values:
+        return str(item.values["set"])
+    kind = "friction" if "static" in item.values else item.name
     numbers = {key: value if isinstance(value, str) else say.short(value) for key, value in item.values.items()}
     return say(f"option.{kind}", **numbers)
 
