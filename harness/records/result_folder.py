@@ -149,8 +149,8 @@ def as_written(path: Path, record: Record) -> bool:
 def read_own(path: Path) -> Plain | None:
     """A record that rockcheck wrote, None where there is none."""
     record = _read(path)
-    mine = record is not None and record.get("kind") in KINDS and isinstance(record.get("schema_version"), int)
-    return record if mine else None
+    kind, version = (None, None) if record is None else (record.get("kind"), record.get("schema_version"))
+    return record if isinstance(kind, str) and kind in KINDS and isinstance(version, int) else None
 
 
 def _read(path: Path) -> Plain | None:

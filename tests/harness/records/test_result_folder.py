@@ -51,6 +51,15 @@ def test_a_foreign_folder_is_refused_and_keeps_everything(tmp_path: Path, result
     assert contents(tmp_path) == {name: b"{}"}
 
 
+@pytest.mark.parametrize("kind", [["run"], {"run": 1}, 1, None, "novel"])
+def test_a_record_of_another_kind_is_somebody_elses(tmp_path: Path, result: Result, kind: object) -> None:
+    text = json.dumps({"kind": kind, "schema_version": 1, "files": {"thesis.docx": None}})
+    (tmp_path / "result.json").write_text(text)
+    with pytest.raises(InputError, match="--out"):
+        write_result(result, tmp_path)
+    assert contents(tmp_path) == {"result.json": text.encode()}
+
+
 @pytest.mark.parametrize("name", ["history_measured.csv", "statue.glb", "notes.txt"])
 def test_what_is_not_listed_stays(tmp_path: Path, result: Result, name: str) -> None:
     write_result(result, tmp_path)
