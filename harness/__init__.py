@@ -7,8 +7,8 @@
 >>> print(harness.compare(run, reference).verdict)
 
 `scene(mapping)` makes a scene without a file, `scene.with_motion(accel_m_s2, dt_s)` shakes it by one's own array, `sweep` runs
-it many times into a table, `assess` says how probable a fall is, `read_mesh` what a scan weighs, `History.from_arrays` takes
-one's own history to `compare`.
+it many times into a table, `execute` any list of runs, kept in a file; `assess` says how probable a fall is, `read_mesh` what a
+scan weighs, `History.from_arrays` takes one's own history to `compare`.
 
 Scenes, runs, histories, scores and studies show themselves in a notebook, and have `to_dataframe()`, `to_xarray()` (extra
 [frames]) and `plot(ax)`; docs/example.ipynb uses them all.
@@ -39,6 +39,8 @@ if TYPE_CHECKING:
     from harness.records.run import RunRecord
     from harness.records.scores import Scores, Verdict
     from harness.records.study import StudyRecord
+    from harness.runs.execute import execute
+    from harness.runs.task import RunRequest
 
 _NAMES: Final = {
     "harness.accuracy.simulation": "simulate",
@@ -58,15 +60,17 @@ _NAMES: Final = {
     "harness.records.scores": "Scores Verdict",
     "harness.records.study": "StudyRecord",
     "harness.questions.scene.scene_run": "run_scene",
+    "harness.runs.execute": "execute",
+    "harness.runs.task": "RunRequest",
     "harness.model.run_set": "RunSet",
     "harness.questions.study.sweep": "sweep",
 }
 """The public names by their modules."""
 _HOMES: Final = {name: module for module, names in _NAMES.items() for name in names.split()}
 __all__ = [
-    "History", "InputError", "Mesh", "Mistake", "Outcome", "Run", "RunOptions", "RunRecord", "RunSet", "Scene", "Scores",
-    "StudyRecord", "Verdict", "assess", "compare", "compare_files", "load_scene", "read_history", "read_mesh",
-    "read_result", "run_scene", "scene", "simulate", "sweep",
+    "History", "InputError", "Mesh", "Mistake", "Outcome", "Run", "RunOptions", "RunRecord", "RunRequest", "RunSet",
+    "Scene", "Scores", "StudyRecord", "Verdict", "assess", "compare", "compare_files", "execute", "load_scene", "read_history",
+    "read_mesh", "read_result", "run_scene", "scene", "simulate", "sweep",
 ]  # fmt: skip
 
 

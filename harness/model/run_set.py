@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.model.errors import InputError, Mistake
-from harness.model.history import Outcome
+from harness.model.history import History, Outcome
+from harness.model.run import NUMBERS
 from harness.model.shown import Shown, library, new_axes
 
 if TYPE_CHECKING:
@@ -29,17 +30,29 @@ def column_of(values: Sequence[object]) -> Column:
     return column
 
 
+def answered(table: Mapping[str, Column]) -> dict[str, Column]:
+    """The columns with no number where a run failed: it has none, whatever its record holds in their place."""
+    failed = np.array([each is not None and Outcome(each).failed for each in table["outcome"].tolist()], dtype=bool)
+    nothing: dict[str, Any] = {
+        name: None if table[name].dtype == object else np.nan for name in NUMBERS if name in table
+    }
+    return {name: np.where(failed, nothing[name], each) if name in nothing else each for name, each in table.items()}
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class RunSet(Shown):
     """Runs as a table of columns of one length: the keys of `varied`, `engine`, `outcome` (None: not run), and its numbers.
 
     >>> runs = harness.sweep(scene, {"motion.x.amplitude_g": [0.2, 0.3]})
     >>> runs.where({"outcome": "stands"}).to_dataframe()
+
+    `histories` has one for each run where they were asked for (None: a run that failed), and is empty where not.
     """
 
     title: str
     varied: Sequence[str]
     table: Mapping[str, Column]
+    histories: Sequence[History | None] = ()
 
     def __len__(self) -> int:
         return len(self.table["engine"])
@@ -56,7 +69,7 @@ class RunSet(Shown):
         """
         self._check(*chosen)
         kept = np.logical_and.reduce([np.ones(len(self), bool), *(self.table[key] == chosen[key] for key in chosen)])
-        return replace(self, table={name: column[kept] for name, column in self.table.items()})
+        return self._at(np.flatnonzero(kept).tolist())
 
     def pivot(self, down: str, across: str, value: str = "outcome") -> tuple[Column, Column, Column]:
         """The values of two columns, and a third column arranged by them, (n, m); None where there is no run.
@@ -87,6 +100,19 @@ class RunSet(Shown):
         known = place.pop(reference, {})
         both = {name: [(k, known[case]) for case, k in mine.items() if case in known] for name, mine in place.items()}
         return {name: (self._at([a for a, _ in some]), self._at([b for _, b in some])) for name, some in both.items()}
+
+    def history(self, place: int) -> History:
+        """The history of one run. Raises `InputError` where none was kept.
+
+        >>> runs = harness.sweep(scene, {"motion.x.amplitude_g": [0.2, 0.3]}, "pymunk", history=True)
+        >>> runs.history(0).theta_rad
+        """
+        kept = self.histories[place] if self.histories else None
+        if kept is None:
+            raise InputError(
+                Mistake(self.title, f"history of run {place}", "a run whose history was asked for", "none")
+            )
+        return kept
 
     def to_arrow(self) -> pyarrow.Table:
         """Its table as Arrow's. Raises `InputError` without pyarrow (the extra [parquet])."""
@@ -128,7 +154,8 @@ class RunSet(Shown):
         return ax
 
     def _at(self, places: Sequence[int]) -> RunSet:
-        return replace(self, table={name: column[np.array(places, int)] for name, column in self.table.items()})
+        table = {name: column[np.array(places, int)] for name, column in self.table.items()}
+        return replace(self, table=table, histories=[self.histories[k] for k in places] if self.histories else ())
 
     def _falls(self) -> NDArray[np.bool_]:
         outcomes = self.table["outcome"].tolist()

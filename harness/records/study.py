@@ -13,7 +13,7 @@ from pydantic import JsonValue
 from harness.model.finding import Finding, Say, Severity
 from harness.model.history import Outcome
 from harness.model.run import OMITTED, RUN_FIELDS, RunRow, to_plain
-from harness.model.run_set import Column, RunSet, column_of
+from harness.model.run_set import Column, RunSet, answered, column_of
 from harness.model.shown import Shown
 from harness.records.base import Plain, Record, plain
 from harness.records.scene import SceneRecord
@@ -256,7 +256,7 @@ class StudyRecord(Record, Shown):
         for each in fields(CaseRun):
             if each.name not in apart:
                 table[each.name] = [getattr(row.run, each.name, None) for row in self.rows]
-        return RunSet(self.title, keys, {name: column_of(values) for name, values in table.items()})
+        return RunSet(self.title, keys, answered({name: column_of(values) for name, values in table.items()}))
 
     def facts(self) -> dict[str, str]:
         """Title, what varies, how many runs, how many of them overturn, by model."""

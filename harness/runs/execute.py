@@ -1,22 +1,33 @@
-"""Many tasks: what the store holds is not computed again, each is kept as soon as it is there, and where the seconds go."""
+"""Many runs: what the store holds is not computed again, each is kept as soon as it is there, and where the seconds go."""
 
 from __future__ import annotations
 
 import statistics
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from itertools import groupby, islice
+from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
+
+from harness.model.errors import InputError, Mistake
+from harness.model.history import History, Outcome
+from harness.model.run import NUMBERS
+from harness.model.run_set import Column, RunSet, answered, column_of
 from harness.records.base import Plain
-from harness.records.study import UsageRecord
-from harness.runs.runner import Crash, Pool
-from harness.runs.store import Packed, Store, packed
-from harness.runs.task import Answer, Task
+from harness.records.study import UsageRecord, impacts
+from harness.runs.dask_pool import DaskPool
+from harness.runs.runner import Crash, InlinePool, LocalPool, Pool
+from harness.runs.store import MEMORY, Packed, Store, packed
+from harness.runs.task import Answer, RunRequest, Task
 
 OnProgress = Callable[[int, int], None]
 """Hears how many tasks are done, and how many there are to do."""
+MOST_SHOWN: Final = 80
+"""Characters of a wrong argument that an error shows."""
 KEPT: Final = "what was finished is kept"
 """Noted in an interrupt of a campaign: the same call goes on where it was."""
 Order = tuple[str, Callable[[Any], Answer], Any]
@@ -25,6 +36,73 @@ Order = tuple[str, Callable[[Any], Answer], Any]
 
 def silent(done: int, total: int) -> None:
     """Hears nothing."""
+
+
+def execute(
+    requests: Sequence[RunRequest],
+    store: Path | str | None = None,
+    *,
+    title: str = "",
+    jobs: int = 1,
+    dask: str | None = None,
+    on_progress: OnProgress = silent,
+) -> RunSet:
+    """Compute the runs that a store lacks; all of them as one table in the order in which they were asked for.
+
+    >>> wanted = [harness.RunRequest(scene, name, history=True) for name in ("analytic", "pymunk")]
+    >>> runs = harness.execute(wanted, "out/runs.sqlite", jobs=2)
+    >>> runs.history(1).theta_rad
+
+    `store` is a file that is made where it is not there; the same call goes on where an interrupt left it. Without one nothing is
+    kept. `jobs` processes (with more than one the caller's script must be importable: its work stands under
+    `if __name__ == "__main__":`), or the Dask cluster of the scheduler at `dask`. A run that fails, or takes its process with it,
+    is a row that says so.
+
+    Raises `InputError` for an engine that is not known, or a file that is no store.
+    """
+    if not requests or not all(isinstance(each, RunRequest) for each in requests):
+        raise InputError(
+            Mistake("execute", "requests", "a list of RunRequest, at least one", repr(requests)[:MOST_SHOWN])
+        )
+    tasks = [request.task() for request in requests]
+    with Store(Path(MEMORY if store is None else store)) as kept, closing(pool_of(jobs, dask)) as pool:
+        # A run that took its process with it has a record that says so.
+        records = [record for record in Campaign(kept, pool, on_progress).ask(tasks) if record is not None]
+        histories = [
+            kept.history(task.key) if request.history else None for request, task in zip(requests, tasks, strict=True)
+        ]
+    return run_set(title, requests, records, histories)
+
+
+def pool_of(jobs: int, dask: str | None) -> Pool:
+    """This process where one is enough, so many others, or a cluster's."""
+    if dask is not None:
+        return DaskPool(dask)
+    return LocalPool(jobs) if jobs > 1 else InlinePool()
+
+
+def run_set(
+    title: str,
+    requests: Sequence[RunRequest],
+    records: Sequence[Mapping[str, Any]],
+    histories: Sequence[History | None],
+) -> RunSet:
+    """Stored runs as a table: what varied, the engine, the outcome and its numbers."""
+    keys = list(dict.fromkeys(key for request in requests for key in request.varied))
+    ends = [str(record["outcome"]) for record in records]
+    table: dict[str, Column] = {key: column_of([each.varied.get(key) for each in requests]) for key in keys}
+    table |= {
+        "engine": column_of([request.engine for request in requests]),
+        "outcome": column_of(ends),
+        "overturned": np.array([Outcome(end).overturned for end in ends]),
+    }
+    for name, otherwise in NUMBERS.items():
+        found = [record.get(name) for record in records]
+        table[name] = np.array([otherwise if value is None else value for value in found], dtype=np.float64)
+    table["peak_theta_rad"] = np.abs(table["peak_theta_rad"])
+    table["steps"] = np.array([record["steps"] for record in records])
+    table["impacts"] = np.array([impacts(record) for record in records])
+    return RunSet(title, keys, answered(table), histories if any(each.history for each in requests) else ())
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import operator
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Final
 
@@ -76,24 +76,36 @@ def lost_answer(argument: Any, crash: Crash) -> Answer:
 
 @dataclass(frozen=True)
 class RunRequest:
-    """One run that is wanted, as it travels to a worker: what makes its scene there, the engine, its target, what is kept."""
+    """One run that is wanted, as it travels to a worker: its scene, or what makes it there, the engine, its target, what is kept.
 
-    scene: Callable[[], Scene]
+    >>> request = harness.RunRequest(scene.replace(motion__x__amplitude_g=0.3), "pymunk", varied={"amplitude_g": 0.3})
+
+    Either `accuracy_rad`, the target of the rotation's numerical error, or a fixed step `dt_s`; without `stated` one run is made
+    and its error is not. `varied` is what tells it from others in a table (it is no part of the key).
+    """
+
+    scene: Scene | Callable[[], Scene]
     engine: str
     accuracy_rad: float | None = DEFAULT_ACCURACY_RAD
     dt_s: float | None = None
     history: bool = False
     stated: bool = True
+    varied: Mapping[str, object] = field(default_factory=dict)
 
-    def task(self, scene: Scene) -> Task:
-        """Its task, named by all that decides its answer; `scene` is what it will make."""
+    def made(self) -> Scene:
+        """Its scene."""
+        return self.scene if isinstance(self.scene, Scene) else self.scene()
+
+    def task(self, scene: Scene | None = None) -> Task:
+        """Its task, named by all that decides its answer; `scene` is what it will make, where that is there already."""
         asked = self.accuracy_rad, self.dt_s, self.history, self.stated
-        return Task(request_key(scene, engines.load(self.engine), *asked), run_request, self, self.engine, lost_answer)
+        key = request_key(scene or self.made(), engines.load(self.engine), *asked)
+        return Task(key, run_request, self, self.engine, lost_answer)
 
 
 def run_request(wanted: RunRequest) -> Answer:
     """Make the scene and run it (a failure is a `Run` that says so); overhead is what `simulate` does not take."""
-    scene = wanted.scene()
+    scene = wanted.made()
     begin = time.perf_counter()
     options = RunOptions(history=wanted.history, stated=wanted.stated)
     run = simulate(scene, wanted.engine, accuracy_rad=wanted.accuracy_rad, dt_s=wanted.dt_s, options=options)

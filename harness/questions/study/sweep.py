@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from harness import engines
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target
 from harness.input.overrides import plain
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
 from harness.model.run import NUMBERS
-from harness.model.run_set import Column, RunSet, column_of
+from harness.model.run_set import RunSet, answered, column_of
 from harness.model.scene import Scene
 from harness.questions.study.case_blocks import SweptRuns
 from harness.questions.study.cases import Base
 from harness.questions.study.file import Value
+from harness.runs.execute import execute
+from harness.runs.task import RunRequest
 
 
 def sweep(
@@ -28,13 +30,17 @@ def sweep(
     engine: str = "analytic",
     *,
     accuracy_rad: float | None = None,
+    history: bool = False,
+    store: Path | str | None = None,
+    jobs: int = 1,
 ) -> RunSet:
-    """Run a scene for its outcome with every combination of some values of its keys, the last key innermost.
+    """Run a scene with every combination of some values of its keys, the last key innermost.
 
     >>> runs = harness.sweep(scene, {"motion.x.amplitude_g": [0.2, 0.3, 0.4]}, "analytic")
     >>> frame = runs.to_dataframe()
 
-    The analytic model's runs are computed together, on all cores. Raises `InputError` for a key or value that makes no scene, an
+    The analytic model's runs for their outcomes are computed together, on all cores; others, and those that keep their `history`,
+    as `harness.execute` does, whose `store` and `jobs` these are. Raises `InputError` for a key or value that makes no scene, an
     unknown engine, or a scene of resolved parts, whose keys are not known.
     """
     check_target(accuracy_rad, None)
@@ -48,14 +54,10 @@ def sweep(
     settings = [dict(zip(axes, point, strict=True)) for point in itertools.product(*axes.values())]
     asked = accuracy_rad or DEFAULT_ACCURACY_RAD
     single = all(isinstance(value, Value) for value in itertools.chain(*axes.values()))
-    swept = engine == "analytic" and single and scene.initial.pose is None
-    answers = _swept(scene, settings, asked) if swept else _one_by_one(scene, settings, engine, asked)
-    outcomes = answers.pop("outcome")
-    falls = np.array([Outcome(each).overturned for each in outcomes.tolist()])
-    varied = {key: column_of([setting[key] for setting in settings]) for key in axes}
-    name = column_of([engine] * len(settings))
-    table = {**varied, "engine": name, "outcome": outcomes, "overturned": falls, **answers}
-    return RunSet(scene.title, list(axes), table)
+    if engine == "analytic" and single and scene.initial.pose is None and not history and store is None:
+        return _swept(scene, settings, asked)
+    requests = [RunRequest(scene.replace(each), engine, asked, history=history, varied=each) for each in settings]
+    return execute(requests, store, title=scene.title, jobs=jobs)
 
 
 def _mapping(values: object) -> Mapping[str, Iterable[object]]:
@@ -72,22 +74,15 @@ def _values(key: str, given: object) -> list[object]:
     return ["none" if value is None else value for value in found]
 
 
-def _swept(scene: Scene, settings: Sequence[Mapping[str, Any]], asked_rad: float) -> dict[str, Column]:
+def _swept(scene: Scene, settings: Sequence[Mapping[str, Any]], asked_rad: float) -> RunSet:
     """The analytic model's runs, together."""
     runs = SweptRuns(Base(scene.source, scene.given), asked_rad)
     for place, setting in enumerate(settings):
         runs.add(place, setting)
     columns = runs.columns()
-    return {name: columns[name] for name in ("outcome", *NUMBERS, "steps", "impacts")}
-
-
-def _one_by_one(
-    scene: Scene, settings: Sequence[Mapping[str, object]], engine: str, asked_rad: float
-) -> dict[str, Column]:
-    """Any engine's runs, one after the other."""
-    options = RunOptions(history=False)
-    runs = [simulate(scene.replace(setting), engine, accuracy_rad=asked_rad, options=options) for setting in settings]
-    numbers = {name: np.array([getattr(run, name) for run in runs], dtype=np.float64) for name in NUMBERS}
-    numbers["peak_theta_rad"] = np.abs(numbers["peak_theta_rad"])
-    counts = {name: np.array([getattr(run, name) for run in runs]) for name in ("steps", "impacts")}
-    return {"outcome": column_of([run.outcome.value for run in runs]), **numbers, **counts}
+    keys = list(settings[0])
+    falls = np.array([Outcome(each).overturned for each in columns["outcome"].tolist()])
+    table = {key: column_of([setting[key] for setting in settings]) for key in keys}
+    table |= {"engine": column_of(["analytic"] * len(settings)), "outcome": columns["outcome"], "overturned": falls}
+    table |= {name: columns[name] for name in (*NUMBERS, "steps", "impacts")}
+    return RunSet(scene.title, keys, answered(table))
