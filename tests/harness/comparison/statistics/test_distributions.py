@@ -78,8 +78,18 @@ def test_equal_distributions_stay_below_the_null_and_others_do_not() -> None:
     apart = distributions.compare_distributions(rng.normal(size=80), rng.normal(1.0, size=80), resamples=300)
     assert same.area.value < same.area_null
     assert apart.area.value > apart.area_null
-    assert apart.ks_p < 1e-3 < same.ks_p
+    assert apart.ks_p == pytest.approx(1 / 301), "none of the shuffles is as far apart"
+    assert same.ks_p > 1e-2
     assert apart.area.low < apart.area.value < apart.area.high
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.4, 0.8])
+def test_shuffling_finds_the_exact_probability_of_a_distance(shift: float) -> None:
+    rng, shuffles = np.random.default_rng(3), 4000
+    a, b = rng.normal(size=12), rng.normal(shift, size=15)
+    exact = stats.ks_2samp(a, b, method="exact").pvalue
+    found = distributions.compare_distributions(a, b, resamples=shuffles).ks_p
+    assert found == pytest.approx(exact, abs=4.0 * math.sqrt(exact * (1.0 - exact) / shuffles) + 1.0 / shuffles)
 
 
 def test_resampled_cases_hold_the_area_between_two_alike_models() -> None:
