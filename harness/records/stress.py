@@ -4,49 +4,90 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 from harness.model.finding import Answer, Finding, caution, changes_answer, info
 from harness.records.base import Record
 from harness.records.bench import PartRow, of_parts
 
-CELL: Final = ("setting", "difficulty", "category", "evidence")
+CELL: Final = ("setting", "difficulty", "category")
 """What is said of a cell that nothing explains."""
+Remedy = Literal["step", "iterations", "margin", "spheres"]
+"""What makes a cell stable: a shorter step, more solver iterations, a hull without its margin, spheres instead of a hull."""
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What a check of a run found: `value` of `allowed` in the unit that ends `check`; without these `holds` says all.
+
+    `case` tells several of one check apart; `until_s` is how long the check was held, where that is not to the end.
+    """
+
+    check: str
+    holds: bool
+    value: float | None = None
+    allowed: float | None = None
+    case: str = ""
+    until_s: float | None = None
 
 
 @dataclass(frozen=True)
 class Cell:
-    """One cell of a map: `category` (stable, inaccurate, drifting, diverged), the numbers that say so, and what avoids it.
+    """One cell of a map: `category` (stable, inaccurate, drifting, diverged), the measures that say so, and what avoids it.
 
-    `short`: only the first part of the scene was run, which says nothing of the rest.
+    `message` is an engine's own, where it gave up. `remedy` and the `stable` setting that it leads to explain a cell that is not
+    stable. `short`: only the first part of the scene was run, which says nothing of the rest.
     """
 
     engine: str
     setting: str
     difficulty: str
     category: str
-    evidence: str
-    explained: str = ""
+    evidence: Sequence[Measure] = ()
+    message: str = ""
+    remedy: Remedy | None = None
+    stable: str = ""
     short: bool = False
 
     @property
     def unexplained(self) -> bool:
         """Whether it is not stable and nothing is known that avoids it."""
-        return self.category != "stable" and not self.explained
+        return self.category != "stable" and self.remedy is None
+
+    def avoided(self, remedy: Remedy, by: Cell) -> Cell:
+        """The same cell, explained by one that is stable."""
+        return replace(self, remedy=remedy, stable=by.setting)
+
+
+@dataclass(frozen=True)
+class KnownFailure:
+    """What avoids a failure of a hard scene: so many iterations a step, tried over its first `tried_s`, and its checks then."""
+
+    step_s: float
+    iterations: int
+    tried_s: float
+    checks: Sequence[Measure]
 
 
 @dataclass(frozen=True)
 class HardRow:
-    """A hard scene: the outcome wanted, what each engine gave, what the checks said, and known failures with what avoids them."""
+    """A hard scene: the outcome wanted, what each engine gave (an outcome, or why it gave none), what was measured by engine, and
+    known failures with what avoids them.
+    """
 
     name: str
     wanted: str
     got: Mapping[str, str]
     holds: bool
-    checks: Sequence[str] = ()
+    checks: Mapping[str, Sequence[Measure]] = field(default_factory=dict)
     note: str = ""
-    known: Mapping[str, str] = field(default_factory=dict)
+    known: Mapping[str, KnownFailure] = field(default_factory=dict)
+
+    def right(self, engine: str) -> bool:
+        """Whether an engine gave what is wanted, and every check of it holds, or fails for what is known."""
+        held = engine in self.known or all(each.holds for each in self.checks.get(engine, ()))
+        return self.got[engine] == self.wanted and held
 
 
 @dataclass(frozen=True)
@@ -113,10 +154,13 @@ def findings_of(record: StressRecord) -> list[Finding]:
     """Scenes that did not come out, cells by category, mutated inputs that did harm."""
     found = []
     for row in record.scenes:
-        wrong = {name: got for name, got in row.got.items() if got != row.wanted}
+        wrong = {name: got for name, got in row.got.items() if not row.right(name)}
         if not row.holds:
             found.append(changes_answer("hard_scene_wrong", scene=row.name, wanted=row.wanted, got=wrong))
-        found += [info("known_failure", scene=row.name, what=text).of(name) for name, text in row.known.items()]
+        found += [
+            info("known_failure", scene=row.name, iterations=known.iterations, step_s=known.step_s).of(name)
+            for name, known in row.known.items()
+        ]
     counts = Counter(cell.category for cell in record.cells)
     found += [info("stability_cells", counts=dict(counts))] if counts else []
     found += [

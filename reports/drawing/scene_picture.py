@@ -12,6 +12,7 @@ from markupsafe import Markup
 from harness.records.scene import SceneRecord
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.kinematics import section
+from reports.messages import Language
 from reports.pages.assets import environment
 
 WIDTH: Final = 460.0
@@ -19,8 +20,8 @@ HEIGHT: Final = 440.0
 MARGIN: Final = {"left": 74.0, "right": 74.0, "top": 26.0, "bottom": 84.0}
 
 
-def scene_svg(scene: SceneRecord, axes: Collection[str] = (), mesh: Path | None = None) -> Markup:
-    """The picture of a record's scene, seen along y: x to the right, z up.
+def scene_svg(scene: SceneRecord, say: Language, axes: Collection[str] = (), mesh: Path | None = None) -> Markup:
+    """The picture of a record's scene, seen along y: x to the right, z up, with the words of a language.
 
     The floor moves along `axes`; `mesh` gives the statue's true outline.
     """
@@ -55,6 +56,6 @@ def scene_svg(scene: SceneRecord, axes: Collection[str] = (), mesh: Path | None 
 
     drawn = template.render(
         width=WIDTH, height=HEIGHT, x=x, z=z, outline=outline.tolist(), lift=lift, top=top, left=left, right=right,
-        statue=scene.statue, pedestal=pedestal, box=boxes, wall=wall, wall_x=wall_x, axes=axes,
+        statue=scene.statue, pedestal=pedestal, box=boxes, wall=wall, wall_x=wall_x, axes=axes, say=say,
     )  # fmt: skip
     return Markup(drawn)

@@ -49,7 +49,7 @@ def blocks(folder: Path, record: EffectsRecord, say: Language) -> list[Block]:
     pictures += [Drawing(scan, [say("text.scan_directions")], "plain-figure")] if scan else []
     told: list[Block] = [
         words(say, "amplitudes", most=f"{record.study.search.most_g:g}"), Legend(keys), words(say, "sides"),
-        Details(say("text.seen_along_y"), [Drawing(scene_svg(record.scene), [record.scene.title])]),
+        Details(say("text.seen_along_y"), [Drawing(scene_svg(record.scene, say), [record.scene.title])]),
     ]  # fmt: skip
     drawn = Chart("effects", say("text.changes"), changes(record, say), 1060)
     moving: list[Block] = [

@@ -114,7 +114,7 @@ def _scene(source: RunSource, say: Language) -> Group:
         for axis in motion.accel_m_s2
     }  # fmt: skip
     told = [facts(say, each, style) for each, style in ((pairs, ""), (pushes, "motion")) if each]
-    picture = Drawing(scene_svg(scene, motion.accel_m_s2, source.mesh), [say("text.scene")])
+    picture = Drawing(scene_svg(scene, say, motion.accel_m_s2, source.mesh), [say("text.scene")])
     return Group("split", [picture, Details(say("text.scene_numbers"), told, fold=True)])
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from harness.records.stress import Cell as Found
-from harness.records.stress import HardRow, StressRecord
+from harness.records.stress import HardRow, Measure, StressRecord
 from reports.blocks import (
     Block,
     Cell,
@@ -59,20 +59,42 @@ def stress_verdict(record: StressRecord) -> Verdict:
     return verdict(record, {"wrong": "failed", "sound": "agree"}.get(code(record), "differ"))
 
 
+def measured(each: Measure, say: Language) -> str:
+    """A check in words: what was measured, of how much."""
+    words, unit = say.named(each.check)
+    name = f"{words} ({say.word(each.case)})" if each.case else words
+    if each.value is None:
+        return f"{name}: {say('text.holds' if each.holds else 'text.fails')}"
+    allowed = say.plain(each.allowed, 2)
+    until = "" if each.until_s is None else say("text.while_model", until=say.value(each.until_s, "s"))
+    return f"{name}: {say('text.of', part=say.plain(each.value, 2), whole=allowed)} {unit}".rstrip() + until
+
+
+def _listed(measures: Sequence[Measure], say: Language) -> list[str]:
+    return [measured(each, say) for each in measures]
+
+
 def _scene(scene: HardRow, engines: Sequence[str], say: Language) -> list[str | Cell]:
     """A hard scene's row: what must come, what each engine gave, what is known of its failures."""
-    known = [Details(say("text.known", name=name), [Text([text])]) for name, text in scene.known.items()]
-    row: list[str | Cell] = [Cell(scene.name, below=scene.note, folds=known), scene.wanted.replace("_", " ")]
+    known = [
+        Details(say("text.known", name=name), [Text([
+            say("text.more_iterations", count=each.iterations, tried=say.value(each.tried_s, "s")),
+            *_listed(each.checks, say),
+        ])])
+        for name, each in scene.known.items()
+    ]  # fmt: skip
+    row: list[str | Cell] = [Cell(scene.name, below=scene.note, folds=known), say.word(scene.wanted)]
     for name in engines:
-        got = scene.got.get(name)
-        right = got == scene.wanted
-        text = f"{got.replace('_', ' ')}{'*' if name in scene.known else ''}" if got else "–"
-        style = ("claim holds" if right else "claim does-not-hold") if got else ""
-        row.append(Cell(text, style, sign=("✓" if right else "✕") if got else ""))
-    checks = (
-        [Details(say("text.checks", count=len(scene.checks)), [Text(scene.checks, "notes")])] if scene.checks else []
-    )
-    return [*row, Cell(folds=checks)]
+        if name not in scene.got:
+            row.append(Cell("–"))
+            continue
+        right = scene.right(name)
+        failed = [] if name in scene.known else [each for each in scene.checks.get(name, ()) if not each.holds]
+        text = "; ".join([say.word(scene.got[name]), *_listed(failed, say)]) + ("*" if name in scene.known else "")
+        row.append(Cell(text, "claim holds" if right else "claim does-not-hold", sign="✓" if right else "✕"))
+    checks = [f"{name}: {text}" for name, found in scene.checks.items() for text in _listed(found, say)]
+    folded = [Details(say("text.checks", count=len(checks)), [Text(checks, "notes")])] if checks else []
+    return [*row, Cell(folds=folded)]
 
 
 def _map(engine: str, cells: Sequence[Found], say: Language) -> list[Block]:
@@ -83,9 +105,9 @@ def _map(engine: str, cells: Sequence[Found], say: Language) -> list[Block]:
             name,
             *(
                 Cell("", "o-none", sign="·") if cell is None else Cell(
-                    "", f"s-{cell.category}", " — ".join(filter(None, (cell.evidence, cell.explained))),
-                    f"{SIGNS[cell.category]}{'*' if cell.explained else ''}{'°' if cell.short else ''}",
-                    f"{cell.category}: {cell.evidence}",
+                    "", f"s-{cell.category}", " — ".join(filter(None, (evidence_of(cell, say), _avoided(cell, say)))),
+                    f"{SIGNS[cell.category]}{'*' if cell.remedy else ''}{'°' if cell.short else ''}",
+                    f"{say(f'text.{cell.category}')}: {evidence_of(cell, say)}",
                 )
                 for cell in found
             ),
@@ -93,13 +115,24 @@ def _map(engine: str, cells: Sequence[Found], say: Language) -> list[Block]:
         for name, found in rows
     ]  # fmt: skip
     evidence = [
-        f"{name}, {cell.setting}: {cell.category}, {cell.evidence}" + (f" ({cell.explained})" if cell.explained else "")
+        f"{name}, {cell.setting}: {say(f'text.{cell.category}')}, {evidence_of(cell, say)}"
+        + (f" ({_avoided(cell, say)})" if cell.remedy else "")
         for name, found in rows for cell in found if cell
     ]  # fmt: skip
     map_of = Table(say("table.stability", engine=engine), [say("label.difficulty"), *settings], shown, "matrix")
-    explained = Text([f"* {text}" for text in explanations(engine, cells)], "variant")
+    explained = Text([f"* {text}" for text in explanations(engine, cells, say)], "variant")
     more = Details(say("text.evidence"), [Text(evidence, "plan")])
     return [Group("", [map_of, stability_chart(engine, cells, say), explained, more], engine)]
+
+
+def evidence_of(cell: Found, say: Language) -> str:
+    """What was measured of a cell, or what its engine said."""
+    return "; ".join(filter(None, [*_listed(cell.evidence, say), say.word(cell.message)]))
+
+
+def _avoided(cell: Found, say: Language) -> str:
+    """What avoids it."""
+    return "" if cell.remedy is None else say(f"text.remedy_{cell.remedy}", stable=cell.stable)
 
 
 def stability_map(engine: str, cells: Sequence[Found]) -> tuple[list[str], list[tuple[str, list[Found | None]]]]:
@@ -118,10 +151,10 @@ def stability_chart(engine: str, cells: Sequence[Found], say: Language) -> Chart
     return Chart(name, say("chart.stability", engine=engine), figure, width=0)
 
 
-def explanations(engine: str, cells: Sequence[Found]) -> list[str]:
+def explanations(engine: str, cells: Sequence[Found], say: Language) -> list[str]:
     """Each explanation of an engine's map once, with the difficulty and the settings that it explains."""
     by_note: dict[tuple[str, str], list[str]] = {}
     for cell in cells:
-        if cell.engine == engine and cell.explained:
-            by_note.setdefault((cell.difficulty, cell.explained), []).append(cell.setting)
+        if cell.engine == engine and cell.remedy:
+            by_note.setdefault((cell.difficulty, _avoided(cell, say)), []).append(cell.setting)
     return [f"{words}, {'; '.join(settings)}: {text}" for (words, text), settings in by_note.items()]

@@ -75,7 +75,7 @@ def blocks(_folder: Path, record: StudyRecord, say: Language) -> list[Block]:
         (say.value(key, "key"), ", ".join(_shown(value) for value in values)) for key, values in record.vary.items()
     ]
     seconds = Facts([(name, say.value(value, "s")) for name, value in record.engine_seconds.items()])
-    picture = Drawing(scene_svg(record.scene), [say("text.study_scene", title=record.scene.title)])
+    picture = Drawing(scene_svg(record.scene, say), [say("text.study_scene", title=record.scene.title)])
     shown = matrix(models, cases, keys, say) if len(cases) <= MOST_MATRIX_ROWS else None
     return [
         study_verdict(record, models, cases, say),

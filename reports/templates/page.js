@@ -273,7 +273,7 @@ document.addEventListener("click", (event) => {
 const start = async () => {
   foldAway();
   if (!("DecompressionStream" in window)) {
-    for (const note of document.querySelectorAll(".wait")) note.textContent = "This browser is too old to draw charts; every number stands in the tables.";
+    for (const note of document.querySelectorAll(".wait")) note.textContent = note.dataset.old;
     return;
   }
   await breath();

@@ -10,7 +10,7 @@ rockcheck.whenReady.push(async () => {
     await rockcheck.run("three-js");
     renderer = new THREE.WebGLRenderer({ antialias: true });
   } catch (error) {
-    wait.textContent = "This browser cannot draw in 3D (no WebGL); the histories below show the same motion.";
+    wait.textContent = wait.dataset.without;
     return;
   }
   const data = await rockcheck.data(document.getElementById("replay-data"));
@@ -224,7 +224,7 @@ rockcheck.whenReady.push(async () => {
   const canvas = renderer.domElement;
   canvas.tabIndex = 0;
   canvas.setAttribute("role", "img");
-  canvas.setAttribute("aria-label", "The statue in 3D. Arrow keys turn the view, plus and minus zoom, the space bar plays.");
+  canvas.setAttribute("aria-label", stage.dataset.canvas);
   const turn = (right, up) => { view.azimuth -= right; view.elevation = Math.min(1.5, Math.max(-0.05, view.elevation + up)); aim(); draw(); };
   const zoomBy = (factor) => { view.distance = Math.min(12 * total, Math.max(1.2 * total, view.distance * factor)); aim(); draw(); };
   let held = null;

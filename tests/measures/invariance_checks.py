@@ -9,7 +9,7 @@ import json
 import math
 import sys
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Final
@@ -29,7 +29,7 @@ from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, h
 from harness.questions.bench.stress import checks
 from harness.questions.bench.stress.catalogue import ALL, CONTACT, leaning
 from harness.questions.bench.stress.hard_scenes import QUESTIONS, solution
-from harness.records.stress import HardRow
+from harness.records.stress import HardRow, Measure
 
 HOLDS: Final = "holds"
 STEP_S: Final = 5e-4
@@ -57,11 +57,9 @@ SAME: Final = RunOptions(skips=frozenset())
 FORCED: Final = {"duration_s": 1.0, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.429, 3.0)}
 
 
-def _row(name: str, answers: Mapping[str, tuple[bool, str]], wanted: str = HOLDS) -> HardRow:
-    got = {engine: wanted if good else f"does not: {sentence}" for engine, (good, sentence) in answers.items()}
-    said = [f"{engine}: {sentence}" for engine, (_, sentence) in answers.items()]
-    holds = all(good for good, _ in answers.values())
-    return HardRow(name, wanted, got, holds, said)
+def _row(name: str, answers: Mapping[str, Sequence[Measure]], wanted: str = HOLDS) -> HardRow:
+    got = {engine: wanted if checks.all_hold(measured) else "wrong" for engine, measured in answers.items()}
+    return HardRow(name, wanted, got, all(each == wanted for each in got.values()), answers)
 
 
 def _here(names: tuple[str, ...]) -> list[Engine]:
@@ -88,12 +86,12 @@ def _apart(one: Run, other: Run, sign: float = 1.0) -> float:
 def _repeated() -> HardRow:
     """The same scene twice, another one between."""
     scene, other = scene_of("one", FORCED), scene_of("another", leaning(COLUMN, 0.5, 0.5))
-    answers = {}
+    answers: dict[str, Sequence[Measure]] = {}
     for engine in _here(ALL):
         first = _run(engine, scene)
         _run(engine, other)
         apart = _apart(first, _run(engine, scene))
-        answers[engine.name] = apart == 0.0, f"{apart:.1e} rad apart"
+        answers[engine.name] = [checks.within("apart_rad", apart, 0.0)]
     return _row("the same scene twice, another between: bit for bit", answers)
 
 
@@ -103,39 +101,42 @@ def _mirrored() -> HardRow:
     statue = {**PAESTUM, "corner_left_m": PAESTUM["corner_right_m"], "corner_right_m": PAESTUM["corner_left_m"]}
     mirror = {**given, "statue": statue, "motion": harmonic(-0.429, 3.0)}
     scene, image = scene_of("given", given), scene_of("mirror", mirror)
-    answers = {}
+    answers: dict[str, Sequence[Measure]] = {}
     for engine in _here(ALL):
         apart = _apart(_run(engine, scene), _run(engine, image), -1.0)
         # A contact engine visits contacts in the order of creation, which the mirror does not swap: its own error is left.
         allowed = 0.0 if engine.capabilities.certifies else _settings(engine, scene).expected_error_rad
-        answers[engine.name] = apart <= allowed, f"{apart:.1e} rad of {allowed:g} rad"
+        answers[engine.name] = [checks.within("apart_rad", apart, allowed)]
     return _row("mirrored input, mirrored output", answers)
 
 
 def _perturbed() -> HardRow:
     """Starts perturbed by 1e-12 to 1e-3."""
-    answers = {}
+    answers: dict[str, Sequence[Measure]] = {}
     scenes = {size: scene_of("start", leaning(COLUMN, 0.5 + size, 2.0)) for size in (0.0, *PERTURBATIONS)}
     for engine in _here(ALL):
         base = _run(engine, scenes[0.0])
         own = 1e-12 if engine.capabilities.certifies else ROUNDING_RAD
         apart = {size: _apart(base, _run(engine, scenes[size])) for size in PERTURBATIONS}
-        good = all(GROWTH[0] * size <= value <= GROWTH[1] * size + own for size, value in apart.items())
-        answers[engine.name] = good, ", ".join(f"{size:g} of α: {value:.1e} rad" for size, value in apart.items())
+        answers[engine.name] = [
+            Measure("apart_rad", GROWTH[0] * size <= value <= most, value, most, f"{size:g} α")
+            for size, value in apart.items()
+            for most in [GROWTH[1] * size + own]
+        ]
     return _row("starts perturbed by 1e-12 to 1e-3", answers)
 
 
 def _permuted() -> HardRow:
     """Bodies added in the other order."""
     scene = scene_of("permuted", FORCED)
-    answers = {}
+    answers: dict[str, Sequence[Measure]] = {}
     for engine in _here(CONTACT):
         settings = _settings(engine, scene, PERMUTED_STEP_S)
         plain = settings.as_dict()
         flag = "pedestal_first" if "pedestal_first" in plain else "reversed_bodies"
         other: Settings = replace(settings, **{flag: not plain[flag]})
         apart = _apart(engine.simulate(scene, settings, SAME), engine.simulate(scene, other, SAME))
-        answers[engine.name] = apart <= PERMUTED_RAD, f"{apart:.1e} rad of {PERMUTED_RAD:g} rad"
+        answers[engine.name] = [checks.within("apart_rad", apart, PERMUTED_RAD)]
     return _row("bodies in the other order", answers)
 
 
@@ -144,12 +145,12 @@ def _refined() -> HardRow:
     scene = scene_of("refined", leaning(COLUMN, 0.5, 0.3))
     judge = solution(scene)
     steps = (2e-3, 1e-3, 5e-4, 2.5e-4)
-    answers = {}
+    answers: dict[str, Sequence[Measure]] = {}
     for engine in _here(CONTACT):
         errors = [error_rad(_run(engine, scene, step), judge) for step in steps]
         order = math.log2(errors[0] / errors[-1]) / (len(steps) - 1)
-        sentence = f"order {order:.2f} (declared: {engine.order:g}), errors {errors[0]:.1e} to {errors[-1]:.1e} rad"
-        answers[engine.name] = order >= engine.order - ORDER_SHORT, sentence
+        least = engine.order - ORDER_SHORT
+        answers[engine.name] = [Measure("order_at_least", order >= least, order, least)]
     return _row("order of convergence over three halvings", answers)
 
 
@@ -162,13 +163,21 @@ def _touched() -> HardRow:
         content = {"duration_s": 0.6, "statue": COLUMN, "initial": {"theta_rad": 0.05}, "motion": {"x": push}}
         scene = scene_of(name, content)
         sides[name] = scene, solution(scene)
-    impacts = [run.work["impacts"] for _, run in sides.values()]
-    apart = _apart(sides["missed"][1], sides["touched"][1])
-    sentence = f"{impacts[0]} and {impacts[1]} impacts, {apart:.1e} rad apart"
-    answers = {exact.name: (impacts == [0, 1] and apart <= TOUCH_APART_RAD, sentence)}
+    answers: dict[str, Sequence[Measure]] = {
+        exact.name: [
+            *(
+                Measure("impacts", run.work["impacts"] == count, run.work["impacts"], count, side)
+                for count, (side, (_, run)) in enumerate(sides.items())
+            ),
+            checks.within("apart_rad", _apart(sides["missed"][1], sides["touched"][1]), TOUCH_APART_RAD),
+        ]
+    }
     for engine in _here(CONTACT):
-        checked = [checks.agrees(scene, _run(engine, scene), truth) for scene, truth in sides.values()]
-        answers[engine.name] = all(item.holds for item in checked), "; ".join(item.sentence for item in checked)
+        answers[engine.name] = [
+            replace(each, case=side)
+            for side, (scene, truth) in sides.items()
+            for each in checks.agrees(scene, _run(engine, scene), truth)
+        ]
     return _row("an impact touched and missed by a billionth of a second", answers)
 
 
@@ -179,12 +188,12 @@ def _far() -> HardRow:
     away = SampledAcceleration(t_s, GRAVITY_M_S2 * np.where(t_s < FAR_S, 0.1, pulse))
     content = {"duration_s": FAR_S + 2.0, "table": "moving", "statue": COLUMN, "gravity_m_s2": GRAVITY_M_S2}
     scene = replace(scene_of("far", {**content, "output": {"dt_s": 1e-3}}), base_excitation=BaseExcitation(x=away))
-    truth, answers = solution(scene), {}
+    truth = solution(scene)
+    answers: dict[str, Sequence[Measure]] = {}
     for engine in _here(CONTACT):
         run = _run(engine, scene, 1e-3)
-        findings = [checks.agrees(scene, run, truth), checks.energy(scene, run)]
-        good = run.outcome is truth.outcome and run.outcome.overturned and all(item.holds for item in findings)
-        answers[engine.name] = good, "; ".join(item.sentence for item in findings)
+        falls = Measure("overturns", run.outcome is truth.outcome and run.outcome.overturned)
+        answers[engine.name] = [falls, *checks.agrees(scene, run, truth), *checks.energy(scene, run)]
     return _row("rocking and overturning 1 km from the origin", answers)
 
 
@@ -192,7 +201,7 @@ def _hulls() -> HardRow:
     """Hulls of 8 to 10 000 vertices on the same base."""
     import trimesh
 
-    answers: dict[str, tuple[bool, str]] = {}
+    answers: dict[str, Sequence[Measure]] = {}
     peaks: dict[str, list[float]] = {engine.name: [] for engine in _here(ALL)}
     with tempfile.TemporaryDirectory(prefix="rockcheck-stress-") as name:
         for count in HULLS:
@@ -207,10 +216,7 @@ def _hulls() -> HardRow:
                 peaks[engine.name].append(_run(engine, scene).peak_theta_rad)
     for name, values in peaks.items():
         spread = float(np.ptp(values)) / max(abs(values[0]), 1e-12)
-        answers[name] = (
-            spread <= HULL_RAD,
-            f"peaks {spread:.1e} apart, relative, with {HULLS[0]} to {HULLS[-1]} vertices",
-        )
+        answers[name] = [checks.within("peaks_apart", spread, HULL_RAD)]
     return _row("hulls of 8 to 10 000 vertices", answers)
 
 
@@ -234,7 +240,7 @@ def _no_motion() -> HardRow:
         "no samples": "t_s,a\n",
         "one sample": "t_s,a\n0,1\n",
     }
-    answers: dict[str, tuple[bool, str]] = {}
+    answers: list[Measure] = []
     with tempfile.TemporaryDirectory(prefix="rockcheck-stress-") as name:
         file = Path(name) / "motion.csv"
         for what, text in files.items():
@@ -242,13 +248,11 @@ def _no_motion() -> HardRow:
             motion = {"x": {"kind": "record", "file": str(file), "column": "a", "unit": "m/s2"}}
             try:
                 scene_of(what, {"duration_s": 1.0, "statue": COLUMN, "motion": motion})
-            except InputError as refusal:
-                answers[what] = True, str(refusal).replace(str(file), file.name)
+            except InputError:
+                answers.append(Measure("refused", holds=True, case=what))
             else:
-                answers[what] = False, "read as a motion"
-    good = all(item[0] for item in answers.values())
-    said = "; ".join(f"{what}: {sentence}" for what, (_, sentence) in answers.items())
-    return _row("motions with NaN, without samples, with one sample", {"reading": (good, said)}, "refused")
+                answers.append(Measure("refused", holds=False, case=what))
+    return _row("motions with NaN, without samples, with one sample", {"reading": answers}, "refused")
 
 
 ASKED: Final[Mapping[str, Callable[[], HardRow]]] = dict(

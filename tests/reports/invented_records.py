@@ -26,7 +26,7 @@ from harness.records.bench import BenchRecord, Choice, Covered, PartRow, Precisi
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval, Scores
 from harness.records.sets import FragilityCurve
-from harness.records.stress import Cell, HardRow, Mutated, StressRecord
+from harness.records.stress import Cell, HardRow, Measure, Mutated, StressRecord
 from harness.records.trust import CLASSES, CONTOURS, Rotation, TrustCell, TrustMap, TrustRecord, TrustSummary
 from harness.records.validation import FallScores
 from reports.messages import ENGLISH
@@ -194,6 +194,9 @@ def write_bench(folder: Path) -> Path:
     return _write(folder, plain(bench()))
 
 
+CHECKED = {"pymunk": [Measure("finite", True), Measure("creep_rad", True, 1e-9, 1e-6)]}
+
+
 def stress(*, sound: bool = True) -> StressRecord:
     """A stability map and a catalogue of hard scenes; `sound` False leaves one scene wrong."""
     cells = []
@@ -201,11 +204,12 @@ def stress(*, sound: bool = True) -> StressRecord:
         for k, setting in enumerate(("1/60 s", "1 ms", "0.1 ms")):
             for m, difficulty in enumerate(("slenderness 5", "slenderness 50", "1 cm")):
                 category = ("stable", "inaccurate", "drifting", "diverged")[max(0, m - k + (engine == "pybullet"))]
-                cells.append(Cell(engine, setting, difficulty, category, f"error {10.0 ** -(k + 2):.0e} rad"))
+                error = Measure("error_rad", category == "stable", 10.0 ** -(k + 2), 1e-3)
+                cells.append(Cell(engine, setting, difficulty, category, [error]))
     lifted = "lift_off" if sound else "stands"
     answers = {"600 s at rest": ("stands", "stands", "stands"), "vertical −1 g": ("lift_off", "lift_off", lifted)}
     scenes = [
-        HardRow(name, wanted, {"pymunk": munk, "pybullet": bullet}, munk == bullet == wanted, ["finite", "no creep"])
+        HardRow(name, wanted, {"pymunk": munk, "pybullet": bullet}, munk == bullet == wanted, CHECKED)
         for name, (wanted, munk, bullet) in answers.items()
     ]
     made = StressRecord(

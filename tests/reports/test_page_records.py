@@ -18,6 +18,7 @@ from harness.records.kinds import read_result
 from harness.records.scores import Interval
 from harness.records.sets import SetScores
 from harness.records.stress import Cell as Found
+from harness.records.stress import KnownFailure, Measure
 from harness.records.stress import answer_of as stress_answer
 from harness.records.stress import findings_of as stress_findings
 from harness.records.study import StudyWitness, WitnessCount
@@ -30,7 +31,7 @@ from reports.messages import ENGLISH
 from reports.pages import conservator_study
 from reports.pages.bench_page import bench_verdict
 from reports.pages.page import page_blocks, write_report
-from reports.pages.stress_page import explanations, stress_verdict
+from reports.pages.stress_page import explanations, measured, stress_verdict
 from reports.pages.validation_page import validation_verdict
 from reports.text.study_rows import conditions
 from tests.reports import invented_records, invented_study
@@ -237,14 +238,17 @@ def test_a_stress_run_of_one_part_does_not_say_that_hard_scenes_come_out() -> No
 
 def test_a_known_failure_is_seen_on_the_page(tmp_path: Path) -> None:
     record = invented_records.stress()
-    scenes = [replace(record.scenes[0], known={"pybullet": "creeps at 1 ms; with more iterations it does not"})]
+    avoided = KnownFailure(1e-3, 3000, 1.0, [Measure("creep_rad", True, 1e-9, 1e-6, until_s=0.5)])
+    creeps = {"pybullet": [Measure("creep_rad", False, 1e-5, 1e-6)]}
+    scenes = [replace(record.scenes[0], known={"pybullet": avoided}, checks=creeps)]
+    assert scenes[0].right("pybullet")
+    assert not replace(scenes[0], known={}).right("pybullet")
     record = replace(record, scenes=scenes, command="rockcheck stress --quick")
     write_json(tmp_path / "result.json", as_file(record))
     page = without_data(write_report(tmp_path).read_text(encoding="utf-8"))
-    assert (
-        "known failure of pybullet, and what avoids it</summary><p>creeps at 1 ms; with more iterations it does not"
-        in page
-    )
+    assert "known failure of pybullet, and what avoids it</summary>" in page
+    assert "With 3000 iterations a step" in page
+    assert measured(avoided.checks[0], ENGLISH) in page
     assert "<code>rockcheck stress --quick</code>" in page
 
 
@@ -279,15 +283,15 @@ def test_scaling_is_one_plot_of_time_and_memory_with_a_table(tmp_path: Path) -> 
 
 
 def test_every_explanation_of_a_map_stands_below_it_once() -> None:
-    cell = Found("pybullet", "1/60 s", "at rest", "inaccurate", "error", "too long")
+    cell = Found("pybullet", "1/60 s", "at rest", "inaccurate", remedy="step", stable="1 ms")
     cells = [
-        cell, replace(cell, setting="1/240 s"), replace(cell, setting="hull", explained="known: margin 0 is stable"),
-        replace(cell, setting="1 ms", explained=""), replace(cell, engine="pymunk", explained="another"),
+        cell, replace(cell, setting="1/240 s"), replace(cell, setting="hull", remedy="margin", stable="margin 0"),
+        replace(cell, setting="1 ms", remedy=None), replace(cell, engine="pymunk", stable="another"),
     ]  # fmt: skip
-    assert explanations("pybullet", cells) == [
-        "at rest, 1/60 s; 1/240 s: too long",
-        "at rest, hull: known: margin 0 is stable",
-    ]
+    told = explanations("pybullet", cells, ENGLISH)
+    assert [each.partition(": ")[0] for each in told] == ["at rest, 1/60 s; 1/240 s", "at rest, hull"]
+    assert "1 ms" in told[0]
+    assert "margin 0" in told[1]
 
 
 def test_the_conservators_page_counts_as_the_terminal_does(tmp_path: Path) -> None:

@@ -1,10 +1,9 @@
-"""What must hold in any run of a hard scene; every check gives a sentence with its number."""
+"""What must hold in any run of a hard scene; every check gives its number and how much is allowed."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
 from typing import Final
 
 import numpy as np
@@ -14,6 +13,7 @@ from harness.comparison.scores.pointwise import error_rad as difference_rad
 from harness.model.history import Array
 from harness.model.run import Run, number
 from harness.model.scene import Scene
+from harness.records.stress import Measure
 
 AGREES_RAD: Final = 1e-3
 """Error that is allowed of any scene: the accuracy that a run aims at unless told otherwise."""
@@ -37,16 +37,17 @@ REST_RAD: Final = 2e-4
 """Rotation below which a rocking that has died out counts as rest: what the engines' contact depths can leave."""
 
 
-@dataclass(frozen=True)
-class Finding:
-    """One check of one run: whether it holds, and the number that says so."""
-
-    name: str
-    holds: bool
-    sentence: str
+Check = Callable[[Scene, Run], list[Measure]]
 
 
-Check = Callable[[Scene, Run], Finding]
+def within(check: str, value: float, allowed: float, until_s: float | None = None) -> Measure:
+    """What was measured, which holds where it is no more than is allowed."""
+    return Measure(check, value <= allowed, value, allowed, until_s=until_s)
+
+
+def all_hold(measures: Iterable[Measure]) -> bool:
+    """Whether every check holds."""
+    return all(each.holds for each in measures)
 
 
 def barrier_j(scene: Scene) -> float:
@@ -79,51 +80,42 @@ def _frequency_hz(scene: Scene) -> float:
     return float(getattr(scene.base_excitation.x, "frequency_hz", 0.0))
 
 
-def finite(scene: Scene, run: Run) -> Finding:
+def finite(scene: Scene, run: Run) -> list[Measure]:
     """Every number of the run is finite (a history with another cannot be made)."""
     numbers = [run.peak_theta_rad, run.peak_slip_m, run.end_s]
-    good = bool(np.all(np.isfinite(numbers))) and run.history is not None
-    return Finding("finite", good, "all numbers finite" if good else f"not finite: {numbers}")
+    return [Measure("finite", bool(np.all(np.isfinite(numbers))) and run.history is not None)]
 
 
-def energy(scene: Scene, run: Run) -> Finding:
-    """Contacts add no energy."""
+def energy(scene: Scene, run: Run) -> list[Measure]:
+    """Contacts add no energy but what comes back from motion out of the plane."""
     gained = number(run.validity, "energy_gained_j", 0.0)
     share = ENERGY_SHARE + TABLE_STEPS * number(run.settings, "dt_s", 0.0) * _frequency_hz(scene)
-    beyond = beyond_plane_j(scene, run)
-    allowed = max(share * exchanged_j(scene, run), LEAST_ENERGY_J) + beyond
-    sentence = f"contacts add {gained:.1e} J of {allowed:.1e} J allowed"
-    if beyond > LEAST_ENERGY_J and beyond > 0.1 * allowed:
-        sentence += f", of which {beyond:.1e} J may come back from motion out of the plane"
-    return Finding("energy", gained <= allowed, sentence)
+    allowed = max(share * exchanged_j(scene, run), LEAST_ENERGY_J) + beyond_plane_j(scene, run)
+    return [within("energy_gained_j", gained, allowed)]
 
 
-def depth(scene: Scene, run: Run) -> Finding:
-    """No tunnelling: bodies stay within a share of the base's width of each other's surfaces."""
+def depth(scene: Scene, run: Run) -> list[Measure]:
+    """No tunnelling: bodies stay within a share of the base's width of each other's surfaces, where a model has such a depth."""
     if "penetration_m" not in run.validity:
-        return Finding("penetration", True, "no contact of this model can be penetrated")
-    deep = number(run.validity, "penetration_m")
-    width = scene.statue.corner_left_m + scene.statue.corner_right_m
-    return Finding(
-        "penetration", deep <= DEPTH_SHARE * width, f"penetration {deep:.1e} m of {DEPTH_SHARE * width:.1e} m"
-    )
+        return []
+    width_m = scene.statue.corner_left_m + scene.statue.corner_right_m
+    return [within("penetration_m", number(run.validity, "penetration_m"), DEPTH_SHARE * width_m)]
 
 
-def creep(scene: Scene, run: Run, share: float = 1.0) -> Finding:
+def creep(scene: Scene, run: Run, share: float = 1.0) -> list[Measure]:
     """At rest nothing drifts: the means of the second and the last tenth are the same, though contacts may tremble.
 
     `share` of the scene's time is what was run: so much of the drift is allowed.
     """
     if run.history is None:
-        return Finding("creep", False, "no history")
+        return [Measure("finite", holds=False)]
     t_s, end = run.history.t_s, run.end_s
     early, late = (t_s >= 0.1 * end) & (t_s < 0.2 * end), t_s >= 0.9 * end
-    turned = _drift(run.history.theta_rad, early, late)
-    slid = _drift(run.history.slip_m, early, late)
-    trembles = float(np.ptp(run.history.theta_rad[t_s >= 0.1 * end]))
-    good = turned <= share * CREEP_RAD and slid <= share * CREEP_M and trembles <= TREMBLE_RAD
-    sentence = f"creep {turned:.1e} rad, {slid:.1e} m in {end:g} s, trembling {trembles:.1e} rad"
-    return Finding("creep", good, sentence)
+    return [
+        within("creep_rad", _drift(run.history.theta_rad, early, late), share * CREEP_RAD),
+        within("creep_m", _drift(run.history.slip_m, early, late), share * CREEP_M),
+        within("tremble_rad", float(np.ptp(run.history.theta_rad[t_s >= 0.1 * end])), TREMBLE_RAD),
+    ]
 
 
 def _drift(values: Array, early: NDArray[np.bool_], late: NDArray[np.bool_]) -> float:
@@ -147,34 +139,28 @@ def allowed_rad(exact: Run) -> float:
     return max(min(AGREES_RAD, AGREES_SHARE * abs(exact.peak_theta_rad)), UPRIGHT_RAD)
 
 
-def agrees(scene: Scene, run: Run, exact: Run) -> Finding:
+def agrees(scene: Scene, run: Run, exact: Run) -> list[Measure]:
     """The rotation is the exact one, and on a pedestal its slip too, while the two-block model holds."""
-    off, allowed = error_rad(run, exact), allowed_rad(exact)
-    sentence, good = f"error {off:.1e} rad of {allowed:.1e} rad allowed", off <= allowed
-    until = holds_until_s(exact)
-    if until < 0.99 * exact.end_s:
-        sentence += f" until {until:.3g} s, where the two-block model ends"
+    until_s = holds_until_s(exact)
+    told_s = until_s if until_s < 0.99 * exact.end_s else None
+    found = [within("error_rad", error_rad(run, exact), allowed_rad(exact), told_s)]
     if scene.pedestal is not None and run.history is not None and exact.history is not None:
-        t_s = run.history.t_s[run.history.t_s <= until]
+        t_s = run.history.t_s[run.history.t_s <= until_s]
         slip = np.interp(t_s, exact.history.t_s, exact.history.slip_m)
-        slid, most = (
-            float(np.max(np.abs(run.history.slip_m[: t_s.size] - slip))),
-            AGREES_SHARE * exact.peak_slip_m + CREEP_M,
-        )
-        sentence, good = f"{sentence}, slip {slid:.1e} m off of {most:.1e} m", good and slid <= most
-    return Finding("exact", good, sentence)
+        slid_m = float(np.max(np.abs(run.history.slip_m[: t_s.size] - slip)))
+        found.append(within("slip_error_m", slid_m, AGREES_SHARE * exact.peak_slip_m + CREEP_M, told_s))
+    return found
 
 
-def upright(scene: Scene, run: Run) -> Finding:
+def upright(scene: Scene, run: Run) -> list[Measure]:
     """Below every limit of rest the statue does not rock."""
-    peak = abs(run.peak_theta_rad)
-    return Finding("upright", peak <= UPRIGHT_RAD, f"largest rotation {peak:.1e} rad")
+    return [within("largest_rotation_rad", abs(run.peak_theta_rad), UPRIGHT_RAD)]
 
 
-def ends_at_rest(scene: Scene, run: Run) -> Finding:
+def ends_at_rest(scene: Scene, run: Run) -> list[Measure]:
     """The rocking has died out."""
-    last = abs(float(run.history.theta_rad[-1])) if run.history is not None else float("inf")
-    return Finding("rest", last <= REST_RAD, f"last rotation {last:.1e} rad")
+    last = abs(float(run.history.theta_rad[-1])) if run.history is not None else math.inf
+    return [within("last_rotation_rad", last, REST_RAD)]
 
 
 BASIC: Final[tuple[Check, ...]] = (finite, energy, depth)

@@ -11,14 +11,13 @@ from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.options import SKIPS, RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, number
 from harness.model.scene import Scene
 from harness.questions.bench import programs
 from harness.questions.bench.standard_scenes import scene_of
 from harness.questions.bench.stress import checks
 from harness.questions.bench.stress.catalogue import Hard, catalogue
-from harness.questions.bench.stress.checks import Finding
-from harness.records.stress import Cell, HardRow
+from harness.records.stress import Cell, HardRow, KnownFailure, Measure
 from harness.runs.parts import Row
 
 # Why a cell of a stability map is not stable: the setting of the same row that is, or nothing.
@@ -37,7 +36,7 @@ MANY: Final = {
 
 
 def explained(row: Sequence[Cell], converged: Callable[[], Cell | None] = lambda: None) -> Iterator[Cell]:
-    """The cells of one row, from coarse to fine; those that are not stable with the setting that is, or "" where none is known.
+    """The cells of one row, from coarse to fine; those that are not stable with the setting that is, where one is known.
 
     A cell is explained by a whole run with a finer step that is stable. Where there is none, `converged` computes the row with
     far more iterations a step: that cell follows the others, and explains those before it when it is stable.
@@ -48,12 +47,9 @@ def explained(row: Sequence[Cell], converged: Callable[[], Cell | None] = lambda
         if cell.category == "stable":
             yield cell
         elif stable := _finer(row[index + 1 :]):
-            yield replace(cell, explained=f"the step is too long for this scene: {stable.setting} is stable")
+            yield cell.avoided("step", stable)
         elif last is not None and last.category == "stable" and not last.short:
-            sentence = (
-                f"no step alone avoids it, the solver ends each too early: {last.setting} is stable ({last.evidence})"
-            )
-            yield replace(cell, explained=sentence)
+            yield cell.avoided("iterations", last)
         else:
             yield cell
     if last is not None:
@@ -71,11 +67,6 @@ def converged(settings: Settings) -> Settings:
         raise ValueError(f"{type(settings).__name__} has no iterations")
     changes = {name: value for name, value in MANY.items() if name in known}
     return replace(settings, **changes)
-
-
-def iterations(settings: Settings) -> str:
-    """How many, in words."""
-    return f"up to {settings.as_dict()['iterations']} iterations"
 
 
 QUICK: Final = ("released 1e-3 rad below balance", "height to width 50", "floor friction 5")
@@ -113,7 +104,7 @@ def answer(program: str, task: str) -> list[Row]:
 
 def died(task: str) -> list[Row]:
     """The row of a hard scene that took its process with it."""
-    return [asdict(HardRow(task, "", {"*": "the process died"}, holds=False))]
+    return [asdict(HardRow(task, "", {"*": "crashed"}, holds=False))]
 
 
 def row_of(hard: Hard) -> HardRow:
@@ -121,8 +112,8 @@ def row_of(hard: Hard) -> HardRow:
     scene = scene_of(hard.name, hard.content)
     exact = solution(scene) if hard.exact else None
     got: dict[str, str] = {}
-    said: list[str] = []
-    known: dict[str, str] = {}
+    measured: dict[str, list[Measure]] = {}
+    known: dict[str, KnownFailure] = {}
     for name in hard.engines:
         engine = engines.load(name)
         if engine.missing() is not None:
@@ -130,20 +121,14 @@ def row_of(hard: Hard) -> HardRow:
         try:
             run = simulate(engine, scene, hard.dt_s, hard.skips)
         except EngineFailure as failure:
-            got[name] = f"failed: {failure}"
+            got[name] = str(failure)
             continue
-        findings = judged(hard, scene, run, exact)
-        bad = [item for item in findings if not item.holds]
-        said += [f"{name}: {item.sentence}" for item in findings if item.name != "finite"]
-        if bad and hard.converged_s is not None:
-            avoids, sentence = _converged(engine, scene, hard, exact, hard.converged_s)
-            wrong = "; ".join(item.sentence for item in bad)
-            known[name] = f"{wrong} at {1e3 * hard.dt_s:g} ms; {sentence}"
-            bad = [] if avoids else bad
-        outcome = run.outcome.value
-        got[name] = outcome if not bad else f"{outcome}, but {'; '.join(item.sentence for item in bad)}"
-    holds = bool(got) and all(outcome == hard.wanted for outcome in got.values())
-    return HardRow(hard.name, hard.wanted, got, holds, said, hard.note, known)
+        got[name], measured[name] = run.outcome.value, judged(hard, scene, run, exact)
+        if hard.converged_s is not None and not checks.all_hold(measured[name]):
+            avoided = _converged(engine, scene, hard, exact, hard.converged_s)
+            known |= {} if avoided is None else {name: avoided}
+    row = HardRow(hard.name, hard.wanted, got, True, measured, hard.note, known)
+    return replace(row, holds=bool(got) and all(row.right(name) for name in got))
 
 
 def solution(scene: Scene) -> Run:
@@ -152,21 +137,19 @@ def solution(scene: Scene) -> Run:
     return engine.simulate(scene, engine.refinement_levels(scene)[-1], RunOptions(skips=frozenset()))
 
 
-def judged(hard: Hard, scene: Scene, run: Run, exact: Run | None, share: float = 1.0) -> list[Finding]:
-    """What the checks of a hard scene find in a run of `share` of its time."""
-    findings = [
-        checks.creep(scene, run, share) if check is checks.creep else check(scene, run) for check in hard.checks
-    ]
-    return findings if exact is None else [*findings, checks.agrees(scene, run, exact)]
+def judged(hard: Hard, scene: Scene, run: Run, exact: Run | None, share: float = 1.0) -> list[Measure]:
+    """What the checks of a hard scene measure in a run of `share` of its time."""
+    found = [checks.creep(scene, run, share) if check is checks.creep else check(scene, run) for check in hard.checks]
+    found += [] if exact is None else [checks.agrees(scene, run, exact)]
+    return [each for of_check in found for each in of_check]
 
 
-def _converged(engine: Engine, scene: Scene, hard: Hard, exact: Run | None, converged_s: float) -> tuple[bool, str]:
-    """Whether every check holds with the same step and far more iterations, and what was found."""
+def _converged(engine: Engine, scene: Scene, hard: Hard, exact: Run | None, converged_s: float) -> KnownFailure | None:
+    """What avoids a failure: the same step with far more iterations, where every check then holds."""
     shorter = replace(scene, duration_s=converged_s)
     settings = converged(engine.settings_for_dt(shorter, hard.dt_s))
     run = engine.simulate(shorter, settings, RunOptions(skips=frozenset()))
-    findings = judged(hard, shorter, run, exact, shorter.duration_s / scene.duration_s)
-    bad = [item for item in findings if not item.holds]
-    sentence = "; ".join(item.sentence for item in bad or findings if item.name != "finite")
-    avoids = run.outcome.value == hard.wanted and not bad
-    return avoids, f"with {iterations(settings)} a step ({shorter.duration_s:g} s of it): {sentence}"
+    measured = judged(hard, shorter, run, exact, shorter.duration_s / scene.duration_s)
+    if run.outcome.value != hard.wanted or not checks.all_hold(measured):
+        return None
+    return KnownFailure(hard.dt_s, round(number(settings.as_dict(), "iterations")), shorter.duration_s, measured)

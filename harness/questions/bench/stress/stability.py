@@ -17,8 +17,8 @@ from harness.questions.bench import programs
 from harness.questions.bench.standard_scenes import COLUMN, EQUAL, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.questions.bench.stress import checks
 from harness.questions.bench.stress.catalogue import SHAKEN, body, leaning
-from harness.questions.bench.stress.hard_scenes import converged, explained, iterations, solution
-from harness.records.stress import Cell
+from harness.questions.bench.stress.hard_scenes import converged, explained, solution
+from harness.records.stress import Cell, Measure
 from harness.runs.parts import Row
 
 STEPS_S: Final = (1.0 / 60.0, 1.0 / 240.0, 1e-3, 2.5e-4, 1e-4, 1e-5)
@@ -82,20 +82,20 @@ def compute(program: str | None, quick: bool, task: str) -> list[Row]:
 def died(task: str) -> list[Row]:
     """A row whose process died: one cell, diverged and not explained."""
     name, _, words = task.partition(": ")
-    return [asdict(Cell(name, "any", words, "diverged", "the engine's process died"))]
+    return [asdict(Cell(name, "any", words, "diverged", message="crashed"))]
 
 
 def _cells_of(row: Difficulty, scene: Scene, engine: Engine, exact: Run, quick: bool) -> Iterator[Cell]:
     if engine.capabilities.certifies:
         for settings in engine.refinement_levels(scene):
             run = engine.simulate(scene, settings, RunOptions())
-            label = f"aimed at {settings.expected_error_rad:g} rad"
-            yield _judged(Cell(engine.name, label, row.name, "", ""), scene, run, exact, row)
+            label = f"{settings.expected_error_rad:g} rad"
+            yield _judged(Cell(engine.name, label, row.name, ""), scene, run, exact, row)
         return
     for step_s in STEPS_S[1:3] if quick else STEPS_S:
         short = step_s == STEPS_S[-1]
         shorter = replace(scene, duration_s=row.share * scene.duration_s) if short else scene
-        cell = Cell(engine.name, _step(step_s), row.name, "", "", short=short)
+        cell = Cell(engine.name, _step(step_s), row.name, "", short=short)
         yield _of_step(cell, shorter, engine, engine.settings_for_dt(shorter, step_s), exact, row)
 
 
@@ -104,7 +104,7 @@ def _converged(row: Difficulty, scene: Scene, engine: Engine, exact: Run) -> Cel
     if engine.capabilities.certifies:
         return None
     settings = converged(engine.settings_for_dt(scene, CONVERGED_S))
-    cell = Cell(engine.name, f"{_step(CONVERGED_S)}, {iterations(settings)}", row.name, "", "")
+    cell = Cell(engine.name, f"{_step(CONVERGED_S)}, {settings.as_dict()['iterations']} it.", row.name, "")
     return _of_step(cell, scene, engine, settings, exact, row)
 
 
@@ -113,28 +113,24 @@ def _of_step(cell: Cell, scene: Scene, engine: Engine, settings: Settings, exact
     try:
         return _judged(cell, scene, engine.simulate(scene, settings, NONE), exact, row)
     except EngineFailure as failure:
-        return replace(cell, category="diverged", evidence=str(failure))
+        return replace(cell, category="diverged", message=str(failure))
 
 
 def _judged(cell: Cell, scene: Scene, run: Run, exact: Run, row: Difficulty) -> Cell:
-    category, evidence = judge(scene, run, exact, row.at_rest)
-    part = f"over the first {scene.duration_s:g} s only: " if cell.short else ""
-    return replace(cell, category=category, evidence=part + evidence)
+    category, evidence, message = judge(scene, run, exact, row.at_rest)
+    return replace(cell, category=category, evidence=evidence, message=message)
 
 
-def judge(scene: Scene, run: Run, exact: Run, at_rest: bool) -> tuple[str, str]:
-    """Category and evidence of one run against the exact solution."""
+def judge(scene: Scene, run: Run, exact: Run, at_rest: bool) -> tuple[str, list[Measure], str]:
+    """Category, evidence and message of one run against the exact solution."""
     if run.outcome.failed or run.history is None or exact.history is None:
-        return "diverged", run.message or run.outcome.value
+        return "diverged", [], run.message or run.outcome.value
     right = checks.agrees(scene, run, exact)
     if not math.isfinite(checks.error_rad(run, exact)):
-        return "diverged", "its numbers are not finite"
-    drifts = [checks.energy(scene, run), checks.depth(scene, run)]
-    drifts += [checks.creep(scene, run)] if at_rest else []
-    evidence = "; ".join(item.sentence for item in (right, *drifts))
-    if not right.holds:
-        return "inaccurate", evidence
-    return ("stable" if all(item.holds for item in drifts) else "drifting"), evidence
+        return "diverged", [Measure("finite", holds=False)], ""
+    drifts = [*checks.energy(scene, run), *checks.depth(scene, run), *(checks.creep(scene, run) if at_rest else [])]
+    category = "inaccurate" if not checks.all_hold(right) else "stable" if checks.all_hold(drifts) else "drifting"
+    return category, [*right, *drifts], ""
 
 
 def _hulls(program: str, row: Difficulty, own: Sequence[Cell], allowed_rad: float) -> Iterator[Cell]:
@@ -147,23 +143,17 @@ def _hulls(program: str, row: Difficulty, own: Sequence[Cell], allowed_rad: floa
     (hulls,) = programs.rows(program, "--hull", row.name)
     for label, error in hulls.items():
         category = "diverged" if not math.isfinite(error) else "inaccurate" if error > allowed_rad else "stable"
-        evidence = f"error {error:.1e} rad of {allowed_rad:.1e} rad allowed"
+        evidence = [checks.within("error_rad", error, allowed_rad)]
         cells.append(Cell("pybullet", label, row.name, category, evidence))
     whole = [cell for cell in own if cell.category == "stable" and not cell.short]
-    yield from (replace(cell, explained=_hull_avoided(cell, cells[1], whole)) for cell in cells)
+    yield from (hull_avoided(cell, cells[1], whole) for cell in cells)
 
 
-def _hull_avoided(cell: Cell, bare: Cell, own: Sequence[Cell]) -> str:
-    """What is stable where a hull is not: the hull without its margin, else this project's contact; "" for neither."""
-    if cell.category == "stable":
-        return ""
-    if bare.category == "stable":
-        return f"known: {bare.setting} is stable ({bare.evidence})"
-    if not own:
-        return ""
-    return (
-        f"known: on spheres at the base's vertices instead of the hull {own[0].setting} is stable ({own[0].evidence})"
-    )
+def hull_avoided(cell: Cell, bare: Cell, own: Sequence[Cell]) -> Cell:
+    """A hull's cell with what is stable where it is not: the hull without its margin, else this project's contact."""
+    if cell.category == "stable" or not (bare.category == "stable" or own):
+        return cell
+    return cell.avoided("margin", bare) if bare.category == "stable" else cell.avoided("spheres", own[0])
 
 
 def _step(step_s: float) -> str:

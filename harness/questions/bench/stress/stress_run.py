@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Final
 
 from harness import engines
@@ -14,6 +15,7 @@ from harness.questions.bench import programs
 from harness.questions.bench.stress import hard_scenes as scenes
 from harness.questions.bench.stress import stability
 from harness.questions.bench.stress.catalogue import ALL
+from harness.records.base import part
 from harness.records.stress import Cell, HardRow, Harm, Mutated, StressRecord, answer_of, findings_of
 from harness.runs import parts
 from harness.runs.parts import Measured, Measurement, Part, Row
@@ -72,18 +74,22 @@ QUESTIONS, FUZZ, DEFAULTS = "questions", "fuzz", "engine defaults"
 """What programs that are given measure: invariances, mutated files, pybullet's own hull."""
 
 
+ROWS: Final = Path("stress")
+"""Where the rows of parts come from, should one not be as it was written."""
+
+
 def assembled(
     given: programs.Programs, listed: Sequence[Part], measured: Mapping[str, Measured], command: str
 ) -> StressRecord:
     """The record from the rows of all parts."""
     rows = {part.name: measured[part.name].in_order(part) for part in listed}
     order = {row.name: place for place, row in enumerate(stability.difficulties())}
-    cells = [Cell(**row) for row in rows["maps"]]
+    cells = [part(Cell, row, ROWS) for row in rows["maps"]]
     spent = parts.seconds(measured)
     made = StressRecord(
         command=command,
         absent=absent(given),
-        scenes=[HardRow(**row) for row in (*rows["scenes"], *rows["questions"])],
+        scenes=[part(HardRow, row, ROWS) for row in (*rows["scenes"], *rows["questions"])],
         cells=sorted(cells, key=lambda cell: (stability.ENGINES.index(cell.engine), order[cell.difficulty])),
         fuzz=summed(rows["fuzz"]),
         parts=spent,
