@@ -123,6 +123,12 @@ over 400 steps."""
 EDGE_RAD = 1e-3
 """Rotation at which a convex body meets the pedestal's edge: it is drawn 0.1 mm inside, over 0.2 m of its way 5e-4 rad."""
 
+REACHED_RAD = 2e-4
+"""The same of the body as it was drawn: places in single precision, 6e-8 m, and the depth at which a contact counts."""
+
+PARTS_RAD = 3e-3
+"""And of a part against the statue: a decomposition follows it to a millimetre at most, half of that here, over 0.2 m."""
+
 WALL_RAD = 1e-3
 """Rotation at which a wall is met, and kept: spheres of 10 µm at 0.6 m, and a step of 0.5 ms at 1.5 rad/s, 8e-4 rad."""
 

@@ -168,3 +168,10 @@ WALL_S = 5e-4
 WALL_RAD = 5e-6
 WALL_M = 5e-6
 """Rotation and slip at the touch: off by 1.5e-6 rad at most."""
+
+EDGE_SEEN_RAD = 0.05
+"""How far a statue has turned against its tipping pedestal: turning a millimetre inside the edge would be off by 1.4e-3 rad."""
+
+ON_THE_EDGE_RAD = {"pymunk": 1e-5, "pybullet": 1.5e-4}
+"""Against the equations of both bodies, at 0.25 ms: pymunk's own error, ten times; and the tenth of a millimetre by which
+pybullet's hull is drawn inside the statue, a tenth of what a millimetre does."""

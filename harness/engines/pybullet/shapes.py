@@ -18,8 +18,10 @@ Array = NDArray[np.float64]
 
 PEDESTAL_CLEARANCE_M: Final = 1e-4
 """The box stands this much above the pedestal's own feet, so that only they touch the floor."""
-HULL_INSET_M: Final = 1.1e-3
-"""Hull and parts are drawn inside the body by the millimetre that Bullet adds to them, and a tenth: the feet touch first."""
+MARGIN_M: Final = 1e-3
+"""What Bullet adds to a hull of its own accord, rounding its edges."""
+HULL_INSET_M: Final = 1.1 * MARGIN_M
+"""Hull and parts are drawn inside the body by that, and a tenth: the feet touch first."""
 LEAST_THICKNESS_M: Final = 1e-5
 """A body thinner than this, once drawn inside, is left out: its neighbours or the hull's vertices touch in its place."""
 NOTHING: Final = '<mass value="0"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/>'
@@ -67,33 +69,36 @@ def pedestal(body: Pedestal, radius_m: float, edges: bool, client: int, *, halve
 
 
 def linked_pedestal(body: Pedestal, radius_m: float, place_m: list[float], client: int) -> int:
-    """A pedestal on its spheres with two links fixed to it: the plane of its top, without end, and a box with its edges."""
+    """A pedestal of a box with its edges, and two links fixed to it: the plane of its top, without end, and its four feet.
+
+    Bullet rounds a box by a margin, within which its top is not flat: what turns on an edge would turn a millimetre inside it.
+    The margin of a body's own shape can be told to be none, that of a link's cannot.
+    """
     x, y, z = 0.5 * body.width_m, 0.5 * body.depth_m, 0.5 * body.height_m
-    low, high = -z + PEDESTAL_CLEARANCE_M, z - radius_m
-    half, middle = 0.5 * (high - low), 0.5 * (high + low)
-    base = feet(np.array([[sx * x, sy * y, -z] for sx in (1.0, -1.0) for sy in (1.0, -1.0)]), radius_m, client)
-    box = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[x, y, half], physicsClientId=client)
+    high = z - radius_m
+    box = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[x, y, high], physicsClientId=client)
+    corners = np.array([[sx * x, sy * y, -z] for sx in (1.0, -1.0) for sy in (1.0, -1.0)])
     drawn = pybullet.createVisualShape(pybullet.GEOM_BOX, halfExtents=[1.0, 1.0, 1.0], physicsClientId=client)
     still, upright = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]
-    return int(
-        pybullet.createMultiBody(
-            body.mass_kg,
-            base,
-            drawn,
-            basePosition=place_m,
-            linkMasses=[0.0, 0.0],
-            linkCollisionShapeIndices=[plane((0.0, 0.0, 1.0), client), int(box)],
-            linkVisualShapeIndices=[drawn, drawn],
-            linkPositions=[[0.0, 0.0, high], [0.0, 0.0, middle]],
-            linkOrientations=[upright, upright],
-            linkInertialFramePositions=[still, still],
-            linkInertialFrameOrientations=[upright, upright],
-            linkParentIndices=[0, 0],
-            linkJointTypes=[pybullet.JOINT_FIXED, pybullet.JOINT_FIXED],
-            linkJointAxis=[[0.0, 0.0, 1.0]] * 2,
-            physicsClientId=client,
-        )
+    made = pybullet.createMultiBody(
+        body.mass_kg,
+        box,
+        drawn,
+        basePosition=place_m,
+        linkMasses=[0.0, 0.0],
+        linkCollisionShapeIndices=[plane((0.0, 0.0, 1.0), client), feet(corners, radius_m, client)],
+        linkVisualShapeIndices=[drawn, drawn],
+        linkPositions=[[0.0, 0.0, high], still],
+        linkOrientations=[upright, upright],
+        linkInertialFramePositions=[still, still],
+        linkInertialFrameOrientations=[upright, upright],
+        linkParentIndices=[0, 0],
+        linkJointTypes=[pybullet.JOINT_FIXED, pybullet.JOINT_FIXED],
+        linkJointAxis=[[0.0, 0.0, 1.0]] * 2,
+        physicsClientId=client,
     )
+    pybullet.changeDynamics(made, -1, collisionMargin=0.0, physicsClientId=client)
+    return int(made)
 
 
 def described_body(

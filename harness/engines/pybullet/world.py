@@ -61,8 +61,8 @@ STILL: Final = (0.0, 0.0, 0.0)
 ALOFT_M: Final = 1e3
 """Height at which bodies touch nothing, and above each other."""
 UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
-FACE, BOX = 0, 1
-"""Links of a pedestal with edges: its top's face, which the feet over it meet, and a box, which everything else does."""
+BOX, FACE, FEET = -1, 0, 1
+"""Of a pedestal with edges: a box, which the statue's edges meet, its top's face, which the feet over it do, and its own feet."""
 OVER, BESIDE = 0, 1
 """Links of the statue there: its feet over the top, and those beside it."""
 WALL_REACH: Final = 1e-4
@@ -214,7 +214,7 @@ class World:
             over = self.feet_over and link == (OVER if self.edges else -1)
             pair(self.statue, pedestal, link, FACE, int(over), client)
             pair(self.statue, pedestal, link, BOX, int(self.edges and not over), client)
-            pair(self.statue, pedestal, link, -1, 0, client)
+            pair(self.statue, pedestal, link, FEET, 0, client)
         for body in (self.floor, *(() if self.wall is None else (self.wall,))):
             pair(body, pedestal, -1, FACE, 0, client)
             pair(body, pedestal, -1, BOX, 0, client)
