@@ -175,3 +175,6 @@ EDGE_SEEN_RAD = 0.05
 ON_THE_EDGE_RAD = {"pymunk": 1e-5, "pybullet": 1.5e-4}
 """Against the equations of both bodies, at 0.25 ms: pymunk's own error, ten times; and the tenth of a millimetre by which
 pybullet's hull is drawn inside the statue, a tenth of what a millimetre does."""
+
+TIPS_S = 1e-3
+"""When a pedestal first tips, by the two-block model's statics and by Housner's block of both: a step of what is written."""

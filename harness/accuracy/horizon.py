@@ -62,6 +62,23 @@ def outgrown_s(scene: Scene, error_rad: float, target_rad: float) -> float:
     return min((each for each in apart_s if each is not None and each < until_s), default=math.inf)
 
 
+def unseen_tipping_s(scene: Scene, run: Run, error_rad: float) -> float:
+    """From when a pedestal tips that the run does not see tip, or by no more than an error as small as this; else infinite.
+
+    Levels that all hold a tall pedestal by their contacts' depth agree on it, and none tells what its rocking grows to. When it
+    tips is known by the model, which leaves its domain there.
+    """
+    if scene.pedestal is None or number(run.validity, "pedestal_tilt_rad", 0.0) > error_rad:
+        return math.inf
+    model = engines.load(MODEL)
+    try:
+        validity = model.simulate(scene, model.refinement_levels(scene)[-1], RunOptions(stated=False)).validity
+    except EngineFailure:
+        return math.inf
+    tips = validity.get("left_domain_by") == "pedestal_tips"
+    return number(validity, "left_domain_s", math.inf) if tips else math.inf
+
+
 def hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float, target: Error) -> bool:
     """Whether no level is expected to reach `end_s`, by what all comparisons together gained: two of them tell luck.
 

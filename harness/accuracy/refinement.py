@@ -14,7 +14,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from harness.accuracy.horizon import MOST_ORDER, PERTURBED_SHARE, beyond, hopeless, last_s, outgrown_s, shaken
+from harness.accuracy.horizon import (
+    MOST_ORDER,
+    PERTURBED_SHARE,
+    beyond,
+    hopeless,
+    last_s,
+    outgrown_s,
+    shaken,
+    unseen_tipping_s,
+)
 from harness.accuracy.spread import (
     CLEAR,
     NONE,
@@ -284,8 +293,11 @@ class _Climb:
         if grown_s < math.inf:
             # What never passes a third of the target never passes it: the model's runs are asked twice where it matters.
             grown_s = outgrown_s(self.scene, expected_rad, self.target.rotation_rad)
-        found, until_s = [], min([*held_s, grown_s])
-        if until_s < best.end_s:
+        tips_s = unseen_tipping_s(self.scene, best, expected_rad)
+        found, until_s = [], min([*held_s, grown_s, tips_s])
+        if until_s == tips_s:
+            found.append(caution("tipping_not_resolved", until_s=tips_s))
+        elif until_s < best.end_s:
             small_rad = PERTURBED_SHARE * expected_rad if until_s == grown_s else None
             found.append(_why_not_whole(best, last, until_s, self.target.rotation_rad, small_rad))
         elif error.rotation_rad > self.target.rotation_rad:

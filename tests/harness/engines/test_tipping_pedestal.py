@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+import analytic
 from analytic import Harmonic
+from harness.accuracy.refinement import run_to_accuracy
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.stepping.rows import STANDS_RAD, base_velocity
 from harness.model.in_space import support_m
@@ -94,3 +96,26 @@ def test_the_friction_that_a_statue_needs_is_read_along_its_pedestals_tilted_top
     sliding = validity(0.95 * needed)
     assert sliding["statue_slip_m"] > 10.0 * budget.ON_TOP_M
     assert sliding["statue_friction_needed"] == pytest.approx(0.95 * needed, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["pymunk", "pybullet"])
+def test_a_tipping_that_no_step_resolves_ends_what_is_stated(name: str) -> None:
+    """Statue and tall pedestal rock as one body, by Housner to 3e-3 rad; levels that all hold it agree on nothing but that."""
+    tall = tipping_scene(840_001)
+    engine, statue, pedestal, motion = ready(name), tall.statue, tall.pedestal, tall.base_excitation.x
+    assert pedestal is not None
+    assert isinstance(motion, Harmonic)
+    mass = statue.mass_kg + pedestal.mass_kg
+    share, up_m = statue.mass_kg / mass, pedestal.height_m + statue.centroid_height_m
+    x_m, z_m = -share * statue.base_centre_m, share * up_m + (1.0 - share) * 0.5 * pedestal.height_m
+    own = pedestal.mass_kg * (pedestal.width_m**2 + pedestal.height_m**2) / 12.0 + statue.inertia_kg_m2
+    apart_m2 = (statue.base_centre_m) ** 2 + (up_m - 0.5 * pedestal.height_m) ** 2
+    inertia = own + mass * share * (1.0 - share) * apart_m2
+    half_m = 0.5 * pedestal.width_m
+    block = analytic.Block(mass, z_m, inertia, ((-half_m - x_m, 0.0), (half_m - x_m, 0.0)))
+    together = analytic.simulate(block, motion, duration_s=tall.duration_s)
+    run = run_to_accuracy(engine, tall, 1e-3, RunOptions())
+    assert run.numerical_uncertainty_rad is not None
+    assert together.peak_theta_rad > 2.0 * run.numerical_uncertainty_rad > 10.0 * run.validity["pedestal_tilt_rad"]
+    assert run.reliable_until_s == pytest.approx(together.uplift_times_s[0], abs=budget.TIPS_S)
+    assert "tipping_not_resolved" in [each.code for each in run.findings]
