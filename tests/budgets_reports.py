@@ -66,3 +66,7 @@ GULPEASE: Final = 65.0
 
 BASE_M: Final = 1e-5
 """The page's mesh keeps single precision, 1e-7 of 1.5 m; the footprint leaves out corners that lie 1e-6 m from a side."""
+
+LEAST_OF_LINES = {"line": 2.3, "horizon": 1.7}
+"""Contrast of a thin line of a trust map with what it runs over: lines have dashes of their own, and a key; half of what a text
+needs. That of the horizon ends where nothing is confirmed; it is weakest over red, which no map has shown yet."""

@@ -34,7 +34,7 @@ from reports.charts.figure import (
     names,
     upwards,
 )
-from reports.charts.palette import INK, Look, look, model_looks
+from reports.charts.palette import INK, SURFACES, Look, look, model_looks
 from reports.messages import ENGLISH, Language
 from reports.text.study_rows import Condition, family, symbol
 
@@ -273,9 +273,7 @@ def _axis_kind(values: Sequence[float]) -> str:
 
 POINT: Final = "point"
 """The chart in which a point of a map that is clicked opens, and what it is chosen by."""
-CLASS_COLOURS: Final = dict(
-    zip(CLASSES, ("#e3e6ea", "#0072b2", "#9ccbe8", "#e69f00", "#aa4499", "#f0e442", "#8c1d2f", "#000000"), strict=True)
-)
+CLASS_COLOURS: Final = dict(zip(CLASSES, SURFACES, strict=True))
 """Told apart by every form of colour vision: blue where the model is confirmed, the darker the more."""
 
 

@@ -18,11 +18,17 @@ DARK: Final = {
 }  # fmt: skip
 """What stands for a colour of lines and texts where the reader's screen is dark: each at least as far from its ground."""
 
+SURFACES: Final = {
+    "#e3e6eb": "#4a5563", "#56a8e0": "#0a4a8a", "#bfdef2": "#3a6f92", "#f0b03d": "#8a5f00", "#cc79a8": "#7d3270",
+    "#f3e96b": "#6f681a", "#e0566b": "#9c2236", "#8f949b": "#000000",
+}  # fmt: skip
+"""Colours of the classes of a map and, where the reader's screen is dark, of each: lines run over them, and none is a line's."""
+
 
 def dark_css() -> str:
     """Rules that turn the colours of pictures and keys on a dark screen; print stays light."""
     rules = []
-    for light, dark in DARK.items():
+    for light, dark in (DARK | SURFACES).items():
         rules += [f'svg [{part}="{light}" i]{{{part}:{dark}}}' for part in ("fill", "stroke")]
         if len(light) == len(INK):  # shorter ones begin others
             rules.append(f'[style*="--c: {light}" i]{{--c:{dark}!important}}')

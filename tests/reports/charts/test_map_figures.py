@@ -7,9 +7,11 @@ from typing import Any
 import pytest
 
 from harness.questions.study import case_selection as selection
-from reports.charts.map_figures import map_figures
+from reports.charts.map_figures import LINES, map_figures
+from reports.charts.palette import DARK, SURFACES
 from reports.messages import ENGLISH
 from reports.text.study_rows import Condition
+from tests.budgets_reports import LEAST_OF_LINES
 from tests.reports.charts.parts import kind_at, part
 from tests.reports.invented_study import case_row, case_run
 
@@ -63,3 +65,23 @@ def test_one_picture_holds_the_boundary_of_every_model(figures: dict[str, dict[s
     for name, least in (("analytic (own)", 8.5), ("pybullet (own)", 9.5)):
         line = part(picture, "borders", name)
         assert line["y"] == line["y2"] == [least] * SIZE
+
+
+def contrast(one: str, other: str) -> float:
+    """How many times as bright the one colour is as the other (WCAG 2)."""
+
+    def light(colour: str) -> float:
+        parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+        linear = [part / 12.92 if part <= 0.03928 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+        return 0.05 + 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    low, high = sorted((light(one), light(other)))
+    return high / low
+
+
+def test_the_lines_of_a_trust_map_stand_out_from_every_class_on_either_screen() -> None:
+    assert not set(SURFACES) & set(DARK), "on a dark screen a class would take the colour of a line"
+    for name, drawn in LINES.items():
+        dark, least = DARK[drawn.colour.lower()], LEAST_OF_LINES["horizon" if name == "horizon" else "line"]
+        assert min(contrast(drawn.colour, surface) for surface in SURFACES) >= least, name
+        assert min(contrast(dark, surface) for surface in SURFACES.values()) >= LEAST_OF_LINES["line"], name
