@@ -9,11 +9,11 @@ from dataclasses import replace
 from typing import Final, NamedTuple
 
 from harness.accuracy.horizon import MODEL, last_s, outgrown_s
-from harness.accuracy.refinement import LONG_STEPS, MOST_TIMES, START_SHARE, first_level, second_level
+from harness.accuracy.refinement import LONG_STEPS, START_SHARE, first_level, second_level
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.engines import load
 from harness.engines.base import EngineFailure, Settings
-from harness.model.options import RunOptions
+from harness.model.options import MOST_TIMES, RunOptions
 from harness.model.run import Run, number
 from harness.model.scene import Scene
 from harness.statics.rest import first_motion_s

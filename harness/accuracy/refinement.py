@@ -105,8 +105,6 @@ FLOOR_SHARE: Final = 1.0
 """Share of a level's expected error below which no uncertainty is stated: two runs may agree by chance."""
 LEFT_AGREEMENTS: Final = 2
 """Comparisons that must hold in a row where a run leaves what its events are located for: from there plain steps err unevenly."""
-MOST_TIMES: Final = 40.0
-"""Steps of all runs of a climb over those of its first level, at most: a level nearly twenty times as fine is reached."""
 LONG_STEPS: Final = 4000
 """The analytic model is asked whether errors outgrow the target where a climb takes so many steps that its answer pays."""
 RESPONSES: Final = 2
@@ -185,7 +183,7 @@ class _Climb:
     def affords(self, settings: Settings) -> bool:
         """Whether a run with these settings and all before it make no more steps than a climb may."""
         spent, needed = sum(steps for steps, _ in self.costs), self.scene.duration_s / settings.dt_s
-        if not self.whole or spent + needed <= MOST_TIMES * self.scene.duration_s / self.whole[0][0].dt_s:
+        if not self.whole or spent + needed <= self.options.most_times * self.scene.duration_s / self.whole[0][0].dt_s:
             return True
         self.not_tried_s = settings.dt_s
         return False
@@ -303,7 +301,7 @@ class _Climb:
         elif error.rotation_rad > self.target.rotation_rad:
             found.append(caution("target_not_resolved", target_rad=self.target.rotation_rad))
         if self.not_tried_s is not None:
-            found.append(caution("step_not_tried", dt_s=self.not_tried_s, times=MOST_TIMES))
+            found.append(caution("step_not_tried", dt_s=self.not_tried_s, times=self.options.most_times))
         if error.slip_m > self.target.slip_m * max(1.0, error.rotation_rad / self.target.rotation_rad):
             found.append(caution("slip_target_missed", slip_error_m=error.slip_m, target_m=self.target.slip_m))
         return best.with_uncertainty(error.rotation_rad, error.slip_m, until_s, *found)

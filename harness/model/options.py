@@ -21,19 +21,26 @@ SKIPS: Final[Mapping[str, str]] = {
 }
 
 
+MOST_TIMES: Final = 40.0
+"""Steps of all runs of a climb to a target over those of its first level, at most, unless told otherwise: a level nearly twenty
+times as fine is reached."""
+
+
 @dataclass(frozen=True)
 class RunOptions:
     """What is asked of a run: the history or only the outcome; whether its numerical error is stated; which skips are on.
 
     Without `stated` one run is made, at the level that is expected to meet the target: enough for one draw of many.
     `stop` is asked now and then with the time, s, and the rotation, rad: a run that only checks another one ends where it says
-    so. An engine may go on to the scene's end all the same.
+    so. An engine may go on to the scene's end all the same. A climb to a target makes at most `most_times` the steps of its first
+    run.
     """
 
     history: bool = True
     skips: frozenset[str] = field(default_factory=lambda: frozenset(SKIPS))
     stop: Callable[[float, float], bool] | None = None
     stated: bool = True
+    most_times: float = MOST_TIMES
 
     def allows(self, name: str) -> bool:
         """Whether the named skip is on; raises `KeyError` for an unknown one."""

@@ -14,6 +14,7 @@ import numpy as np
 from harness import engines
 from harness.accuracy.horizon import TOLERANCE_RAD
 from harness.model.history import History, Outcome
+from harness.model.options import MOST_TIMES, RunOptions
 from harness.model.run import EngineRunRecord, Run, to_plain
 from harness.model.scene import Scene
 from harness.questions.assess.by_model import assess_models
@@ -100,16 +101,18 @@ class Kept:
 
 @dataclass(frozen=True)
 class Question:
-    """A point's scene, and who is asked: one engine states its horizon, several are compared."""
+    """A point's scene, and who is asked: one engine states its horizon, several are compared; what a climb may take."""
 
     scene: Scene
     engines: tuple[str, ...]
+    most_times: float = MOST_TIMES
 
 
 def run_point(question: Question) -> Answer:
     """What a worker does for a point's class; its cost is the processor time, s, that it took."""
     begin = time.process_time()
-    result = run_scene(question.scene, question.engines, horizon=len(question.engines) == 1)
+    options = RunOptions(most_times=question.most_times)
+    result = run_scene(question.scene, question.engines, options=options, horizon=len(question.engines) == 1)
     paths = {name: path_of(run.history) for name, run in result.runs.items() if run.history is not None}
     kept = Kept(result.runs, result.scores, result.horizons, paths)
     return Answer("point", plain(kept), time.process_time() - begin)

@@ -20,6 +20,7 @@ from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
+from harness.model.options import MOST_TIMES
 from harness.model.run import machine, versions
 from harness.model.scene import Scene
 from harness.questions.scene.workload import check as check_work
@@ -81,6 +82,8 @@ POINT_S: Final = 0.15
 ASKED: Final = {2: 0.55, 3: 0.25}
 """Share of the points at which an engine in the plane, and one in space, is asked: 0.41 to 0.57, and 0.2 to 0.26, of the shipped
 statue's maps."""
+COARSE_TIMES: Final = 12.0
+"""What a climb of a coarse map may take: a third less time, and here and there a whole motion is not confirmed to its end."""
 CHANCE_S: Final = 6.0
 """Of an engine's probability, at one point of each frequency of a whole map."""
 TRIALS: Final = 16
@@ -89,10 +92,11 @@ TRIALS: Final = 16
 
 @dataclass
 class Points:
-    """Asks what the store does not hold."""
+    """Asks what the store does not hold; `most_times` is what an engine's climb may take (`RunOptions`)."""
 
     store: Store
     campaign: Campaign
+    most_times: float = MOST_TIMES
 
     def kept(self, plane: Plane, points: Iterable[Point], names: tuple[str, ...]) -> dict[Point, Kept | None]:
         """What the runs of these models are at each point; None where the process died."""
@@ -107,11 +111,12 @@ class Points:
     def _ask(
         self, work: Callable[[Question], Told], plane: Plane, points: Iterable[Point], names: tuple[str, ...]
     ) -> dict[Point, Plain | None]:
-        asked = "trust", work.__name__, names, DRAWS, STRETCHES, DEFAULT_ACCURACY_RAD
+        asked = "trust", work.__name__, names, DRAWS, STRETCHES, DEFAULT_ACCURACY_RAD, self.most_times
         group = MODEL if names == (MODEL,) else ""
         scenes = {point: plane.at(point) for point in points}
         tasks = [
-            Task(request_key(scene, None, *asked), work, Question(scene, names), group) for scene in scenes.values()
+            Task(request_key(scene, None, *asked), work, Question(scene, names, self.most_times), group)
+            for scene in scenes.values()
         ]
         return dict(zip(scenes, self.campaign.ask(tasks), strict=True))
 
@@ -267,7 +272,8 @@ def run_trust(
             progress(f"{path.stem}, trust map", quiet, size, grows=True) as on_progress,
         ):
             campaign = Campaign(store, workers, on_progress, {MODEL: BATCH}, free=(MODEL,))
-            record = trust_map(plane, chosen, Points(store, campaign), coarse=coarse, seed=seed)
+            times = COARSE_TIMES if coarse else MOST_TIMES
+            record = trust_map(plane, chosen, Points(store, campaign, times), coarse=coarse, seed=seed)
     finally:
         if own is not None:
             own.close()

@@ -130,11 +130,10 @@ def test_a_hopeless_climb_is_not_climbed_to_the_top() -> None:
     assert run.work["runs"] <= 5
 
 
-def test_a_climb_makes_no_more_steps_than_it_may(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(refinement, "MOST_TIMES", 8.0)
+def test_a_climb_makes_no_more_steps_than_it_may() -> None:
     scene = replace(paestum(), duration_s=1.0)
     engine = Fake(blow=1e3, steps_s=(1e-2, 4e-3, 1e-3, 4e-4))
-    run = run_to_accuracy(engine, scene, 1e-2, RunOptions())
+    run = run_to_accuracy(engine, scene, 1e-2, RunOptions(most_times=8.0))
     assert run.work["steps_of_all_runs"] <= 8.0 * scene.duration_s / 1e-2
     assert "step_not_tried" in doubles.codes(run.findings)
 
