@@ -39,7 +39,7 @@ def silent(done: int, total: int) -> None:
 
 
 def execute(
-    requests: Sequence[RunRequest],
+    requests: Iterable[RunRequest],
     store: Path | str | None = None,
     *,
     title: str = "",
@@ -60,18 +60,20 @@ def execute(
 
     Raises `InputError` for an engine that is not known, or a file that is no store.
     """
-    if not requests or not all(isinstance(each, RunRequest) for each in requests):
-        raise InputError(
-            Mistake("execute", "requests", "a list of RunRequest, at least one", repr(requests)[:MOST_SHOWN])
-        )
-    tasks = [request.task() for request in requests]
+    wanted = list(requests) if isinstance(requests, Iterable) else []
+    if not wanted or not all(isinstance(each, RunRequest) for each in wanted):
+        got = repr(wanted or requests)[:MOST_SHOWN]
+        raise InputError(Mistake("execute", "requests", "a list of RunRequest, at least one", got))
+    if type(jobs) is not int or jobs < 1:
+        raise InputError(Mistake("execute", "jobs", "a number of processes, 1 or more", repr(jobs)))
+    tasks = [request.task() for request in wanted]
     with Store(Path(MEMORY if store is None else store)) as kept, closing(pool_of(jobs, dask)) as pool:
         # A run that took its process with it has a record that says so.
         records = [record for record in Campaign(kept, pool, on_progress).ask(tasks) if record is not None]
         histories = [
-            kept.history(task.key) if request.history else None for request, task in zip(requests, tasks, strict=True)
+            kept.history(task.key) if request.history else None for request, task in zip(wanted, tasks, strict=True)
         ]
-    return run_set(title, requests, records, histories)
+    return run_set(title, wanted, records, histories)
 
 
 def pool_of(jobs: int, dask: str | None) -> Pool:

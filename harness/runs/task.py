@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, RunTarget, failed, simulate, simulate_with
+from harness.model.errors import InputError, Mistake
 from harness.model.history import History, Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run, to_plain
@@ -80,17 +81,25 @@ class RunRequest:
 
     >>> request = harness.RunRequest(scene.replace(motion__x__amplitude_g=0.3), "pymunk", varied={"amplitude_g": 0.3})
 
-    Either `accuracy_rad`, the target of the rotation's numerical error, or a fixed step `dt_s`; without `stated` one run is made
-    and its error is not. `varied` is what tells it from others in a table (it is no part of the key).
+    Either `accuracy_rad`, the target of the rotation's numerical error (1e-3 where neither is given), or a fixed step `dt_s`;
+    without `stated` one run is made and its error is not. `varied` tells it from others in a table (and is no part of the key).
     """
 
     scene: Scene | Callable[[], Scene]
     engine: str
-    accuracy_rad: float | None = DEFAULT_ACCURACY_RAD
+    accuracy_rad: float | None = None
     dt_s: float | None = None
     history: bool = False
     stated: bool = True
     varied: Mapping[str, object] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Fill in the target. Raises `InputError` for what is no scene, nor makes one."""
+        if not isinstance(self.scene, Scene) and not callable(self.scene):
+            wanted = "a scene (harness.load_scene), or a function that makes one"
+            raise InputError(Mistake("RunRequest", "scene", wanted, type(self.scene).__name__))
+        if self.accuracy_rad is None and self.dt_s is None:
+            object.__setattr__(self, "accuracy_rad", DEFAULT_ACCURACY_RAD)
 
     def made(self) -> Scene:
         """Its scene."""

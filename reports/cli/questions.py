@@ -127,7 +127,8 @@ def trust(
         ),
     ] = "sine",
     coarse: Annotated[
-        bool, typer.Option("--coarse", help="Fewer points, shorter climbs, and engines in the plane alone unless named.")
+        bool,
+        typer.Option("--coarse", help="Fewer points, shorter climbs, and engines in the plane alone unless named."),
     ] = False,
     seed: Seed = 0,
     jobs: Jobs = None,

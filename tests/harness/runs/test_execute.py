@@ -30,7 +30,7 @@ def wanted(scene: harness.Scene, *, history: bool = False) -> list[harness.RunRe
 
 
 def test_rows_stand_in_the_order_of_the_requests_and_are_single_runs(scene: harness.Scene) -> None:
-    runs = harness.execute(wanted(scene, history=True), title="two strengths")
+    runs = harness.execute((each for each in wanted(scene, history=True)), title="two strengths")
     assert (runs.title, runs.varied, runs.engines) == ("two strengths", ["a_g"], ["analytic", "pymunk"])
     assert runs.table["a_g"].tolist() == [0.3, 0.3, 0.6, 0.6]
     for k, request in enumerate(wanted(scene, history=True)):
@@ -105,10 +105,21 @@ def test_a_sweep_by_several_processes_is_the_sweep_by_one(scene: harness.Scene, 
     assert single.table["outcome"].tolist() == swept.table["outcome"].tolist()
 
 
-@pytest.mark.parametrize("requests", [[], ["analytic"], None])
+@pytest.mark.parametrize("requests", [[], ["analytic"], None, 3])
 def test_wrong_requests_are_refused(requests: list[harness.RunRequest]) -> None:
     with pytest.raises(harness.InputError, match="RunRequest"):
         harness.execute(requests)
+
+
+def test_wrong_arguments_are_refused_by_name(scene: harness.Scene) -> None:
+    with pytest.raises(harness.InputError, match="jobs"):
+        harness.execute(wanted(scene), jobs=0)
+    with pytest.raises(harness.InputError, match="scene"):
+        harness.RunRequest("scenes/paestum_floor.toml", "analytic")  # type: ignore[arg-type]
+    with pytest.raises(harness.InputError, match="one of the two"):
+        harness.execute([harness.RunRequest(scene, "pymunk", 1e-3, 1e-3)])
+    assert harness.RunRequest(scene, "pymunk", dt_s=1e-3).accuracy_rad is None
+    assert harness.RunRequest(scene, "pymunk").accuracy_rad == 1e-3
 
 
 def test_a_file_that_is_no_store_is_refused_and_left(scene: harness.Scene, tmp_path: Path) -> None:
