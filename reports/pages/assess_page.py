@@ -89,8 +89,10 @@ def _changed(item: OptionAnswer, say: Language) -> str:
     if "set" in item.values:
         return str(item.values["set"])
     kind = "friction" if "static" in item.values else item.name
-    numbers = {key: value if isinstance(value, str) else say.short(value) for key, value in item.values.items()}
-    return say(f"option.{kind}", **numbers)
+    numbers = {key: say.short(value) for key, value in item.values.items() if not isinstance(value, str)}
+    pair = item.values.get("pair")
+    published = str(item.values.get("published", "")) if pair is None else say(f"published.{pair}")
+    return say(f"option.{kind}", **numbers, published=published)
 
 
 def _options(record: AssessRecord, say: Language) -> list[Section]:
@@ -210,4 +212,5 @@ def _source(item: Uncertain, say: Language, *, assumed: bool) -> str:
     given = assumption(item.key)
     if given is None or (given.kind, given.width) != (item.kind, item.width):
         return say("text.own_width")
-    return given.source if assumed else say("text.as_assumed", source=given.source)
+    source = say(f"assumed.{given.name}")
+    return source if assumed else say("text.as_assumed", source=source)

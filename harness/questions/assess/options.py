@@ -86,7 +86,7 @@ def _of_pedestal(scene: Scene) -> list[Option]:
 
 def _with_friction(pair: Pair, own: float) -> Option:
     higher = "more" if pair.static > own else "less"
-    values: dict[str, float | str] = {"static": pair.static, "kinetic": pair.kinetic, "published": pair.published}
+    values: dict[str, float | str] = {"static": pair.static, "kinetic": pair.kinetic, "pair": pair.name}
 
     def change(scene: Scene) -> Scene:
         # What is drawn of the friction as it is moves the new friction by the same factor.
@@ -167,42 +167,22 @@ def _users(name: str, values: Mapping[str, object], path: Path, scene: Scene) ->
 
 @dataclass(frozen=True)
 class Pair:
-    """Two materials: the static and kinetic coefficients used, the published range, and who published it."""
+    """Two materials: the static and kinetic coefficients used, and who published their range, which the catalogues tell."""
 
     name: str
     static: float
     kinetic: float
-    published: str
     source: str
 
 
 PAIRS: Final = (
-    Pair(
-        "ptfe",
-        0.04,
-        0.04,
-        "0.04 on steel, 0.04 to 0.20 on itself; changes with pressure and speed",
-        "Engineering ToolBox, Friction and friction coefficients",
-    ),
-    Pair(
-        "smooth_stone",
-        0.40,
-        0.30,
-        "0.40 static and 0.30 kinetic, assumed there for a statue's pedestal",
-        "Monaco et al., Procedia Structural Integrity 29 (2020) 134-141",
-    ),
-    Pair(
-        "rough_stone",
-        0.75,
-        0.75,
-        "0.67 to 0.84, one value for both; wet it is much less",
-        "Statics of drystone walls, stonewalls.ch",
-    ),
+    Pair("ptfe", 0.04, 0.04, "Engineering ToolBox, Friction and friction coefficients"),
+    Pair("smooth_stone", 0.4, 0.3, "Monaco et al., Procedia Structural Integrity 29 (2020) 134-141"),
+    Pair("rough_stone", 0.75, 0.75, "Statics of drystone walls, stonewalls.ch"),
     Pair(
         "rubber",
         1.0,
         0.8,
-        "static 1.0, kinetic 0.60 to 0.85; wet 0.30 and 0.25",
         "Serway and Beichner, Physics for Scientists and Engineers, 5th ed., Table 5.2; ranges: hypertextbook.com/facts/2006",
     ),
 )

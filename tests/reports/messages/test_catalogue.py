@@ -9,9 +9,11 @@ from pathlib import Path
 
 import pytest
 
+from harness.input.uncertain import ASSUMPTIONS
 from harness.model.finding import Answer, Finding, caution, changes_answer, info, texted, weighed
 from harness.model.history import Outcome
 from harness.model.options import SKIPS
+from harness.questions.assess.options import PAIRS
 from harness.records.scores import Verdict
 from reports.messages import FIELD, FORMATS, LANGUAGES, OPTIONAL, language
 
@@ -96,6 +98,15 @@ def test_every_outcome_verdict_and_skip_has_words() -> None:
             assert say.strings[f"short.{outcome.value}"]
         assert {f"pair.{verdict.name.lower()}" for verdict in Verdict} <= set(say.strings)
         assert {f"skip.{name}" for name in SKIPS} <= set(say.strings)
+
+
+def test_every_assumed_width_and_pair_of_materials_has_its_source() -> None:
+    for code in LANGUAGES:
+        strings = language(code).strings
+        assert {f"assumed.{item.name}" for item in ASSUMPTIONS} == {
+            key for key in strings if key.startswith("assumed.")
+        }
+        assert {f"published.{pair.name}" for pair in PAIRS} == {key for key in strings if key.startswith("published.")}
 
 
 def test_a_number_is_written_as_the_language_writes_it() -> None:

@@ -35,6 +35,8 @@ FINDINGS = (
     "label",
     "meaning",
     "text",
+    "assumed",
+    "published",
 )
 """Tables of findings, outcomes and verdicts, and of the engineer's page."""
 SHARED = {"order.case", "study.more", "chart.arias", "chart.peak", "chart.setting"}

@@ -16,6 +16,7 @@ from harness.model.scene import BaseExcitation
 from harness.questions.assess.inputs import draw, uncertain_inputs
 from harness.questions.assess.model_draws import model_draws, sweepable
 from harness.questions.assess.variation import varied
+from reports.messages import ENGLISH
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import PAESTUM, paestum, scene
 
@@ -33,7 +34,8 @@ def with_table(tmp_path: Path, lines: str, name: str = "paestum_floor.toml") -> 
 def test_every_assumption_has_its_source_and_stands_in_the_documentation() -> None:
     text = (ROOT / "docs" / "probability.md").read_text(encoding="utf-8")
     for item in ASSUMPTIONS:
-        assert f"| `{item.keys}` | {item.kind} | {item.width:g} | {item.source} |" in text
+        source = ENGLISH(f"assumed.{item.name}")
+        assert f"| `{item.keys}` | {item.kind} | {item.width:g} | {source} |" in text
 
 
 def test_a_meshs_place_centroid_and_base_may_be_uncertain(tmp_path: Path) -> None:
