@@ -77,7 +77,7 @@ def run_s(engine: str, scene: Scene, accuracy_rad: float | None = None, dt_s: fl
     steps = expected_steps(engine, scene, accuracy_rad, dt_s)
     if steps.most < TIMED_STEPS:
         return steps.times(load(engine).step_s(scene))
-    return steps.times(step_s(engine, scene, accuracy_rad, dt_s))
+    return steps.times(timed_step_s(engine, scene, accuracy_rad, dt_s))
 
 
 def expected_steps(name: str, scene: Scene, accuracy_rad: float | None = None, dt_s: float | None = None) -> Range:
@@ -130,7 +130,7 @@ def first_settings(name: str, scene: Scene, accuracy_rad: float | None = None, d
     return first_level(engine.refinement_levels(scene), accuracy_rad or DEFAULT_ACCURACY_RAD, START_SHARE)[0]
 
 
-def step_s(name: str, scene: Scene, accuracy_rad: float | None = None, dt_s: float | None = None) -> float:
+def timed_step_s(name: str, scene: Scene, accuracy_rad: float | None = None, dt_s: float | None = None) -> float:
     """Processor seconds of a step of an engine in this scene, timed here over its first steps."""
     engine, begin_s, spent = load(name), first_motion_s(scene), list[tuple[int, float]]()
     settings = first_settings(name, scene, accuracy_rad, dt_s)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import engines
-from harness.accuracy.forecast import START_S, Range, first_settings, moving_s, step_s
+from harness.accuracy.forecast import START_S, Range, first_settings, moving_s, timed_step_s
 from harness.model.errors import InputError, Mistake
 from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain
@@ -198,7 +198,7 @@ def _forecast(
         batch=BATCH,
     ).engine_runs
     runs = Range(agreed, min(3 * agreed, most_runs))
-    each_s = sum(step_s(name, scene) * moving_s(scene)[0] / first_settings(name, scene).dt_s for name in names)
+    each_s = sum(timed_step_s(name, scene) * moving_s(scene)[0] / first_settings(name, scene).dt_s for name in names)
     spent = Range(models_s, models_s).and_also(
         runs.times(each_s), RESULT_S, START_S * workers * bool(names), Range(0.0, SAMPLE_S * OPTIONS)
     )

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from harness import engines
-from harness.accuracy.forecast import CERTIFIED_S, START_S, expected_steps, run_s, step_s
+from harness.accuracy.forecast import CERTIFIED_S, START_S, expected_steps, run_s, timed_step_s
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
 from harness.questions.scene.witness import BUDGET
@@ -76,7 +76,9 @@ def cost(study: StudyFile, base: Base, workers: int, *, witness: bool = False) -
                     steps[kind] += runs * each
                     # The longest: in a fall steps take several times as long.
                     timed[kind] = max(timed.get(kind, (0.0, scene)), (each, scene), key=itemgetter(0))
-    spent += sum(count * step_s(kind[0], timed[kind][1], study.asked_rad.get(kind[0])) for kind, count in steps.items())
+    spent += sum(
+        count * timed_step_s(kind[0], timed[kind][1], study.asked_rad.get(kind[0])) for kind, count in steps.items()
+    )
     spent *= 1.0 + witness * SHARE * (1.0 + BUDGET)
     return StudyCost(RESULT_S + START_S * workers + CASE_S * rows + spent, spent / contact if contact else 0.0)
 

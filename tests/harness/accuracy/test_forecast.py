@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from harness import engines
-from harness.accuracy.forecast import TRIAL_STEPS, expected_steps, first_settings, moving_s, step_s
+from harness.accuracy.forecast import TRIAL_STEPS, expected_steps, first_settings, moving_s, timed_step_s
 from harness.accuracy.simulation import simulate
 from harness.engines.base import Engine, Settings
 from harness.model.options import RunOptions
@@ -66,5 +66,5 @@ def test_a_step_is_timed_in_its_own_scene(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(type(engine), "simulate", simulate)
     for target_rad in (None, 1e-6):
         timed.clear()
-        assert step_s("pymunk", scene, target_rad) > 0.0
+        assert timed_step_s("pymunk", scene, target_rad) > 0.0
         assert timed == [first_settings("pymunk", scene, target_rad)] * len(TRIAL_STEPS)

@@ -160,7 +160,7 @@ def test_the_size_is_told_and_what_nobody_can_wait_for_is_refused(tmp_path: Path
 
 def test_a_map_is_estimated_by_its_boundary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A step costs the same in both: what is compared is the number of steps, not two timings of a busy machine."""
-    monkeypatch.setattr(estimate, "step_s", lambda *_: 1e-4)
+    monkeypatch.setattr(estimate, "timed_step_s", lambda *_: 1e-4)
     text = STUDY.replace('engines = ["analytic"]', 'engines = ["pybullet"]').replace("count = 6", "count = 65")
     text = text.replace("count = 5", "count = 65")
     whole, along = (
