@@ -17,7 +17,7 @@ from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import AssessRecord
 from harness.records.base import Record
 from harness.records.measured import MeasuredRecord
-from harness.records.run import RunRecord
+from harness.records.run import RunRecord, outside_domain
 from harness.records.scores import Interval, Scores, Verdict
 from harness.records.study import StudyRecord, StudyRow
 from harness.records.trust import CLASSES, TrustRecord
@@ -201,6 +201,8 @@ def _engine_cells(run: EngineRunRecord) -> list[str]:
         return [outcome, "–", "–", "–", f"{digits(run.wall_s, 2)} s"]
     if run.no_return_time_s is not None:
         outcome += f" at {digits(run.no_return_time_s, 3)} s"
+    if outside_domain(run):
+        outcome = f"({outcome})"
     peak = f"{digits(math.degrees(run.peak_theta_rad), 3)}° {digits(run.peak_theta_rad, 3)} rad"
     if run.outcome.overturned:
         peak = "–"

@@ -83,6 +83,11 @@ def has_answer(run: EngineRunRecord) -> bool:
     return left_s is None or left_s >= (math.inf if run.no_return_time_s is None else run.no_return_time_s)
 
 
+def outside_domain(run: EngineRunRecord) -> bool:
+    """Whether a run ended, but outside its model's domain, so that what it says of the statue does not count."""
+    return not (has_answer(run) or run.outcome.failed or run.outcome in UNKNOWN)
+
+
 @dataclass(frozen=True)
 class HorizonRecord:
     """Until when perturbed runs of one model stay within `tolerance_rad` of the unperturbed one, by the perturbation's size.

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from harness.model.run import MANY, RUN_FIELDS, EngineRunRecord
-from harness.records.run import RunRecord
+from harness.records.run import RunRecord, outside_domain
 from reports.blocks import (
     Block,
     Cell,
@@ -148,7 +148,9 @@ def chip(name: str, names: list[str], run: EngineRunRecord | None, say: Language
     if run is None:
         return Chip(name, colour)
     percent = None if share is None else round(100.0 * share)
-    return Chip(name, colour, say(f"short.{run.outcome.value}"), run.labels, run.outcome.failed, percent)
+    outcome = say(f"short.{run.outcome.value}")
+    told = f"({outcome})" if outside_domain(run) else outcome
+    return Chip(name, colour, told, run.labels, run.outcome.failed, percent)
 
 
 def balance_share(source: RunSource, name: str) -> float | None:

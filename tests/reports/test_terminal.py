@@ -84,3 +84,12 @@ def test_a_motion_of_many_findings_fits(data_dir: Path) -> None:
     assert sum("further finding" in line for line in lines) == 1
     whole = motion_lines(found, many, verbose=True)
     assert all(any(each.text.replace("\u00a0", " ")[:60] in line for line in whole) for each in many)
+
+
+def test_an_outcome_outside_the_models_domain_stands_in_brackets(record: RunRecord) -> None:
+    tips = {"left_domain_s": 0.5, "left_domain_by": "pedestal_tips"}
+    own = record.runs["analytic"]
+    for validity, told in ((own.validity, "  analytic  stands "), ({**own.validity, **tips}, "  analytic  (stands) ")):
+        run = replace(own, outcome=Outcome.STANDS, no_return_time_s=None, validity=validity)
+        lines = run_lines(replace(record, runs={**record.runs, "analytic": run}))
+        assert any(line.startswith(told) for line in lines), lines
