@@ -154,9 +154,14 @@ def findings_of(record: StressRecord) -> list[Finding]:
     """Scenes that did not come out, cells by category, mutated inputs that did harm."""
     found = []
     for row in record.scenes:
-        wrong = {name: got for name, got in row.got.items() if not row.right(name)}
-        if not row.holds:
+        wrong = {name: got for name, got in row.got.items() if got != row.wanted}
+        if wrong or not row.got:
             found.append(changes_answer("hard_scene_wrong", scene=row.name, wanted=row.wanted, got=wrong))
+        found += [
+            changes_answer("hard_check_fails", scene=row.name, check=each.check, value=each.value, allowed=each.allowed).of(name)
+            for name, measures in row.checks.items() if name not in row.known
+            for each in measures if not each.holds
+        ]  # fmt: skip
         found += [
             info("known_failure", scene=row.name, iterations=known.iterations, step_s=known.step_s).of(name)
             for name, known in row.known.items()

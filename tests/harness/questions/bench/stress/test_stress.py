@@ -359,5 +359,8 @@ def test_what_does_not_hold_is_told_and_fails() -> None:
         assert not spoilt.holds
         told = {each.code: each.values for each in findings_of(spoilt)}
         assert told.keys() & {"hard_scene_wrong", "cell_unexplained", "mutated_harm"}
+    late = replace(wrong, got={"pymunk": "stands"}, checks={"pymunk": [Measure("creep_rad", False, 2e-6, 1e-6)]})
+    (found,) = (each for each in findings_of(replace(whole, scenes=[late])) if each.code == "hard_check_fails")
+    assert (found.engine, found.values["check"], found.values["value"]) == ("pymunk", "creep_rad", 2e-6)
     told = {each.code: each.values for each in findings_of(replace(whole, absent={"pybullet": "no wheel"}))}
     assert told["not_measured"] == {"what": "pybullet", "reason": "no wheel"}
