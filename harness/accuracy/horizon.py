@@ -18,6 +18,7 @@ from harness.model.options import RunOptions
 from harness.model.run import Run, number
 from harness.model.scene import Scene
 from harness.records.run import HorizonRecord
+from harness.statics.bodies import as_one
 
 # Whether finer steps are worth their cost: by how errors grow in the analytic model, and by what a climb's
 # comparisons show.
@@ -63,20 +64,26 @@ def outgrown_s(scene: Scene, error_rad: float, target_rad: float) -> float:
 
 
 def unseen_tipping_s(scene: Scene, run: Run, error_rad: float) -> float:
-    """From when a pedestal tips that the run does not see tip, or by no more than an error as small as this; else infinite.
+    """From when a pedestal tips that the run does not see tip, by no more than an error as small as this; else infinite.
 
     Levels that all hold a tall pedestal by their contacts' depth agree on it, and none tells what its rocking grows to. When it
-    tips is known by the model, which leaves its domain there.
+    tips is known by the model, which leaves its domain there; that it matters by the model of both as one body, which rocks by
+    more than that error.
     """
-    if scene.pedestal is None or number(run.validity, "pedestal_tilt_rad", 0.0) > error_rad:
+    pedestal = scene.pedestal
+    if pedestal is None or number(run.validity, "pedestal_tilt_rad", 0.0) > error_rad:
         return math.inf
-    model = engines.load(MODEL)
+    model, once = engines.load(MODEL), RunOptions(stated=False)
+    one = replace(scene, statue=as_one(scene.statue, pedestal), pedestal=None)
     try:
-        validity = model.simulate(scene, model.refinement_levels(scene)[-1], RunOptions(stated=False)).validity
+        settings = model.refinement_levels(scene)[-1]
+        validity = model.simulate(scene, settings, once).validity
+        if validity.get("left_domain_by") != "pedestal_tips":
+            return math.inf
+        together = model.simulate(one, settings, once)
     except EngineFailure:
         return math.inf
-    tips = validity.get("left_domain_by") == "pedestal_tips"
-    return number(validity, "left_domain_s", math.inf) if tips else math.inf
+    return number(validity, "left_domain_s") if abs(together.peak_theta_rad) > error_rad else math.inf
 
 
 def hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float, target: Error) -> bool:

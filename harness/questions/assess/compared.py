@@ -12,7 +12,6 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from harness.model.scene import Scene, Uncertain
-from harness.questions.assess.bodies import sliding
 from harness.questions.assess.by_model import SAMPLER, Outside, probability_of, sampled
 from harness.questions.assess.in_space import shaken_across
 from harness.questions.assess.inputs import LEAST_SHARE, Array, draw, row, uncertain_inputs
@@ -30,6 +29,7 @@ from harness.questions.assess.stratified import LEVEL
 from harness.questions.assess.variation import KINETIC, STATIC, varied
 from harness.records.assess import OptionAnswer, OptionsRecord
 from harness.records.scores import Interval
+from harness.statics.bodies import sliding
 
 DIFFERENCE_LEVEL: Final = 0.99
 """Level of a difference's interval: of ten options without effect, one table in ten then names one."""

@@ -14,8 +14,8 @@ from harness.input.scene_file import check_wall
 from harness.input.tables import read_model
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene, scan_azimuth_deg, written
-from harness.questions.assess.bodies import as_one, turned_block, widened
 from harness.questions.assess.variation import reread
+from harness.statics.bodies import as_one, turned_block, widened
 
 HEAVIER: Final = 2.0
 """Factor on the pedestal's mass: what a denser stone, or lead in its core, may give."""
