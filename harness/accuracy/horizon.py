@@ -74,12 +74,12 @@ def unseen_tipping_s(scene: Scene, run: Run, error_rad: float) -> float:
     if pedestal is None or number(run.validity, "pedestal_tilt_rad", 0.0) > error_rad:
         return math.inf
     model, once = engines.load(MODEL), RunOptions(stated=False)
-    one = replace(scene, statue=as_one(scene.statue, pedestal), pedestal=None)
     try:
         settings = model.refinement_levels(scene)[-1]
         validity = model.simulate(scene, settings, once).validity
         if validity.get("left_domain_by") != "pedestal_tips":
             return math.inf
+        one = replace(scene, statue=as_one(scene.statue, pedestal), pedestal=None)
         together = model.simulate(one, settings, once)
     except EngineFailure:
         return math.inf

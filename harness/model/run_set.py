@@ -179,3 +179,19 @@ class RunSet(Shown):
         if not numbers:
             raise InputError(Mistake(self.title, "vary", "a number that varies", ", ".join(columns) or "nothing"))
         return numbers[:2]
+
+
+def run_set(
+    title: str,
+    varied: Sequence[Mapping[str, object]],
+    engines: Sequence[str],
+    outcomes: Sequence[str],
+    numbers: Mapping[str, Column],
+    histories: Sequence[History | None] = (),
+) -> RunSet:
+    """Runs as a table: what varied in each, who answered, its outcome, whether the statue overturned, and `numbers` by column."""
+    keys = list(dict.fromkeys(key for each in varied for key in each))
+    table: dict[str, Column] = {key: column_of([each.get(key) for each in varied]) for key in keys}
+    falls = np.array([Outcome(end).overturned for end in outcomes])
+    table |= {"engine": column_of(engines), "outcome": column_of(outcomes), "overturned": falls, **numbers}
+    return RunSet(title, keys, answered(table), histories)

@@ -14,9 +14,8 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.errors import InputError, Mistake
-from harness.model.history import History, Outcome
 from harness.model.run import NUMBERS
-from harness.model.run_set import Column, RunSet, answered, column_of
+from harness.model.run_set import Column, RunSet, run_set
 from harness.records.base import Plain
 from harness.records.study import UsageRecord, impacts
 from harness.runs.dask_pool import DaskPool
@@ -73,7 +72,10 @@ def execute(
         histories = [
             kept.history(task.key) if request.history else None for request, task in zip(wanted, tasks, strict=True)
         ]
-    return run_set(title, wanted, records, histories)
+    varied, names = [each.varied for each in wanted], [each.engine for each in wanted]
+    outcomes = [str(record["outcome"]) for record in records]
+    asked = histories if any(each.history for each in wanted) else ()
+    return run_set(title, varied, names, outcomes, numbers_of(records), asked)
 
 
 def pool_of(jobs: int, dask: str | None) -> Pool:
@@ -83,28 +85,17 @@ def pool_of(jobs: int, dask: str | None) -> Pool:
     return LocalPool(jobs) if jobs > 1 else InlinePool()
 
 
-def run_set(
-    title: str,
-    requests: Sequence[RunRequest],
-    records: Sequence[Mapping[str, Any]],
-    histories: Sequence[History | None],
-) -> RunSet:
-    """Stored runs as a table: what varied, the engine, the outcome and its numbers."""
-    keys = list(dict.fromkeys(key for request in requests for key in request.varied))
-    ends = [str(record["outcome"]) for record in records]
-    table: dict[str, Column] = {key: column_of([each.varied.get(key) for each in requests]) for key in keys}
-    table |= {
-        "engine": column_of([request.engine for request in requests]),
-        "outcome": column_of(ends),
-        "overturned": np.array([Outcome(end).overturned for end in ends]),
+def numbers_of(records: Sequence[Mapping[str, Any]]) -> dict[str, Column]:
+    """The numbers and counts of stored runs, by column; peaks by their size."""
+    numbers = {
+        name: np.array(
+            [otherwise if (value := each.get(name)) is None else value for each in records], dtype=np.float64
+        )
+        for name, otherwise in NUMBERS.items()
     }
-    for name, otherwise in NUMBERS.items():
-        found = [record.get(name) for record in records]
-        table[name] = np.array([otherwise if value is None else value for value in found], dtype=np.float64)
-    table["peak_theta_rad"] = np.abs(table["peak_theta_rad"])
-    table["steps"] = np.array([record["steps"] for record in records])
-    table["impacts"] = np.array([impacts(record) for record in records])
-    return RunSet(title, keys, answered(table), histories if any(each.history for each in requests) else ())
+    counts = {"steps": [each["steps"] for each in records], "impacts": [impacts(each) for each in records]}
+    peaks = {"peak_theta_rad": np.abs(numbers["peak_theta_rad"])}
+    return numbers | peaks | {name: np.array(values) for name, values in counts.items()}
 
 
 @dataclass(frozen=True)

@@ -89,8 +89,9 @@ def _scene(scene: HardRow, engines: Sequence[str], say: Language) -> list[str | 
             row.append(Cell("–"))
             continue
         right = scene.right(name)
-        failed = [] if name in scene.known else [each for each in scene.checks.get(name, ()) if not each.holds]
-        text = "; ".join([say.word(scene.got[name]), *_listed(failed, say)]) + ("*" if name in scene.known else "")
+        text = "; ".join([say.word(scene.got[name]), *_listed(scene.failed(name), say)]) + (
+            "*" if name in scene.known else ""
+        )
         row.append(Cell(text, "claim holds" if right else "claim does-not-hold", sign="✓" if right else "✕"))
     checks = [f"{name}: {text}" for name, found in scene.checks.items() for text in _listed(found, say)]
     folded = [Details(say("text.checks", count=len(checks)), [Text(checks, "notes")])] if checks else []

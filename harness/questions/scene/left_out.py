@@ -155,7 +155,7 @@ def _seen_s(plane: Run, space: Run, size: float, *, slips: bool) -> float:
     if plane.history is None or space.history is None:
         return math.inf
     both = history.pair(plane.history, space.history)
-    apart = np.abs(both.slip_a_m - both.slip_b_m) if slips else np.abs(both.theta_a_rad - both.theta_b_rad)
+    apart = np.abs(both.slip_a_m - both.slip_b_m if slips else both.difference_rad)
     beyond = np.flatnonzero(apart > size)
     return float(both.t_s[beyond[0]]) if beyond.size else math.inf
 

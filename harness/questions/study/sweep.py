@@ -7,15 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target
 from harness.input.overrides import plain
 from harness.model.errors import InputError, Mistake
-from harness.model.history import Outcome
 from harness.model.run import NUMBERS
-from harness.model.run_set import RunSet, answered, column_of
+from harness.model.run_set import RunSet, run_set
 from harness.model.scene import Scene
 from harness.questions.study.case_blocks import SweptRuns
 from harness.questions.study.cases import Base
@@ -80,9 +77,5 @@ def _swept(scene: Scene, settings: Sequence[Mapping[str, Any]], asked_rad: float
     for place, setting in enumerate(settings):
         runs.add(place, setting)
     columns = runs.columns()
-    keys = list(settings[0])
-    falls = np.array([Outcome(each).overturned for each in columns["outcome"].tolist()])
-    table = {key: column_of([setting[key] for setting in settings]) for key in keys}
-    table |= {"engine": column_of(["analytic"] * len(settings)), "outcome": columns["outcome"], "overturned": falls}
-    table |= {name: columns[name] for name in (*NUMBERS, "steps", "impacts")}
-    return RunSet(scene.title, keys, answered(table))
+    numbers = {name: columns[name] for name in (*NUMBERS, "steps", "impacts")}
+    return run_set(scene.title, settings, ["analytic"] * len(settings), columns["outcome"].tolist(), numbers)
