@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,7 +18,7 @@ from harness.model.history import Array
 from harness.model.scene import Scene
 from harness.questions.validate.jobs import Model, parse_model
 from harness.questions.validate.measured_set import MeasuredSet, Rows, shares
-from harness.questions.validate.toss_scores import AFTER_IMPACT, Coefficients, Errors, TossTask, quartiles, scored
+from harness.questions.validate.toss_scores import Coefficients, Errors, TossTask, quartiles, scored
 from harness.questions.validate.tosses import Toss, read_tosses
 from harness.records.measured import MeasuredRecord, MeasuredTable
 from harness.runs.runner import Crash, LocalPool
@@ -30,7 +30,7 @@ RESTITUTIONS: Final = (0.05, 0.1, 0.2, 0.4)
 """Both are looked through first; from the best of them the fit goes downhill, by at most so many"""
 EVALUATIONS: Final = 24
 TRAJECTORY, VELOCITIES = "trajectory", "impact_velocities"
-"""What a fit looks at: the points at all frames, or their velocities after the first impact."""
+"""What a fit looks at: the points at all frames, or their velocities after impacts."""
 PUBLISHED: Final = (
     ("Drake", "published", None, None, 13.5, 8.2, 16.5, 20.0),
     ("Bullet", "published", None, None, 14.9, 8.9, 16.5, 20.2),
@@ -49,7 +49,7 @@ POSES: Final = (
     "place_high_m",
 )  # fmt: skip
 LOSSES: Final = ("model", "fitted_on", "along", "friction", "restitution", "missed")
-"""Missed: m at the median of all frames, or m/s at the median of the tosses."""
+"""Missed: m at the median of all frames, or m/s at the median of all stretches after the first contact."""
 TOSSES: Final = ("model", "toss", "rotation_rad", "end_rotation_rad", "end_place_m")
 
 Scored = dict[str, list[Errors | str]]
@@ -135,8 +135,7 @@ def _of_model(pool: LocalPool, base: Scene, fitting: Sequence[Toss], rest: Seque
     width = base.statue.corner_left_m + base.statue.corner_right_m
     found = _Scored([], [], [], [], [])
     for name in (TRAJECTORY, VELOCITIES):
-        seen = fitting if name == TRAJECTORY else [_landing(toss) for toss in fitting]
-        loss = _Loss(pool, base, seen, model, _points_missed if name == TRAJECTORY else _rates_missed)
+        loss = _Loss(pool, base, fitting, model, _points_missed if name == TRAJECTORY else _rates_missed)
         best, missed = loss.least()
         found.losses.extend(
             [model.name, name, *row] for row in [*loss.rows, ("fitted", best.friction, best.restitution or 0.0, missed)]
@@ -166,12 +165,6 @@ def _of_model(pool: LocalPool, base: Scene, fitting: Sequence[Toss], rest: Seque
                 for key, item in known.items()
             )
     return found
-
-
-def _landing(toss: Toss) -> Toss:
-    """A toss up to the frames that say the velocities after its first impact."""
-    end = min(toss.contact + 1 + AFTER_IMPACT, len(toss.places_m))
-    return replace(toss, places_m=toss.places_m[:end], quaternions=toss.quaternions[:end])
 
 
 def _means(errors: Sequence[Errors], width_m: float) -> list[float]:
@@ -262,8 +255,8 @@ def _points_missed(tosses: Sequence[Toss], answers: Sequence[Errors | str]) -> f
 
 
 def _rates_missed(_tosses: Sequence[Toss], answers: Sequence[Errors | str]) -> float:
-    """Median over tosses of the mean distance of the points' velocities after the first impact, m/s."""
-    return float(np.median([item.rate_m_s if isinstance(item, Errors) else np.inf for item in answers]))
+    """Median over all stretches after the first contact of the mean distance of the points' velocities, m/s."""
+    return float(np.median(np.concatenate([item.rate_m_s if isinstance(item, Errors) else [np.inf] for item in answers])))
 
 
 def _poses(known: Mapping[str, Errors], tosses: Sequence[Toss]) -> Rows:

@@ -22,7 +22,8 @@ STEPS_A_FRAME: Final = 8
 """Steps between two frames where no step is asked for: 0.84 ms at 148 Hz; four times as many change no median by a sixth
 of itself, less than the fit of friction leaves open (docs/scores.md)."""
 AFTER_IMPACT: Final = 8
-"""Frames after the first contact whose slope is the velocity that an impact leaves: 0.05 s, before most bodies land again."""
+"""Frames whose slope is a velocity, one stretch after the other from the first contact on: 0.05 s, before most bodies land
+again; differences of two frames would drown in noise."""
 TAKEN: Final = 1e-3
 """Metres, and entries of the rotation: some hundred times what an engine's contact settles in its first step."""
 
@@ -38,14 +39,14 @@ class Coefficients:
 @dataclass(frozen=True, eq=False)
 class Errors:
     """By frame (n,): angle between the computed and the measured rotation, distance of the centroids, mean distance of the
-    body's outer points (what the two do together; fitted). `rate_m_s`: mean distance of these points' velocities after the first
-    impact. Beyond `ended_s` the run's last pose is held.
+    body's outer points (what the two do together; fitted). `rate_m_s` (m,): mean distance of these points' velocities in each
+    stretch after the first contact. Beyond `ended_s` the run's last pose is held.
     """
 
     rotation_rad: Array
     place_m: Array
     points_m: Array
-    rate_m_s: float
+    rate_m_s: Array
     ended_s: float | None = None
 
 
@@ -119,11 +120,12 @@ def errors(toss: Toss, body: Statue, history: History) -> Errors:
     moved = points @ np.swapaxes(turn - measured, 1, 2) + shift[:, None, :]
     end_s = float(history.t_s[-1])
     ended_s = end_s if end_s < toss.end_s - 0.5 * toss.frame_s else None
-    # What an impact leaves is a velocity: the slope of the frames after it, which differences of two would drown in noise.
-    after = slice(min(toss.contact + 1, count - 2), toss.contact + 1 + AFTER_IMPACT)
-    since = np.arange(count)[after] - np.mean(np.arange(count)[after])
-    slopes = np.einsum("n,npk->pk", since, moved[after]) / (toss.frame_s * float(since @ since))
-    rate = float(np.mean(np.linalg.norm(slopes, axis=1)))
+    size = min(AFTER_IMPACT, count)
+    first = min(toss.contact + 1, count - size)
+    stretches = moved[first : first + (count - first) // size * size].reshape(-1, size, *moved.shape[1:])
+    since = np.arange(size) - 0.5 * (size - 1)
+    slopes = np.einsum("n,mnpk->mpk", since, stretches) / (toss.frame_s * float(since @ since))
+    rate = np.mean(np.linalg.norm(slopes, axis=2), axis=1)
     return Errors(angle, np.linalg.norm(shift, axis=1), np.mean(np.linalg.norm(moved, axis=2), axis=1), rate, ended_s)
 
 

@@ -21,6 +21,7 @@ from harness.model.scene import Pose, Scene
 from harness.questions.validate.jobs import parse_model
 from harness.questions.validate.toss_run import FRICTIONS, validate_tosses
 from harness.questions.validate.toss_scores import (
+    AFTER_IMPACT,
     STEPS_A_FRAME,
     Coefficients,
     Errors,
@@ -223,6 +224,20 @@ def test_a_run_whose_start_did_not_take_is_refused(
     refused = scored(task)[0]
     assert isinstance(refused, str)
     assert "its start did not take" in refused
+
+
+def test_velocities_are_held_after_every_impact(tmp_path: Path, cube: Scene) -> None:
+    """With the friction of the throw all stretches agree; with another one those in which the cube slides do not."""
+    pytest.importorskip("pybullet")
+    frames = 75
+    toss = read_tosses(written(tmp_path, {"0": thrown(cube, 0, frames)}), cube.statue, cube.gravity_m_s2)[0][0]
+    pairs = (Coefficients(FRICTION), Coefficients(0.5 * FRICTION))
+    same, other = scored(TossTask(cube, toss, parse_model("pybullet:plain"), pairs))
+    assert isinstance(same, Errors)
+    assert isinstance(other, Errors)
+    assert same.rate_m_s.size == other.rate_m_s.size == (frames - toss.contact - 1) // AFTER_IMPACT
+    assert same.rate_m_s.max() < 0.1 * other.rate_m_s.max()
+    assert np.sort(other.rate_m_s)[-2] > 10.0 * same.rate_m_s.max()
 
 
 def test_an_engine_that_cannot_bounce_says_so(tmp_path: Path, cube: Scene) -> None:
