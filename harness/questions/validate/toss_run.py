@@ -256,7 +256,9 @@ def _points_missed(tosses: Sequence[Toss], answers: Sequence[Errors | str]) -> f
 
 def _rates_missed(_tosses: Sequence[Toss], answers: Sequence[Errors | str]) -> float:
     """Median over all stretches after the first contact of the mean distance of the points' velocities, m/s."""
-    return float(np.median(np.concatenate([item.rate_m_s if isinstance(item, Errors) else [np.inf] for item in answers])))
+    return float(
+        np.median(np.concatenate([item.rate_m_s if isinstance(item, Errors) else [np.inf] for item in answers]))
+    )
 
 
 def _poses(known: Mapping[str, Errors], tosses: Sequence[Toss]) -> Rows:
