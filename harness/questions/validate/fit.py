@@ -1,8 +1,8 @@
 """What the table does not know, fitted for each model on the tests of one share by the likelihood of what was observed.
 
-A test's probability of falling at one setting of the unknown inputs is the share of a few draws there. What a body keeps from day
-to day is weighed by the tests of all its days, what was set up by those of its day. How wide draws scatter, and how many counts
-of either outcome are added to theirs, follows from how likely each test is by all the others of its body.
+A test's probability of falling at one setting of the unknown inputs is the share of its draws there and nearby. What a body keeps
+from day to day is weighed by the tests of all its days, what was set up by those of its day. How wide draws scatter, and how many
+counts of either outcome are added to theirs, follows from how likely each test is by all the others of its body.
 """
 
 from __future__ import annotations
@@ -27,14 +27,16 @@ Answers = Mapping[tuple[str, Variant], CaseRun]
 Ask = Callable[[Sequence[tuple[Trial, Variant]]], Answers]
 """Runs what is not known yet, and gives all answers so far."""
 
-DESIGN: Final = 32
-"""Joint settings of a body's unknown inputs that are tried first, each in one run a test, and"""
-NEARER: Final = 16
-"""settings beside the best of them that are tried next."""
-FINALISTS: Final = 12
-"""The best of all, between which the likelihood decides, by"""
-DRAWS: Final = 4
-"""draws of each test beside its nominal run."""
+TRIED: Final = 64
+"""Draws of each test in which a body's unknown inputs are tried, at other joint settings where there are so many, by at most"""
+DRAWS: Final = 8
+"""draws at one setting."""
+NEAR: Final[Mapping[str, float]] = {"contact_tolerance_m": 2e-3, "inset_m": 2e-3, "friction": 0.05, "scale": 0.1}
+"""Standard widths of the kernel by which an outcome at one value says something of another: what draws scatter by, or twice that.
+Other inputs (a sign, a turn, a band) say nothing of each other. Of these a value at the end of its list says that the truth may
+lie beyond."""
+SETTINGS: Final = 500
+"""Joint settings up to which all are weighed, those too that were not tried: of more only those that were."""
 WIDTHS: Final = (0.5, 1.0, 2.0, 4.0)
 """Factors tried on the scatter of all draws, by at most"""
 WIDTH_DRAWS: Final = 10
@@ -47,8 +49,6 @@ OWN: Final = 2.0
 """How many bodies count as much as none of the others being alike, and"""
 POOLINGS: Final = 3
 """rounds in which they hear of each other: the first already has most of it."""
-NUMBERED: Final = ("contact_tolerance_m", "inset_m", "friction", "scale")
-"""Inputs of which a value at the end of its list says that the truth may lie beyond."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,11 +107,18 @@ class Choice:
 def planned(trials: Sequence[Trial], share: Sequence[Trial], samples: int) -> int:
     """Runs of one model on tests of which those of the `share` are fitted on: as many, or few less where rows know more."""
     fitting = len(share) * len(WIDTHS) * min(samples, WIDTH_DRAWS)
-    for group in _by_body(share).values():
-        size = math.prod(len(values) for values in _unknown(group).values())
-        if size > 1:
-            fitting += len(group) * (min(size, DESIGN + NEARER) + min(size, FINALISTS) * DRAWS)
+    fitting += sum(len(group) * _tried(unknown) for group in _by_body(share).values() if (unknown := _unknown(group)))
     return fitting + len(trials) + (len(trials) - len(share)) * samples
+
+
+def _tried(unknown: Mapping[str, Sequence[Any]]) -> int:
+    """In how many draws a body's unknown inputs are tried."""
+    return min(DRAWS * _count(unknown), TRIED)
+
+
+def _count(unknown: Mapping[str, Sequence[Any]]) -> int:
+    """How many joint settings there are."""
+    return math.prod(len(values) for values in unknown.values())
 
 
 def choose(trials: Sequence[Trial], ask: Ask, samples: int) -> Choice:
@@ -125,12 +132,10 @@ def choose(trials: Sequence[Trial], ask: Ask, samples: int) -> Choice:
         return ask(pairs)
 
     bodies = [_Body(group, unknown) for group in _by_body(trials).values() if (unknown := _unknown(group))]
-    for step in (_Body.begin, _Body.look_nearer, _Body.take_finalists):
-        # All bodies at once, so that all workers have something to do.
-        answers = asked([pair for body in bodies for pair in step(body)])
-        for body in bodies:
-            body.hear(answers)
-        _pool(bodies)
+    answers = asked([pair for body in bodies for pair in body.pairs()])
+    for body in bodies:
+        body.hear(answers)
+    _pool(bodies)
     choice = Choice(
         {place: each for body in bodies for place, each in body.set_ups().items()},
         {name: each for body in bodies for name, each in body.others().items()},
@@ -189,7 +194,7 @@ def designed(unknown: Mapping[str, Sequence[Any]], count: int) -> list[Inputs]:
     """So many joint settings of lists: all of them, over again where they are fewer, or different ones of seeded Latin
     hypercubes, in which every value of a list comes as often as the others.
     """
-    if math.prod(len(values) for values in unknown.values()) <= count:
+    if _count(unknown) <= count:
         every = [Inputs(**dict(zip(unknown, each, strict=True))) for each in itertools.product(*unknown.values())]
         return [every[k % len(every)] for k in range(count)]
     from scipy.stats.qmc import LatinHypercube
@@ -210,60 +215,44 @@ class _Body:
 
     def __init__(self, trials: Sequence[Trial], unknown: Mapping[str, Sequence[Any]]) -> None:
         self._trials, self._unknown = trials, unknown
-        self._size = math.prod(len(values) for values in unknown.values())
         self._days = list(dict.fromkeys(trial.day for trial in trials))
-        self._settings: list[Inputs] = []
-        self._samples = range(1)
+        self._tried = designed(unknown, _tried(unknown))
+        count = _count(unknown)
+        self._settings = designed(unknown, count) if count <= SETTINGS else self._tried
         self._likely = np.empty((0, 0))
-        self._prior = np.zeros(0)
-        self._others: Sequence[Marginals] = ()
+        self._prior = np.zeros(len(self._settings))
 
-    def begin(self) -> list[tuple[Trial, Variant]]:
-        """The runs of the first settings."""
-        self._settings = designed(self._unknown, min(self._size, DESIGN))
-        return self._pairs(self._settings)
+    def pairs(self) -> list[tuple[Trial, Variant]]:
+        """The runs that are wanted: of each test as many draws as settings are tried, each at one of them."""
+        return [(trial, variant) for trial in self._trials for variant in self._variants(trial)]
 
-    def look_nearer(self) -> list[tuple[Trial, Variant]]:
-        """The runs of settings beside the best: one input another, by one place in a list of numbers."""
-        more: dict[Inputs, None] = {}
-        for best in self._ranked():
-            for name, values in self._unknown.items():
-                place = values.index(getattr(best, name))
-                near = values if name not in NUMBERED else values[max(place - 1, 0) : place + 2]
-                more |= dict.fromkeys(replace(best, **{name: value}) for value in near)
-        new = [each for each in more if each not in self._settings][:NEARER]
-        self._settings += new
-        return self._pairs(new)
-
-    def take_finalists(self) -> list[tuple[Trial, Variant]]:
-        """The draws of the best settings, to which the others are left."""
-        self._settings, self._samples = self._ranked()[:FINALISTS], range(DRAWS + 1)
-        return self._pairs(self._settings)
-
-    def _pairs(self, settings: Sequence[Inputs]) -> list[tuple[Trial, Variant]]:
-        return [
-            (trial, each) for setting in settings for trial in self._trials for each in self._variants(trial, setting)
-        ]
-
-    def _variants(self, trial: Trial, setting: Inputs) -> list[Variant]:
-        return [Variant(trial.inputs(setting), k) for k in self._samples]
+    def _variants(self, trial: Trial) -> list[Variant]:
+        return [Variant(trial.inputs(setting), k) for k, setting in enumerate(self._tried, 1)]
 
     def hear(self, answers: Answers) -> None:
-        """How likely (ln) each setting makes each test, (tests, settings)."""
-        choice = Choice()
-        likely = np.empty((len(self._trials), len(self._settings)))
-        for row, trial in zip(likely, self._trials, strict=True):
-            for k, setting in enumerate(self._settings):
-                runs = [answers[trial.name, variant] for variant in self._variants(trial, setting)]
-                p = choice.probability(runs)
-                p = 0.5 if p is None else p
-                row[k] = math.log(p if trial.fell else 1.0 - p)
-        self._likely = likely
-        self.learn(self._others)
+        """How likely (ln) each setting makes each test, (tests, settings): by what falls in the draws near it."""
+        falls = np.array(
+            [[answers[trial.name, each].outcome.fell for each in self._variants(trial)] for trial in self._trials],
+            dtype=np.float64,
+        )
+        known, near = np.isfinite(falls), self._nearness()
+        p = (np.nan_to_num(falls) @ near + COUNTS) / (known @ near + 2.0 * COUNTS)
+        fell = np.array([trial.fell for trial in self._trials])
+        self._likely = np.log(np.where(fell[:, None], p, 1.0 - p))
+
+    def _nearness(self) -> Array:
+        """What a run at each setting that was tried says of each that is weighed, (tried, settings)."""
+        near = np.ones((len(self._tried), len(self._settings)))
+        for name in self._unknown:
+            tried, weighed = ([getattr(each, name) for each in items] for items in (self._tried, self._settings))
+            if name in NEAR:
+                near *= np.exp(-0.5 * (np.subtract.outer(tried, weighed) / NEAR[name]) ** 2)
+            else:
+                near *= np.array([[one == other for other in weighed] for one in tried])
+        return near
 
     def learn(self, others: Sequence[Marginals]) -> None:
         """Take what the other bodies have of each value as the prior (ln, by setting)."""
-        self._others = others
         self._prior = np.zeros(len(self._settings))
         for name, values in self._unknown.items():
             seen = {value: sum(each.get((name, value), 0.0) for each in others) for value in values}
@@ -278,11 +267,6 @@ class _Body:
                 key = name, getattr(setting, name)
                 found[key] = found.get(key, 0.0) + weight
         return found
-
-    def _ranked(self) -> list[Inputs]:
-        """All settings, those that are most probable on each day first."""
-        orders = [np.argsort(-self._weighed(day, self._likely).weights, kind="stable") for day in self._days]
-        return list(dict.fromkeys(self._settings[k] for places in zip(*orders, strict=True) for k in places))
 
     def _weighed(self, day: str, likely: Array) -> Weighed:
         """The settings as the tests say, of which all others of this day share what was set up, those of other days what the body
@@ -322,7 +306,7 @@ def fitted(trials: Sequence[Trial], choice: Choice) -> Fitted:
             best = getattr(weighed.best, name)
             same = [getattr(each, name) == best for each in weighed.settings]
             numbers = [value for value in values if isinstance(value, float)]
-            at_end = name in NUMBERED and len(numbers) > 2 and best in (min(numbers), max(numbers))
+            at_end = name in NEAR and len(numbers) > 2 and best in (min(numbers), max(numbers))
             weight = float(weighed.weights[same].sum())
             told = list(best) if isinstance(best, tuple) else best
             rows.append(FittedInput(Path(body).name, day, name, told, weight, at_end))

@@ -60,13 +60,14 @@ def tasks_of(pairs: Sequence[tuple[Trial, Variant]], model: Model, seed: int) ->
     runs for a fit. Only a nominal run of the chosen inputs states its error.
     """
     versions = [record.versions().get(name) for name in ("rockcheck", "numpy", "numba", model.engine)]
+    digests = {trial.name: digest_of(trial) for trial in dict.fromkeys(trial for trial, _ in pairs)}
     tasks = []
     for trial, variant in pairs:
         # A history is wanted where a measured one is there to compare, in the nominal run.
         history = variant.stated and trial.history is not None
         drawn = (variant.sample, seed, variant.width) if variant.sample else None
         setting = model.engine, model.accuracy_rad, model.dt_s, variant.stated, history
-        key = key_of(digest_of(trial), astuple(variant.inputs), drawn, setting, versions)
+        key = key_of(digests[trial.name], astuple(variant.inputs), drawn, setting, versions)
         # The motion is read once, for all processes.
         made = partial(scene_of, trial, variant, seed, motion_of(trial, variant.inputs))
         run = RunRequest(made, model.engine, model.accuracy_rad, model.dt_s, history, variant.stated)

@@ -28,6 +28,8 @@ AZIMUTH_SD_DEG: Final = 2.0
 """Scatter of the body's azimuth on the table: what placing by hand leaves."""
 BASE_SD_M: Final = 0.001
 """Scatter of the base's edge: what a scan resolves and a placement crushes."""
+LEAST_SCORES: Final = 128
+"""Draws that are made at once."""
 FRICTION_SD: Final = 0.05
 """Relative scatter of the friction: the spread of repeated tilt tests."""
 
@@ -86,7 +88,8 @@ def _scatter(trial: Trial, variant: Variant, seed: int) -> tuple[float, float, f
     if variant.sample == 0:
         return 0.0, 0.0, 1.0
     set_up = f"{trial.body_name}{trial.day and '/'}{trial.day}"
-    size = 1 << variant.sample.bit_length()
+    # The first draws are the same whatever the number: one sequence serves most.
+    size = max(LEAST_SCORES, 1 << variant.sample.bit_length())
     turn, edge = variant.width * _scores(set_up, seed, size)[variant.sample, 1:3]
     rough = variant.width * _scores(trial.name, seed, size)[variant.sample, 3]
     return AZIMUTH_SD_DEG * float(turn), BASE_SD_M * float(edge), math.exp(FRICTION_SD * float(rough))

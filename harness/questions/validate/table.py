@@ -7,6 +7,7 @@ import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 
@@ -107,17 +108,17 @@ class Trial:
     day: str = ""
     share: str = ""
 
-    @property
+    @cached_property
     def body(self) -> str:
         """What names the body."""
         return str(self.mesh or self.scene)
 
-    @property
+    @cached_property
     def body_name(self) -> str:
         """The body's file, wherever it lies."""
         return Path(self.body).name
 
-    @property
+    @cached_property
     def unknown(self) -> dict[str, tuple[Any, ...]]:
         """The columns of this row that list several values, with them."""
         return {name: values for name in OPEN if len(values := getattr(self, name)) > 1}

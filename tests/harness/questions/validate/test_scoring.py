@@ -14,9 +14,10 @@ from harness.comparison.statistics.outcomes import FELL
 from harness.model.history import Outcome
 from harness.questions.validate.fit import (
     COUNTS,
-    DESIGN,
     DRAWS,
+    NEAR,
     OWN,
+    TRIED,
     WIDTHS,
     Answers,
     Ask,
@@ -79,8 +80,8 @@ def test_each_body_s_own_inputs_are_fitted() -> None:
     trials = [trial(f"{body}{k}", k % 2 == 0, body=body, **LISTS) for body in ("a", "b") for k in range(4)]
     found = choose(trials, says(lambda each, inputs: inputs == truth[each.body]), 0)
     assert {body: weighed.best for (body, _), weighed in found.of_set_up.items()} == truth
-    # Four settings of eight tests, as they are and in four draws.
-    assert (found.fitted_on, found.runs, found.width) == (8, 4 * 4 * 2 * (1 + DRAWS), 1.0)
+    # Four settings of eight tests.
+    assert (found.fitted_on, found.runs, found.width) == (8, 4 * 4 * 2 * DRAWS, 1.0)
     known = trial("known", True, friction=(0.7,))
     assert found.nominal(known) == Variant(Inputs(friction=0.7), stated=True)
     assert choose([], says(lambda each, inputs: True), 0).fitted_on == 0
@@ -166,7 +167,7 @@ def test_what_is_planned_is_what_is_run() -> None:
 
     choice = choose(share, ask, 6)
     ask([(each, one) for each in tests for one in (choice.nominal(each), *choice.draws(each, 6))])
-    # A draw of width 1 may be one of a finalist.
+    # A draw of width 1 may be one of those that were tried.
     assert 0.95 * planned(tests, share, 6) < len(ran) <= planned(tests, share, 6)
 
 
@@ -324,23 +325,42 @@ def test_no_test_helps_to_predict_itself() -> None:
 
 def test_inputs_that_explain_the_tests_together_alone_are_fitted() -> None:
     """Only one of the tolerances with one of the insets is right: of each alone no change is better."""
-    lists = {"contact_tolerance_m": (1e-3, 2e-3, 3e-3, 4e-3), "inset_m": tuple(0.001 * k for k in range(12))}
-    tests = [trial(f"t{k}", True, **lists) for k in range(3)]
-    true = Inputs(contact_tolerance_m=3e-3, inset_m=0.001 * 7)
-    near = (2e-3, 3e-3)
+    tolerances, insets = ([3.0 * NEAR[name] * k for k in range(1, 7)] for name in ("contact_tolerance_m", "inset_m"))
+    tests = [trial(f"t{k}", True, contact_tolerance_m=tuple(tolerances), inset_m=tuple(insets)) for k in range(3)]
+    true = Inputs(contact_tolerance_m=tolerances[2], inset_m=insets[4])
+    near = tolerances[1:3]
     found = choose(
         tests, says(lambda each, own: own == true or (each.name == "t0" and own.contact_tolerance_m in near)), 0
     )
     assert found.of_set_up["a", ""].best == true
 
 
+def test_an_outcome_says_something_of_the_values_beside_its_own_and_nothing_of_another_sign() -> None:
+    """Worn by 4 mm is right: 2 mm beside is likelier than 8 mm beside, and the other sign no more than by its own draws."""
+    lists = {"inset_m": tuple(0.002 * k for k in range(8)), "sign": (1, -1)}
+    tests = [trial(f"t{k}", k % 2 == 0, **lists) for k in range(6)]
+    found = choose(tests, says(lambda each, own: own.sign == 1 and own.inset_m == 0.004), 0).of_set_up["a", ""]
+    chance = {(each.inset_m, each.sign): w for each, w in zip(found.settings, found.weights.tolist(), strict=True)}
+    assert found.best == Inputs(inset_m=0.004, sign=1)
+    assert chance[0.006, 1] > 3.0 * chance[0.012, 1]
+    assert chance[0.004, -1] == pytest.approx(chance[0.006, -1], rel=0.1)
+
+
+def test_of_too_many_settings_those_are_weighed_that_were_tried() -> None:
+    lists = {"azimuth_deg": tuple(map(float, range(90))), "sign": (1, -1), "friction": (0.2, 0.4, 0.6)}
+    tests = [trial(f"t{k}", True, **lists) for k in range(4)]
+    found = choose(tests, says(lambda each, own: own.sign == 1), 0).of_set_up["a", ""]
+    assert len(found.settings) == TRIED
+    assert found.best.sign == 1
+
+
 def test_a_design_of_many_inputs_is_small_and_holds_every_value() -> None:
     lists = {"azimuth_deg": range(9), "contact_tolerance_m": range(3), "inset_m": range(4)}
-    rows = designed(lists, DESIGN)
-    assert len(rows) == DESIGN
+    rows = designed(lists, TRIED)
+    assert len(rows) == TRIED
     assert all({getattr(row, name) for row in rows} == set(values) for name, values in lists.items())
-    every = designed({"azimuth_deg": range(4), "inset_m": range(4)}, DESIGN)
-    assert [every.count(each) for each in set(every)] == [2] * 16
+    every = designed({"azimuth_deg": range(4), "inset_m": range(5)}, TRIED)
+    assert [every.count(each) for each in set(every)] == [TRIED // 20] * 20
 
 
 def test_what_is_undecided_counts_neither_as_standing_nor_as_fallen() -> None:
