@@ -2,8 +2,9 @@
 
 Each stone's contact tolerance, worn edge, sign and strength of the motion are drawn from the lists that its rows give; every test
 has its own azimuth, base and friction within the scatter that `validate` assumes. Half of the tests, drawn at random, are the
-share that is fitted on. "More runs" is the same fit by fifteen times the runs and the true scatter, scored in five times the draws:
-about what these tests can teach. "Truth known" is what the true probability of each test says, from draws at the true inputs.
+share that is fitted on. "More runs" is the same fit by fifteen times the runs and the true scatter, scored in five times the
+draws: about what these tests can teach. "Truth known" is what the true probability of each test says, from draws at the true
+inputs.
 """
 
 from __future__ import annotations
