@@ -2,9 +2,9 @@
 
 Each stone's contact tolerance, worn edge, sign and strength of the motion are drawn from the lists that its rows give; every test
 has its own azimuth, base and friction within the scatter that `validate` assumes. Half of the tests, drawn at random, are the
-share that is fitted on. "More runs" is the same fit by fifteen times the runs and the true scatter, scored in five times the
-draws: about what these tests can teach. "Truth known" is what the true probability of each test says, from draws at the true
-inputs.
+share that is fitted on. "More runs" is the fit by twelve times the runs, each for its own setting alone, and the true scatter,
+scored in five times the draws: about what these tests can teach. "Truth known" is what the true probability of each test says,
+from draws at the true inputs.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ TRUTH_SEED: Final = 1_000_000
 """Of the draw that each test's truth is: no draw of a validation is one of these."""
 TRUE_DRAWS: Final = 101
 SAMPLES: Final = 20
-MORE: Final[Mapping[str, Any]] = {"TRIED": 960, "DRAWS": 8, "WIDTHS": (1.0,)}
+MORE: Final[Mapping[str, Any]] = {"TRIED": 960, "DRAWS": 8, "WIDTHS": (1.0,), "NEAR": {}}
 MORE_SAMPLES: Final = 100
 MODULE: Final = "tests.measures.invented_stones"
 

@@ -27,7 +27,7 @@ Answers = Mapping[tuple[str, Variant], CaseRun]
 Ask = Callable[[Sequence[tuple[Trial, Variant]]], Answers]
 """Runs what is not known yet, and gives all answers so far."""
 
-TRIED: Final = 64
+TRIED: Final = 80
 """Draws of each test in which a body's unknown inputs are tried, at other joint settings where there are so many, by at most"""
 DRAWS: Final = 8
 """draws at one setting."""

@@ -337,7 +337,7 @@ def test_inputs_that_explain_the_tests_together_alone_are_fitted() -> None:
 
 def test_an_outcome_says_something_of_the_values_beside_its_own_and_nothing_of_another_sign() -> None:
     """Worn by 4 mm is right: 2 mm beside is likelier than 8 mm beside, and the other sign no more than by its own draws."""
-    lists = {"inset_m": tuple(0.002 * k for k in range(8)), "sign": (1, -1)}
+    lists = {"inset_m": tuple(0.002 * k for k in range(10)), "sign": (1, -1)}
     tests = [trial(f"t{k}", k % 2 == 0, **lists) for k in range(6)]
     found = choose(tests, says(lambda each, own: own.sign == 1 and own.inset_m == 0.004), 0).of_set_up["a", ""]
     chance = {(each.inset_m, each.sign): w for each, w in zip(found.settings, found.weights.tolist(), strict=True)}
@@ -359,8 +359,8 @@ def test_a_design_of_many_inputs_is_small_and_holds_every_value() -> None:
     rows = designed(lists, TRIED)
     assert len(rows) == TRIED
     assert all({getattr(row, name) for row in rows} == set(values) for name, values in lists.items())
-    every = designed({"azimuth_deg": range(4), "inset_m": range(4)}, TRIED)
-    assert [every.count(each) for each in set(every)] == [TRIED // 16] * 16
+    every = designed({"azimuth_deg": range(4), "inset_m": range(5)}, TRIED)
+    assert [every.count(each) for each in set(every)] == [TRIED // 20] * 20
 
 
 def test_what_is_undecided_counts_neither_as_standing_nor_as_fallen() -> None:
