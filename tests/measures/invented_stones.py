@@ -128,10 +128,8 @@ def told(table_file: Path, inputs: Sequence[Inputs], out: Path, samples: int = S
     ]
     lines = [[name, str(len(own)), *(f"{np.mean(of(p)):.3f}" for p in (own, most, true))] for name, of in scores]
     lines.append(["bins of the reliability diagram in their band", str(len(own)), f"{held} of {len(bins)}", "–", "–"])
-    lines += [
-        [f"{name}: most probable value is true", str(len({trial.body for trial in trials})), f"{share:.2f}", "–", "1"]
-        for name, share in hit.items()
-    ]
+    bodies, shares = len({trial.body for trial in trials}), ", ".join(f"{share:.2f}" for share in hit.values())
+    lines.append([f"most probable value is true ({', '.join(hit)})", str(bodies), shares, "–", "1"])
     chosen, runs = model["fitted"], (each["runs"]["computed"] for each in (found, more))
     said = f"The scatter of draws was fitted as {chosen['width']:g} times the true one, {chosen['counts']:.2g} counts added."
     spent_on = f"{next(runs)} runs, {spent:.0f} s of processor; {next(runs)} with more."
