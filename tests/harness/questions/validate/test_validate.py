@@ -83,9 +83,9 @@ def test_the_unknown_azimuth_is_found_and_the_rest_predicted(tmp_path: Path) -> 
     assert 1 / 3 < azimuth["weight"] < 1.0
     assert model["tests"] == 2
     assert model["failed"] == 0
-    # Six tests of the share at three azimuths as they are and in four draws, and in two draws of four widths (of which some are
-    # the same); then eight tests as fitted, and the two of the other share in two draws.
-    assert 6 * 3 * 5 + 6 * 3 * 2 <= model["fitted"]["runs"] <= 6 * 3 * 5 + 6 * 4 * 2
+    # Six tests of the share at three azimuths in eight draws, and in two draws of four widths (of which some are the same); then
+    # eight tests as fitted, and the two of the other share in two draws.
+    assert 6 * 3 * 8 + 6 * 3 * 2 <= model["fitted"]["runs"] <= 6 * 3 * 8 + 6 * 4 * 2
     assert found["runs"]["computed"] == found["runs"]["wanted"] == model["fitted"]["runs"] + 8 + 2 * 2
     assert found["baseline"]["fitted_on"] == "the named share"
     said = json.loads((tmp_path / "out" / "result.json").read_text(encoding="utf-8"))
