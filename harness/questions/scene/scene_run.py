@@ -69,13 +69,20 @@ class Result:
 
     def findings(self) -> list[Finding]:
         """All that is to be known of the result, by severity."""
-        of_runs = [found.of(name) for name, run in self.runs.items() for found in run.findings]
+        of_pairs = [found for each in self.scores.values() for found in each.findings]
+        # What a pair says of a model's motion, its run says too.
+        told = {found.values["model"] for found in of_pairs if found.code == "motion_not_given"}
+        of_runs = [
+            found.of(name)
+            for name, run in self.runs.items()
+            for found in run.findings
+            if found.code != "motion_across_left_out" or name not in told
+        ]
         silent = [
             caution("engine_failed", outcome=run.outcome.value, message=run.message).of(name)
             for name, run in self.runs.items()
             if run.outcome.failed
         ]
-        of_pairs = [found for each in self.scores.values() for found in each.findings]
         return weighed(
             [
                 *self.scene.findings,

@@ -59,6 +59,8 @@ def test_what_motion_each_engine_was_given_is_recorded(across: bool) -> None:
     assert result.record().runs["analytic"].motion_axes == ("x",)
     told = "motion_not_given" in doubles.codes(result.findings())
     assert told is (across and not result.runs["pybullet"].outcome.failed)
+    # It is said once of the model: by the pair, or where there is none by its run.
+    assert ("motion_across_left_out" in doubles.codes(result.findings())) is (across and not told)
 
 
 @pytest.mark.parametrize(
