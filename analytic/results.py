@@ -122,9 +122,24 @@ class Solution:
         return self.of_kind(EventKind.IMPACT)
 
     @property
+    def _impact_rows(self) -> Records:
+        return self.event_rows[self.event_rows["kind"] == KINDS.index(EventKind.IMPACT)]
+
+    @property
     def impact_times_s(self) -> Floats:
         """Times of the impacts, s."""
-        return np.asarray(self.event_rows["time_s"][self.event_rows["kind"] == KINDS.index(EventKind.IMPACT)])
+        return np.asarray(self._impact_rows["time_s"])
+
+    @property
+    def impact_ratios(self) -> Floats:
+        """Angular velocity after each impact over that before it; 0 where there was none."""
+        before, after = self._impact_rows["theta_rate_before_rad_s"], self._impact_rows["theta_rate_after_rad_s"]
+        return np.divide(after, before, out=np.zeros(before.size), where=before != 0.0)
+
+    @property
+    def ambiguous_times_s(self) -> Floats:
+        """Times of the events after which several states of motion were possible, s."""
+        return np.asarray(self.event_rows["time_s"][self.event_rows["feasible_states"] > 1])
 
     @property
     def uplift_times_s(self) -> Floats:

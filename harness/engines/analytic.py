@@ -147,10 +147,8 @@ def _validity(scene: Scene, solution: Solution) -> dict[str, object]:
     share = solution.peak_theta_rad / scene.statue.slenderness_rad(1 if solution.peak_signed_rad > 0.0 else -1)
     values: dict[str, object] = {
         "peak_over_slenderness": share,
-        "impact_ratios": [
-            _ratio(event.theta_rate_after_rad_s, event.theta_rate_before_rad_s) for event in solution.impacts
-        ],
-        "several_joint_states_s": [event.time_s for event in solution.events if event.feasible_states > 1],
+        "impact_ratios": solution.impact_ratios.tolist(),
+        "several_joint_states_s": solution.ambiguous_times_s.tolist(),
         "energy_gained_j": solution.energy_gained_j,
         "energy_lost_j": solution.energy_lost_j,
     }
@@ -170,10 +168,6 @@ def _validity(scene: Scene, solution: Solution) -> dict[str, object]:
         values["pedestal_tipping_margin_m"] = limits.pedestal_tipping_margin_m
         values["pedestal_tipping_margin_at_impact_m"] = limits.pedestal_tipping_margin_at_impact_m
     return values
-
-
-def _ratio(after: float, before: float) -> float:
-    return after / before if before != 0.0 else 0.0
 
 
 def skipped(solution: Solution, keep: bool) -> dict[str, float | None]:
