@@ -123,7 +123,7 @@ class Solution:
 
     @property
     def _impact_rows(self) -> Records:
-        return self.event_rows[self.event_rows["kind"] == KINDS.index(EventKind.IMPACT)]
+        return np.asarray(self.event_rows[self.event_rows["kind"] == KINDS.index(EventKind.IMPACT)])
 
     @property
     def impact_times_s(self) -> Floats:
@@ -134,7 +134,7 @@ class Solution:
     def impact_ratios(self) -> Floats:
         """Angular velocity after each impact over that before it; 0 where there was none."""
         before, after = self._impact_rows["theta_rate_before_rad_s"], self._impact_rows["theta_rate_after_rad_s"]
-        return np.divide(after, before, out=np.zeros(before.size), where=before != 0.0)
+        return np.asarray(np.divide(after, before, out=np.zeros(before.size), where=before != 0.0))
 
     @property
     def ambiguous_times_s(self) -> Floats:
