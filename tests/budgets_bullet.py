@@ -176,3 +176,5 @@ OFF_LINE_RAD = 0.1
 PAST_REST_M, PAST_REST_RAD = 2e-4, 5e-4
 """A pedestal that turns aside past rest, at 1 to 0.25 ms over 1.5 s: measured 8e-5 m and 2.1e-4 rad; 4.7e-3 m and 5e-3 rad where
 it counts as at rest because a step can stop it."""
+HELD_AFTER_REST_RAD = 2e-5
+"""Of the paper's case whose pedestal comes to rest between two impacts, after one second: 3e-6."""

@@ -3,8 +3,8 @@ on the floor (docs/measured/pybullet_levels.md).
 
 `python -m tests.measures.pybullet_levels` prints the errors on every scene and renews the page's table: the surveyed statue's
 four cases on the floor and on its pedestal, with one coefficient of friction, with two, and with a ratio imposed, and the bench's
-standard set. Errors are of the rotation over the whole run, against the analytic model, or, for a scan, against a third of the
-finest level's step.
+standard set. Errors are of the rotation over the whole run, against the analytic model or, where it is not exact, against `spatial`
+on the floor and a third of the finest level's step on a pedestal.
 """
 
 from __future__ import annotations
@@ -40,11 +40,12 @@ def scenes() -> Iterator[tuple[str, Scene, bool]]:
 
 
 def reference(scene: Scene, exact: bool) -> Run:
-    """The analytic model's finest run, or one of pybullet's own with a finer step than any level's."""
-    engine = load("analytic" if exact else "pybullet")
+    """The finest run of the model that is exact, or one of pybullet's own with a finer step than any level's."""
+    engine = load("analytic" if exact else "spatial" if scene.pedestal is None else "pybullet")
     finest = engine.refinement_levels(scene)[-1]
+    own = engine.name == "pybullet"
     return engine.simulate(
-        scene, finest if exact else engine.settings_for_dt(scene, finest.dt_s / REFERENCE_STEP_DIVISOR), HALF
+        scene, engine.settings_for_dt(scene, finest.dt_s / REFERENCE_STEP_DIVISOR) if own else finest, HALF
     )
 
 

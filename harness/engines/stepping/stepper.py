@@ -149,6 +149,8 @@ HOLDS: Final = 2.0
 """Times the static coefficient with which a pedestal holds in a step that asks for the force that this takes."""
 LEAST_M_S: Final = 1e-12
 """Below this a velocity does not change."""
+RESTS: Final = 1e-2
+"""Share of what kinetic friction takes in a step, below which a velocity is what the solver's iterations leave at rest."""
 REVERSAL: Final = "friction_reversal"
 """Kind of what is written where the pedestal's velocity passed zero, and static friction may hold."""
 
@@ -200,7 +202,8 @@ class Stepper:
         slip = self._slip(before, row, self.table_rate)
         if self._goes_past_rest(slip):
             return row
-        if self._sticks(slip) and self._share_of_limit(self.kinetic, pull, before, row) < 1.0 - self.events.unsolved:
+        stops = self._sticks(slip) or self._rests(slip)
+        if stops and self._share_of_limit(self.kinetic, pull, before, row) < 1.0 - self.events.unsolved:
             self._hold(self.static)
         elif self._reversed(slip) and any(pull):
             # The velocity passed zero: the step again with the static limit, which may hold. An impact takes no time and has no
@@ -285,6 +288,12 @@ class Stepper:
         """Whether friction took nearly all of the velocity that it could take in this step: solver iterations leave a little."""
         here, there = math.hypot(*slip), math.hypot(*self.slip_before)
         return here <= self.events.sticks_below * max(there - here, 0.0)
+
+    def _rests(self, slip: Pair) -> bool:
+        """Whether the pedestal was at rest before this step and is still: the step that ends where it comes to rest takes all of
+        its velocity at the limit, and is no sign of holding yet.
+        """
+        return max(math.hypot(*slip), math.hypot(*self.slip_before)) <= RESTS * self.kinetic_m_s
 
     def _reversed(self, slip: Pair) -> bool:
         return self.slip_before[0] * slip[0] + self.slip_before[1] * slip[1] < 0.0

@@ -24,8 +24,8 @@ SLOWEST_HZ, FASTEST_HZ = 0.8, 8.0
 RESOLUTION: Final = {False: 1.05, True: 1.25}
 """Ratio of neighbouring strengths, of a whole and of a coarse map: a border between classes is known to that."""
 FREQUENCIES: Final = {False: 10, True: 5}
-FARTHEST: Final = math.log(2.0)
-"""Engines are asked at least so often along the logarithm of strength and frequency, whatever the model says."""
+FARTHEST: Final = {False: 2.0, True: 3.0}
+"""Engines are asked at least once for each such factor of strength and frequency, whatever the model says."""
 RING_DOWN_S: Final = 5.0
 """Time after a pulse in which rocking may still decide."""
 
@@ -42,6 +42,7 @@ class Plane:
     motion: str
     amplitudes_g: Sequence[float]
     frequencies_hz: Sequence[float | None]
+    farthest_ratio: float = FARTHEST[False]
     on_floor: bool = False
 
     @classmethod
@@ -58,7 +59,7 @@ class Plane:
         if motion != "scene":
             frequencies = [*_rounded(np.geomspace(SLOWEST_HZ, FASTEST_HZ, FREQUENCIES[coarse]))]
         amplitudes = _rounded(np.geomspace(low, high, steps + 1))
-        return cls(Base(scene.source, scene.given), scene, motion, amplitudes, frequencies)
+        return cls(Base(scene.source, scene.given), scene, motion, amplitudes, frequencies, FARTHEST[coarse])
 
     def without_pedestal(self) -> Plane:
         """The same plane for the statue on the floor. Raises `InputError` where that is no scene."""
@@ -136,7 +137,7 @@ class Plane:
     @property
     def farthest(self) -> tuple[int, int]:
         """How many frequencies and strengths may lie from one at which engines were asked to the next."""
-        return _steps(self.frequencies_hz), _steps(self.amplitudes_g)
+        return _steps(self.frequencies_hz, self.farthest_ratio), _steps(self.amplitudes_g, self.farthest_ratio)
 
 
 def to_ask(alike: Sequence[Hashable | None], found: Mapping[int, Hashable], farthest: int) -> set[int]:
@@ -177,10 +178,12 @@ def _toml(value: object) -> str:
     return f"[{','.join(map(_toml, value))}]" if isinstance(value, list) else json.dumps(value)
 
 
-def _steps(values: Sequence[float | None]) -> int:
-    """How many values lie within a factor of two."""
+def _steps(values: Sequence[float | None], ratio: float) -> int:
+    """How many values lie within a factor."""
     low, high = values[0], values[-1]
-    return max(1, round(FARTHEST * (len(values) - 1) / math.log(high / low))) if low and high and high > low else 1
+    return (
+        max(1, round(math.log(ratio) * (len(values) - 1) / math.log(high / low))) if low and high and high > low else 1
+    )
 
 
 def _rounded(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[float]:
