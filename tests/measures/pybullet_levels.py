@@ -3,8 +3,8 @@ on the floor (docs/measured/pybullet_levels.md).
 
 `python -m tests.measures.pybullet_levels` prints the errors on every scene and renews the page's table: the surveyed statue's
 four cases on the floor and on its pedestal, with one coefficient of friction, with two, and with a ratio imposed, and the bench's
-standard set. Errors are of the rotation over the whole run, against the analytic model or, where it is not exact, against `spatial`
-on the floor and a third of the finest level's step on a pedestal.
+standard set. Errors are of the rotation over the whole run, against the analytic model or, where it is not exact, `spatial` on
+the floor and a third of the finest level's step on a pedestal.
 """
 
 from __future__ import annotations
