@@ -26,7 +26,7 @@ HALF: Final = RunOptions()
 WHOLE: Final = RunOptions(skips=frozenset(SKIPS) - {"mirror"})
 REFERENCE_STEP_DIVISOR: Final = 3.0
 """How many times finer than the finest level's the step of a scan's reference is."""
-ACROSS: Final = "a scan, or motion across the plane"
+SCANNED: Final = "a scan"
 
 
 def scenes() -> Iterator[tuple[str, Scene, bool]]:
@@ -60,9 +60,8 @@ def errors_rad(scene: Scene, truth: Run) -> list[float]:
 
 def kind(scene: Scene) -> str:
     """Which of the table's rows a scene belongs to."""
-    if not scene.planar:
-        return ACROSS
-    return "planar, on the floor" if scene.pedestal is None else "planar, on a pedestal"
+    body = "planar" if scene.planar else SCANNED
+    return f"{body}, on {'the floor' if scene.pedestal is None else 'a pedestal'}"
 
 
 def main() -> None:
