@@ -23,7 +23,9 @@ def blocks(_folder: Path, record: MeasuredRecord, say: Language) -> list[Block]:
 def measured_table(table: MeasuredTable, say: Language) -> Table:
     """A table with its columns' names in words and its numbers to three digits."""
     rows = [[say.plain(value, 3) for value in row] for row in table.rows]
-    return Table(say(f"measured.{table.name}"), [*map(say.label, table.columns)], rows)
+    # Cells of words stand as those of claims do, from the left.
+    style = "claims" if all(isinstance(value, str) for row in table.rows for value in row) else ""
+    return Table(say(f"measured.{table.name}"), [*map(say.label, table.columns)], rows, style)
 
 
 def command(record: MeasuredRecord) -> str:
