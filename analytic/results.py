@@ -133,7 +133,8 @@ class Solution:
     @property
     def impact_ratios(self) -> Floats:
         """Angular velocity after each impact over that before it; 0 where there was none."""
-        before, after = self._impact_rows["theta_rate_before_rad_s"], self._impact_rows["theta_rate_after_rad_s"]
+        rows = self._impact_rows
+        before, after = rows["theta_rate_before_rad_s"], rows["theta_rate_after_rad_s"]
         return np.asarray(np.divide(after, before, out=np.zeros(before.size), where=before != 0.0))
 
     @property

@@ -113,7 +113,7 @@ def told(table_file: Path, inputs: Sequence[Inputs], out: Path, samples: int = S
         for each in (found, more)
     )
     fell = np.array([trial.fell for trial in trials])
-    by_name = {row["test"]: own for row, own in zip(found["rows"], inputs, strict=True)}
+    by_name = {row["test"]: each for row, each in zip(found["rows"], inputs, strict=True)}
     true = np.array([_true(trial, by_name[trial.name]) for trial in trials])
     model = found["models"]["analytic"]
     bins = model["probability"]["reliability"]
@@ -130,9 +130,9 @@ def told(table_file: Path, inputs: Sequence[Inputs], out: Path, samples: int = S
     lines.append(["bins of the reliability diagram in their band", str(len(own)), f"{held} of {len(bins)}", "–", "–"])
     bodies, shares = len({trial.body for trial in trials}), ", ".join(f"{share:.2f}" for share in hit.values())
     lines.append([f"most probable value is true ({', '.join(hit)})", str(bodies), shares, "–", "1"])
-    chosen, runs = model["fitted"], (each["runs"]["computed"] for each in (found, more))
+    chosen, again = model["fitted"], more["runs"]["computed"]
     said = f"The scatter of draws was fitted as {chosen['width']:g} times the true one, {chosen['counts']:.2g} counts added."
-    spent_on = f"{next(runs)} runs, {spent:.0f} s of processor; {next(runs)} with more."
+    spent_on = f"{found['runs']['computed']} runs, {spent:.0f} s of processor; {again} with more."
     heads = ["score", "tests", "fitted", "more runs", "truth known"]
     return f"{table(heads, lines)}\n\n{said} {spent_on}"
 

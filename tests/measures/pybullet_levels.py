@@ -26,7 +26,6 @@ HALF: Final = RunOptions()
 WHOLE: Final = RunOptions(skips=frozenset(SKIPS) - {"mirror"})
 REFERENCE_STEP_DIVISOR: Final = 3.0
 """How many times finer than the finest level's the step of a scan's reference is."""
-SCANNED: Final = "a scan"
 
 
 def scenes() -> Iterator[tuple[str, Scene, bool]]:
@@ -42,11 +41,10 @@ def scenes() -> Iterator[tuple[str, Scene, bool]]:
 def reference(scene: Scene, exact: bool) -> Run:
     """The finest run of the model that is exact, or one of pybullet's own with a finer step than any level's."""
     engine = load("analytic" if exact else "spatial" if scene.pedestal is None else "pybullet")
-    finest = engine.refinement_levels(scene)[-1]
-    own = engine.name == "pybullet"
-    return engine.simulate(
-        scene, engine.settings_for_dt(scene, finest.dt_s / REFERENCE_STEP_DIVISOR) if own else finest, HALF
-    )
+    settings = engine.refinement_levels(scene)[-1]
+    if engine.name == "pybullet":
+        settings = engine.settings_for_dt(scene, settings.dt_s / REFERENCE_STEP_DIVISOR)
+    return engine.simulate(scene, settings, HALF)
 
 
 def errors_rad(scene: Scene, truth: Run) -> list[float]:
@@ -60,7 +58,7 @@ def errors_rad(scene: Scene, truth: Run) -> list[float]:
 
 def kind(scene: Scene) -> str:
     """Which of the table's rows a scene belongs to."""
-    body = "planar" if scene.planar else SCANNED
+    body = "planar" if scene.planar else "a scan"
     return f"{body}, on {'the floor' if scene.pedestal is None else 'a pedestal'}"
 
 

@@ -107,11 +107,13 @@ class Choice:
 def planned(trials: Sequence[Trial], share: Sequence[Trial], samples: int) -> int:
     """Runs of one model on tests of which those of the `share` are fitted on: as many, or few less where rows know more."""
     fitting = len(share) * len(WIDTHS) * min(samples, WIDTH_DRAWS)
-    fitting += sum(len(group) * _tried(unknown) for group in _by_body(share).values() if (unknown := _unknown(group)))
+    fitting += sum(
+        len(group) * _count_tried(unknown) for group in _by_body(share).values() if (unknown := _unknown(group))
+    )
     return fitting + len(trials) + (len(trials) - len(share)) * samples
 
 
-def _tried(unknown: Mapping[str, Sequence[Any]]) -> int:
+def _count_tried(unknown: Mapping[str, Sequence[Any]]) -> int:
     """In how many draws a body's unknown inputs are tried."""
     return min(DRAWS * _count(unknown), TRIED)
 
@@ -216,7 +218,7 @@ class _Body:
     def __init__(self, trials: Sequence[Trial], unknown: Mapping[str, Sequence[Any]]) -> None:
         self._trials, self._unknown = trials, unknown
         self._days = list(dict.fromkeys(trial.day for trial in trials))
-        self._tried = designed(unknown, _tried(unknown))
+        self._tried = designed(unknown, _count_tried(unknown))
         count = _count(unknown)
         self._settings = designed(unknown, count) if count <= SETTINGS else self._tried
         self._likely = np.empty((0, 0))

@@ -60,7 +60,7 @@ def tasks_of(pairs: Sequence[tuple[Trial, Variant]], model: Model, seed: int) ->
     runs for a fit. Only a nominal run of the chosen inputs states its error.
     """
     versions = [record.versions().get(name) for name in ("rockcheck", "numpy", "numba", model.engine)]
-    digests = {trial.name: digest_of(trial) for trial in dict.fromkeys(trial for trial, _ in pairs)}
+    digests = {name: digest_of(trial) for name, trial in {trial.name: trial for trial, _ in pairs}.items()}
     tasks = []
     for trial, variant in pairs:
         # A history is wanted where a measured one is there to compare, in the nominal run.

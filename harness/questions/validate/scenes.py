@@ -28,10 +28,10 @@ AZIMUTH_SD_DEG: Final = 2.0
 """Scatter of the body's azimuth on the table: what placing by hand leaves."""
 BASE_SD_M: Final = 0.001
 """Scatter of the base's edge: what a scan resolves and a placement crushes."""
-LEAST_SCORES: Final = 128
-"""Draws that are made at once."""
 FRICTION_SD: Final = 0.05
 """Relative scatter of the friction: the spread of repeated tilt tests."""
+LEAST_SCORES: Final = 128
+"""Draws that are made at once."""
 
 
 @dataclass(frozen=True)
