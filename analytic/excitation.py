@@ -121,7 +121,7 @@ class SampledAcceleration(Excitation):
         """The last sample's time, s."""
         return float(self.t_s[-1])
 
-    @property
+    @cached_property
     def peak_m_s2(self) -> float:
         """Largest absolute sample, m/s²."""
         return float(np.abs(self.samples_m_s2).max())
@@ -129,7 +129,12 @@ class SampledAcceleration(Excitation):
     def scaled(self, factor: float) -> Self:
         """The same times with every sample multiplied by factor."""
         require_finite("factor", factor)
-        return type(self)(self.t_s, self.samples_m_s2 * factor)
+        require_finite("factor times the peak", factor * self.peak_m_s2)
+        # The times were checked already, which takes longer than all else.
+        scaled, samples = object.__new__(type(self)), self.samples_m_s2 * factor
+        samples.setflags(write=False)
+        vars(scaled).update(t_s=self.t_s, samples_m_s2=samples, peak_m_s2=abs(factor) * self.peak_m_s2)
+        return scaled
 
 
 __all__ = ["Excitation", "Harmonic", "Pulse", "Record", "Rest", "SampledAcceleration", "ZeroExcitation"]

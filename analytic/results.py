@@ -19,6 +19,7 @@ LEFT_BY: Final = ("", "statue_slides", "contact_lost", "pedestal_tips")
 PATTERNS: Final = ("rest", "sliding", "rocking", "both")
 NO_HISTORY: Final[NDArray[np.float64]] = np.zeros((5, 0))
 NO_EVENTS: Final[Records] = np.zeros(0, EVENT_ROW)
+NO_TIMES: Final[NDArray[np.float64]] = np.zeros(0)
 
 
 def _optional(value: float) -> float | None:
@@ -146,6 +147,8 @@ class Solution:
     def uplift_times_s(self) -> Floats:
         """Times at which the statue left its rest, s."""
         rows = self.event_rows
+        if not rows.size:
+            return NO_TIMES
         rocks = rows["pivot"] >= 0
         # A start at an angle is no uplift.
         rested = np.concatenate([rows["theta_rad"][:1] == 0.0, ~rocks[:-1]])
@@ -154,6 +157,8 @@ class Solution:
     @property
     def patterns(self) -> tuple[Interval, ...]:
         """The motion patterns one after another, neighbours of the same pattern joined."""
+        if not self.event_rows.size:
+            return ()
         time_s, lasts = self.event_rows["time_s"], np.diff(self.event_rows["time_s"]) > 0.0
         kinds = 2 * (self.event_rows["pivot"] >= 0) + (self.event_rows["slide"] != 0)
         begin = np.flatnonzero(lasts)

@@ -6,6 +6,8 @@ from x seen from above: the direction towards which the body would topple.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -71,8 +73,8 @@ def lower_chain(points: Array) -> Array:
     A vertex at which it turns by less than `STRAIGHT_RAD` is left out.
     """
     order = np.lexsort((points[:, 1], points[:, 0]))
-    chain: list[Array] = []
-    for point in points[order]:
+    chain: list[list[float]] = []
+    for point in points[order].tolist():
         if chain and point[0] == chain[-1][0]:
             continue
         while len(chain) > 1 and _turn_sine(chain[-2], chain[-1], point) <= STRAIGHT_RAD:
@@ -81,10 +83,10 @@ def lower_chain(points: Array) -> Array:
     return np.array(chain)
 
 
-def _turn_sine(a: Array, b: Array, c: Array) -> float:
+def _turn_sine(a: Sequence[float], b: Sequence[float], c: Sequence[float]) -> float:
     """Sine of the turn at b on the way from a to c: positive for a left turn."""
-    along, ahead = b - a, c - b
-    return float(along[0] * ahead[1] - along[1] * ahead[0]) / float(np.hypot(*along) * np.hypot(*ahead))
+    along_x, along_z, ahead_x, ahead_z = b[0] - a[0], b[1] - a[1], c[0] - b[0], c[1] - b[1]
+    return (along_x * ahead_z - along_z * ahead_x) / (math.hypot(along_x, along_z) * math.hypot(ahead_x, ahead_z))
 
 
 def feet(vertices_m: Array, tolerance_m: float) -> Array:

@@ -21,7 +21,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields
 from typing import ClassVar, Final, TypeVar
 
 from harness.model.errors import InputError
@@ -87,7 +87,7 @@ class Settings:
 
     def as_dict(self) -> dict[str, object]:
         """The settings as plain values, as they stand in the record."""
-        return asdict(self)
+        return {item.name: getattr(self, item.name) for item in fields(self)}
 
 
 Own = TypeVar("Own", bound=Settings)

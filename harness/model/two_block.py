@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
+from weakref import WeakKeyDictionary
 
-from harness.model.scene import OVERTURN_RAD, Scene
+from harness.model.scene import OVERTURN_RAD, Scene, Statue
 
 if TYPE_CHECKING:
     from analytic import Block, CommonKeywords, Form, Pedestal, Wall
 
 
+_BLOCKS: Final[WeakKeyDictionary[Statue, Block]] = WeakKeyDictionary()
+"""The blocks of statues that are in use: many runs of one statue need one."""
+
+
 def block_of(scene: Scene) -> Block:
     """The scene's statue in its rocking plane: the base profile of its mesh, two corners without one."""
+    if (found := _BLOCKS.get(scene.statue)) is None:
+        found = _BLOCKS[scene.statue] = _block_of(scene.statue)
+    return found
+
+
+def _block_of(statue: Statue) -> Block:
     from analytic import Block
 
-    statue = scene.statue
     profile: tuple[tuple[float, float], ...] = ((-statue.corner_left_m, 0.0), (statue.corner_right_m, 0.0))
     if statue.solid is not None and len(statue.solid.base_profile_m) > 2:
         profile = tuple((float(x), float(z)) for x, z in statue.solid.base_profile_m)

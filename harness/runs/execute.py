@@ -131,9 +131,9 @@ def batches(tasks: Iterable[Task], sizes: Mapping[str, int], otherwise: int = 1)
 class Campaign:
     """The tasks of one call; `run` may be called again with what the results of the last call ask for.
 
-    `sizes` are the tasks of a group that a worker takes at a time. `reused` are keys that the store held; `latest` is the task
-    that finished last. `free` are groups that cost next to nothing beside the others: progress does not count them, so that its
-    rate tells the time that is left.
+    `sizes` are the tasks of a group that a worker takes at a time. `reused` are keys that the store held, with their runs.
+    `latest` is the task that finished last. `free` are groups that cost next to nothing beside the others: progress does not
+    count them, so that its rate tells the time that is left.
     """
 
     def __init__(
@@ -152,7 +152,7 @@ class Campaign:
         self._expected = self._told = 0
         self._free = free
         self._clock_s = time.perf_counter()
-        self.reused: set[str] = set()
+        self.reused: dict[str, int] = {}
         self.computed = self.failed = 0
         self.latest: Task | None = None
         self._asked: dict[str, None] = {}
@@ -162,7 +162,7 @@ class Campaign:
 
     def ask(self, tasks: Sequence[Task]) -> list[Plain | None]:
         """The records of the tasks' results in their order, those that the store lacks computed; None where a worker died."""
-        self.run(tasks, sum(task.group not in self._free for task in tasks))
+        self.run(tasks, sum(task.runs for task in tasks if task.group not in self._free))
         self._asked |= dict.fromkeys(task.key for task in tasks)
         return [self._store.get(task.key) for task in tasks]
 
@@ -211,7 +211,7 @@ class Campaign:
         """The tasks of which nobody has a result yet, and nobody is at work on."""
         for task in tasks:
             if task.key in self._stored:
-                self.reused.add(task.key)
+                self.reused[task.key] = task.runs
             elif task.key not in self._seen:
                 self._seen.add(task.key)
                 yield task

@@ -14,14 +14,17 @@ import resource
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 from unittest.mock import patch
 
 import numpy as np
 import trimesh
+from numpy.typing import NDArray
 
 from harness.accuracy.simulation import simulate
+from harness.comparison.statistics.outcomes import reliability
 from harness.model.options import RunOptions
 from harness.questions.validate import fit
 from harness.questions.validate.scenes import Variant, scene_of
@@ -99,12 +102,26 @@ def _falls(trial: Trial, variant: Variant, seed: int) -> bool:
     return run.outcome.overturned
 
 
-def told(table_file: Path, inputs: Sequence[Inputs], out: Path, samples: int = SAMPLES) -> str:
-    """Validate the table by the analytic model, and hold what it says of the scored tests against their true probabilities."""
-    begin = time.process_time()
-    found = _validated(table_file, out / "own", samples)
-    children = resource.getrusage(resource.RUSAGE_CHILDREN)
-    spent = time.process_time() - begin + children.ru_utime + children.ru_stime
+@dataclass(frozen=True, eq=False)
+class Scored:
+    """What was said of the scored tests of one table, and what is true."""
+
+    p: Mapping[str, NDArray[np.float64]]
+    """Each test's probability of falling: fitted, by more runs, and the true one."""
+    fell: NDArray[np.bool_]
+    hits: Mapping[str, Sequence[bool]]
+    """Whether the most probable value is the true one, by input and stone."""
+    fit: str
+    runs: int
+    more_runs: int
+    processor_s: float
+
+
+def score(table_file: Path, inputs: Sequence[Inputs], out: Path) -> Scored:
+    """Validate the table by the analytic model, as it does and by more runs, and draw its tests at their true inputs."""
+    begin = _processor_s()
+    found = _validated(table_file, out / "own", SAMPLES)
+    spent = _processor_s() - begin
     with patch.multiple(fit, **MORE):
         more = _validated(table_file, out / "more", MORE_SAMPLES)
     trials = [trial for trial in read_table(table_file) if trial.share != "fit"]
@@ -112,29 +129,50 @@ def told(table_file: Path, inputs: Sequence[Inputs], out: Path, samples: int = S
         np.array([row["probability"]["analytic"] for row in each["rows"] if row["share"] != "fit"])
         for each in (found, more)
     )
-    fell = np.array([trial.fell for trial in trials])
     by_name = {row["test"]: each for row, each in zip(found["rows"], inputs, strict=True)}
     true = np.array([_true(trial, by_name[trial.name]) for trial in trials])
-    model = found["models"]["analytic"]
-    bins = model["probability"]["reliability"]
-    held = sum(each["band_low"] <= each["fell"]["value"] <= each["band_high"] for each in bins)
-    best = {(each["body"], each["input"]): each["value"] for each in model["fitted"]["inputs"]}
+    fitted = found["models"]["analytic"]["fitted"]
     truth = {(Path(trial.body).name, name): getattr(by_name[trial.name], name) for trial in trials for name in LISTS}
-    hit = {name: np.mean([best[key] == value for key, value in truth.items() if key[1] == name]) for name in LISTS}
+    hits: dict[str, list[bool]] = {name: [] for name in LISTS}
+    for each in fitted["inputs"]:
+        hits[each["input"]].append(each["value"] == truth[each["body"], each["input"]])
+    return Scored(
+        {"fitted": own, "more runs": most, "truth known": true},
+        np.array([trial.fell for trial in trials]),
+        hits,
+        f"{fitted['width']:g} times the true scatter with {fitted['counts']:.2g} counts",
+        found["runs"]["computed"],
+        more["runs"]["computed"],
+        spent,
+    )
+
+
+def told(scored: Sequence[Scored]) -> str:
+    """All tables together: scores of what was said, the diagram's bins, and the most probable values."""
+    fell = np.concatenate([each.fell for each in scored])
+    p = {name: np.concatenate([each.p[name] for each in scored]) for name in scored[0].p}
+    true, tests = p["truth known"], str(len(fell))
     scores: list[tuple[str, Callable[[Any], Any]]] = [
         ("right by P ≥ ½, as it came", lambda p: (p >= 0.5) == fell),
         ("right by P ≥ ½, expected", lambda p: np.where(p >= 0.5, true, 1.0 - true)),
         ("Brier's score", lambda p: (p - fell) ** 2),
     ]
-    lines = [[name, str(len(own)), *(f"{np.mean(of(p)):.3f}" for p in (own, most, true))] for name, of in scores]
-    lines.append(["bins of the reliability diagram in their band", str(len(own)), f"{held} of {len(bins)}", "–", "–"])
-    bodies, shares = len({trial.body for trial in trials}), ", ".join(f"{share:.2f}" for share in hit.values())
-    lines.append([f"most probable value is true ({', '.join(hit)})", str(bodies), shares, "–", "1"])
-    chosen, again = model["fitted"], more["runs"]["computed"]
-    said = f"The scatter of draws was fitted as {chosen['width']:g} times the true one, {chosen['counts']:.2g} counts added."
-    spent_on = f"{found['runs']['computed']} runs, {spent:.0f} s of processor; {again} with more."
-    heads = ["score", "tests", "fitted", "more runs", "truth known"]
-    return f"{table(heads, lines)}\n\n{said} {spent_on}"
+    lines = [[name, tests, *(f"{np.mean(of(each)):.3f}" for each in p.values())] for name, of in scores]
+    bins = [reliability(each, fell) for each in p.values()]
+    held = [f"{sum(each.holds for each in of)} of {len(of)}" for of in bins]
+    lines.append(["bins of the reliability diagram in their band", tests, *held])
+    hits = {name: [hit for each in scored for hit in each.hits[name]] for name in LISTS}
+    shares = ", ".join(f"{np.mean(hit):.2f}" for hit in hits.values())
+    lines.append([f"most probable value is true ({', '.join(hits)})", str(len(hits["sign"])), shares, "–", "1"])
+    spent = ", ".join(f"{each.processor_s:.0f}" for each in scored)
+    runs, more = (", ".join(str(getattr(each, name)) for each in scored) for name in ("runs", "more_runs"))
+    chosen = f"Fitted: {'; '.join(each.fit for each in scored)}."
+    return f"{table(['score', 'tests', *p], lines)}\n\n{chosen} {runs} runs, {spent} s of processor; {more} runs with more."
+
+
+def _processor_s() -> float:
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + children.ru_utime + children.ru_stime
 
 
 def _validated(table_file: Path, out: Path, samples: int) -> Any:
@@ -152,11 +190,15 @@ if __name__ == "__main__":
     parser.add_argument("--stones", type=int, default=10)
     parser.add_argument("--motions", type=int, default=50)
     parser.add_argument("--lines", type=int, default=4900)
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
     parser.add_argument("--alike", action="store_true", help="what is unknown is the same of all stones")
     asked = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        table_file, inputs = write_tests(Path(folder), **vars(asked))
-        made = f"{asked.stones} stones, {asked.motions} motions of {asked.lines} lines, seed {asked.seed}, {SAMPLES} draws."
-        command = f"{MODULE} --alike" if asked.alike else MODULE
-        renew("measured/invented_stones.md", command, f"{made}\n\n{told(table_file, inputs, Path(folder) / 'out')}")
+    scored = []
+    for seed in asked.seeds:
+        with tempfile.TemporaryDirectory() as folder:
+            made = write_tests(Path(folder), asked.stones, asked.motions, asked.lines, seed, asked.alike)
+            scored.append(score(*made, Path(folder) / "out"))
+    of_each = f"{asked.stones} stones, {asked.motions} motions of {asked.lines} lines"
+    title = f"Seeds {', '.join(map(str, asked.seeds))}, each {of_each}; {SAMPLES} draws of each test."
+    command = f"{MODULE} --alike" if asked.alike else MODULE
+    renew("measured/invented_stones.md", command, f"{title}\n\n{told(scored)}")

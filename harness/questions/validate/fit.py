@@ -17,17 +17,18 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.history import Array
+from harness.questions.validate.jobs import Drawn
 from harness.questions.validate.scenes import Variant
 from harness.questions.validate.table import OF_BODY, Inputs, Trial
 from harness.records.study import CaseRun
 from harness.records.validation import Fitted, FittedInput
 
-Answers = Mapping[tuple[str, Variant], CaseRun]
+Answers = Mapping[tuple[str, Variant], Drawn | CaseRun]
 """The runs of one model, by test and variant."""
 Ask = Callable[[Sequence[tuple[Trial, Variant]]], Answers]
 """Runs what is not known yet, and gives all answers so far."""
 
-TRIED: Final = 80
+TRIED: Final = 64
 """Draws of each test in which a body's unknown inputs are tried, at other joint settings where there are so many, by at most"""
 DRAWS: Final = 8
 """draws at one setting."""
@@ -39,7 +40,7 @@ SETTINGS: Final = 500
 """Joint settings up to which all are weighed, those too that were not tried: of more only those that were."""
 WIDTHS: Final = (0.5, 1.0, 2.0, 4.0)
 """Factors tried on the scatter of all draws, by at most"""
-WIDTH_DRAWS: Final = 10
+WIDTH_DRAWS: Final = 8
 """draws of each test: the share of its tests then says more of a width than its draws."""
 COUNTS: Final = 0.25
 """Counts of either outcome that are added to those of the draws where nothing is fitted: what never fell in ten draws falls in
@@ -98,10 +99,16 @@ class Choice:
         settings = weighed.drawn(count) if weighed else designed(trial.unknown, count)
         return [Variant(trial.inputs(each), k, self.width) for k, each in enumerate(settings, 1)]
 
-    def probability(self, runs: Sequence[CaseRun]) -> float | None:
+    def probability(self, runs: Sequence[Drawn | CaseRun]) -> float | None:
         """That a test falls, by its draws; None where none says whether it did."""
-        falls = [run.outcome.fell for run in runs if run.outcome.fell is not None]
-        return (sum(falls) + self.counts) / (len(falls) + 2.0 * self.counts) if falls else None
+        falls, known = counted(runs)
+        return (falls + self.counts) / (known + 2.0 * self.counts) if known else None
+
+
+def counted(runs: Sequence[Drawn | CaseRun]) -> tuple[int, int]:
+    """How many fall, and of how many that is known."""
+    falls = [fell for run in runs if (fell := run.outcome.fell) is not None]
+    return sum(falls), len(falls)
 
 
 def planned(trials: Sequence[Trial], share: Sequence[Trial], samples: int) -> int:
@@ -168,15 +175,14 @@ def _scattered(choice: Choice, trials: Sequence[Trial], ask: Ask, samples: int) 
     answers = ask([(trial, variant) for drawn in pairs.values() for trial, all_ in drawn for variant in all_])
     tried: list[tuple[float, Choice]] = []
     for width, drawn in pairs.items():
-        runs = [(trial.fell, [answers[trial.name, variant] for variant in all_]) for trial, all_ in drawn]
-        for counts in COUNTS_TRIED.tolist():
-            each = replace(wide[width], counts=counts)
-            chances = [p if fell else 1.0 - p for fell, own in runs if (p := each.probability(own)) is not None]
-            if chances:
-                missed = -sum(map(math.log, chances))
-                # Few tests do not tell: as assumed within a factor of two and of e, for what they say against it.
-                own = 0.5 * (math.log2(width) ** 2 + math.log(counts / COUNTS) ** 2)
-                tried.append((missed + own, replace(each, log_score=missed / len(chances))))
+        seen = [(trial.fell, *counted([answers[trial.name, variant] for variant in all_])) for trial, all_ in drawn]
+        fell, falls, known = np.array([each for each in seen if each[2]]).reshape(-1, 3).T
+        for counts in COUNTS_TRIED.tolist() if len(known) else ():
+            p = (falls + counts) / (known + 2.0 * counts)
+            missed = -float(np.log(np.where(fell, p, 1.0 - p)).sum())
+            # Few tests do not tell: as assumed within a factor of two and of e, for what they say against it.
+            own = 0.5 * (math.log2(width) ** 2 + math.log(counts / COUNTS) ** 2)
+            tried.append((missed + own, replace(wide[width], counts=counts, log_score=missed / len(known))))
     return min(tried, key=lambda each: each[0], default=(0.0, choice))[1]
 
 
@@ -219,6 +225,9 @@ class _Body:
         self._trials, self._unknown = trials, unknown
         self._days = list(dict.fromkeys(trial.day for trial in trials))
         self._tried = designed(unknown, _count_tried(unknown))
+        self._drawn = [
+            (trial, [Variant(trial.inputs(setting), k) for k, setting in enumerate(self._tried, 1)]) for trial in trials
+        ]
         count = _count(unknown)
         self._settings = designed(unknown, count) if count <= SETTINGS else self._tried
         self._likely = np.empty((0, 0))
@@ -226,15 +235,12 @@ class _Body:
 
     def pairs(self) -> list[tuple[Trial, Variant]]:
         """The runs that are wanted: of each test as many draws as settings are tried, each at one of them."""
-        return [(trial, variant) for trial in self._trials for variant in self._variants(trial)]
-
-    def _variants(self, trial: Trial) -> list[Variant]:
-        return [Variant(trial.inputs(setting), k) for k, setting in enumerate(self._tried, 1)]
+        return [(trial, variant) for trial, variants in self._drawn for variant in variants]
 
     def hear(self, answers: Answers) -> None:
         """How likely (ln) each setting makes each test, (tests, settings): by what falls in the draws near it."""
         falls = np.array(
-            [[answers[trial.name, each].outcome.fell for each in self._variants(trial)] for trial in self._trials],
+            [[answers[trial.name, each].outcome.fell for each in variants] for trial, variants in self._drawn],
             dtype=np.float64,
         )
         known, near = np.isfinite(falls), self._nearness()

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import astuple, dataclass
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
-from typing import Final
+from typing import Any, Final, NamedTuple
+
+from pydantic import JsonValue
 
 from harness import engines
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
+from harness.model.history import Outcome
+from harness.model.options import RunOptions
+from harness.questions.validate.motions import SHIFT_M
 from harness.questions.validate.scenes import Variant, digest_of, motion_of, scene_of
 from harness.questions.validate.table import Trial
+from harness.records.study import CaseRun
 from harness.runs.cache_key import key_of
-from harness.runs.task import RunRequest, Task, lost_answer, run_request
+from harness.runs.runner import Crash
+from harness.runs.task import Answer, RunRequest, Task, lost_answer, lost_run, run_request
 
 BATCH: Final = {"analytic": 32, "pymunk": 8}
 """Runs handed to a worker at a time: enough that sending them costs little beside computing them; of other engines"""
@@ -53,23 +61,96 @@ def parse_model(text: str) -> Model:
     return Model(text, engine, accuracy, step)
 
 
-def tasks_of(pairs: Sequence[tuple[Trial, Variant]], model: Model, seed: int) -> list[Task]:
+class Drawn(NamedTuple):
+    """What is kept of a draw's run: a draw is counted, not judged."""
+
+    outcome: Outcome
+    peak_theta_rad: float
+
+
+DRAWS: Final = "draws"
+"""Kind of a result that is the draws of a test."""
+TOGETHER: Final = {"analytic": 100}
+"""Draws of one test that are one result; of other engines a single one: each takes longer than keeping it."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A task, and the variants of a test that it answers."""
+
+    task: Task
+    trial: Trial
+    variants: Sequence[Variant]
+
+    def read(self, stored: Mapping[str, Any]) -> Iterator[tuple[tuple[str, Variant], CaseRun | Drawn]]:
+        """The answers, as they are stored."""
+        runs: list[CaseRun | Drawn]
+        if self.variants[0].stated:
+            runs = [CaseRun.stored(stored)]
+        else:
+            ended = zip(stored["outcome"], stored["peak_theta_rad"], strict=True)
+            runs = [Drawn(Outcome(outcome), peak) for outcome, peak in ended]
+        return zip([(self.trial.name, variant) for variant in self.variants], runs, strict=True)
+
+
+def asked_of(pairs: Sequence[tuple[Trial, Variant]], model: Model, seed: int) -> list[Asked]:
     """The runs of variants of tests, each keyed by all that decides its answer.
 
-    A draw is counted, not judged: its own error changes an outcome only near the boundary, where draws fall either way. So are
-    runs for a fit. Only a nominal run of the chosen inputs states its error.
+    A draw's own error changes an outcome only near the boundary, where draws fall either way, and so does what is left out of its
+    motion. Only a nominal run of the chosen inputs states its error.
     """
     versions = [record.versions().get(name) for name in ("rockcheck", "numpy", "numba", model.engine)]
-    digests = {name: digest_of(trial) for name, trial in {trial.name: trial for trial, _ in pairs}.items()}
-    tasks = []
+    by_test: dict[tuple[str, bool], list[Variant]] = {}
+    trials = {trial.name: trial for trial, _ in pairs}
     for trial, variant in pairs:
+        by_test.setdefault((trial.name, variant.stated), []).append(variant)
+    found = []
+    for (name, stated), variants in by_test.items():
+        trial, digest = trials[name], digest_of(trials[name])
+        size = 1 if stated else TOGETHER.get(model.engine, 1)
         # A history is wanted where a measured one is there to compare, in the nominal run.
-        history = variant.stated and trial.history is not None
-        drawn = (variant.sample, seed, variant.width) if variant.sample else None
-        setting = model.engine, model.accuracy_rad, model.dt_s, variant.stated, history
-        key = key_of(digests[trial.name], astuple(variant.inputs), drawn, setting, versions)
-        # The motion is read once, for all processes.
-        made = partial(scene_of, trial, variant, seed, motion_of(trial, variant.inputs))
-        run = RunRequest(made, model.engine, model.accuracy_rad, model.dt_s, history, variant.stated)
-        tasks.append(Task(key, run_request, run, model.engine, lost_answer))
-    return tasks
+        history = stated and trial.history is not None
+        setting = model.engine, model.accuracy_rad, model.dt_s, history, None if stated else SHIFT_M
+        for start in range(0, len(variants), size):
+            some = variants[start : start + size]
+            key = key_of(digest, repr(some), None if stated else seed, setting, versions)
+            runs = [
+                RunRequest(_made(trial, each, seed), model.engine, model.accuracy_rad, model.dt_s, history, stated)
+                for each in some
+            ]
+            task = Task(
+                key, run_draws, runs, f"{model.engine} draws" if size > 1 else model.engine, lost_draws, len(some)
+            )
+            if stated:
+                task = Task(key, run_request, runs[0], model.engine, lost_answer)
+            found.append(Asked(task, trial, some))
+    return found
+
+
+def _made(trial: Trial, variant: Variant, seed: int) -> Any:
+    """What makes the scene of a variant. The motion is read once, for all processes."""
+    return partial(scene_of, trial, variant, seed, motion_of(trial, variant.inputs, fewer=not variant.stated))
+
+
+def run_draws(wanted: Sequence[RunRequest]) -> Answer:
+    """Run each for its outcome and peak."""
+    begin, inside_s, runs = time.perf_counter(), 0.0, []
+    options = RunOptions(history=False, stated=False)
+    for each in wanted:
+        scene, start = each.made(), time.perf_counter()
+        runs.append(simulate(scene, each.engine, accuracy_rad=each.accuracy_rad, dt_s=each.dt_s, options=options))
+        inside_s += time.perf_counter() - start
+    return _drawn(runs, time.perf_counter() - begin, inside_s)
+
+
+def lost_draws(wanted: Sequence[RunRequest], crash: Crash) -> Answer:
+    """The answer of draws whose worker died or hung."""
+    return _drawn([lost_run(each.engine, crash) for each in wanted], 0.0, 0.0)
+
+
+def _drawn(runs: Sequence[record.Run], seconds: float, inside_s: float) -> Answer:
+    kept: dict[str, JsonValue] = {
+        "outcome": [each.outcome.value for each in runs],
+        "peak_theta_rad": [each.peak_theta_rad for each in runs],
+    }
+    return Answer(DRAWS, kept, seconds, inside_s=inside_s, failed=sum(each.outcome.failed for each in runs))

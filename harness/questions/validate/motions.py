@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from analytic.constants import GRAVITY_M_S2
-from analytic.excitation import Excitation, ZeroExcitation
+from analytic.excitation import Excitation, SampledAcceleration, ZeroExcitation
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import RecordSpec
 from harness.input.text_file import decimals, decoded, read_bytes
@@ -43,14 +43,17 @@ class Intensity:
         return Intensity(scale * self.pga_g, scale * self.pgv_m_s)
 
 
-def shaking(trial: Trial, inputs: Inputs) -> BaseExcitation:
-    """The motion that a test's file holds, treated as its inputs say but for sign and scale. Raises `InputError`."""
+def shaking(trial: Trial, inputs: Inputs, fewer: bool = False) -> BaseExcitation:
+    """The motion that a test's file holds, treated as its inputs say but for sign and scale; `fewer`: in as few samples as say as
+    much. Raises `InputError`.
+    """
     if trial.motion is None:
         raise InputError(Mistake(trial.body, f"test {trial.name}: motion", "a file with the table's motion", "nothing"))
     treatment = (trial.motion_unit, trial.time_column, inputs.baseline, inputs.bandpass_hz)
-    x = _component(trial.motion, trial.column, treatment)
+    read = _thinned if fewer else _component
+    x = read(trial.motion, trial.column, treatment)
     y, z = (
-        ZeroExcitation() if column is None else _component(trial.motion, column, treatment)
+        ZeroExcitation() if column is None else read(trial.motion, column, treatment)
         for column in (trial.column_y, trial.column_z)
     )
     return BaseExcitation(x, y, z)
@@ -62,6 +65,48 @@ def scaled(motion: BaseExcitation, sign: int, scale: float) -> BaseExcitation:
         return motion
     along = sign * scale
     return BaseExcitation(motion.x.scaled(along), motion.y.scaled(along), motion.z.scaled(scale))
+
+
+SHIFT_M: Final = 1e-5
+"""How far a motion of fewer samples may be from its record at any time, in displacement: a hundredth of what the base's edge
+scatters by."""
+MERGED: Final = (64, 32, 16, 8, 4, 2)
+"""Samples that become one, the most that is possible."""
+
+
+@lru_cache(maxsize=MOST_READ)
+def _thinned(path: Path, column: str | None, treatment: tuple[Any, ...]) -> Excitation:
+    return thinned(_component(path, column, treatment))
+
+
+def thinned(motion: Excitation) -> Excitation:
+    """A record in as few samples as keep its displacement: of a fast logger's most say nothing of a stone."""
+    if isinstance(motion, SampledAcceleration):
+        displacement_m = motion.displacement_m(motion.t_s)
+        for size in MERGED:
+            if len(motion.t_s) > 2 * size:
+                fewer = _merged(motion, size)
+                if np.max(np.abs(fewer.displacement_m(motion.t_s) - displacement_m)) <= SHIFT_M:
+                    return fewer
+    return motion
+
+
+def _merged(motion: SampledAcceleration, size: int) -> SampledAcceleration:
+    """The line through every `size`-th time of a record, and its last, that is nearest to it in least squares: so it keeps the
+    velocity and the displacement at the end.
+    """
+    from scipy.linalg import solveh_banded
+
+    t, a = motion.t_s, motion.samples_m_s2
+    knots_s = np.append(t[:-1:size], t[-1])
+    cell, width, step = np.arange(len(t) - 1) // size, np.diff(knots_s), np.diff(t)
+    # Each line of the record lies in one cell, where both are straight: ∫ fg = (2 f₀g₀ + f₀g₁ + f₁g₀ + 2 f₁g₁) Δt/6.
+    ends = np.stack([2.0 * a[:-1] + a[1:], a[:-1] + 2.0 * a[1:]]) * step / 6.0
+    after = np.stack([t[:-1] - knots_s[cell], t[1:] - knots_s[cell]]) / width[cell]
+    right, total = (np.bincount(cell, each.sum(axis=0)) for each in (ends * after, ends))
+    moments = np.append(total - right, 0.0) + np.append(0.0, right)
+    inner = np.append(width, 0.0) + np.append(0.0, width)
+    return SampledAcceleration(knots_s, solveh_banded(np.stack([np.append(0.0, width / 6.0), inner / 3.0]), moments))
 
 
 @lru_cache(maxsize=MOST_READ)

@@ -32,6 +32,8 @@ FRICTION_SD: Final = 0.05
 """Relative scatter of the friction: the spread of repeated tilt tests."""
 LEAST_SCORES: Final = 128
 """Draws that are made at once."""
+BARE: Final = Contact(0.2, 0.15, 1.0)
+"""Of a stone that no scene has: it stands on the table, and a row says its friction."""
 
 
 @dataclass(frozen=True)
@@ -54,16 +56,12 @@ def scene_of(trial: Trial, variant: Variant, seed: int = 0, motion: BaseExcitati
     if own is not None and own.statue.solid is None:
         turn_deg = 0.0  # numbers of one plane say nothing of others: only a turn that the table asks for is refused
     statue = _turned(trial, inputs.azimuth_deg + turn_deg, inputs.inset_m + edge_m, inputs.contact_tolerance_m)
-    scene = own or Scene(trial.name, 1.0, GRAVITY_M_S2, Form(), statue, None, Contact(0.2, 0.15, 1.0), shaken)
-    friction = rough * (scene.contact.statue if inputs.friction is None else inputs.friction)
-    return replace(
-        scene,
-        title=trial.name,
-        duration_s=_duration_s(trial, shaken, scene.duration_s),
-        statue=statue,
-        contact=replace(scene.contact, statue=friction),
-        base_excitation=shaken,
-    )
+    contact = BARE if own is None else own.contact
+    contact = replace(contact, statue=rough * (contact.statue if inputs.friction is None else inputs.friction))
+    duration_s = _duration_s(trial, shaken, 1.0 if own is None else own.duration_s)
+    if own is None:
+        return Scene(trial.name, duration_s, GRAVITY_M_S2, Form(), statue, None, contact, shaken)
+    return replace(own, title=trial.name, duration_s=duration_s, statue=statue, contact=contact, base_excitation=shaken)
 
 
 def _duration_s(trial: Trial, motion: BaseExcitation, otherwise_s: float) -> float:
@@ -72,11 +70,11 @@ def _duration_s(trial: Trial, motion: BaseExcitation, otherwise_s: float) -> flo
     return motion.end_s + RING_DOWN_S if trial.motion is not None and math.isfinite(motion.end_s) else otherwise_s
 
 
-def motion_of(trial: Trial, inputs: Inputs) -> BaseExcitation:
-    """The motion of a test before its sign and scale: of its file, or of its scene. Raises `InputError`."""
+def motion_of(trial: Trial, inputs: Inputs, fewer: bool = False) -> BaseExcitation:
+    """The motion of a test before its sign and scale: of its file (see `shaking`), or of its scene. Raises `InputError`."""
     if trial.motion is None and trial.scene is not None:
         return _scene(trial.scene).base_excitation
-    return shaking(trial, inputs)
+    return shaking(trial, inputs, fewer)
 
 
 def _scatter(trial: Trial, variant: Variant, seed: int) -> tuple[float, float, float]:

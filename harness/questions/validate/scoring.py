@@ -28,7 +28,7 @@ from harness.questions.study.ensembles import score_sets
 from harness.questions.study.rows import KeyedRow
 from harness.questions.validate import baseline
 from harness.questions.validate.fit import Answers, Choice, fitted
-from harness.questions.validate.jobs import Model
+from harness.questions.validate.jobs import Drawn, Model
 from harness.questions.validate.motions import Intensity
 from harness.questions.validate.scenes import Variant, scene_of
 from harness.questions.validate.table import Trial
@@ -89,9 +89,11 @@ class Answered:
 
     def run(self, trial: Trial) -> CaseRun:
         """The nominal run of a test."""
-        return self.answers[trial.name, self.choice.nominal(trial)]
+        run = self.answers[trial.name, self.choice.nominal(trial)]
+        assert isinstance(run, CaseRun)
+        return run
 
-    def drawn(self, trial: Trial) -> list[CaseRun]:
+    def drawn(self, trial: Trial) -> list[Drawn | CaseRun]:
         """The draws of a test."""
         return (
             [self.answers[trial.name, each] for each in self.choice.draws(trial, self.samples)] if self.samples else []

@@ -125,8 +125,13 @@ class Trial:
 
     def inputs(self, chosen: Inputs | None = None) -> Inputs:
         """The row's values; of what it does not know the chosen ones (none: the first of each list)."""
-        first = Inputs(**{name: getattr(self, name)[0] for name in OPEN})
-        return first if chosen is None else replace(first, **{name: getattr(chosen, name) for name in self.unknown})
+        if chosen is None or not self.unknown:
+            return self._first
+        return replace(self._first, **{name: getattr(chosen, name) for name in self.unknown})
+
+    @cached_property
+    def _first(self) -> Inputs:
+        return Inputs(**{name: getattr(self, name)[0] for name in OPEN})
 
     @property
     def fell(self) -> bool:

@@ -20,7 +20,7 @@ from harness.model.errors import InputError, Mistake
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
 from harness.model.run import Run
 from harness.questions.validate.fit import Answers, Choice, choose, planned
-from harness.questions.validate.jobs import BATCH, BATCH_OTHERWISE, Model, parse_model, tasks_of
+from harness.questions.validate.jobs import BATCH, BATCH_OTHERWISE, Drawn, Model, asked_of, parse_model
 from harness.questions.validate.motions import Intensity
 from harness.questions.validate.scenes import Variant, intensity_of
 from harness.questions.validate.scoring import Answered, curves, repeats_of, score_baseline, score_model, score_pairs
@@ -165,7 +165,7 @@ def run_validation(
         unexplained=_unexplained(trials, answered) if samples else [],
         repeats=repeats_of([trial for trial in trials if trial.share != fit_share] or trials),
         experiments=experiments.name,
-        runs=RunCounts(campaign.computed + len(campaign.reused), campaign.computed),
+        runs=RunCounts(campaign.computed + sum(campaign.reused.values()), campaign.computed),
         seed=seed,
         versions=record.versions(),
         machine=record.machine(),
@@ -201,7 +201,7 @@ class Runs:
     def __init__(self, store: Store, campaign: Campaign, model: Model, seed: int, plan: _Plan) -> None:
         self._store, self._campaign, self._plan, self._seed = store, campaign, plan, seed
         self.model = model
-        self._answers: dict[tuple[str, Variant], CaseRun] = {}
+        self._answers: dict[tuple[str, Variant], CaseRun | Drawn] = {}
         self._keys: dict[tuple[str, Variant], str] = {}
 
     def __call__(self, pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
@@ -209,15 +209,16 @@ class Runs:
         # Those of one body side by side, and of one motion: a worker then makes each statue once, and hears each motion once.
         wanted.sort(key=lambda pair: (pair[0].body, str(pair[0].motion)))
         self._plan.begin(len(wanted))
-        tasks = tasks_of(wanted, self.model, self._seed)
-        found = self._campaign.ask(tasks) if tasks else []
-        for (trial, variant), task, stored in zip(wanted, tasks, found, strict=True):
+        asked = asked_of(wanted, self.model, self._seed)
+        found = self._campaign.ask([each.task for each in asked]) if asked else []
+        for each, stored in zip(asked, found, strict=True):
             if stored is None:
                 raise InputError(
-                    Mistake(str(self._store.path), task.key, "the result of every run", "none", "run again")
+                    Mistake(str(self._store.path), each.task.key, "the result of every run", "none", "run again")
                 )
-            self._answers[trial.name, variant] = CaseRun.stored(stored)
-            self._keys[trial.name, variant] = task.key
+            for key, answer in each.read(stored):
+                self._answers[key] = answer
+                self._keys[key] = each.task.key
         return self._answers
 
     def history(self, trial: Trial, variant: Variant) -> Run | None:

@@ -233,7 +233,7 @@ def test_a_swapped_label_is_named_on_terminal_and_page(tmp_path: Path) -> None:
     (told,) = (each for each in record["findings"] if each["code"] == "tests_unexplained")
     assert told["values"] == {"tests": [rows[-1]["test"]]}
     assert told["text"][:40] in answer.output
-    lines = answer.output.splitlines()
+    lines = answer.stdout.splitlines()
     assert len(lines) <= LINES
     assert [line.split("  ")[1].strip() for line in lines if line.startswith("  ")][:3] == [
         "model",
