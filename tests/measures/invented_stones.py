@@ -2,7 +2,7 @@
 
 Each stone's contact tolerance, worn edge, sign and strength of the motion are drawn from the lists that its rows give; every test
 has its own azimuth, base and friction within the scatter that `validate` assumes. Half of the tests, drawn at random, are the
-share that is fitted on. "More runs" is the fit by twelve times the runs, each for its own setting alone, and the true scatter,
+share that is fitted on. "More runs" is the fit by nine times the runs, each for its own setting alone, and the true scatter,
 scored in five times the draws: about what these tests can teach. "Truth known" is what the true probability of each test says,
 from draws at the true inputs.
 """
@@ -140,7 +140,7 @@ def score(table_file: Path, inputs: Sequence[Inputs], out: Path) -> Scored:
         {"fitted": own, "more runs": most, "truth known": true},
         np.array([trial.fell for trial in trials]),
         hits,
-        f"{fitted['width']:g} times the true scatter with {fitted['counts']:.2g} counts",
+        f"{fitted['width']:g}, {fitted['counts']:.2g}",
         found["runs"]["computed"],
         more["runs"]["computed"],
         spent,
@@ -164,10 +164,11 @@ def told(scored: Sequence[Scored]) -> str:
     hits = {name: [hit for each in scored for hit in each.hits[name]] for name in LISTS}
     shares = ", ".join(f"{np.mean(hit):.2f}" for hit in hits.values())
     lines.append([f"most probable value is true ({', '.join(hits)})", str(len(hits["sign"])), shares, "–", "1"])
-    spent = ", ".join(f"{each.processor_s:.0f}" for each in scored)
-    runs, more = (", ".join(str(getattr(each, name)) for each in scored) for name in ("runs", "more_runs"))
-    chosen = f"Fitted: {'; '.join(each.fit for each in scored)}."
-    return f"{table(['score', 'tests', *p], lines)}\n\n{chosen} {runs} runs, {spent} s of processor; {more} runs with more."
+    spent = sum(each.processor_s for each in scored)
+    runs, more = (sum(getattr(each, name) for each in scored) for name in ("runs", "more_runs"))
+    chosen = f"Fitted scatter (the true one is 1) and counts: {'; '.join(each.fit for each in scored)}."
+    cost = f"{runs} runs, {spent:.0f} s of processor; {more} runs with more."
+    return f"{table(['score', 'tests', *p], lines)}\n\n{chosen} {cost}"
 
 
 def _processor_s() -> float:
