@@ -281,8 +281,8 @@ class _Climb:
         error = last.stated.or_more(_left(self.spreads, self.target), self._expected(best), answered)
         held_s = [until_s] if answer is None or answer.whole else [until_s, answer.until_s]
         if best.no_return_time_s is not None:
-            # In a fall errors of plain steps grow, and no second comparison is asked for.
-            held_s.append(max(plain_from_s(best), best.no_return_time_s))
+            # In a fall errors grow as the rotation itself does, and no second comparison is asked for.
+            held_s.append(best.no_return_time_s)
         # All levels may lose alike what is too small for any: what that grows to is the scene's, not the step's.
         expected_rad = number(best.settings, "expected_error_rad")
         grown_s = outgrown_s(self.scene, expected_rad, self.target.rotation_rad / SAFETY)

@@ -121,8 +121,9 @@ def planned(trials: Sequence[Trial], share: Sequence[Trial], samples: int) -> in
 
 
 def _count_tried(unknown: Mapping[str, Sequence[Any]]) -> int:
-    """In how many draws a body's unknown inputs are tried."""
-    return min(DRAWS * _count(unknown), TRIED)
+    """In how many draws a body's unknown inputs are tried: each setting in as many, where there is room for all."""
+    count = _count(unknown)
+    return min(DRAWS, TRIED // count) * count if count <= TRIED else TRIED
 
 
 def _count(unknown: Mapping[str, Sequence[Any]]) -> int:

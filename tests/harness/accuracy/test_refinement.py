@@ -240,9 +240,10 @@ def test_errors_of_plain_steps_may_fall_with_the_step_s_root() -> None:
     assert spread(answer(2.2e-3, None), answer(1e-3, None), target).stated.rotation_rad < 0.5 * stated
 
 
-def test_in_a_fall_nothing_is_stated_once_the_events_are_left() -> None:
-    run = run_to_accuracy(Fake(no_return_s=0.15, left_s=0.6), paestum(), 1e-3, RunOptions())
-    assert run.reliable_until_s == 0.6
+@pytest.mark.parametrize("more", [{}, {"left_s": 0.1}, {"left_s": 0.6}])
+def test_past_the_point_of_no_return_nothing_is_stated(more: dict[str, float]) -> None:
+    run = run_to_accuracy(Fake(no_return_s=0.15, **more), paestum(), 1e-3, RunOptions())
+    assert run.reliable_until_s == 0.15
     assert "target_met_until_fall" in doubles.codes(run.findings)
 
 

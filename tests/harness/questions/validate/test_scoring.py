@@ -18,6 +18,7 @@ from harness.questions.validate.fit import (
     NEAR,
     OWN,
     TRIED,
+    WIDTH_DRAWS,
     WIDTHS,
     Answers,
     Ask,
@@ -143,16 +144,20 @@ def test_a_value_at_the_end_of_its_list_is_told(inset_m: float, warned: bool) ->
 
 
 def test_the_scatter_is_as_wide_as_makes_the_tests_likeliest() -> None:
-    """Narrow draws tell nothing, of wide ones nine in ten end as the test did."""
+    """Narrow draws tell nothing, of wide ones seven in eight end as the test did."""
     trials = [trial(f"a{k}", k % 2 == 0) for k in range(40)]
     ask = answering(
-        lambda each, one: answer(one.sample % 2 == 0 if one.width < 4.0 else each.fell == (one.sample % 10 > 0))
+        lambda each, one: answer(
+            one.sample % 2 == 0 if one.width < 4.0 else each.fell == (one.sample % WIDTH_DRAWS > 0)
+        )
     )
     found = choose(trials, ask, 20)
     assert found.width == WIDTHS[-1]
     assert fitted(trials, found).width_at_end
     assert found.counts < COUNTS
-    assert found.log_score == pytest.approx(-math.log((9 + found.counts) / (10 + 2 * found.counts)))
+    assert found.log_score == pytest.approx(
+        -math.log((WIDTH_DRAWS - 1 + found.counts) / (WIDTH_DRAWS + 2 * found.counts))
+    )
 
 
 def test_what_is_planned_is_what_is_run() -> None:
@@ -359,8 +364,29 @@ def test_a_design_of_many_inputs_is_small_and_holds_every_value() -> None:
     rows = designed(lists, TRIED)
     assert len(rows) == TRIED
     assert all({getattr(row, name) for row in rows} == set(values) for name, values in lists.items())
-    every = designed({"azimuth_deg": range(4), "inset_m": range(5)}, TRIED)
-    assert [every.count(each) for each in set(every)] == [TRIED // 20] * 20
+    every = designed({"azimuth_deg": range(4), "inset_m": range(5)}, 60)
+    assert [every.count(each) for each in set(every)] == [3] * 20
+
+
+@pytest.mark.parametrize(("insets", "times"), [(2, DRAWS), (20, TRIED // 20), (100, 0)])
+def test_settings_are_tried_alike_and_in_each_test_by_other_draws(insets: int, times: int) -> None:
+    lists = {"inset_m": tuple(0.001 * k for k in range(insets))}
+    tests, ran = [trial(f"t{k}", k % 2 == 0, **lists) for k in range(DRAWS)], list[tuple[str, Variant]]()
+    model = says(lambda each, own: True)
+
+    def ask(pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
+        ran.extend((each.name, one) for each, one in pairs)
+        return model(pairs)
+
+    choose(tests, ask, 0)
+    of_setting: dict[Inputs, list[tuple[str, int]]] = {}
+    for name, one in ran:
+        of_setting.setdefault(one.inputs, []).append((name, one.sample))
+    for seen in of_setting.values():
+        draws = {name: [sample for other, sample in seen if other == name] for name, _ in seen}
+        assert times == 0 or {len(each) for each in draws.values()} == {times}
+        assert all(len(set(each)) == len(each) for each in draws.values())
+        assert len(set(map(tuple, draws.values()))) == len(draws) == DRAWS
 
 
 def test_what_is_undecided_counts_neither_as_standing_nor_as_fallen() -> None:
