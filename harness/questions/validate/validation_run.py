@@ -87,9 +87,14 @@ def _of_model(item: ModelRecord) -> Iterator[Finding]:
     """What a model leaves open, and where what it says of a fall is no true probability."""
     within = item.outcomes.within_uncertainty
     left = item.outcomes.undecided + within
-    ends = sorted({f"{each.input} ({each.body})" for each in item.fitted.inputs if each.at_end})
+    ends: dict[str, dict[str, None]] = {}
+    for fitted in item.fitted.inputs:
+        if fitted.at_end:
+            ends.setdefault(fitted.input, {})[fitted.body] = None
     if ends:
-        yield caution("fitted_at_end", inputs=ends)
+        yield caution(
+            "fitted_at_end", inputs=[f"{name} ({', '.join(bodies)})" for name, bodies in sorted(ends.items())]
+        )
     if item.fitted.width_at_end:
         yield caution("width_at_end", width=item.fitted.width)
     if item.near:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from harness.questions.validate import validation_run as run
 from harness.questions.validate.jobs import parse_model
 from harness.questions.validate.scenes import intensity_of, scene_of
 from harness.questions.validate.table import read_table
+from harness.records.validation import Fitted, FittedInput
 from reports.cli import app
 from reports.pages.page import write_report
 from reports.terminal import LINES
@@ -352,3 +354,22 @@ def test_a_model_is_an_engine_with_a_setting() -> None:
     assert parse_model("pymunk@dt=5e-4").dt_s == 5e-4
     assert parse_model("pymunk@dt=5e-4").accuracy_rad is None
     assert parse_model("analytic@accuracy=1e-6").accuracy_rad == 1e-6
+
+
+def test_what_is_fitted_at_the_end_of_its_list_is_told_by_input() -> None:
+    rows = [
+        FittedInput(body, "", name, 0.0, 0.5, at_end)
+        for body, name, at_end in [
+            ("b.ply", "scale", True), ("a.ply", "inset_m", True), ("b.ply", "inset_m", True), ("c.ply", "inset_m", False),
+        ]
+    ]  # fmt: skip
+    item = SimpleNamespace(
+        outcomes=SimpleNamespace(within_uncertainty=0, undecided=0),
+        fitted=Fitted(3, 0.5, 1.0, False, 0.25, rows),
+        near="",
+        failed=0,
+        probability=SimpleNamespace(reliability=[]),
+    )
+    (found,) = run._of_model(item)  # type: ignore[arg-type]
+    assert found.code == "fitted_at_end"
+    assert found.values == {"inputs": ["inset_m (a.ply, b.ply)", "scale (b.ply)"]}
