@@ -147,8 +147,8 @@ def _validity(scene: Scene, solution: Solution) -> dict[str, object]:
     share = solution.peak_theta_rad / scene.statue.slenderness_rad(1 if solution.peak_signed_rad > 0.0 else -1)
     values: dict[str, object] = {
         "peak_over_slenderness": share,
-        "impact_ratios": solution.impact_ratios.tolist() if solution.event_rows.size else [],
-        "several_joint_states_s": solution.ambiguous_times_s.tolist() if solution.event_rows.size else [],
+        "impact_ratios": solution.impact_ratios.tolist(),
+        "several_joint_states_s": solution.ambiguous_times_s.tolist(),
         "energy_gained_j": solution.energy_gained_j,
         "energy_lost_j": solution.energy_lost_j,
     }

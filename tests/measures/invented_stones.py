@@ -10,9 +10,8 @@ from draws at the true inputs.
 from __future__ import annotations
 
 import argparse
-import resource
+import os
 import tempfile
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -119,9 +118,9 @@ class Scored:
 
 def score(table_file: Path, inputs: Sequence[Inputs], out: Path) -> Scored:
     """Validate the table by the analytic model, as it does and by more runs, and draw its tests at their true inputs."""
-    begin = _processor_s()
+    begin = sum(os.times()[:4])
     found = _validated(table_file, out / "own", SAMPLES)
-    spent = _processor_s() - begin
+    spent = sum(os.times()[:4]) - begin
     with patch.multiple(fit, **MORE):
         more = _validated(table_file, out / "more", MORE_SAMPLES)
     trials = [trial for trial in read_table(table_file) if trial.share != "fit"]
@@ -169,11 +168,6 @@ def told(scored: Sequence[Scored]) -> str:
     chosen = f"Fitted scatter (the true one is 1) and counts: {'; '.join(each.fit for each in scored)}."
     cost = f"{runs} runs, {spent:.0f} s of processor; {more} runs with more."
     return f"{table(['score', 'tests', *p], lines)}\n\n{chosen} {cost}"
-
-
-def _processor_s() -> float:
-    children = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return time.process_time() + children.ru_utime + children.ru_stime
 
 
 def _validated(table_file: Path, out: Path, samples: int) -> Any:

@@ -31,7 +31,7 @@ Ask = Callable[[Sequence[tuple[Trial, Variant]]], Answers]
 TRIED: Final = 64
 """Draws of each test in which a body's unknown inputs are tried, at other joint settings where there are so many, by at most"""
 DRAWS: Final = 8
-"""draws at one setting, of as many."""
+"""draws at one setting; they are the first so many of a test."""
 NEAR: Final[Mapping[str, float]] = {"contact_tolerance_m": 2e-3, "inset_m": 2e-3, "friction": 0.05, "scale": 0.1}
 """Standard widths of the kernel by which an outcome at one value says something of another: what draws scatter by, or twice that.
 Other inputs (a sign, a turn, a band) say nothing of each other. Of these a value at the end of its list says that the truth may
@@ -227,20 +227,18 @@ class _Body:
         self._days = list(dict.fromkeys(trial.day for trial in trials))
         count = _count(unknown)
         self._tried = designed(unknown, _count_tried(unknown))
-        # The draws of a setting are others in each test: shared, what one draw adds would be taken for what its setting does.
-        self._drawn = [
-            (
-                trial,
-                [
-                    Variant(trial.inputs(each), 1 + (k // count + k % count + place) % DRAWS)
-                    for k, each in enumerate(self._tried)
-                ],
-            )
-            for place, trial in enumerate(trials)
-        ]
+        self._drawn = [(trial, self._variants(trial, place, count)) for place, trial in enumerate(trials)]
         self._settings = designed(unknown, count) if count <= SETTINGS else self._tried
         self._likely = np.empty((0, 0))
         self._prior = np.zeros(len(self._settings))
+
+    def _variants(self, trial: Trial, place: int, count: int) -> list[Variant]:
+        """A test at each of the settings that are tried.
+
+        The draws of a setting are others in each test: shared, what one draw adds would be taken for what its setting does.
+        """
+        samples = (1 + (k // count + k % count + place) % DRAWS for k in range(len(self._tried)))
+        return [Variant(trial.inputs(each), sample) for each, sample in zip(self._tried, samples, strict=True)]
 
     def pairs(self) -> list[tuple[Trial, Variant]]:
         """The runs that are wanted: of each test as many draws as settings are tried, each at one of them."""

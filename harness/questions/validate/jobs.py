@@ -118,11 +118,12 @@ def asked_of(pairs: Sequence[tuple[Trial, Variant]], model: Model, seed: int) ->
                 RunRequest(_made(trial, each, seed), model.engine, model.accuracy_rad, model.dt_s, history, stated)
                 for each in some
             ]
-            task = Task(
-                key, run_draws, runs, f"{model.engine} draws" if size > 1 else model.engine, lost_draws, len(some)
-            )
             if stated:
                 task = Task(key, run_request, runs[0], model.engine, lost_answer)
+            else:
+                # Draws that are together go to a worker by few, those alone by as many as nominal runs.
+                group = f"{model.engine} draws" if size > 1 else model.engine
+                task = Task(key, run_draws, runs, group, lost_draws, len(some))
             found.append(Asked(task, trial, some))
     return found
 
