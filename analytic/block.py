@@ -32,13 +32,15 @@ class Block:
 
     profile_m are the base's vertices (x, z) from left to right, m, in the frame whose origin lies on the base plane below
     the centroid: two corners, or the convex lower profile of a worn or chipped base (docs/model.md, section 8).
-    Raises AnalyticInputError for what cannot rock.
+    base_ends_rad are the leans to the left and to the right beyond which something else than the base comes down: there a run
+    leaves the model's domain. Raises AnalyticInputError for what cannot rock.
     """
 
     mass_kg: float
     centroid_height_m: float
     inertia_kg_m2: float
     profile_m: tuple[tuple[float, float], ...]
+    base_ends_rad: tuple[float, float] = (math.inf, math.inf)
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -56,6 +58,8 @@ class Block:
             raise AnalyticInputError(
                 "profile_m: a base under the centroid is wanted, its corners on both sides of x = 0."
             )
+        if not min(self.base_ends_rad) > 0.0:
+            raise AnalyticInputError(f"base_ends_rad: positive leans are wanted, {self.base_ends_rad!r} came.")
 
     @classmethod
     def two_corners(
@@ -147,7 +151,8 @@ class Block:
     def mirrored(self) -> Self:
         """The same statue with left and right exchanged."""
         profile = tuple((-x, z) for x, z in reversed(self.profile_m))
-        return type(self)(self.mass_kg, self.centroid_height_m, self.inertia_kg_m2, profile)
+        left, right = self.base_ends_rad
+        return type(self)(self.mass_kg, self.centroid_height_m, self.inertia_kg_m2, profile, (right, left))
 
 
 @final

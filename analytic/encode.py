@@ -48,7 +48,7 @@ def encode_motion(motion: Excitation) -> tuple[MotionParams, Floats, Floats]:
 
     Raises AnalyticInputError for a motion that the kernel does not know.
     """
-    if isinstance(motion, ZeroExcitation) or motion.peak_m_s2 == 0.0:
+    if motion.peak_m_s2 == 0.0:
         return STILL, _EMPTY, _EMPTY
     if isinstance(motion, Harmonic):
         wave = motion.amplitude_m_s2, motion.omega_rad_s, motion.phase_rad, motion.ramp_s
@@ -94,6 +94,8 @@ def encode(problem: Problem, options: Options) -> Params:
         inertia_kg_m2=block.inertia_kg_m2,
         gravity_m_s2=problem.gravity_m_s2,
         statue_friction=problem.statue_friction,
+        base_left_rad=block.base_ends_rad[0],
+        base_right_rad=block.base_ends_rad[1],
         restitution=-1.0 if form.restitution is None else form.restitution,
         dynamic_normal=form.friction_normal == "dynamic",
         momentum_at_impact=form.pedestal_at_impact == "momentum",

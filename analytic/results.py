@@ -14,8 +14,9 @@ from analytic.kernel.layout import EVENT_ROW
 from analytic.kernel.records import Counts, Floats, Params, Records, Results, State
 from analytic.solution import KINDS, OUTCOMES, Doubts, Event, EventKind, Interval, Outcome, Validity, Work
 
-LEFT_BY: Final = ("", "statue_slides", "contact_lost", "pedestal_tips")
-"""What each of the kernel's codes for a limit passed says: statue on its support, statue or pedestal in flight, pedestal."""
+LEFT_BY: Final = ("", "statue_slides", "contact_lost", "pedestal_tips", "beyond_base")
+"""What each of the kernel's codes for a limit passed says: statue on its support, statue or pedestal in flight, pedestal, a lean
+beyond the statue's base."""
 PATTERNS: Final = ("rest", "sliding", "rocking", "both")
 NO_HISTORY: Final[NDArray[np.float64]] = np.zeros((5, 0))
 NO_EVENTS: Final[Records] = np.zeros(0, EVENT_ROW)

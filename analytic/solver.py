@@ -17,7 +17,7 @@ from analytic.kernel.layout import EVENT_ROW, TASK, packing
 from analytic.kernel.records import Base, Counts, MotionParams, Output, Params, Records, Results, State
 from analytic.machine_code import Entry
 from analytic.problem import CONSISTENT, DEFAULT_OPTIONS, Options, Problem
-from analytic.results import Solution, solution_of
+from analytic.results import NO_EVENTS, Solution, solution_of
 
 run: Final = Entry("analytic.kernel.entries", "run")
 Record = TypeVar("Record", State, Results, Counts, Output)
@@ -90,7 +90,7 @@ def prepare(problem: Problem, params: Params, event_rows: int) -> Prepared:
     dt = params.output_step_s
     instants = math.floor(params.duration_s / dt * WHOLE) + 2 if dt > 0.0 else 0
     memory = bytearray(TASK.itemsize)
-    history, events = np.zeros((5, instants)), np.zeros(event_rows, EVENT_ROW)
+    history, events = np.zeros((5, instants)), np.zeros(event_rows, EVENT_ROW) if event_rows else NO_EVENTS
     table, rows = (address(each) if each.size else 0 for each in (history, events))
     output = Output(table, max(instants - 1, 0), 0, rows, event_rows)
     for place, record in zip(_WRITTEN, (params, x, z, encode_base(problem), output), strict=True):

@@ -36,6 +36,9 @@ SAMPLED_S: Final = 1e-6
 """An instant read off a history of 1 ms between two samples: the chord is off by the acceleration of at most 10 rad/s², over
 eight times the rate of 0.5 rad/s or more, times the square of the step."""
 
+CHORD_RAD: Final = 2e-6
+"""A rotation read off such a history: the same acceleration over eight, times the square of the step, and half of that again."""
+
 SINE_RELATIVE = 3e-16
 """The kernel's own sine and cosine: two roundings of the reduced angle and three of the sum, half a unit (1.1e-16) each at most
 where they add up; measured: 2.9e-16."""

@@ -45,3 +45,4 @@ MOVING: Final = 1
 BY_PIVOT_SLIP: Final = 1
 BY_LOST_CONTACT: Final = 2
 BY_TIPPING: Final = 3
+BY_LEAN: Final = 4

@@ -41,6 +41,10 @@ class Params:
     gravity_m_s2: float
     statue_friction: float
     """Between statue and support: the model assumes that it holds, and notes when it would not have."""
+    base_left_rad: float
+    """Leans beyond which something else than the base comes down, to the left"""
+    base_right_rad: float
+    """and to the right; infinite where nothing does."""
     restitution: float
     """Prescribed ratio of the angular velocities at an impact; negative: by angular momentum."""
     dynamic_normal: bool

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic.kernel.codes import BY_LOST_CONTACT, BY_PIVOT_SLIP, BY_TIPPING
+from analytic.kernel.codes import BY_LEAN, BY_LOST_CONTACT, BY_PIVOT_SLIP, BY_TIPPING
 from analytic.kernel.compiler import jit
 from analytic.kernel.dynamics import complete
 from analytic.kernel.memory import load_double
@@ -99,6 +99,9 @@ def _note_at(task: Task, n: int, at: float) -> None:
         contact = load_double(task.base.x, pivot) - task.params.pedestal_centre_m
         horizontal, normal = value(series.pivot_force, n - 1, at), value(series.floor_normal, n - 1, at)
         _note(task, time, horizontal, v, normal, contact, accel)
+        theta = value(series.theta, n, at)
+        if theta > task.params.base_right_rad or -theta > task.params.base_left_rad:
+            _left(task, time, BY_LEAN)
 
 
 @jit

@@ -67,17 +67,30 @@ class Range(NamedTuple):
 NONE: Final = Range(0.0, 0.0)
 
 
-def run_s(engine: str, scene: Scene, accuracy_rad: float | None = None, dt_s: float | None = None) -> Range:
-    """The processor seconds that an engine is expected to take for a scene, without what its history takes."""
+def run_s(
+    engine: str, scene: Scene, accuracy_rad: float | None = None, dt_s: float | None = None, *, timed: bool = True
+) -> Range:
+    """The processor seconds that an engine is expected to take for a scene, without what its history takes.
+
+    Steps of a long run are `timed` in the scene itself, which takes some of them.
+    """
     if engine in CERTIFIED_S:
         seconds = CERTIFIED_S[engine] * scene.duration_s
         return Range(seconds, seconds)
     if load(engine).missing() is not None:
         return NONE
     steps = expected_steps(engine, scene, accuracy_rad, dt_s)
-    if steps.most < TIMED_STEPS:
+    if steps.most < TIMED_STEPS or not timed:
         return steps.times(load(engine).step_s(scene))
     return steps.times(timed_step_s(engine, scene, accuracy_rad, dt_s))
+
+
+def worth_a_process(engine: str, taken: Range) -> bool:
+    """Whether a run is made beside the others in a process of its own: where it takes longer than the process to start.
+
+    What certifies may have to be compiled first.
+    """
+    return engine in CERTIFIED_S or taken.middle > START_S
 
 
 def expected_steps(name: str, scene: Scene, accuracy_rad: float | None = None, dt_s: float | None = None) -> Range:

@@ -73,6 +73,7 @@ def first_scene(
 
 def _statue(inspection: Inspection, scan: Path, mesh: Path, user_input: UserInput, say: Say) -> Part:
     from meshes import footprint as base
+    from meshes.solid import CONTACT_TOLERANCE_M
 
     solid = inspection.solid
     if solid is None:
@@ -84,6 +85,8 @@ def _statue(inspection: Inspection, scan: Path, mesh: Path, user_input: UserInpu
     if user_input.density_kg_m3 is None and user_input.mass_kg is None:
         assumed = [caution("assumed_density", density_kg_m3=solid.density_kg_m3), *assumed]
     placing = {"file": mesh.name, "unit": "m", "up": "z", "azimuth_deg": round(-weakest, 2) + 0.0}
+    if solid.contact_tolerance_m != CONTACT_TOLERANCE_M:
+        placing["contact_tolerance_m"] = solid.contact_tolerance_m
     keys: dict[str, object] = {"mesh": placing | {"density_kg_m3": solid.density_kg_m3}}
     if user_input.mass_kg is not None:
         density, keys = f"from the weighed {user_input.mass_kg:g} kg", {"mass_kg": user_input.mass_kg, "mesh": placing}

@@ -22,10 +22,10 @@ from harness.input.overrides import Overrides, plain, replacements
 from harness.input.tables import ContactTable, InitialTable, ModelTable, PedestalTable, SceneFile, StatueTable
 from harness.input.uncertain import uncertain_inputs
 from harness.model.errors import InputError, Mistake
-from harness.model.finding import Finding, info
+from harness.model.finding import Finding, caution, info
 from harness.model.history import Array
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
-from harness.model.two_block import block_of, pedestal_of, wall_of
+from harness.model.two_block import base_end, block_of, pedestal_of, wall_of
 
 LARGEST_GYRATION: Final = 2.0
 """No body's radius of gyration exceeds its size; twice it leaves room for arms that the numbers do not show."""
@@ -33,6 +33,8 @@ LARGEST_M: Final = 1e4
 """No statue is longer; beyond it squares of lengths overflow."""
 BELOW_M: Final = 1e-6
 """A body in contact may be this far below the floor: what rounding of a printed place leaves."""
+TOLERANCE_STEP_M: Final = 1e-4
+"""To which a contact tolerance is proposed."""
 PRESETS: Final = {"consistent": Form("dynamic", "momentum"), "paper": Form("static", "unchanged")}
 
 
@@ -155,7 +157,21 @@ def resolve(
         check_wall(scene, path)
     except AnalyticInputError as error:  # of a scan, whose base is known only now
         raise InputError(Mistake(str(path), "statue", "a body that rocks on its base", str(error))) from error
-    return scene
+    return replace(scene, findings=(*scene.findings, *_beyond_base(scene)))
+
+
+def _beyond_base(scene: Scene) -> list[Finding]:
+    """What of a scan comes down before its balance and does not count as its base."""
+    if scene.statue.solid is None:
+        return []
+    block, found = block_of(scene), []
+    for side, name in ((-1, "left"), (1, "right")):
+        end, balance_rad = base_end(scene, block, side), block.alpha_rad(side)
+        if end.lean_rad < math.inf:
+            tolerance_m = math.ceil(end.height_m / TOLERANCE_STEP_M) * TOLERANCE_STEP_M
+            values = {"height_m": end.height_m, "lean_rad": end.lean_rad, "balance_rad": balance_rad}
+            found.append(caution("part_beyond_base", side=name, tolerance_m=round(tolerance_m, 6), **values))
+    return found
 
 
 def check_wall(scene: Scene, path: Path) -> None:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final, NamedTuple
 from weakref import WeakKeyDictionary
+
+import numpy as np
 
 from harness.model.scene import OVERTURN_RAD, Scene, Statue
 
@@ -13,13 +17,38 @@ if TYPE_CHECKING:
 
 _BLOCKS: Final[WeakKeyDictionary[Statue, Block]] = WeakKeyDictionary()
 """The blocks of statues that are in use: many runs of one statue need one."""
+SAME_M: Final = 1e-9
+"""A vertex of the silhouette no further out than this is the base's own."""
 
 
 def block_of(scene: Scene) -> Block:
-    """The scene's statue in its rocking plane: the base profile of its mesh, two corners without one."""
+    """The scene's statue in its rocking plane: the base profile of its mesh, two corners without one, and where that ends."""
     if (found := _BLOCKS.get(scene.statue)) is None:
         found = _BLOCKS[scene.statue] = _block_of(scene.statue)
-    return found
+    left, right = (base_end(scene, found, side).lean_rad for side in (-1, 1))
+    return found if min(left, right) == math.inf else replace(found, base_ends_rad=(left, right))
+
+
+class BaseEnd(NamedTuple):
+    """A part of a statue beyond its base: the lean with which it comes down, and its height above the base plane."""
+
+    lean_rad: float = math.inf
+    height_m: float = math.nan
+
+
+def base_end(scene: Scene, block: Block, side: int) -> BaseEnd:
+    """What comes down first as the statue leans to that side (1 right, −1 left) on the outer vertex of its base; infinite where
+    nothing does before its balance. Beside a pedestal's top nothing comes down.
+    """
+    outer_m, height_m = block.profile_m[-1 if side > 0 else 0]
+    x, z = scene.statue.section_m.T
+    beyond = side * (x - outer_m) > SAME_M
+    if scene.pedestal is not None:
+        centre_m = scene.statue.base_centre_m + scene.pedestal.offset_m
+        beyond &= side * (x - centre_m) <= 0.5 * scene.pedestal.width_m
+    leans = np.where(beyond, np.arctan2(z - height_m, side * (x - outer_m)), math.inf)
+    first = int(np.argmin(leans))
+    return BaseEnd(float(leans[first]), float(z[first])) if leans[first] < block.alpha_rad(side) else BaseEnd()
 
 
 def _block_of(statue: Statue) -> Block:

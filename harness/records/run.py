@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
-from analytic.results import LEFT_BY
 from harness.input.mistakes import Contradiction
 from harness.model.finding import Finding, Say
 from harness.model.history import Outcome
@@ -65,7 +64,7 @@ class Witness:
 def tips_s(run: EngineRunRecord) -> float | None:
     """When a model that holds the pedestal upright says that it tips, s; None where it does not say so."""
     left_s = run.validity.get("left_domain_s")
-    return left_s if isinstance(left_s, float) and run.validity.get("left_domain_by") == LEFT_BY[-1] else None
+    return left_s if isinstance(left_s, float) and run.validity.get("left_domain_by") == "pedestal_tips" else None
 
 
 UNKNOWN: Final = (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX, Outcome.UNDECIDED)

@@ -83,7 +83,7 @@ class Evidence:
     compared_until_s: float | None
     left_domain_s: float | None
     left_domain_by: str
-    """Which limit was passed (`statue_slides`, `contact_lost`, `pedestal_tips`), or the outcome with which a run left it, and"""
+    """Which limit was passed (a code of `analytic.results.LEFT_BY`), or the outcome with which a run left it, and"""
     left_domain: str = ""
     """of which answer."""
     outcome_flips_within_uncertainty: bool

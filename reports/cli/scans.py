@@ -122,12 +122,12 @@ def new(
     try:
         text, assumed = first_scene(inspection, scan, mesh, shaking, motion, user_input, say)
         write_text(out, text)
-        load_scene(out)
+        doubted = [each for each in load_scene(out).findings if each.code == "part_beyond_base"]
     except BaseException:
         for written in (out, mesh, log):
             written.unlink(missing_ok=True)
         raise
-    return out, [*found, *assumed]
+    return out, [*found, *doubted, *assumed]
 
 
 def _plane(text: str | None) -> tuple[float, float] | None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from analytic import AnalyticInputError, Block, Harmonic, Rest, simulate
+from analytic import AnalyticInputError, Block, Harmonic, Rest, ensemble, simulate
 from tests.analytic.paestum import GRAVITY, STATUE
-from tests.budgets_analytic import ENERGY_RISE_REL, EVENT_REL, SAMPLED_S
+from tests.budgets_analytic import CHORD_RAD, ENERGY_RISE_REL, EVENT_REL, SAMPLED_S
 
 BULGE = Block.from_profile(
     mass_kg=100.0,
@@ -127,3 +128,29 @@ def test_no_return_is_told_where_the_last_facet_lies_beyond_balance(side: int) -
     crossed_s = np.interp(balance_rad, side * run.theta_rad[rising], run.t_s[rising])
     assert run.no_return_time_s == pytest.approx(crossed_s, abs=SAMPLED_S)
     assert run.no_return_time_s < landed_s
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_where_something_else_than_the_base_comes_down_the_domain_is_left(mirrored: bool) -> None:
+    block = replace(STATUE, base_ends_rad=(math.inf, 0.05))
+    wave, way = Harmonic(0.334 * GRAVITY, 4.5), 1.0
+    if mirrored:
+        block, wave, way = block.mirrored(), Harmonic(-0.334 * GRAVITY, 4.5), -1.0
+        assert block.base_ends_rad == (0.05, math.inf)
+    bare = simulate(STATUE, Harmonic(0.334 * GRAVITY, 4.5), duration_s=5.0)
+    run = simulate(block, wave, duration_s=5.0)
+    assert np.array_equal(run.theta_rad, way * bare.theta_rad), "the motion goes on as if nothing else were there"
+    limits = run.validity
+    assert limits is not None
+    assert limits.left_domain_by == "beyond_base"
+    assert limits.left_domain_s is not None
+    assert way * np.interp(limits.left_domain_s, run.t_s, run.theta_rad) == pytest.approx(0.05, abs=CHORD_RAD)
+    first = float(run.t_s[np.argmax(way * run.theta_rad > 0.05)])
+    assert 0.0 <= first - limits.left_domain_s <= 0.001
+    swept = ensemble(block, wave, sweep={"mass_kg": [707.0, 707.0]}, duration_s=5.0, domain=True)
+    assert swept.left_domain_s == pytest.approx(limits.left_domain_s, abs=SAMPLED_S)
+
+
+def test_a_base_that_ends_upright_is_refused() -> None:
+    with pytest.raises(AnalyticInputError, match="base_ends_rad"):
+        replace(STATUE, base_ends_rad=(0.1, 0.0))

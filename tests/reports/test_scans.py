@@ -164,3 +164,10 @@ def test_new_refuses_what_exists_and_leaves_nothing_half_written(scan: Path, mot
         with pytest.raises(InputError, match=said):
             new(*wrong, ScanOptions(unit="m"))
     assert [path.name for path in tmp_path.iterdir()] == ["taken.toml"]
+
+
+def test_new_keeps_the_contact_tolerance_that_its_placing_rests_on(scan: Path, motion: Path, tmp_path: Path) -> None:
+    known = ScanOptions(unit="m", up="z", contact_tolerance_m=0.004)
+    scene = load_scene(new(scan, motion, tmp_path / "wide.toml", known)[0])
+    assert scene.statue.solid is not None
+    assert scene.statue.solid.contact_tolerance_m == 0.004

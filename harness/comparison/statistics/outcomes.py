@@ -144,11 +144,17 @@ def area_under_curve(probability: ArrayLike, observed: ArrayLike) -> Interval | 
 
 
 def reliability(
-    probability: ArrayLike, observed: ArrayLike, edges: Sequence[float] = EDGES, confidence: float = CONFIDENCE
+    probability: ArrayLike,
+    observed: ArrayLike,
+    edges: Sequence[float] = EDGES,
+    confidence: float = CONFIDENCE,
+    possible: NDArray[np.bool_] | None = None,
 ) -> list[ReliabilityBin]:
     """Cases in bins of their probability: mean probability, share that fell, and the band within which true ones keep that share.
 
-    Bins without a case are left out; the last includes its upper edge.
+    `possible` (draws, cases) are outcomes of all cases together as what gave the probabilities draws them (Bröcker and Smith
+    2007): where cases share something that is not known they are right or wrong together, and the band is wider. Without them
+    cases are taken to be independent. Bins without a case are left out; the last includes its upper edge.
     """
     p, o = np.asarray(probability, dtype=np.float64), np.asarray(observed, dtype=np.bool_)
     number = np.clip(np.searchsorted(edges, p, side="right") - 1, 0, len(edges) - 2)
@@ -157,7 +163,12 @@ def reliability(
         inside = number == k
         share = wilson(int(o[inside].sum()), int(inside.sum()), confidence)
         if share is not None:
-            low, high = _band(p[inside], confidence)
+            if possible is None:
+                low, high = _band(p[inside], confidence)
+            else:
+                tails = 0.5 * (1.0 - confidence), 0.5 * (1.0 + confidence)
+                shares = np.sort(possible[:, inside].mean(axis=1))
+                low, high = np.quantile(shares, tails, method="inverted_cdf").tolist()
             mean = float(p[inside].mean())
             bins.append(ReliabilityBin(edges[k], edges[k + 1], int(inside.sum()), mean, share, low, high))
     return bins

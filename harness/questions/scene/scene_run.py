@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from harness import engines
+from harness.accuracy.forecast import run_s, worth_a_process
 from harness.accuracy.simulation import RunTarget, check_target, failed, simulate_with
 from harness.engines.base import Engine, EngineFailure
 from harness.input.paths import read_files
@@ -147,10 +148,10 @@ def run_scene(
     `names` None: those that the scene needs (`engines.default_engines`).
 
     A model that certifies its own error also finds its horizon of prediction from its own perturbed starts (some twenty runs, of
-    milliseconds each); with `horizon` every model does. `apart` runs
-    three-dimensional engines beside the others in a process of their own (the caller's script must be importable, as
-    `multiprocessing` wants it); the results are the same. With `assess` the analytic model's probability of overturning is found
-    from what the scene does not know. With `witness` unmodified engines are run beside those that locate events
+    milliseconds each); with `horizon` every model does. `apart` runs three-dimensional engines beside the others in a process of
+    their own where they take longer than its start (the caller's script must be importable, as `multiprocessing` wants it); the
+    results are the same. With `assess` the analytic model's probability of overturning is found from what the scene does not
+    know. With `witness` unmodified engines are run beside those that locate events
     (`harness.questions.scene.witness`). `stored` are runs of this very scene and target that are there already. An
     interrupt after one of the engines has finished raises `Ended` with the result so far.
     """
@@ -241,9 +242,13 @@ def _findings(scene: Scene, runs: Mapping[str, Run], refined: Sequence[str], tar
 def _beside(
     scene: Scene, left: Sequence[Engine], target: RunTarget, *, apart: bool
 ) -> Iterator[dict[str, Future[Run]]]:
-    """The runs in three dimensions, each in a process of its own (none unless `apart`), by engine; an interrupt ends them."""
-    beside = [item for item in left if apart and len(left) > 1 and item.capabilities.dimensions == 3]
-    beside = [item for item in beside if item.missing() is None]
+    """The runs in three dimensions, each in a process of its own where that is worth it (none unless `apart`), by engine; an
+    interrupt ends them.
+    """
+    here = left if apart and len(left) > 1 else ()
+    beside = [item for item in here if item.capabilities.dimensions == 3 and item.missing() is None]
+    asked = scene, target.accuracy_rad, target.dt_s
+    beside = [item for item in beside if worth_a_process(item.name, run_s(item.name, *asked, timed=False))]
     with ThreadPoolExecutor(max(len(beside), 1)) as threads:
         waiting = {item.name: threads.submit(_isolated, item.name, scene, target) for item in beside}
         try:

@@ -7,7 +7,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from harness.accuracy.forecast import CERTIFIED_S, START_S, Range, first_settings, moving_s, run_s
+from harness.accuracy.forecast import (
+    CERTIFIED_S,
+    START_S,
+    Range,
+    first_settings,
+    moving_s,
+    run_s,
+    worth_a_process,
+)
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
 from harness.questions.scene.left_out import TAKEN_AWAY
@@ -70,7 +78,8 @@ def check(
             Mistake(where, "output.dt_s", mistake, got, "a longer step, a shorter duration_s, fewer engines")
         )
     runs = {name: run_s(name, scene, accuracy_rad, dt_s) for name in engines}
-    beside = {name for name, dimensions in engines.items() if dimensions == 3 and len(engines) > 1}
+    in_space = {name for name, dimensions in engines.items() if dimensions == 3 and len(engines) > 1}
+    beside = {name for name in in_space if worth_a_process(name, runs[name])}
     apart = [each.and_also(START_S) for name, each in runs.items() if name in beside]
     asked = [
         BUDGET * each.least for name, each in runs.items() if witness and name + PLAIN in plain_names(list(engines))

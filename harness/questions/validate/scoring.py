@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.comparison.statistics import fragility
 from harness.comparison.statistics.distributions import wilson
@@ -23,11 +24,11 @@ from harness.comparison.statistics.outcomes import (
     score_outcomes,
 )
 from harness.comparison.verdict import COVERAGE
-from harness.model.history import Outcome
+from harness.model.history import Array, Outcome
 from harness.questions.study.ensembles import score_sets
 from harness.questions.study.rows import KeyedRow
 from harness.questions.validate import baseline
-from harness.questions.validate.fit import Answers, Choice, fitted
+from harness.questions.validate.fit import Answers, Choice, counted, fitted
 from harness.questions.validate.jobs import Drawn, Model
 from harness.questions.validate.motions import Intensity
 from harness.questions.validate.scenes import Variant, scene_of
@@ -51,6 +52,8 @@ CURVE_POINTS: Final = 60
 """Points of every curve that a page draws."""
 LIKELIER: Final = 0.5
 """From this probability on a fall is the likelier outcome."""
+TOGETHER: Final = 2000
+"""Draws of the outcomes of all tests together, of which the bands of the reliability diagram are quantiles."""
 LEAST_OF_BODY: Final = 5
 """Tests of a body from which its own threshold is learnt: with fewer one odd test moves it to any place."""
 
@@ -110,6 +113,28 @@ class Answered:
             return None if fell is None else float(fell)
         return self.choice.probability(self.drawn(trial))
 
+    def possible(self, trials: Sequence[Trial]) -> NDArray[np.bool_]:
+        """Outcomes of tests together, (`TOGETHER`, tests), each falling as often as its probability says.
+
+        A draw takes one setting of what is not known of a set-up for all its tests; what is known is another in each test. The
+        counts that are added to a test's draws fall or stand by chance.
+        """
+        random = np.random.default_rng(0)
+        found = np.empty((TOGETHER, len(trials)), dtype=np.bool_)
+        settings: dict[tuple[str, str], Array] = {}
+        for column, trial in enumerate(trials):
+            runs, place = self.drawn(trial), random.random(TOGETHER)
+            if trial.unknown:
+                place = settings.setdefault((trial.body, trial.day), place)
+            fell = np.array([run.outcome.fell for run in runs], dtype=np.float64)
+            falls, known = counted(runs)
+            drawn = fell[(place * len(runs)).astype(int)]
+            # Of draws that say nothing, and of the added counts.
+            chance = np.where(np.isnan(drawn), falls / known, 0.5)
+            added = random.random(TOGETHER) < 2.0 * self.choice.counts / (known + 2.0 * self.choice.counts)
+            found[:, column] = np.where(added | np.isnan(drawn), random.random(TOGETHER) < chance, drawn == 1.0)
+        return found
+
 
 def score_model(
     trials: Sequence[Trial], scored: Sequence[Trial], answered: Answered, intensities: Mapping[str, Intensity]
@@ -118,6 +143,7 @@ def score_model(
     cases = {trial.name: case_of(trial, answered.choice.nominal(trial), answered.run(trial)) for trial in scored}
     sure = {trial: chance for trial in scored if (chance := answered.probability(trial)) is not None}
     seen = [trial.fell for trial in sure]
+    possible = answered.possible(list(sure)) if answered.samples else None
     drawn = curves(trials, intensities, lambda trial: answered.run(trial).outcome.fell)
     samples = answered.samples
     return ModelScores(
@@ -126,7 +152,7 @@ def score_model(
         fitted=fitted(trials, answered.choice),
         outcomes=score_outcomes(list(cases.values())),
         by_probability=_of_falls([p >= LIKELIER for p in sure.values()], seen) if samples else None,
-        probability=replace(score_probabilities(list(sure.values()), seen), samples=samples),
+        probability=replace(score_probabilities(list(sure.values()), seen, possible), samples=samples),
         by_intensity=by_intensity(scored, intensities, lambda trial: _right(cases[trial.name])),
         by_body=_by_body(scored, cases, sure if samples else {}),
         fragility_pgv=drawn.fragility_pgv,
@@ -177,8 +203,13 @@ def repeats_of(trials: Sequence[Trial]) -> Repeats | None:
     )  # fmt: skip
 
 
-def score_probabilities(p: Sequence[float], seen: Sequence[bool]) -> ProbabilityScores:
-    """Brier's score and skill, the area under the curve and the reliability diagram of probabilities of falling."""
+def score_probabilities(
+    p: Sequence[float], seen: Sequence[bool], possible: NDArray[np.bool_] | None = None
+) -> ProbabilityScores:
+    """Brier's score and skill, the area under the curve and the reliability diagram of probabilities of falling.
+
+    Its bands are by `possible` outcomes of all tests together (draws, tests), where these are given.
+    """
     if not p:
         return ProbabilityScores(0, None, None)
     skill = brier_skill(p, seen)
@@ -187,7 +218,7 @@ def score_probabilities(p: Sequence[float], seen: Sequence[bool]) -> Probability
         brier(p, seen),
         None if math.isnan(skill) else skill,
         area=area_under_curve(p, seen),
-        reliability=reliability(p, seen),
+        reliability=reliability(p, seen, possible=possible),
     )
 
 

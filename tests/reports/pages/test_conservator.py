@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from analytic import Harmonic
-from analytic.results import LEFT_BY
 from harness.model.scene import Pedestal
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.assess import Assessment
@@ -337,7 +336,7 @@ def test_a_pedestal_that_one_model_lets_tip_is_not_said_to_stay_put(tmp_path: Pa
     still = {each: replace(run, peak_slip_m=0.0) for each, run in runs.items()}
     tips = still | {
         name: replace(
-            still[name], validity={**still[name].validity, "left_domain_s": 0.5, "left_domain_by": LEFT_BY[-1]}
+            still[name], validity={**still[name].validity, "left_domain_s": 0.5, "left_domain_by": "pedestal_tips"}
         )
     }
     put = [

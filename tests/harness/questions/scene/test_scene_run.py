@@ -6,7 +6,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 from threading import Event
-from typing import Never
+from typing import Any, Never
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ import pytest
 from analytic.excitation import Harmonic
 from analytic.machine_code import Entry
 from harness import engines
+from harness.accuracy import forecast
 from harness.accuracy.simulation import RunTarget, check_target, simulate
 from harness.engines.base import Engine, EngineFailure, Settings, own_failures
 from harness.model.errors import InputError
@@ -35,10 +36,20 @@ needs_pybullet = pytest.mark.skipif(
 
 
 @needs_pybullet
-def test_a_process_of_its_own_changes_no_result() -> None:
-    scene = paestum(0.3, 2.0, pedestal=False)
-    alone = run_scene(scene, ["analytic", "pybullet"], dt_s=1e-3)
+def test_a_process_of_its_own_changes_no_result(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, began = paestum(0.3, 2.0, pedestal=False), []
+    isolated = run._isolated
+
+    def beside(name: str, *given: Any) -> Run:
+        began.append(name)
+        return isolated(name, *given)
+
+    monkeypatch.setattr(run, "_isolated", beside)
+    alone = run_scene(scene, ["analytic", "pybullet"], dt_s=1e-3, apart=True)
+    assert began == [], "it takes longer to start than the run"
+    monkeypatch.setattr(forecast, "START_S", 0.0)
     apart = run_scene(scene, ["analytic", "pybullet"], dt_s=1e-3, apart=True)
+    assert began == ["pybullet"]
     for name in ("analytic", "pybullet"):
         a, b = alone.runs[name].history, apart.runs[name].history
         assert a is not None
@@ -87,6 +98,7 @@ def test_an_engine_that_works_on_beside_the_others_is_told(
 
     scene = paestum(0.3, 2.0, pedestal=False)
     monkeypatch.setattr(run, "_isolated", slow)
+    monkeypatch.setattr(forecast, "START_S", 0.0)
     simulate(scene, "analytic")  # the planar model is compiled by now
     monkeypatch.setattr(Entry, "is_stored", stored)
     run_scene(scene, ["analytic", name], dt_s=1e-3, apart=True, on_progress=told)
@@ -197,6 +209,7 @@ def _slow(told: Path) -> None:
 def test_an_interrupt_ends_what_runs_beside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A run in a process of its own that is long, or stopped, is not waited for."""
     monkeypatch.setattr(run, "_isolated", lambda *_: task.call(_slow, (tmp_path / "ended",)))
+    monkeypatch.setattr(forecast, "START_S", 0.0)
 
     def interrupt(text: str) -> None:
         if text.endswith("still"):

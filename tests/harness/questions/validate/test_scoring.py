@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
 import pytest
 
 from harness.comparison.statistics.outcomes import FELL
@@ -190,6 +191,27 @@ def test_probability_counts_the_runs_that_fall_and_failures_do_not_count() -> No
     assert probability([*outcomes[:3], answer(True, outcome=Outcome.UNDECIDED), outcomes[4]], 4) == 2.5 / 3.0
     assert probability([answer(True, outcome=Outcome.CRASHED)], 0) is None
     assert probability([answer(True)], 0) == 1.0
+
+
+def test_tests_of_one_set_up_fall_together_where_its_inputs_are_not_known() -> None:
+    """Two bodies whose tests fall at one of two frictions, and a test of which all is known, which falls in half of its draws."""
+    trials = [trial(f"{body}{k}", True, body=body, friction=(0.2, 0.4)) for body in "ab" for k in range(3)]
+    trials += [trial(f"c{k}", True, body="c") for k in range(2)]
+    model, choice, samples = parse_model("analytic"), Choice(counts=0.5), 10
+    answers: dict[tuple[str, Variant], CaseRun] = {}
+    for each in trials:
+        for one in choice.draws(each, samples):
+            fell = one.inputs.friction == 0.4 if each.unknown else one.sample % 2 == 0
+            answers[each.name, one] = answer(fell, outcome=Outcome.CRASHED) if one.sample == 7 else answer(fell)
+    answered = Answered(model, choice, answers, samples)
+    possible = answered.possible(trials)
+    said = [answered.probability(each) for each in trials]
+    assert possible.mean(axis=0) == pytest.approx(np.array(said), abs=4.0 * 0.5 / math.sqrt(len(possible)))
+    correlation = np.corrcoef(possible.T)
+    assert correlation[:3, :3].min() > 0.6  # of ten draws one says nothing, and one count is added
+    assert correlation[3:6, 3:6].min() > 0.6
+    assert np.abs(correlation[:3, 3:]).max() < 0.1
+    assert abs(correlation[6, 7]) < 0.1
 
 
 def test_repeats_that_disagree_are_a_ceiling() -> None:
