@@ -135,6 +135,21 @@ def _follow(task: Task) -> int:
         x, z, _ = corner(task, facet, 1 if pivot == facet + 1 else -1)
         if not _sticks(task, j, energy, max(abs(x), abs(series.pivot_x[0])), min(z, series.pivot_z[0]), radius):
             return UNKNOWN
+        if x * series.pivot_x[0] >= 0.0 and z > series.pivot_z[0]:  # it rises towards a facet that it may not reach
+            margin = energy / (m * g * z) - 1.0
+            if abs(margin) < NEAR_TIE:
+                return UNKNOWN
+            if margin < 0.0:
+                xv, zv = vertex(task, pivot)
+                turned = side * math.atan2(xv, zv) - math.acos(min(max(energy / (m * g * radius), -1.0), 1.0))
+                note_peak(task, side * turned, task.state.time_s)
+                side = -side
+                facet = pivot if side > 0 else pivot - 1
+                if not 0 <= facet < last:
+                    return UNKNOWN
+                x, z, _ = corner(task, facet, 1 if pivot == facet + 1 else -1)
+                if not _sticks(task, j, energy, max(abs(x), abs(series.pivot_x[0])), min(z, series.pivot_z[0]), radius):
+                    return UNKNOWN
         if x * series.pivot_x[0] < 0.0:  # the centroid must pass over the corner first
             margin = energy / (m * g * radius) - 1.0
             task.results.outcome_margin = min(task.results.outcome_margin, abs(margin))

@@ -5,7 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analytic import Excitation, Harmonic, Pulse, Record, Rest, Solution, simulate
+from analytic import (
+    AnalyticInputError,
+    Block,
+    Excitation,
+    Harmonic,
+    Outcome,
+    Pedestal,
+    Pulse,
+    Record,
+    Rest,
+    Solution,
+    simulate,
+)
 from tests.analytic.paestum import GRAVITY, PEDESTAL, STATUE
 from tests.budgets_analytic import SKIP_RAD
 
@@ -114,3 +126,43 @@ def test_the_start_and_later_rests_are_skipped_each_by_its_own_switch() -> None:
     assert max(start[0], rest[0]) < none[0]
     assert none[1] == 0
     assert both[2] == start[2] == rest[2] == none[2]
+
+
+def worn(random: np.random.Generator) -> Block | None:
+    """A body with a convex base of three to seven vertices, half of them with a level facet; None where the draw is none."""
+    half_m, height_m, count = random.uniform(0.05, 0.3), random.uniform(0.4, 1.5), int(random.integers(3, 8))
+    x = np.sort(random.uniform(-half_m, half_m, count))
+    slopes = random.uniform(-0.3, 0.3, count - 1)
+    slopes[0] *= random.random() < 0.5
+    slopes = np.sort(slopes)
+    if np.diff(x).min() < 0.003 or np.diff(slopes).min() < 0.002:
+        return None
+    z = np.concatenate([[0.0], np.cumsum(slopes * np.diff(x))])
+    profile = tuple(zip(x.tolist(), (z - z.min()).tolist(), strict=True))
+    try:
+        return Block(100.0, height_m, 33.0 * height_m**2 * random.uniform(0.8, 1.2), profile)
+    except AnalyticInputError:  # no base under the centroid
+        return None
+
+
+@pytest.mark.parametrize("pedestal", [False, True])
+def test_energy_decides_on_worn_bases_as_integration_does(pedestal: bool) -> None:
+    """Also where the motion is too weak to reach the facet towards which it goes: it turns back, and gains nothing."""
+    random, below = (
+        np.random.default_rng(12),
+        {"pedestal": Pedestal(200.0, 1.0, 0.3), "floor_static": 0.8} if pedestal else {},
+    )
+    decided = 0
+    for _ in range(600):
+        block = worn(random)
+        small = random.choice([-1.0, 1.0]) * 10.0 ** random.uniform(-12.0, -1.0)
+        rate = random.uniform(-0.6, 0.6) * 10.0 ** random.uniform(-3.0, 0.0) * (random.random() < 0.6)
+        if block is None:
+            continue
+        start = {"theta0_rad": float(small), "theta_rate0_rad_s": float(rate), "duration_s": 60.0, "dt_s": None} | below
+        by_energy, integrated = (simulate(block, Rest(), skip_energy=skip, **start) for skip in (True, False))
+        decided += by_energy.work.ended_by_energy
+        if integrated.outcome is not Outcome.UNDECIDED:  # still rocking at the end
+            assert by_energy.outcome is integrated.outcome
+            assert by_energy.peak_theta_rad == pytest.approx(integrated.peak_theta_rad, rel=1e-6, abs=1e-7)
+    assert decided > 150
