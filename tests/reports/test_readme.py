@@ -39,7 +39,7 @@ def commands() -> list[str]:
 def shortened(line: str) -> list[str]:
     """The words of a command as it is run here."""
     words = shlex.split(line)[1:]
-    if words[0] in ("run", "trust") and "--explain" not in words:
+    if words[0] in ("run", "trust", "assess") and "--explain" not in words:
         words += ["--set", "duration_s=0.5"]
     if "--samples" in words:
         words[words.index("--samples") + 1] = "1"
