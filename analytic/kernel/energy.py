@@ -17,6 +17,7 @@ from analytic.kernel.joint_state import corner
 from analytic.kernel.memory import load_double
 from analytic.kernel.records import Task
 from analytic.kernel.track import note_peak
+from analytic.kernel.validity import leave
 
 UNKNOWN: Final = 0
 """Energy alone does not decide here."""
@@ -70,11 +71,17 @@ def _wall_ahead(task: Task, pivot: int, side: int, theta: float) -> float:
 
 
 @jit
-def _ahead(task: Task, pivot: int, side: int, theta: float, energy: float) -> tuple[int, float]:
-    """Outcome of moving to a side where no facet lies ahead, UNKNOWN with angle 0 to turn back, 1 to integrate.
+def _note_ahead(task: Task, side: int, lean: float) -> None:
+    """A lean to that side that will be reached, from now on: when it will be is not computed."""
+    params = task.params
+    note_peak(task, side * lean, task.state.time_s)
+    if params.keep_validity and lean > (params.base_right_rad if side > 0 else params.base_left_rad):
+        leave(task, task.state.time_s, codes.BY_LEAN)
 
-    A rotation that will be reached is noted at this time: when it will be is not computed.
-    """
+
+@jit
+def _ahead(task: Task, pivot: int, side: int, theta: float, energy: float) -> tuple[int, float]:
+    """Outcome of moving to a side where no facet lies ahead, UNKNOWN with angle 0 to turn back, 1 to integrate."""
     params = task.params
     x, z = vertex(task, pivot)
     weight = params.mass_kg * params.gravity_m_s2 * math.sqrt(x * x + z * z)
@@ -87,12 +94,12 @@ def _ahead(task: Task, pivot: int, side: int, theta: float, energy: float) -> tu
         if abs(margin) < NEAR_TIE:
             return UNKNOWN, 1.0
         if margin < 0.0:
-            note_peak(task, side * (balance - math.acos(max(energy / weight, -1.0))), task.state.time_s)
+            _note_ahead(task, side, balance - math.acos(max(energy / weight, -1.0)))
             return UNKNOWN, 0.0
     if wall < params.overturn_rad:
-        note_peak(task, side * wall, task.state.time_s)
+        _note_ahead(task, side, wall)
         return codes.TOUCHES_WALL, 0.0
-    note_peak(task, side * params.overturn_rad, task.state.time_s)
+    _note_ahead(task, side, params.overturn_rad)
     return (codes.OVERTURNED_RIGHT if side > 0 else codes.OVERTURNED_LEFT), 0.0
 
 
@@ -142,7 +149,7 @@ def _follow(task: Task) -> int:
             if margin < 0.0:
                 xv, zv = vertex(task, pivot)
                 turned = side * math.atan2(xv, zv) - math.acos(min(max(energy / (m * g * radius), -1.0), 1.0))
-                note_peak(task, side * turned, task.state.time_s)
+                _note_ahead(task, side, turned)
                 side = -side
                 facet = pivot if side > 0 else pivot - 1
                 if not 0 <= facet < last:
@@ -161,7 +168,7 @@ def _follow(task: Task) -> int:
         landed = load_double(task.base.facets, facet)
         wall = _wall_ahead(task, pivot, side, theta)
         if wall < side * landed:
-            note_peak(task, side * wall, task.state.time_s)
+            _note_ahead(task, side, wall)
             return codes.TOUCHES_WALL
         speed = side * math.sqrt(max(2.0 * (energy - m * g * z) / j, 0.0))
         pivot, omega, held = _landing(task, pivot, facet, speed)

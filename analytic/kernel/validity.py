@@ -19,7 +19,7 @@ HALVINGS: Final = 30
 
 
 @jit
-def _left(task: Task, time: float, by: int) -> None:
+def leave(task: Task, time: float, by: int) -> None:
     """The run leaves the model's domain, if it has not left it before."""
     if math.isnan(task.results.left_domain_s):
         task.results.left_domain_s, task.results.left_domain_by = time, by
@@ -34,9 +34,9 @@ def _note(task: Task, time: float, h_force: float, v: float, n: float, contact: 
     if v > 0.0:
         results.pivot_friction = max(results.pivot_friction, abs(h_force) / v)
         if abs(h_force) > params.statue_friction * v:
-            _left(task, time, BY_PIVOT_SLIP)
+            leave(task, time, BY_PIVOT_SLIP)
     else:
-        _left(task, time, BY_LOST_CONTACT)
+        leave(task, time, BY_LOST_CONTACT)
     if params.has_pedestal and n > 0.0:
         height = params.pedestal_height_m
         # x_r = (x_c V − H_p H − m₁ z₁ A)/N with z₁ = H_p/2: where the floor's force acts, from the pedestal's centre
@@ -44,7 +44,7 @@ def _note(task: Task, time: float, h_force: float, v: float, n: float, contact: 
         margin = 0.5 * params.pedestal_width_m - abs(moment / n)
         results.tipping_margin_m = min(results.tipping_margin_m, margin)
         if margin < 0.0:
-            _left(task, time, BY_TIPPING)
+            leave(task, time, BY_TIPPING)
 
 
 @jit
@@ -101,7 +101,7 @@ def _note_at(task: Task, n: int, at: float) -> None:
         _note(task, time, horizontal, v, normal, contact, accel)
         theta = value(series.theta, n, at)
         if theta > task.params.base_right_rad or -theta > task.params.base_left_rad:
-            _left(task, time, BY_LEAN)
+            leave(task, time, BY_LEAN)
 
 
 @jit
@@ -112,7 +112,7 @@ def note_impact(task: Task, pivot: int, horizontal: float, vertical: float, rate
     results, params = task.results, task.params
     results.pivot_friction_at_impact = max(results.pivot_friction_at_impact, abs(horizontal) / vertical)
     if abs(horizontal) > params.statue_friction * vertical:
-        _left(task, task.state.time_s, BY_PIVOT_SLIP)
+        leave(task, task.state.time_s, BY_PIVOT_SLIP)
     if params.has_pedestal:
         height, contact = params.pedestal_height_m, load_double(task.base.x, pivot) - params.pedestal_centre_m
         # the same with impulses
@@ -120,4 +120,4 @@ def note_impact(task: Task, pivot: int, horizontal: float, vertical: float, rate
         margin = 0.5 * params.pedestal_width_m - abs(moment / vertical)
         results.tipping_margin_at_impact_m = min(results.tipping_margin_at_impact_m, margin)
         if margin < 0.0:
-            _left(task, task.state.time_s, BY_TIPPING)
+            leave(task, task.state.time_s, BY_TIPPING)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analytic import AnalyticInputError, Block, Harmonic, Rest, ensemble, simulate
+from analytic import AnalyticInputError, Block, Harmonic, Outcome, Pulse, Rest, ensemble, simulate
 from tests.analytic.paestum import GRAVITY, STATUE
 from tests.budgets_analytic import CHORD_RAD, ENERGY_RISE_REL, EVENT_REL, SAMPLED_S
 
@@ -154,3 +154,19 @@ def test_where_something_else_than_the_base_comes_down_the_domain_is_left(mirror
 def test_a_base_that_ends_upright_is_refused() -> None:
     with pytest.raises(AnalyticInputError, match="base_ends_rad"):
         replace(STATUE, base_ends_rad=(0.1, 0.0))
+
+
+def test_a_fall_that_energy_tells_leaves_the_base_too() -> None:
+    """The blow ends long before the statue is down: an outcome alone is told from its energy, at that time."""
+    block, blow = replace(STATUE, base_ends_rad=(math.inf, 0.05)), Pulse("one_sine", 0.5 * GRAVITY, 0.3)
+    whole = simulate(block, blow, duration_s=20.0)
+    alone = simulate(block, blow, duration_s=20.0, dt_s=None)
+    bare = simulate(STATUE, blow, duration_s=20.0, dt_s=None)
+    assert whole.outcome is alone.outcome is bare.outcome is Outcome.OVERTURNED_RIGHT
+    assert alone.work.ended_by_energy
+    assert whole.validity is not None
+    assert alone.validity is not None
+    assert bare.validity is not None
+    assert whole.validity.left_domain_by == alone.validity.left_domain_by == "beyond_base"
+    assert alone.validity.left_domain_s == alone.end_s
+    assert bare.validity.left_domain_by != "beyond_base"
