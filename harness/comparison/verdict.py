@@ -99,6 +99,8 @@ def _decide(a: Side, b: Side, facts: Facts, flips: bool) -> tuple[Verdict, Side 
             return Verdict.DOMAIN, first
         return (_beyond(a, b, facts.end_s) if facts.until_s < facts.end_s else Verdict.AGREE), None
     if facts.exceeded_s <= min(left_s, facts.until_s):
+        if (a.uncertainty_rad is None) != (b.uncertainty_rad is None):
+            return Verdict.UNBOUNDED, None  # the difference may be the error that is not stated
         return (Verdict.PLANE if _not_given(a, b) else Verdict.MODEL), None
     return (Verdict.DOMAIN, first) if left_s <= facts.until_s else (_beyond(a, b, facts.exceeded_s), None)
 
@@ -147,9 +149,12 @@ def _findings(verdict: Verdict, evidence: Evidence, a: Side, b: Side) -> list[Fi
         "static": [side.name for side in (a, b) if side.floor_impact == "static"],
     }
     said = CODES[verdict]
-    if verdict is Verdict.MODEL and len(unstated) == 2:
+    known_s = math.inf if evidence.horizon_s is None else evidence.horizon_s
+    parted = evidence.exceeded_s is not None and evidence.exceeded_s <= known_s
+    if unstated and parted and verdict in (Verdict.MODEL, Verdict.UNBOUNDED):
         said = caution("pair_differs_unstated")
-    if verdict is Verdict.UNBOUNDED:
+        values["unstated"] = unstated
+    elif verdict is Verdict.UNBOUNDED:
         values["unbounded"] = [side.name for side in (a, b) if side.reliable_until_s == evidence.horizon_s]
     if verdict is Verdict.DOMAIN:
         values |= {"left_s": evidence.left_domain_s, "by": evidence.left_domain_by, "left": evidence.left_domain}

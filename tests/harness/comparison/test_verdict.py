@@ -197,6 +197,16 @@ def test_a_verdict_says_in_what_two_answers_differ() -> None:
     assert turned.findings[0].values["limit_rad"] == pytest.approx(COVERAGE * 2.0 * U_RAD)
 
 
+def test_a_difference_that_may_be_an_error_that_is_not_stated_is_no_model_s() -> None:
+    history, moved = doubles.rocking(slip_m=0.0), doubles.raised(doubles.rocking(slip_m=0.0), 0.01)
+    bare = replace(certain(moved, "b"), numerical_uncertainty_rad=None, slip_uncertainty_m=None, reliable_until_s=None)
+    one = compare(certain(history, "a"), bare)
+    assert one.verdict is Verdict.UNBOUNDED
+    assert one.findings[0].code == "pair_differs_unstated"
+    assert one.findings[0].values["unstated"] == ["b"]
+    assert compare(certain(history, "a"), replace(bare, history=history)).verdict is Verdict.AGREE
+
+
 def test_a_verdict_says_which_engine_takes_the_static_coefficient_at_impacts() -> None:
     history = doubles.rocking()
     plain, model = certain(history, "pymunk:plain", settings={"floor_impact": "static"}), certain(history, "analytic")
