@@ -37,6 +37,10 @@ LEAST_STEPS: Final = 5000
 LEAST_ROTATION_RAD: Final = 1e-9
 """A rotation below this is rest to the eye that finds half-cycles in a history: far above rounding."""
 VERIFICATION_STEP_S: Final = 0.005
+BELOW_M: Final = 1e-6
+"""What is no foot and further below the floor than this, has come down: far above the rounding of places."""
+SAMPLES: Final = 4096
+"""Samples looked at together for that: some 20 MB of a scan's outer vertices."""
 
 
 @dataclass(frozen=True)
@@ -234,6 +238,24 @@ def _findings(certified: Certified, unfinished: Sequence[tuple[float, Solution]]
     return found
 
 
+def beyond_base_s(scene: Scene, solution: Solution) -> float | None:
+    """When a part of a scan that is no foot is first below the floor, s; None where none is. All of a thrown body touches."""
+    solid = scene.statue.solid
+    if solid is None or scene.initial.pose is not None:
+        return None
+    from scipy.spatial import ConvexHull
+
+    points = scene.statue.outer_points_m
+    outer = points[ConvexHull(points).vertices]
+    for begin in range(0, solution.t_s.size, SAMPLES):
+        part = slice(begin, begin + SAMPLES)
+        lowest = solution.position_m[part, 2] + (solution.rotation[part, 2, :] @ outer.T).min(axis=1)
+        below = np.flatnonzero(lowest < -BELOW_M)
+        if below.size:
+            return float(solution.t_s[begin + int(below[0])])
+    return None
+
+
 def outcome_of(solution: Solution, reduced: Outcome) -> Outcome:
     """The run's outcome; one that was given up, or that found no mode, has none."""
     if solution.outcome.value == "friction_paradox":
@@ -276,6 +298,11 @@ def _run(
         findings=_findings(certified, unfinished),
     )
     run = reduce_trajectory(scene, trajectory_of(scene, solution), report)
+    left_s = beyond_base_s(scene, solution)
+    if left_s is not None and left_s < (math.inf if run.no_return_time_s is None else run.no_return_time_s):
+        left = {"left_domain_s": left_s, "left_domain_by": "beyond_base"}
+        told = changes_answer("left_domain", at_s=left_s, by="beyond_base")
+        run = replace(run, validity={**run.validity, **left}, findings=(*run.findings, told))
     return replace(
         run,
         outcome=outcome_of(solution, run.outcome),

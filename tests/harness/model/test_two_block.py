@@ -76,6 +76,20 @@ def test_a_part_beyond_the_base_ends_the_model_s_domain_and_is_told(scene_file: 
     assert result.scores["analytic_vs_pymunk"].verdict is Verdict.DOMAIN
 
 
+def test_the_exact_body_leaves_its_domain_there_too(scene_file: Path) -> None:
+    told = [f"motion.x.amplitude_g={each}" for each in (0.25, 0.12)]
+    rocking, still = (run_scene(load_scene(scene_file, [each]), ["spatial"]).runs["spatial"] for each in told)
+    assert rocking.validity["left_domain_by"] == "beyond_base"
+    assert "left_domain" in doubles.codes(rocking.findings)
+    left_s = rocking.validity["left_domain_s"]
+    assert isinstance(left_s, float)
+    assert rocking.history is not None
+    assert abs(float(rocking.history.at(left_s))) == pytest.approx(LEAN_RAD, abs=2e-3)
+    assert "left_domain_s" not in still.validity
+    wider = load_scene(scene_file, [told[0], f"statue.mesh.contact_tolerance_m={PROPOSED_M}"])
+    assert "left_domain_s" not in run_scene(wider, ["spatial"]).runs["spatial"].validity
+
+
 def test_with_the_tolerance_that_is_proposed_it_is_part_of_the_base(scene_file: Path) -> None:
     scene = load_scene(scene_file, [f"statue.mesh.contact_tolerance_m={PROPOSED_M}"])
     assert block_of(scene).base_ends_rad == (math.inf, math.inf)
