@@ -52,7 +52,7 @@ CURVE_POINTS: Final = 60
 """Points of every curve that a page draws."""
 LIKELIER: Final = 0.5
 """From this probability on a fall is the likelier outcome."""
-TOGETHER: Final = 2000
+JOINT_DRAWS: Final = 2000
 """Draws of the outcomes of all tests together, of which the bands of the reliability diagram are quantiles."""
 LEAST_OF_BODY: Final = 5
 """Tests of a body from which its own threshold is learnt: with fewer one odd test moves it to any place."""
@@ -114,16 +114,16 @@ class Answered:
         return self.choice.probability(self.drawn(trial))
 
     def possible(self, trials: Sequence[Trial]) -> NDArray[np.bool_]:
-        """Outcomes of tests together, (`TOGETHER`, tests), each falling as often as its probability says.
+        """Outcomes of tests together, (`JOINT_DRAWS`, tests), each falling as often as its probability says.
 
         A draw takes one setting of what is not known of a set-up for all its tests; what is known is another in each test. The
         counts that are added to a test's draws fall or stand by chance.
         """
         random = np.random.default_rng(0)
-        found = np.empty((TOGETHER, len(trials)), dtype=np.bool_)
+        found = np.empty((JOINT_DRAWS, len(trials)), dtype=np.bool_)
         settings: dict[tuple[str, str], Array] = {}
         for column, trial in enumerate(trials):
-            runs, place = self.drawn(trial), random.random(TOGETHER)
+            runs, place = self.drawn(trial), random.random(JOINT_DRAWS)
             if trial.unknown:
                 place = settings.setdefault((trial.body, trial.day), place)
             fell = np.array([run.outcome.fell for run in runs], dtype=np.float64)
@@ -131,8 +131,8 @@ class Answered:
             drawn = fell[(place * len(runs)).astype(int)]
             # Of draws that say nothing, and of the added counts.
             chance = np.where(np.isnan(drawn), falls / known, 0.5)
-            added = random.random(TOGETHER) < 2.0 * self.choice.counts / (known + 2.0 * self.choice.counts)
-            found[:, column] = np.where(added | np.isnan(drawn), random.random(TOGETHER) < chance, drawn == 1.0)
+            added = random.random(JOINT_DRAWS) < 2.0 * self.choice.counts / (known + 2.0 * self.choice.counts)
+            found[:, column] = np.where(added | np.isnan(drawn), random.random(JOINT_DRAWS) < chance, drawn == 1.0)
         return found
 
 
