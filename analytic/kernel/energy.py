@@ -142,21 +142,19 @@ def _follow(task: Task) -> int:
         x, z, _ = corner(task, facet, 1 if pivot == facet + 1 else -1)
         if not _sticks(task, j, energy, max(abs(x), abs(series.pivot_x[0])), min(z, series.pivot_z[0]), radius):
             return UNKNOWN
+        wall = _wall_ahead(task, pivot, side, theta)
         if x * series.pivot_x[0] >= 0.0 and z > series.pivot_z[0]:  # it rises towards a facet that it may not reach
             margin = energy / (m * g * z) - 1.0
             if abs(margin) < NEAR_TIE:
                 return UNKNOWN
             if margin < 0.0:
                 xv, zv = vertex(task, pivot)
-                turned = side * math.atan2(xv, zv) - math.acos(min(max(energy / (m * g * radius), -1.0), 1.0))
-                _note_ahead(task, side, turned)
-                side = -side
-                facet = pivot if side > 0 else pivot - 1
-                if not 0 <= facet < last:
-                    return UNKNOWN
-                x, z, _ = corner(task, facet, 1 if pivot == facet + 1 else -1)
-                if not _sticks(task, j, energy, max(abs(x), abs(series.pivot_x[0])), min(z, series.pivot_z[0]), radius):
-                    return UNKNOWN
+                turned = side * math.atan2(xv, zv) - math.acos(energy / (m * g * radius))
+                _note_ahead(task, side, min(turned, wall))
+                if wall < turned:
+                    return codes.TOUCHES_WALL
+                omega = -omega  # it turns back, and comes by here the other way
+                continue
         if x * series.pivot_x[0] < 0.0:  # the centroid must pass over the corner first
             margin = energy / (m * g * radius) - 1.0
             task.results.outcome_margin = min(task.results.outcome_margin, abs(margin))
@@ -165,9 +163,7 @@ def _follow(task: Task) -> int:
             if margin < 0.0:
                 beyond = pivot == last if side < 0 else pivot == 0
                 return _ahead(task, pivot, -side, theta, energy)[0] if beyond else UNKNOWN
-        landed = load_double(task.base.facets, facet)
-        wall = _wall_ahead(task, pivot, side, theta)
-        if wall < side * landed:
+        if wall < side * load_double(task.base.facets, facet):
             _note_ahead(task, side, wall)
             return codes.TOUCHES_WALL
         speed = side * math.sqrt(max(2.0 * (energy - m * g * z) / j, 0.0))

@@ -162,11 +162,11 @@ def resolve(
 
 def _beyond_base(scene: Scene) -> list[Finding]:
     """What of a scan comes down before its balance and does not count as its base."""
-    if scene.statue.solid is None:
+    if scene.statue.solid is None or min((block := block_of(scene)).base_ends_rad) == math.inf:
         return []
-    block, found = block_of(scene), []
+    found = []
     for side, name in ((-1, "left"), (1, "right")):
-        end, balance_rad = base_end(scene, block, side), block.alpha_rad(side)
+        end, balance_rad = base_end(scene.statue, scene.pedestal, block, side), block.alpha_rad(side)
         if end.lean_rad < math.inf:
             tolerance_m = math.ceil(end.height_m / TOLERANCE_STEP_M) * TOLERANCE_STEP_M
             values = {"height_m": end.height_m, "lean_rad": end.lean_rad, "balance_rad": balance_rad}

@@ -10,23 +10,32 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from harness.model.scene import OVERTURN_RAD, Scene, Statue
+from harness.model.scene import Pedestal as Support
 
 if TYPE_CHECKING:
     from analytic import Block, CommonKeywords, Form, Pedestal, Wall
 
 
 _BLOCKS: Final[WeakKeyDictionary[Statue, Block]] = WeakKeyDictionary()
-"""The blocks of statues that are in use: many runs of one statue need one."""
+"""The blocks of statues that are in use, as on a floor: many runs of one statue need one."""
 SAME_M: Final = 1e-9
 """A vertex of the silhouette no further out than this is the base's own."""
 
 
 def block_of(scene: Scene) -> Block:
     """The scene's statue in its rocking plane: the base profile of its mesh, two corners without one, and where that ends."""
-    if (found := _BLOCKS.get(scene.statue)) is None:
-        found = _BLOCKS[scene.statue] = _block_of(scene.statue)
-    left, right = (base_end(scene, found, side).lean_rad for side in (-1, 1))
-    return found if min(left, right) == math.inf else replace(found, base_ends_rad=(left, right))
+    statue = scene.statue
+    if (found := _BLOCKS.get(statue)) is None:
+        found = _block_of(statue)
+        found = _BLOCKS[statue] = _with_ends(found, statue, None)
+    if scene.pedestal is None or min(found.base_ends_rad) == math.inf:
+        return found
+    return _with_ends(found, statue, scene.pedestal)
+
+
+def _with_ends(block: Block, statue: Statue, support: Support | None) -> Block:
+    left, right = (base_end(statue, support, block, side).lean_rad for side in (-1, 1))
+    return replace(block, base_ends_rad=(left, right))
 
 
 class BaseEnd(NamedTuple):
@@ -36,16 +45,16 @@ class BaseEnd(NamedTuple):
     height_m: float = math.nan
 
 
-def base_end(scene: Scene, block: Block, side: int) -> BaseEnd:
+def base_end(statue: Statue, support: Support | None, block: Block, side: int) -> BaseEnd:
     """What comes down first as the statue leans to that side (1 right, −1 left) on the outer vertex of its base; infinite where
-    nothing does before its balance. Beside a pedestal's top nothing comes down.
+    nothing does before its balance. Beside the top of the pedestal that is its support, if any, nothing comes down.
     """
     outer_m, height_m = block.profile_m[-1 if side > 0 else 0]
-    x, z = scene.statue.section_m.T
+    x, z = statue.section_m.T
     beyond = side * (x - outer_m) > SAME_M
-    if scene.pedestal is not None:
-        centre_m = scene.statue.base_centre_m + scene.pedestal.offset_m
-        beyond &= side * (x - centre_m) <= 0.5 * scene.pedestal.width_m
+    if support is not None:
+        centre_m = statue.base_centre_m + support.offset_m
+        beyond &= side * (x - centre_m) <= 0.5 * support.width_m
     leans = np.where(beyond, np.arctan2(z - height_m, side * (x - outer_m)), math.inf)
     first = int(np.argmin(leans))
     return BaseEnd(float(leans[first]), float(z[first])) if leans[first] < block.alpha_rad(side) else BaseEnd()

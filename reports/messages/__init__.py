@@ -211,6 +211,7 @@ FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
     "pairs": lambda say, value: say.listed(f"{say.word(name)}: {say.word(each)}" for name, each in value.items()),
     "rate": lambda say, value: "{:.0f}\u00a0% ({:.0f}–{:.0f}\u00a0%)".format(*(100.0 * each for each in value)),
     "settings": _settings,
+    "side": lambda say, value: say(f"side.{value}"),
     "speeds": lambda say, value: f"{say.range([*map(say.digits, value)])}\u00a0m/s",
 }
 """How a value is written, by the word after its colon."""

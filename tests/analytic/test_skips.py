@@ -16,6 +16,7 @@ from analytic import (
     Record,
     Rest,
     Solution,
+    Wall,
     simulate,
 )
 from tests.analytic.paestum import GRAVITY, PEDESTAL, STATUE
@@ -145,12 +146,12 @@ def worn(random: np.random.Generator) -> Block | None:
         return None
 
 
-@pytest.mark.parametrize("pedestal", [False, True])
-def test_energy_decides_on_worn_bases_as_integration_does(pedestal: bool) -> None:
+@pytest.mark.parametrize("beside", ["", "pedestal", "wall"])
+def test_energy_decides_on_worn_bases_as_integration_does(beside: str) -> None:
     """Also where the motion is too weak to reach the facet towards which it goes: it turns back, and gains nothing."""
     random, below = (
         np.random.default_rng(12),
-        {"pedestal": Pedestal(200.0, 1.0, 0.3), "floor_static": 0.8} if pedestal else {},
+        {"pedestal": Pedestal(200.0, 1.0, 0.3), "floor_static": 0.8} if beside == "pedestal" else {},
     )
     decided = 0
     for _ in range(600):
@@ -160,6 +161,10 @@ def test_energy_decides_on_worn_bases_as_integration_does(pedestal: bool) -> Non
         if block is None:
             continue
         start = {"theta0_rad": float(small), "theta_rate0_rad_s": float(rate), "duration_s": 60.0, "dt_s": None} | below
+        if beside == "wall":  # as near as the lean at the start leaves room, and a little more
+            top_m, corner_m = 2.0 * block.centroid_height_m, block.profile_m[-1][0]
+            outline = (*block.profile_m, (corner_m, top_m), (-corner_m, top_m))
+            start["wall"] = Wall("right", abs(float(small)) * top_m + random.uniform(0.005, 0.05), outline)
         by_energy, integrated = (simulate(block, Rest(), skip_energy=skip, **start) for skip in (True, False))
         decided += by_energy.work.ended_by_energy
         if integrated.outcome is not Outcome.UNDECIDED:  # still rocking at the end

@@ -167,8 +167,7 @@ def reliability(
                 low, high = _band(p[inside], confidence)
             else:
                 tails = 0.5 * (1.0 - confidence), 0.5 * (1.0 + confidence)
-                shares = np.sort(possible[:, inside].mean(axis=1))
-                low, high = np.quantile(shares, tails, method="inverted_cdf").tolist()
+                low, high = np.quantile(possible[:, inside].mean(axis=1), tails, method="inverted_cdf").tolist()
             mean = float(p[inside].mean())
             bins.append(ReliabilityBin(edges[k], edges[k + 1], int(inside.sum()), mean, share, low, high))
     return bins

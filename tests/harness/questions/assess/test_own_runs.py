@@ -50,7 +50,7 @@ def test_the_thousand_runs_are_the_engines_of_now() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["pymunk", pytest.param("pybullet", marks=pytest.mark.measures)])
+@pytest.mark.parametrize("name", ENGINES)
 def test_an_assessment_s_interval_holds_the_thousand_runs(name: str) -> None:
     """As `rockcheck assess` makes it, with draws of its own; the thousand runs err by 1.5 % themselves, which is left out."""
     ready(name)
