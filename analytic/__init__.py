@@ -61,25 +61,19 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from analytic.block import Block, Form, Friction, Pedestal, Wall
-    from analytic.certainty import Certified, certify
-    from analytic.errors import AnalyticInputError
+    from analytic.block import AnalyticInputError, Block, Form, Friction, Pedestal, Wall
     from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest, SampledAcceleration, ZeroExcitation
     from analytic.problem import CommonKeywords, Keywords, Options, Problem
-    from analytic.results import Solution
-    from analytic.solution import Event, EventKind, Interval, Outcome, Validity
-    from analytic.solver import simulate, solve
+    from analytic.solution import Event, EventKind, Interval, Outcome, Solution, Validity
+    from analytic.solver import Certified, certify, simulate, solve
     from analytic.sweep import Ensemble, ensemble
 
 _NAMES: Final = {
-    "analytic.block": "Block Form Friction Pedestal Wall",
-    "analytic.certainty": "Certified certify",
-    "analytic.errors": "AnalyticInputError",
+    "analytic.block": "AnalyticInputError Block Form Friction Pedestal Wall",
     "analytic.excitation": "Excitation Harmonic Pulse Record Rest SampledAcceleration ZeroExcitation",
     "analytic.problem": "CommonKeywords Keywords Options Problem",
-    "analytic.results": "Solution",
-    "analytic.solution": "Event EventKind Interval Outcome Validity",
-    "analytic.solver": "simulate solve",
+    "analytic.solution": "Event EventKind Interval Outcome Solution Validity",
+    "analytic.solver": "Certified certify simulate solve",
     "analytic.sweep": "Ensemble ensemble",
 }
 """The public names by their modules."""

@@ -11,8 +11,40 @@ from typing import Final, Literal, Self, final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.constants import GRAVITY_M_S2
-from analytic.errors import AnalyticInputError
+# Numbers that every model of one scene must share; defined here once, for those outside this package too.
+
+
+GRAVITY_M_S2: Final = 9.81
+"""Where a scene names no other: standard gravity to three digits."""
+OVERTURN_RAD: Final = 1.5
+"""|θ| at which a statue counts as overturned: well beyond every balance point, and below the π/2 of a block that lies flat, which
+a contact engine misses by the depth to which its contacts sink in."""
+
+
+# The one exception that a user's wrong numbers raise.
+
+
+@final
+class AnalyticInputError(ValueError):
+    """Raised for numbers that no run can use; the sentence says what was wanted, what came and what to do."""
+
+
+# Rotation matrices of quaternions, in a module of its own that does not start the compiler.
+
+
+Floats = NDArray[np.float64]
+
+
+def rotation_matrices(quaternion_wxyz: Floats) -> Floats:
+    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4)."""
+    w, x, y, z = quaternion_wxyz.T
+    rows = [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), -1, 0)
+
 
 FLAT_RAD: Final = 1e-12
 """A facet flatter than this lies level: what is left is rounding of the vertices' heights."""

@@ -23,9 +23,7 @@ import math
 from dataclasses import dataclass
 from typing import final
 
-from analytic.block import positive
-from analytic.constants import GRAVITY_M_S2
-from analytic.errors import AnalyticInputError
+from analytic.block import GRAVITY_M_S2, AnalyticInputError, positive
 
 
 def _tilt(theta0_rad: float, alpha_rad: float) -> None:

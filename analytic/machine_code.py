@@ -25,7 +25,20 @@ from typing import Final, final
 import llvmlite
 import llvmlite.binding as llvm
 
-from analytic.compiling import say
+# Who hears that code is being compiled, which takes half a minute once after an upgrade.
+
+
+OnCompile = Callable[[int, int], None]
+"""Called as functions are compiled: how many are begun and how many there are, at the end as many as there are."""
+listeners: Final[list[OnCompile]] = []
+"""Called whenever code has to be compiled: whoever wants to hear of it adds itself, and takes itself away."""
+
+
+def say(done: int, total: int) -> None:
+    """Call them all."""
+    for each in listeners:
+        each(done, total)
+
 
 # Where compiled code is kept: one folder for each state of the sources, the newest two of them. The
 # compiler's own cache notices a change of a function's file, not one of a file that it calls into: so the

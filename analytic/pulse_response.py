@@ -25,7 +25,7 @@ from typing import Final, Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.errors import AnalyticInputError
+from analytic.block import AnalyticInputError
 
 __all__ = ["PulseResponse", "minimum_overturning_spectrum", "overturning_ranges", "pulse_response"]
 

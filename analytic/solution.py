@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import final
+from functools import cached_property
+from typing import Any, Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.kernel.records import EVENT_ROW, Counts, Floats, Params, Records, Results, State
 
 
 class Outcome(StrEnum):
@@ -142,3 +149,197 @@ class Doubts:
     worst_residual: float
     outcome_margin: float | None
     gave_up: bool
+
+
+# The solution that the kernel's records say.
+
+
+LEFT_BY: Final = ("", "statue_slides", "contact_lost", "pedestal_tips", "beyond_base")
+"""What each of the kernel's codes for a limit passed says: statue on its support, statue or pedestal in flight, pedestal, a lean
+beyond the statue's base."""
+PATTERNS: Final = ("rest", "sliding", "rocking", "both")
+NO_HISTORY: Final[NDArray[np.float64]] = np.zeros((5, 0))
+NO_EVENTS: Final[Records] = np.zeros(0, EVENT_ROW)
+NO_TIMES: Final[NDArray[np.float64]] = np.zeros(0)
+
+
+def _optional(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _event(given: tuple[Any, ...]) -> Event:
+    """The event of a row of the kernel's table, whose fields are in the same order."""
+    time_s, kind, pivot, *rest = given
+    return Event(time_s, KINDS[kind], pivot if pivot >= 0 else None, *rest)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """One run: outcome, history on the grid 0, dt, 2dt, ... and at the last instant (arrays of equal length, empty in an
+    outcome-only run), events, motion patterns, validity.
+
+    overturn_time_s is the instant of the overturning limit and no_return_time_s the last outward crossing of the balance
+    point before it; both None where they did not happen or where energy decided before them.
+    """
+
+    outcome: Outcome
+    end_s: float
+    t_s: Floats
+    theta_rad: Floats
+    theta_rate_rad_s: Floats
+    slip_m: Floats
+    slip_rate_m_s: Floats
+    peak_theta_rad: float
+    peak_signed_rad: float
+    peak_time_s: float
+    peak_slip_m: float
+    final_slip_m: float
+    overturn_time_s: float | None
+    no_return_time_s: float | None
+    energy_lost_j: float
+    energy_gained_j: float
+    params: Params = field(repr=False)
+    results: Results = field(repr=False)
+    counts: Counts = field(repr=False)
+    event_rows: Records = field(repr=False)
+    """The kernel's own records, made into what is asked of them when it is first asked."""
+
+    @cached_property
+    def events(self) -> tuple[Event, ...]:
+        """Every event, from the start to the end."""
+        return tuple(_event(each) for each in self.event_rows.tolist())
+
+    @cached_property
+    def validity(self) -> Validity | None:
+        """How far the run stayed inside the model, None where that was not kept."""
+        r, on_pedestal = self.results, self.params.has_pedestal
+        if not self.params.keep_validity:
+            return None
+        return Validity(
+            pivot_friction_needed=r.pivot_friction,
+            pivot_friction_needed_at_impact=r.pivot_friction_at_impact,
+            least_pivot_force_n=r.least_pivot_normal_n,
+            least_floor_force_n=r.least_floor_normal_n,
+            pedestal_tipping_margin_m=_optional(r.tipping_margin_m) if on_pedestal else None,
+            pedestal_tipping_margin_at_impact_m=_optional(r.tipping_margin_at_impact_m) if on_pedestal else None,
+            left_domain_s=_optional(r.left_domain_s),
+            left_domain_by=LEFT_BY[r.left_domain_by],
+        )
+
+    @property
+    def work(self) -> Work:
+        """What the run cost and what it left out."""
+        c = self.counts
+        return Work(
+            steps=c.steps,
+            taylor_coefficients=c.coefficients,
+            events=c.events,
+            impacts=c.impacts,
+            quiet_samples_skipped=c.quiet_samples,
+            skipped_s=self.results.skipped_s,
+            ended_by_energy=c.energy_endings > 0,
+        )
+
+    @cached_property
+    def doubts(self) -> Doubts:
+        """What may make the run's numbers unsafe."""
+        r, c = self.results, self.counts
+        return Doubts(
+            ambiguous_states=c.ties,
+            near_tangent_steps=c.tangents,
+            dropped_rebounds=c.dropped_rebounds,
+            worst_residual=r.event_residual,
+            outcome_margin=_optional(r.outcome_margin),
+            gave_up=c.given_up > 0,
+        )
+
+    def of_kind(self, kind: EventKind) -> tuple[Event, ...]:
+        """The events of one kind."""
+        return tuple(event for event in self.events if event.kind is kind)
+
+    @property
+    def impacts(self) -> tuple[Event, ...]:
+        """The impacts."""
+        return self.of_kind(EventKind.IMPACT)
+
+    @property
+    def _impact_rows(self) -> Records:
+        return np.asarray(self.event_rows[self.event_rows["kind"] == KINDS.index(EventKind.IMPACT)])
+
+    @property
+    def impact_times_s(self) -> Floats:
+        """Times of the impacts, s."""
+        return np.asarray(self._impact_rows["time_s"])
+
+    @property
+    def impact_ratios(self) -> Floats:
+        """Angular velocity after each impact over that before it; 0 where there was none."""
+        rows = self._impact_rows
+        before, after = rows["theta_rate_before_rad_s"], rows["theta_rate_after_rad_s"]
+        return np.asarray(np.divide(after, before, out=np.zeros(before.size), where=before != 0.0))
+
+    @property
+    def ambiguous_times_s(self) -> Floats:
+        """Times of the events after which several states of motion were possible, s."""
+        return np.asarray(self.event_rows["time_s"][self.event_rows["feasible_states"] > 1])
+
+    @property
+    def uplift_times_s(self) -> Floats:
+        """Times at which the statue left its rest, s."""
+        rows = self.event_rows
+        if not rows.size:
+            return NO_TIMES
+        rocks = rows["pivot"] >= 0
+        # A start at an angle is no uplift.
+        rested = np.concatenate([rows["theta_rad"][:1] == 0.0, ~rocks[:-1]])
+        return np.asarray(rows["time_s"][rocks & rested])
+
+    @property
+    def patterns(self) -> tuple[Interval, ...]:
+        """The motion patterns one after another, neighbours of the same pattern joined."""
+        if not self.event_rows.size:
+            return ()
+        time_s, lasts = self.event_rows["time_s"], np.diff(self.event_rows["time_s"]) > 0.0
+        kinds = 2 * (self.event_rows["pivot"] >= 0) + (self.event_rows["slide"] != 0)
+        begin = np.flatnonzero(lasts)
+        begin = begin[np.diff(kinds[begin], prepend=-1) != 0]
+        ends = [*time_s[begin[1:]].tolist(), *time_s[-1:].tolist()]
+        patterns = [PATTERNS[kind] for kind in kinds[begin].tolist()]
+        return tuple(map(Interval, time_s[begin].tolist(), ends, patterns))
+
+
+def solution_of(
+    params: Params,
+    state: State,
+    results: Results,
+    counts: Counts,
+    history: NDArray[np.float64] = NO_HISTORY,
+    events: Records = NO_EVENTS,
+) -> Solution:
+    """The solution that the kernel's records say; without a history (5, n) and events (m,) that of the outcome alone."""
+    t, theta, theta_rate, slip, slip_rate = history
+    outcome = OUTCOMES[state.outcome]
+    overturned = outcome in (Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT)
+    return Solution(
+        outcome=outcome,
+        end_s=state.time_s,
+        t_s=t,
+        theta_rad=theta,
+        theta_rate_rad_s=theta_rate,
+        slip_m=slip,
+        slip_rate_m_s=slip_rate,
+        peak_theta_rad=abs(results.peak_theta_rad),
+        peak_signed_rad=results.peak_theta_rad,
+        peak_time_s=results.peak_time_s,
+        peak_slip_m=results.peak_slip_m,
+        final_slip_m=state.slip_m,
+        overturn_time_s=_optional(results.overturn_time_s),
+        no_return_time_s=_optional(results.no_return_time_s) if overturned else None,
+        energy_lost_j=results.energy_lost_j,
+        energy_gained_j=results.energy_gained_j,
+        params=params,
+        results=results,
+        counts=counts,
+        event_rows=events,
+    )

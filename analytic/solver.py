@@ -4,22 +4,41 @@ from __future__ import annotations
 
 import ctypes
 import math
-from typing import Final, Literal, NamedTuple, TypeVar
+from dataclasses import dataclass
+from typing import Any, Final, Literal, NamedTuple, TypeVar, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.block import Block, Form, Pedestal, Wall
-from analytic.constants import GRAVITY_M_S2, OVERTURN_RAD
-from analytic.encode import encode, encode_base, encode_motion
-from analytic.excitation import Excitation, ZeroExcitation
-from analytic.kernel.layout import EVENT_ROW, TASK, packing
-from analytic.kernel.records import Base, Counts, MotionParams, Output, Params, Records, Results, State
+from analytic.block import GRAVITY_M_S2, OVERTURN_RAD, Block, Form, Pedestal, Wall
+from analytic.excitation import Excitation, Floats, ZeroExcitation
+from analytic.kernel.records import (
+    EVENT_ROW,
+    TASK,
+    Base,
+    Counts,
+    MotionParams,
+    Output,
+    Params,
+    Records,
+    Results,
+    State,
+    packing,
+)
 from analytic.machine_code import Entry
-from analytic.problem import CONSISTENT, DEFAULT_OPTIONS, Options, Problem
-from analytic.results import NO_EVENTS, Solution, solution_of
+from analytic.problem import (
+    CONSISTENT,
+    DEFAULT_OPTIONS,
+    CommonKeywords,
+    Options,
+    Problem,
+    encode,
+    encode_base,
+    encode_motion,
+)
+from analytic.solution import NO_EVENTS, Outcome, Solution, solution_of
 
-run: Final = Entry("analytic.kernel.entries", "run")
+run: Final = Entry("analytic.kernel.integrator", "run")
 Record = TypeVar("Record", State, Results, Counts, Output)
 ALONE: Final = (0, 0, 0, 0, 0, 1, 0, 0, 0)
 """Arguments after a task that is run as it stands."""
@@ -180,3 +199,169 @@ def simulate(
         validity=validity,
     )
     return solve(problem, options)
+
+
+# How sure a run is of its own numbers: the same run again with finer steps, and what made it doubtful.
+
+
+BASE_ACCURACY_RAD: Final = 1e-12
+"""Accuracy of the run that is given back; its local error is 1e-15 rad."""
+SECOND_RUN_SHARE: Final = 1e-2
+"""The second run asks for this share of the accuracy, hence for another order and other steps."""
+CAP: Final = 0.7
+"""The third run's steps are at most half of this, in time constants 1/p: below the free steps of every order used."""
+SAFETY: Final = 3.0
+"""The stated uncertainty is this many times the largest difference between the runs."""
+PARTED: Final = 1e-3
+"""Two runs whose losses of energy at impacts differ by more than this share took different paths: where rotations stay within
+1e-4 rad of each other they differ by less."""
+ROUNDING: Final = 2.0**-52
+"""Relative rounding of one operation."""
+ROUNDED: Final = 4.0
+"""Roundings that a step adds to the state, as if all pointed one way: of the first terms of its series, and"""
+ROUNDED_ONCE: Final = 64.0
+"""those of what is computed once: angles of the corners, inertias, the motion's own constants."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Certified:
+    """A solution with the uncertainties of its rotation, rad, and slip, m, valid up to reliable_until_s.
+
+    outcomes are those of all its runs, sorted: more than one says that the outcome changes with the integrator's steps.
+    """
+
+    solution: Solution
+    uncertainty_rad: float
+    slip_uncertainty_m: float
+    reliable_until_s: float
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def outcome_is_sure(self) -> bool:
+        """Whether all runs ended in the same way."""
+        return len(self.outcomes) == 1
+
+
+def certify(
+    block: Block,
+    motion_x: Excitation,
+    motion_z: Excitation | None = None,
+    *,
+    duration_s: float,
+    pedestal: Pedestal | None = None,
+    floor_static: float = 0.0,
+    floor_kinetic: float = 0.0,
+    floor_impact: float | Literal["kinetic", "static"] = "kinetic",
+    statue_friction: float = math.inf,
+    form: Form | None = None,
+    theta0_rad: float = 0.0,
+    theta_rate0_rad_s: float = 0.0,
+    gravity_m_s2: float = GRAVITY_M_S2,
+    wall: Wall | None = None,
+    overturn_rad: float = OVERTURN_RAD,
+    accuracy_rad: float = 1e-9,
+    base_accuracy_rad: float = BASE_ACCURACY_RAD,
+    step_cap_s: float = math.inf,
+    dt_s: float | None = DEFAULT_OPTIONS.dt_s,
+    skip_start: bool = True,
+    skip_rest: bool = True,
+    skip_energy: bool = True,
+    events: bool = True,
+    validity: bool = True,
+) -> Certified:
+    """Run the model three times (finer local error, shorter steps) and say how far the numbers hold.
+
+    accuracy_rad: error up to which the history counts as reliable; base_accuracy_rad, step_cap_s: of the run that is given back;
+    the others are those of ``simulate``. Without a history (dt_s None) no list of events is kept and one further run, with
+    the finer error and the shorter steps together, is the check; where the two lose other energy, the peak is reliable up to its
+    own time only; the slip's uncertainty is then that of its peak over the whole run.
+    Raises AnalyticInputError as ``simulate`` does.
+    """
+    motion_z = motion_z if motion_z is not None else ZeroExcitation()
+    base = min(accuracy_rad, base_accuracy_rad)
+    cap = min(step_cap_s, longest_step_s(block, gravity_m_s2))
+    scene: CommonKeywords = {
+        "duration_s": duration_s,
+        "pedestal": pedestal,
+        "floor_static": floor_static,
+        "floor_kinetic": floor_kinetic,
+        "floor_impact": floor_impact,
+        "statue_friction": statue_friction,
+        "form": form,
+        "theta0_rad": theta0_rad,
+        "theta_rate0_rad_s": theta_rate0_rad_s,
+        "gravity_m_s2": gravity_m_s2,
+        "wall": wall,
+        "overturn_rad": overturn_rad,
+        "dt_s": dt_s,
+        "skip_start": skip_start,
+        "skip_rest": skip_rest,
+        "skip_energy": skip_energy,
+        "events": events,
+        "validity": validity,
+    }
+    quick = scene | {"events": False, "validity": False}
+    checks: tuple[tuple[float, float], ...] = ((base * SECOND_RUN_SHARE, step_cap_s), (base, 0.5 * cap))
+    if dt_s is None:
+        scene, checks = {**scene, "events": False}, ((base * SECOND_RUN_SHARE, 0.5 * cap),)
+    first = simulate(block, motion_x, motion_z, accuracy_rad=base, step_cap_s=step_cap_s, **scene)
+    quick = quick | {"gravity_m_s2": gravity_m_s2 * (1.0 + rounding(first.work.steps))}
+    others = tuple(
+        simulate(block, motion_x, motion_z, accuracy_rad=finer, step_cap_s=shorter, **quick)
+        for finer, shorter in checks
+    )
+    # An error of the slip moves the centroid by itself, one of the rotation by the height times it: so neither counts for more.
+    return certified(first, others, (accuracy_rad, accuracy_rad * block.centroid_height_m))
+
+
+def longest_step_s(block: Block, gravity_m_s2: float) -> float:
+    """Twice the longest step of the runs with short steps, s."""
+    return CAP / max(block.p_rad_s(1, gravity_m_s2), block.p_rad_s(-1, gravity_m_s2))
+
+
+def rounding(steps: Any) -> Any:
+    """Share by which the checks' gravity differs: what so many steps may have rounded.
+
+    What all runs share shows in no difference between them.
+    """
+    return ROUNDING * (ROUNDED * steps + ROUNDED_ONCE)
+
+
+def certified(first: Solution, others: tuple[Solution, ...], accuracy: tuple[float, float]) -> Certified:
+    """What the differences between the runs say; `accuracy` of rotation, rad, and slip, m, up to which they count as reliable."""
+    uncertainty, slip, until = _spread(first, others, accuracy)
+    return Certified(first, uncertainty, slip, until, tuple(sorted({each.outcome for each in (first, *others)})))
+
+
+def _spread(first: Solution, others: tuple[Solution, ...], accuracy: tuple[float, float]) -> tuple[float, float, float]:
+    """Uncertainties of rotation, rad, and slip, m, and the time until which they hold, s; `accuracy` is asked of the two."""
+    if first.t_s.size == 0:
+        turned = SAFETY * max(abs(other.peak_theta_rad - first.peak_theta_rad) for other in others)
+        slid = SAFETY * max(abs(other.peak_slip_m - first.peak_slip_m) for other in others)
+        until = min(s.peak_time_s for s in (first, *others)) if _parted(first, others) else first.end_s
+        return turned, slid, (until if turned <= accuracy[0] else 0.0)
+    size = min(solution.t_s.size for solution in (first, *others)) - 1
+    turned, slid = (
+        np.abs(np.stack([getattr(other, name)[:size] for other in others]) - getattr(first, name)[:size])
+        for name in ("theta_rad", "slip_m")
+    )
+    return within(first.t_s, min(s.end_s for s in (first, *others)), (turned, slid), accuracy)
+
+
+def within(
+    t_s: Floats, end_s: float, differences: tuple[Floats, Floats], accuracy: tuple[float, float]
+) -> tuple[float, float, float]:
+    """Largest of two differences (runs, n) of runs from the first, with its safety, while both are within the accuracy asked of
+    them, and until when that is: their end, where they never leave it."""
+    a, b = (SAFETY * each.max(axis=0) for each in differences)
+    bad = np.flatnonzero((a > accuracy[0]) | (b > accuracy[1]))
+    reliable = int(bad[0]) if bad.size else a.size
+    until = float(t_s[max(reliable - 1, 0)]) if bad.size else end_s
+    return float(a[:reliable].max(initial=0.0)), float(b[:reliable].max(initial=0.0)), until
+
+
+def _parted(first: Solution, others: tuple[Solution, ...]) -> bool:
+    """Whether runs without a history took different paths, of which an equal peak before they parted tells nothing."""
+    most = max(solution.energy_lost_j for solution in (first, *others))
+    return any(abs(other.energy_lost_j - first.energy_lost_j) > PARTED * most for other in others)

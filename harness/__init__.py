@@ -24,12 +24,11 @@ if TYPE_CHECKING:
     from harness.comparison.comparator import compare
     from harness.comparison.history_files import compare_files
     from harness.input.history_file import read_history
-    from harness.input.mesh_file import Mesh, read_mesh
+    from harness.input.mesh_statue import Mesh, read_mesh
     from harness.input.scene_file import load_scene, scene
     from harness.model.errors import InputError, Mistake
     from harness.model.history import History, Outcome
-    from harness.model.options import RunOptions
-    from harness.model.run import Run
+    from harness.model.run import Run, RunOptions
     from harness.model.run_set import RunSet
     from harness.model.scene import Scene
     from harness.questions.assess.assessment import assess
@@ -47,12 +46,11 @@ _NAMES: Final = {
     "harness.comparison.comparator": "compare",
     "harness.comparison.history_files": "compare_files",
     "harness.input.history_file": "read_history",
-    "harness.input.mesh_file": "Mesh read_mesh",
+    "harness.input.mesh_statue": "Mesh read_mesh",
     "harness.input.scene_file": "load_scene scene",
     "harness.model.errors": "InputError Mistake",
     "harness.model.history": "History Outcome",
-    "harness.model.options": "RunOptions",
-    "harness.model.run": "Run",
+    "harness.model.run": "Run RunOptions",
     "harness.model.scene": "Scene",
     "harness.questions.assess.assessment": "assess",
     "harness.records.kinds": "read_result",

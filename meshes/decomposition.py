@@ -19,9 +19,8 @@ from numpy.typing import NDArray
 
 from meshes import array_cache, coacd_alone
 from meshes.collision import thinned
-from meshes.decimation import simplified
-from meshes.errors import MeshError
-from meshes.mesh import Array, RawMesh, manifold
+from meshes.mesh import Array, MeshError, RawMesh, manifold
+from meshes.prepare import simplified
 from meshes.solid import Solid
 
 COARSE_FACES: Final = 3000

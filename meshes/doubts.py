@@ -6,14 +6,12 @@ from typing import Final
 
 import numpy as np
 
-from meshes.attached import Floor, attached_floor
-from meshes.beside import attached_beside
-from meshes.errors import Doubt, MeshError
-from meshes.mesh import Array, Faces, RawMesh
+from meshes.beside import Floor, attached_beside, attached_floor
+from meshes.mesh import Array, Doubt, Faces, MeshError, RawMesh
 from meshes.orientation import up_doubted
+from meshes.processing_log import parts
 from meshes.self_intersection import crossings, pinched, wrongly_sided
 from meshes.solid import mass_properties
-from meshes.topology import parts
 
 MOST_PINCHED: Final = 0.05
 """Share of the area beyond a pinch from which it is a second body; slivers that a Boolean union leaves have 0.2 %."""

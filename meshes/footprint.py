@@ -13,8 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshes.errors import MeshError
-from meshes.mesh import Array
+from meshes.mesh import Array, MeshError
 
 STRAIGHT_RAD: Final = 4e-12
 """Turns that rounding makes of a straight side: two facets that the model takes as level differ by less than half of it."""

@@ -13,12 +13,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.errors import MeshError
-from meshes.mesh import Array, Faces, RawMesh, weld
+from meshes.mesh import Array, Faces, MeshError, RawMesh, weld
 from meshes.orientation import turn_axis
-from meshes.polygon_files import read_obj, read_ply
+from meshes.processing_log import EdgeCount, parts
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, mass_properties, solid_from_mesh, turn_about_z
-from meshes.topology import EdgeCount, parts
 
 # What a glTF file says of itself: a kilobyte may ask for gigabytes of zeros, or for one mesh ten thousand
 # times; how it is packed.
@@ -162,6 +160,8 @@ def _triangles(file: Path) -> tuple[Array, Faces]:
     suffix = file.suffix.lower()
     try:
         if suffix in (".ply", ".obj"):
+            from meshes.polygon_files import read_obj, read_ply  # else not loaded
+
             vertices, faces = (read_ply if suffix == ".ply" else read_obj)(file.read_bytes())
         else:
             vertices, faces = _by_trimesh(file)

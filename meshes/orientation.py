@@ -11,10 +11,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.errors import Doubt, MeshError
-from meshes.mesh import Array, RawMesh, double_areas
-from meshes.processing_log import measure
-from meshes.topology import rims
+from meshes.mesh import Array, Doubt, MeshError, RawMesh, double_areas
+from meshes.processing_log import measure, rims
 
 BASE_RIM_SHARE: Final = 0.02
 """A rim counts as the open base of a scan from this share of the largest face of the bounding box."""

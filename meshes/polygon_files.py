@@ -11,8 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.errors import MeshError
-from meshes.mesh import Array, Faces
+from meshes.mesh import Array, Faces, MeshError
 
 CHUNK: Final = 100_000
 """Vertices held as text in one go."""

@@ -8,11 +8,143 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from meshes.errors import Doubt
-from meshes.mesh import RawMesh
+from meshes.mesh import Doubt, Faces, RawMesh
 from meshes.solid import MassProperties
-from meshes.topology import rims
+
+# How the triangles of a mesh hang together: edges, parts, rims of holes, orientation.
+
+
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Edges:
+    """Undirected edges of a mesh: the half-edges sorted so that those of one edge are neighbours.
+
+    `start` and `end` (3m,) are the half-edges' vertices, `face` (3m,) their faces, `first` (e,) the first half-edge of each edge
+    and `faces_at` (e,) how many faces meet there.
+    """
+
+    start: Indices
+    end: Indices
+    face: Indices
+    first: Indices
+    faces_at: Indices
+
+    @classmethod
+    def of(cls, faces: Faces) -> Edges:
+        """The edges of `faces` (m, 3)."""
+        start = faces.ravel()
+        end = np.roll(faces, -1, axis=1).ravel()
+        key = np.minimum(start, end) * (int(faces.max(initial=0)) + 1) + np.maximum(start, end)
+        order = np.argsort(key, kind="stable")
+        first = np.flatnonzero(np.r_[True, np.diff(key[order]) != 0])
+        return cls(start[order], end[order], order // 3, first, np.diff(np.r_[first, len(order)]))
+
+
+@dataclass(frozen=True)
+class EdgeCount:
+    """How many edges of a triangle mesh keep it from bounding a volume."""
+
+    boundary: int
+    branching: int
+    misoriented: int
+
+    @property
+    def closed(self) -> bool:
+        """Whether every edge has two faces that pass it in opposite directions."""
+        return self.boundary == 0 and self.branching == 0 and self.misoriented == 0
+
+    @classmethod
+    def of(cls, faces: Faces) -> EdgeCount:
+        """Counted over the undirected edges of `faces` (m, 3)."""
+        edges = Edges.of(faces)
+        pairs = edges.first[edges.faces_at == 2]
+        same_way = edges.start[pairs] == edges.start[pairs + 1]
+        return cls(int((edges.faces_at == 1).sum()), int((edges.faces_at > 2).sum()), int(same_way.sum()))
+
+
+def parts(faces: Faces) -> Indices:
+    """Number (m,) of the part that each face belongs to, parts joined through common vertices, part 0 the one of face
+    0."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    count = int(faces.max(initial=-1)) + 1
+    ends = np.vstack([faces[:, :2], faces[:, 1:]])
+    graph = coo_array((np.ones(len(ends), dtype=np.int8), (ends[:, 0], ends[:, 1])), shape=(count, count))
+    labels = connected_components(graph, directed=False)[1][faces[:, 0]]
+    _, first, number = np.unique(labels, return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(first))[number].astype(np.int64)
+
+
+def rims(faces: Faces) -> list[Indices]:
+    """The rims of all holes: vertices in order along the half-edges of the faces beside the hole, longest first.
+
+    Where two holes share a vertex the walk is cut there, so that no rim passes a vertex twice.
+    """
+    edges = Edges.of(faces)
+    alone = edges.first[edges.faces_at == 1]
+    following: dict[int, list[int]] = {}
+    for a, b in zip(edges.start[alone].tolist(), edges.end[alone].tolist(), strict=True):
+        following.setdefault(a, []).append(b)
+    loops: list[Indices] = []
+    while following:
+        walk = [next(iter(following))]
+        place = {walk[0]: 0}
+        while True:
+            ways = following.get(walk[-1])
+            if not ways:
+                break  # an open chain (inconsistent winding): left to the caller's edge count
+            step = ways.pop()
+            if not ways:
+                del following[walk[-1]]
+            if step in place:
+                ring = walk[place[step] :]
+                loops.append(np.array(ring, dtype=np.int64))
+                for vertex in ring[1:]:
+                    del place[vertex]
+                walk = walk[: place[step] + 1]
+                if len(walk) == 1 and step not in following:
+                    break
+                continue
+            place[step] = len(walk)
+            walk.append(step)
+    return sorted((ring for ring in loops if len(ring) > 2), key=len, reverse=True)
+
+
+def wound_alike(faces: Faces) -> tuple[Faces, int]:
+    """The faces turned so that neighbours agree, and how many were turned; the larger share of each part keeps its
+    sense."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import breadth_first_order, connected_components
+
+    edges = Edges.of(faces)
+    pair = edges.first[edges.faces_at == 2]
+    left, right = edges.face[pair], edges.face[pair + 1]
+    opposed = edges.start[pair] == edges.start[pair + 1]
+    weight = np.where(opposed, 2, 1).astype(np.int8)
+    graph = coo_array(
+        (np.r_[weight, weight], (np.r_[left, right], np.r_[right, left])), shape=(len(faces),) * 2
+    ).tocsr()
+    count, label = connected_components(graph, directed=False)
+    turned = np.zeros(len(faces), dtype=bool)
+    seeds = np.unique(label, return_index=True)[1]
+    for part in range(count):
+        order, before = breadth_first_order(graph, int(seeds[part]), directed=False)
+        if len(order) < 2:
+            continue
+        through = np.asarray(graph[before[order[1:]], order[1:]]).ravel() == 2
+        for face, parent, flip in zip(order[1:].tolist(), before[order[1:]].tolist(), through.tolist(), strict=True):
+            turned[face] = turned[parent] ^ flip
+        if 2 * int(turned[order].sum()) > len(order):
+            turned[order] = ~turned[order]
+    result = faces.copy()
+    result[turned] = result[turned][:, ::-1]
+    return result, int(turned.sum())
+
 
 CHUNK = 200_000
 """Faces whose moments are summed in one go."""

@@ -5,15 +5,168 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.errors import MeshError
-from meshes.hollow import OUTSIDE_REL
-from meshes.mesh import RawMesh, double_areas, drop_unused, manifold, unique_rows
-from meshes.processing_log import Change, change, measure
-from meshes.topology import EdgeCount, Edges, parts, wound_alike
+from meshes.mesh import Array, Faces, MeshError, RawMesh, double_areas, drop_unused, manifold, unique_rows
+from meshes.orientation import area_vector
+from meshes.outline import fit_outline
+from meshes.processing_log import Change, EdgeCount, Edges, Indices, change, measure, parts, rims, wound_alike
+from meshes.solid import CONTACT_TOLERANCE_M
+from meshes.survey import OUTSIDE_REL
+
+# Holes closed: the open base of a scan by a plane under its rim, every other hole by triangles over its
+# own rim.
+
+
+BASE_LEVEL = 0.25
+"""The open base lies within this share of the height from the lowest point."""
+BASE_AREA = 0.05
+"""The open base covers at least this share of the plan of the bounding box (a bust overhangs its foot)."""
+BASE_FACING = 0.8
+"""The open base faces down: cosine of the angle between its normal and down."""
+
+CLEAR_OF_CONTACT = 1.05
+"""Vertices lifted off a fitted base stand this many contact tolerances above it: clear of it also after a last scaling."""
+
+
+@dataclass(frozen=True, eq=False)
+class BaseClosed:
+    """What closing the base did.
+
+    Vertices of the rim, its raggedness in z, its noise, how far fitting moved the outline of the new base, and how many scanned
+    vertices below the base plane were lifted to it, at most by how much.
+    """
+
+    mesh: RawMesh
+    rim: int
+    ragged_m: float
+    noise_m: float
+    fitted_m: float
+    lifted: int
+    lifted_m: float
+
+
+def base_rim(mesh: RawMesh) -> Indices | None:
+    """The rim of the open base of a body with z up, or None."""
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    best, best_area = None, BASE_AREA * float(np.prod((high - low)[:2]))
+    for rim in rims(mesh.faces):
+        points = mesh.vertices[rim]
+        vector = area_vector(points[::-1])
+        area = float(np.linalg.norm(vector))
+        near = points[:, 2].mean() - low[2] < BASE_LEVEL * (high[2] - low[2])
+        if near and area > best_area and -vector[2] > BASE_FACING * area:
+            best, best_area = rim, area
+    return best
+
+
+def close_base(mesh: RawMesh, rim: Indices) -> BaseClosed:
+    """The body let down from its ragged rim, straight, to the base plane, and closed there.
+
+    The base plane passes through the rim's lowest points less what the scan's own noise puts below it; the outline on that plane
+    is fitted to the rim (meshes/outline.py). Only scanned vertices below the base plane are moved, up to it, and in a noisy scan
+    to just above the contact tolerance, so that the fitted outline and not the widest noise is what touches.
+    """
+    points = mesh.vertices[rim]
+    outline = fit_outline(points[:, :2])
+    floor = _base_level(mesh.vertices[:, 2], points[:, 2], outline.noise_m)
+    below = np.column_stack([outline.points_m, np.full(len(rim), floor)])
+    new = len(mesh.vertices) + np.arange(len(rim))
+    ahead, new_ahead = np.roll(rim, -1), np.roll(new, -1)
+    skirt = np.vstack([np.column_stack([ahead, rim, new]), np.column_stack([ahead, new, new_ahead])])
+    cap = new[::-1][triangulated(below[::-1], np.array([0.0, 0.0, -1.0]))]
+    clear = floor + (CLEAR_OF_CONTACT * CONTACT_TOLERANCE_M if outline.noise_m > 0.0 else 0.0)
+    lifted = np.maximum(mesh.vertices, [-np.inf, -np.inf, clear])
+    low = mesh.vertices[:, 2] < clear
+    closed = RawMesh(np.vstack([lifted, below]), np.vstack([mesh.faces, skirt, cap]), mesh.source)
+    return BaseClosed(
+        mesh=closed,
+        rim=len(rim),
+        ragged_m=float(np.ptp(points[:, 2])),
+        noise_m=outline.noise_m,
+        fitted_m=float(np.linalg.norm(outline.points_m - points[:, :2], axis=1).max()),
+        lifted=int(low.sum()),
+        lifted_m=float(clear - mesh.vertices[:, 2].min()),
+    )
+
+
+def _base_level(z: Array, rim_z: Array, noise_m: float) -> float:
+    """Height of the base plane: the lowest point, raised by the depth that the lowest of n points has from noise alone.
+
+    n counts the rim's points within four standard deviations of its lowest; the lowest of n normal deviations lies about Φ⁻¹(1 -
+    1/n) of them below zero. Never above a body that is lower than its rim by more than that.
+    """
+    lowest = float(z.min())
+    count = int((rim_z < rim_z.min() + 4.0 * noise_m).sum())
+    if noise_m == 0.0 or count < 2:
+        return lowest
+    return lowest + noise_m * NormalDist().inv_cdf(1.0 - 1.0 / count)
+
+
+def triangulated(polygon: Array, normal: Array) -> Faces:
+    """Triangles (n - 2, 3) over a closed polygon (n, 3), seen flat along `normal`, in the polygon's own sense."""
+    from manifold3d import triangulate
+
+    normal = normal / np.linalg.norm(normal)
+    helper = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    right = np.cross(helper, normal)
+    right /= np.linalg.norm(right)
+    flat = np.column_stack([polygon @ right, polygon @ np.cross(normal, right)])
+    return np.asarray(triangulate([flat]), dtype=np.int64).reshape(-1, 3)
+
+
+@dataclass(frozen=True)
+class HolesClosed:
+    """What closing the other holes did: their number, and the widest in metres."""
+
+    mesh: RawMesh
+    holes: int
+    widest_m: float
+
+
+def close_pinches(mesh: RawMesh) -> RawMesh:
+    """Every hole closed by a fan to a new vertex in its middle: two rims side by side then share no new edge."""
+    vertices, faces = [mesh.vertices], [mesh.faces]
+    for number, rim in enumerate(rims(mesh.faces)):
+        vertices.append(mesh.vertices[rim].mean(axis=0)[None, :])
+        hub = np.full(len(rim), len(mesh.vertices) + number)
+        faces.append(np.column_stack([np.roll(rim, -1), rim, hub]))
+    return RawMesh(np.vstack(vertices), np.vstack(faces), mesh.source)
+
+
+def close_holes(mesh: RawMesh, widest_allowed_m: float) -> HolesClosed:
+    """Every hole closed over its own rim, without new vertices if that can be; raises MeshError for a hole wider than allowed."""
+    added, widest = [], 0.0
+    holes = rims(mesh.faces)
+    for rim in holes:
+        points = mesh.vertices[rim]
+        width = float(np.linalg.norm(np.ptp(points, axis=0)))
+        if width > widest_allowed_m:
+            middle = ", ".join(f"{value:.3g}" for value in points.mean(axis=0))
+            raise MeshError(
+                f"holes no wider than {widest_allowed_m:.3g} m",
+                f"one of {width:.3g} m around ({middle}) with {len(rim)} edges",
+                "too much would be invented: scan that part again, or close it in MeshLab (Filters,"
+                " Remeshing, Close Holes) or Blender (Fill, then sculpt)",
+                place=mesh.source,
+            )
+        widest = max(widest, width)
+        around = rim[::-1]
+        vector = area_vector(mesh.vertices[around])
+        if np.linalg.norm(vector) == 0.0:
+            fan = np.arange(1, len(rim) - 1)
+            added.append(around[np.column_stack([np.zeros_like(fan), fan, fan + 1])])
+        else:
+            added.append(around[triangulated(mesh.vertices[around], vector)])
+    closed = RawMesh(mesh.vertices, np.vstack([mesh.faces, *added]), mesh.source)
+    if added and EdgeCount.of(closed.faces).branching > EdgeCount.of(mesh.faces).branching:
+        closed = close_pinches(mesh)  # a new edge lay on an old one beside the hole
+    return HolesClosed(closed, len(holes), widest)
+
 
 Repaired = tuple[RawMesh, Change | None]
 Part = tuple[NDArray[np.float64], NDArray[np.int64]]

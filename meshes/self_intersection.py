@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.errors import Doubt
-from meshes.mesh import Array, Faces, double_areas
-from meshes.topology import Edges, parts
+from meshes.mesh import Array, Doubt, Faces, double_areas
+from meshes.processing_log import Edges, parts
 
 PAIRS = 2_000_000
 """Pairs of faces looked at in one go, about: 200 MB."""

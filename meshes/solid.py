@@ -14,8 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from meshes import footprint as base
-from meshes.errors import MeshError
-from meshes.mesh import Array, Faces
+from meshes.mesh import Array, Faces, MeshError
 
 CONTACT_TOLERANCE_M = 1e-3
 """How far above the base plane a vertex still counts as touching: the flatness that a good photogrammetric scan

@@ -8,8 +8,8 @@ from typing import Final
 
 from harness.model import run as record
 from harness.model.finding import Answer, Say, info
-from harness.records.measured import MeasuredRecord, MeasuredTable
 from harness.records.result_folder import write_whole
+from harness.records.validation import MeasuredRecord, MeasuredTable
 
 ROWS: Final = Path(__file__).with_suffix(".json")
 """Renewed by `python -m tests.measures.checked`."""

@@ -10,27 +10,24 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from harness.input.mesh_statue import findings_of
+from harness.model.errors import printable
 from harness.model.finding import Finding, Severity, texted, weighed
 from harness.model.run import EngineRunRecord, to_plain
-from harness.model.terminal import printable
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import AssessRecord
 from harness.records.base import Record
-from harness.records.measured import MeasuredRecord
 from harness.records.run import RunRecord, outside_domain
 from harness.records.scores import Interval, Scores, Verdict
-from harness.records.study import StudyRecord, StudyRow
-from harness.records.trust import CLASSES, TrustRecord
-from harness.records.validation import BaselineRecord, ModelRecord, ValidationRecord
 from harness.statics.plan import Step
 from reports.blocks import Table
 from reports.messages import ENGLISH
 from reports.messages.numbers import digits, length
-from reports.pages.measured_page import measured_table
-from reports.text.study_rows import family
 
 if TYPE_CHECKING:
     from harness.input.motions.inspect import Inspection
+    from harness.records.study import StudyRow
+    from harness.records.trust import TrustRecord
+    from harness.records.validation import BaselineRecord, MeasuredRecord, ModelRecord, ValidationRecord
     from meshes.inspection import Inspection as Scan
 
 LINES: Final = 16
@@ -75,6 +72,8 @@ def _block(shown: Table | None) -> list[str]:
 
 def study_lines(record: Record, *, verbose: bool = False) -> list[str]:
     """A study of any kind: title, answer, of one with rows a line for each model, what to beware of."""
+    from harness.records.study import StudyRecord  # not for a run
+
     rows = _model_rows(record.rows) if isinstance(record, StudyRecord) else []
     more = [] if len(rows) <= MODEL_LINES or verbose else [f"  {len(rows) - MODEL_LINES} further models (--verbose)"]
     return _headed(record, [*table(rows if verbose else rows[:MODEL_LINES]), *more] if rows else [], verbose=verbose)
@@ -82,6 +81,8 @@ def study_lines(record: Record, *, verbose: bool = False) -> list[str]:
 
 def _model_rows(rows: Sequence[StudyRow]) -> list[list[str]]:
     """How many runs of each model ended how."""
+    from reports.text.wording import family
+
     ends: dict[str, Counter[str]] = {}
     for row in rows:
         if row.run is not None:
@@ -149,7 +150,7 @@ def _headed(record: Record, rows: Sequence[str], *, verbose: bool) -> list[str]:
 
 def trust_lines(record: TrustRecord, *, verbose: bool = False) -> list[str]:
     """A trust map: title, answer, the share of each class, what it rests on."""
-    kinds = [kind for kind in CLASSES if any(each.shares[kind] for each in record.maps)]
+    kinds = [kind for kind in record.maps[0].shares if any(each.shares[kind] for each in record.maps)]
     rows = [[ENGLISH.word(kind), *(ENGLISH.percent(each.shares[kind]) for each in record.maps)] for kind in kinds]
     return _headed(
         record, table([["class", *(f"on the {each.stands_on}" for each in record.maps)], *rows]), verbose=verbose
@@ -158,6 +159,8 @@ def trust_lines(record: TrustRecord, *, verbose: bool = False) -> list[str]:
 
 def measured_lines(record: MeasuredRecord, *, verbose: bool = False) -> list[str]:
     """A measured set: title, answer, the first columns of its first table, what to beware of."""
+    from reports.pages.measured_page import measured_table
+
     return _headed(record, _block(measured_table(record.tables[0], ENGLISH)), verbose=verbose)
 
 

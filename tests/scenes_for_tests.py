@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from analytic.constants import GRAVITY_M_S2
+from analytic.block import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, ZeroExcitation
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Scene, Statue, Wall
 

@@ -18,9 +18,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic.kernel.compiler import inlined
-from analytic.kernel.elementary import sine_cosine
-from analytic.kernel.memory import load_double, set_term, term
+from analytic.kernel.compiler import inlined, load_double, set_term, term
+from analytic.kernel.polynomial import sine_cosine
 from analytic.kernel.records import INVERSE, Floats, Series, Task
 
 AIM: Final = 1.25

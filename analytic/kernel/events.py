@@ -6,10 +6,9 @@ import math
 from typing import NamedTuple
 
 from analytic.kernel import codes
-from analytic.kernel.compiler import inlined, jit
+from analytic.kernel.compiler import inlined, jit, load_double, set_term, term
 from analytic.kernel.dynamics import vertex
 from analytic.kernel.joint_state import corner, falling, lift_margin, slip_rate_zeros, stick_margin, theta_rate_zeros
-from analytic.kernel.memory import load_double, set_term, term
 from analytic.kernel.polynomial import NO_ROOT, first_root, leading, remainder
 from analytic.kernel.records import Floats, Task
 

@@ -9,9 +9,8 @@ from __future__ import annotations
 import math
 
 from analytic.kernel import codes
-from analytic.kernel.compiler import inlined, jit
-from analytic.kernel.elementary import sine_cosine
-from analytic.kernel.memory import load_double, set_term, term
+from analytic.kernel.compiler import inlined, jit, load_double, set_term, term
+from analytic.kernel.polynomial import sine_cosine
 from analytic.kernel.records import INVERSE, TERMS, Floats, Motion, Task
 
 

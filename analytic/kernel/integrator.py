@@ -3,26 +3,38 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
 
 from analytic.kernel import codes
-from analytic.kernel.compiler import inlined, jit
+from analytic.kernel.compiler import inlined, jit, load_double, row_at, set_row
 from analytic.kernel.dynamics import expand
-from analytic.kernel.elementary import coarse_root
-from analytic.kernel.energy import decide
+from analytic.kernel.energy import decide, skip_quiet
 from analytic.kernel.events import first_event
 from analytic.kernel.forcing import is_jump, look_ahead, next_break_s, prepare
+from analytic.kernel.impact import land
 from analytic.kernel.joint_state import start_series
-from analytic.kernel.landing import land
-from analytic.kernel.layout import TASK
-from analytic.kernel.memory import load_double
-from analytic.kernel.polynomial import TANGENT_LEVEL
-from analytic.kernel.quiet import skip_quiet
-from analytic.kernel.records import INVERSE, Task
-from analytic.kernel.track import advance, change_state, note_event
-from analytic.kernel.validity import note_step
+from analytic.kernel.polynomial import TANGENT_LEVEL, coarse_root
+from analytic.kernel.records import (
+    BASE,
+    COUNTS,
+    INVERSE,
+    MOTION_PARAMS,
+    PARAMS,
+    RESULTS,
+    STATE,
+    TASK,
+    Base,
+    Counts,
+    MotionParams,
+    Params,
+    Results,
+    State,
+    Task,
+)
+from analytic.kernel.track import advance, change_state, note_event, note_step, sample_end
 
 MAX_STALL: Final = 50
 """Events in a row without the clock moving, after which a run is given up as undecided: at one instant an impact, a stick onset
@@ -227,3 +239,47 @@ def run_one(task: Task) -> None:
         if state.outcome == codes.RUNNING and state.time_s >= params.duration_s:
             _finish(task)
             note_event(task, codes.FINISH, state.theta_rate_rad_s, state.slip_rate_m_s, 0.0, 0, 0.0)
+
+
+# The door into compiled code: many runs one after another, or one; called by addresses
+# (`analytic.machine_code`).
+
+
+task_row: Final[Callable[[int, int], Task]] = row_at(TASK)
+params_row: Final[Callable[[int, int], Params]] = row_at(PARAMS)
+motion_row: Final[Callable[[int, int], MotionParams]] = row_at(MOTION_PARAMS)
+base_row: Final[Callable[[int, int], Base]] = row_at(BASE)
+state_row: Final[Callable[[int, int], State]] = row_at(STATE)
+results_row: Final[Callable[[int, int], Results]] = row_at(RESULTS)
+counts_row: Final[Callable[[int, int], Counts]] = row_at(COUNTS)
+
+
+def run(
+    task_at: int,
+    params: int,
+    motion_x: int,
+    motion_z: int,
+    bases: int,
+    start: int,
+    stop: int,
+    states: int,
+    results: int,
+    counts: int,
+) -> None:
+    """Run the rows start to stop − 1 in the memory of one task, whose address is given as those of the tables are.
+
+    Without tables (0) the task is run as it stands, history and events included.
+    """
+    task = task_row(task_at, 0)
+    for i in range(start, stop):
+        # One entry for both: another would be compiled from the first line to the last once more.
+        if params != 0:
+            task.params, task.base = params_row(params, i), base_row(bases, i)
+            task.motion_x.params, task.motion_z.params = motion_row(motion_x, i), motion_row(motion_z, i)
+        run_one(task)
+        if task.params.output_step_s > 0.0:
+            sample_end(task)
+        if params != 0:
+            set_row(state_row(states, i), task.state)
+            set_row(results_row(results, i), task.results)
+            set_row(counts_row(counts, i), task.counts)

@@ -10,10 +10,9 @@ import math
 from typing import Final
 
 from analytic.kernel.codes import FRICTION_PARADOX, LIFT_OFF, MOVING, UNDECIDED
-from analytic.kernel.compiler import inlined, jit
+from analytic.kernel.compiler import inlined, jit, load_double, set_term, term
 from analytic.kernel.dynamics import expand, vertex
 from analytic.kernel.forcing import coefficients
-from analytic.kernel.memory import load_double, set_term, term
 from analytic.kernel.polynomial import leading
 from analytic.kernel.records import Floats, Task
 

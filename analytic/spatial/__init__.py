@@ -17,9 +17,9 @@ in the body's frame. docs/spatial.md has the equations and what they assume.
 <Outcome.STANDS: 'stands'>
 """
 
-from analytic.spatial.body import Body as Body
 from analytic.spatial.outcomes import Outcomes as Outcomes
 from analytic.spatial.outcomes import outcomes as outcomes
+from analytic.spatial.problem import Body as Body
 from analytic.spatial.problem import Problem as Problem
 from analytic.spatial.solution import Event as Event
 from analytic.spatial.solution import EventKind as EventKind

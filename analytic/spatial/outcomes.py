@@ -12,12 +12,11 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.errors import AnalyticInputError
+from analytic.block import AnalyticInputError
 from analytic.kernel.records import Records
-from analytic.spatial.body import Floats
 from analytic.spatial.kernel.codes import OVERTURNED
 from analytic.spatial.kernel.records import MOST
-from analytic.spatial.problem import Problem
+from analytic.spatial.problem import Floats, Problem
 from analytic.spatial.solution import OUTCOMES
 from analytic.spatial.solver import prepare, run_all
 from analytic.sweep import flattened

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import final
 
-from analytic.rotation import Floats, rotation_matrices
+from analytic.block import Floats, rotation_matrices
 
 
 class Outcome(StrEnum):

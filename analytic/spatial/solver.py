@@ -9,19 +9,14 @@ from typing import Final, NamedTuple, final
 
 import numpy as np
 
-from analytic.block import positive
-from analytic.certainty import SECOND_RUN_SHARE, within
-from analytic.constants import GRAVITY_M_S2, OVERTURN_RAD
-from analytic.encode import encode_motion
-from analytic.kernel.layout import row
-from analytic.kernel.records import MotionParams, Records
+from analytic.block import GRAVITY_M_S2, OVERTURN_RAD, positive, rotation_matrices
+from analytic.excitation import Excitation, ZeroExcitation
+from analytic.kernel.records import MotionParams, Records, row
 from analytic.machine_code import Entry
-from analytic.motion import Excitation, ZeroExcitation
-from analytic.rotation import rotation_matrices
-from analytic.solver import FIRST_EVENTS
-from analytic.spatial.body import Body, Floats
+from analytic.problem import encode_motion
+from analytic.solver import FIRST_EVENTS, SECOND_RUN_SHARE, within
 from analytic.spatial.kernel.records import EVENT_HEAD, INTERVAL_HEAD, MEMORY, MOST, RUN, STATE, Run
-from analytic.spatial.problem import UPRIGHT, Problem
+from analytic.spatial.problem import UPRIGHT, Body, Floats, Problem
 from analytic.spatial.solution import (
     KINDS,
     MODES,

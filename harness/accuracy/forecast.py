@@ -13,10 +13,9 @@ from harness.accuracy.refinement import LONG_STEPS, START_SHARE, first_level, se
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.engines import load
 from harness.engines.base import EngineFailure, Settings
-from harness.model.options import MOST_TIMES, RunOptions
-from harness.model.run import Run, number
+from harness.model.run import MOST_TIMES, Run, RunOptions, number
 from harness.model.scene import Scene
-from harness.statics.rest import first_motion_s
+from harness.statics.plan import first_motion_s
 
 CERTIFIED_S: Final[Mapping[str, float]] = {"analytic": 6e-5, "spatial": 3e-3}
 """Processor seconds per second of motion of models that certify their own error: an order of magnitude."""

@@ -14,11 +14,10 @@ from harness.accuracy.spread import PLAIN_ORDER, Error, Spread
 from harness.engines.analytic import TwoBlockSettings
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.history import History, Outcome, first_beyond_s, pair
-from harness.model.options import RunOptions
-from harness.model.run import Run, number
+from harness.model.run import Run, RunOptions, number
 from harness.model.scene import Scene
 from harness.records.run import HorizonRecord
-from harness.statics.bodies import as_one
+from harness.statics.plan import as_one
 
 # Whether finer steps are worth their cost: by how errors grow in the analytic model, and by what a climb's
 # comparisons show.

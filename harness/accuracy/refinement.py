@@ -38,8 +38,7 @@ from harness.accuracy.spread import (
 )
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
 from harness.model.finding import Finding, caution, info
-from harness.model.options import RunOptions
-from harness.model.run import Run, number
+from harness.model.run import Run, RunOptions, number
 from harness.model.scene import Scene
 
 # How much a small change of the motion moves an engine's answer: where that is much, two runs may agree by

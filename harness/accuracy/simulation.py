@@ -10,8 +10,7 @@ from harness import engines
 from harness.engines.base import Engine, EngineFailure, LayerFault, own_failures
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 
 if TYPE_CHECKING:

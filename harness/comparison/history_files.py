@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.comparison.comparator import compare
-from harness.comparison.scores.against_measured import Measured
+from harness.comparison.scores.pointwise import Measured
 from harness.input.history_file import UNIFORM, between_samples, gaps, read_history
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import caution

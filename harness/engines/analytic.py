@@ -12,8 +12,7 @@ from analytic.excitation import ZeroExcitation
 from harness.engines.base import RELIABLE_RAD, Engine, EngineFailure, Settings
 from harness.model.finding import Finding, Severity, caution, changes_answer, info
 from harness.model.history import History, Outcome
-from harness.model.options import Capabilities, RunOptions
-from harness.model.run import Pattern, PatternName, Run
+from harness.model.run import Capabilities, Pattern, PatternName, Run, RunOptions
 from harness.model.scene import BaseExcitation, Scene
 from harness.model.two_block import block_of as block_of
 from harness.model.two_block import keywords as keywords

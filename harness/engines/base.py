@@ -25,8 +25,7 @@ from dataclasses import dataclass, fields
 from typing import ClassVar, Final, TypeVar
 
 from harness.model.errors import InputError
-from harness.model.options import Capabilities, RunOptions
-from harness.model.run import Run
+from harness.model.run import Capabilities, Run, RunOptions
 from harness.model.scene import Scene
 
 VERIFICATION_STEP_SHARE: Final = 0.45

@@ -18,8 +18,7 @@ from harness.engines.stepping.frame import planar, statue_columns
 from harness.engines.stepping.reduce import Report, reduce_trajectory
 from harness.model.finding import Finding, caution, changes_answer
 from harness.model.history import Outcome
-from harness.model.options import Capabilities, RunOptions
-from harness.model.run import Run
+from harness.model.run import Capabilities, Run, RunOptions
 from harness.model.scene import OVERTURN_RAD, Pose, Scene
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from typing import Final, cast
 import numpy as np
 from pydantic import JsonValue
 
-from analytic.errors import AnalyticInputError
+from analytic.block import AnalyticInputError
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.input import motions, tables
 from harness.input.mesh_statue import statue_from_mesh

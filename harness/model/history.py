@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.model.errors import InputError, Mistake
-from harness.model.shown import Shown, new_axes
+from harness.model.finding import Shown, new_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

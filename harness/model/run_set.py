@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.model.errors import InputError, Mistake
+from harness.model.finding import Shown, library, new_axes
 from harness.model.history import History, Outcome
 from harness.model.run import NUMBERS
-from harness.model.shown import Shown, library, new_axes
 
 if TYPE_CHECKING:
     import pyarrow

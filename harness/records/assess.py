@@ -105,6 +105,11 @@ class Index:
         return self.first if self.total is None else self.total
 
 
+FLOOR: Final = "floor_alone"
+TURNED: Final = "turned_90"
+"""Names of options that an answer speaks of: without the pedestal, and turned by a quarter."""
+
+
 @dataclass(frozen=True)
 class OptionAnswer:
     """One option: probability of a fall, the pedestal's slip (median, 95 %; None: not followed), difference to as it is.

@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 
 from harness.input.motions.inspect import DAMPING, PERIODS_S, Inspection, Trace
-from harness.input.motions.measures import Measures
-from harness.input.motions.spectra import DesignSpectrum
+from harness.input.motions.spectra import DesignSpectrum, Measures
 from harness.model.finding import Finding, Say, texted
 from harness.model.run import OMITTED, SCHEMA_VERSION
 

@@ -24,10 +24,12 @@ COMING: Final = ".coming.json"
 PAGES: Final = ("report.html", "conservator.html")
 """Written of a record alone, by whoever reads it: each is sealed, and goes with the record of which it was made."""
 KINDS: Final[Mapping[str, str]] = {
-    kind: f"harness.records.{kind}" for kind in (
-        "run", "assess", "study", "effects3d", "rocking_spectrum", "bench", "stress", "validation", "trust", "measured",
+    kind: f"harness.records.{module}" for kind, module in (
+        ("run", "run"), ("assess", "assess"), ("study", "study"), ("effects3d", "effects3d"), ("rocking_spectrum", "study"),
+        ("bench", "bench"), ("stress", "bench"), ("validation", "validation"), ("trust", "trust"), ("measured", "validation"),
+        ("compare", "scores"),
     )
-} | {"compare": "harness.records.scores"}  # fmt: skip
+}  # fmt: skip
 """The module of the class of each kind of record: a new kind is a line here."""
 STORE: Final = "store.sqlite"
 STORE_KINDS: Final = (

@@ -15,7 +15,7 @@ from harness.input.mistakes import Contradiction
 from harness.model.run import OMITTED, to_plain
 from harness.model.scene import Contact, Form, Initial, Pedestal, Scene
 from harness.records.base import Positive, Table, same_fields
-from harness.statics.push import Cause, peak_within_m_s2, push_of
+from harness.statics.standstill import Cause, peak_within_m_s2, push_of
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]
@@ -127,7 +127,7 @@ class MotionRecord:
     """The floor's accelerations for drawing, absent along an axis where it is at rest.
 
     Where it moves along x and y, `level_m_s2` (n, 2) holds both at the instants of their largest sum; `push` says what the
-    motion asks of the statue at rest (`harness.statics.push`).
+    motion asks of the statue at rest (`harness.statics.standstill`).
     """
 
     t_s: Sequence[float]

@@ -8,10 +8,9 @@ from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Final, Literal
 
-from harness.model.finding import Finding, Say, texted
+from harness.model.finding import Finding, Say, Shown, new_axes, texted
 from harness.model.history import Outcome
 from harness.model.run import OMITTED
-from harness.model.shown import Shown, new_axes
 from harness.records.base import Record
 
 if TYPE_CHECKING:
@@ -83,7 +82,7 @@ class Evidence:
     compared_until_s: float | None
     left_domain_s: float | None
     left_domain_by: str
-    """Which limit was passed (a code of `analytic.results.LEFT_BY`), or the outcome with which a run left it, and"""
+    """Which limit was passed (a code of `analytic.solution.LEFT_BY`), or the outcome with which a run left it, and"""
     left_domain: str = ""
     """of which answer."""
     outcome_flips_within_uncertainty: bool

@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 from pydantic import JsonValue
 
-from harness.model.finding import Finding, Say, Severity
+from harness.model.finding import Finding, Say, Severity, Shown
 from harness.model.history import Outcome
 from harness.model.run import OMITTED, RUN_FIELDS, RunRow, to_plain
 from harness.model.run_set import Column, RunSet, answered, column_of
-from harness.model.shown import Shown
 from harness.records.base import Plain, Record, plain
 from harness.records.scene import SceneRecord
-from harness.records.sets import SetScores
+from harness.records.validation import SetScores
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -269,3 +268,56 @@ class StudyRecord(Record, Shown):
     def plot(self, ax: Axes | None = None, engine: str | None = None) -> Axes:
         """See `RunSet.plot`."""
         return self.run_set().plot(ax, engine)
+
+
+# The record of a rocking spectrum: how far blocks of every size and slenderness rock in a set of motions,
+# and which fall.
+
+
+Numbers = Sequence[Sequence[float]]
+"""A number for each size (rows) and slenderness (columns)."""
+
+
+@dataclass(frozen=True)
+class SpectrumMotion:
+    """One motion of the set."""
+
+    name: str
+    pga_g: float
+    pgv_m_s: float
+    duration_s: float
+
+
+@dataclass(frozen=True)
+class SpectrumSummary:
+    """What a call computed."""
+
+    runs: int
+    cpu_s: float
+    failed: int = 0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RockingSpectrumRecord(Record):
+    """`result.json` of `rockcheck study` for a file of `kind = "rocking_spectrum"`.
+
+    Sizes are half diagonals R, slendernesses h/b of homogeneous blocks. `cases` are motions × draws; over them the share
+    that overturns, and the median and 84 % quantile of the peak rotation over α (None: more than that share overturns).
+    `undecided` is the share of all runs that still leaned beyond α at the end.
+    """
+
+    kind: Literal["rocking_spectrum"] = "rocking_spectrum"
+    title: str
+    restitution: float | Literal["momentum"]
+    motions: Sequence[SpectrumMotion]
+    strength_cov: float
+    draws: int
+    seed: int
+    cases: int
+    size_m: Sequence[float]
+    slenderness: Sequence[float]
+    probability_overturned: Numbers
+    peak_median: Sequence[Sequence[float | None]]
+    peak_high: Sequence[Sequence[float | None]]
+    undecided: float
+    summary: SpectrumSummary

@@ -18,8 +18,7 @@ from harness.model.run import NUMBERS
 from harness.model.run_set import Column, RunSet, run_set
 from harness.records.base import Plain
 from harness.records.study import UsageRecord, impacts
-from harness.runs.dask_pool import DaskPool
-from harness.runs.runner import Crash, InlinePool, LocalPool, Pool
+from harness.runs.runner import Crash, DaskPool, InlinePool, LocalPool, Pool
 from harness.runs.store import MEMORY, Packed, Store, packed
 from harness.runs.task import Answer, RunRequest, Task
 

@@ -13,14 +13,12 @@ from typing import Any, Final, Generic, TypeVar, cast
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Say
-from harness.records.bench import BenchRecord, PartRow
+from harness.records.bench import BenchRecord, PartRow, StressRecord
 from harness.records.result_folder import check_folder, full_kind, write_whole
-from harness.records.stress import StressRecord
-from harness.runs.cache_key import key_of
 from harness.runs.execute import Campaign
 from harness.runs.runner import Crash, InlinePool, LocalPool
 from harness.runs.store import STORE_NAME, Store
-from harness.runs.task import Answer, Task
+from harness.runs.task import Answer, Task, key_of
 
 Row = dict[str, Any]
 Work = Callable[[str], list[Row]]

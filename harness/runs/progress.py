@@ -11,7 +11,7 @@ from contextlib import ExitStack, contextmanager
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, Final
 
-from harness.model.terminal import printable
+from harness.model.errors import printable
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -41,7 +41,7 @@ class ProgressMessages:
         self._warns = ExitStack()
 
     def __enter__(self) -> ProgressMessages:
-        from analytic.compiling import listeners  # not for help
+        from analytic.machine_code import listeners  # not for help
 
         listeners.append(self.compiling)
         self._warns.enter_context(warnings.catch_warnings())
@@ -53,7 +53,7 @@ class ProgressMessages:
         return self
 
     def __exit__(self, *details: Any) -> None:
-        from analytic.compiling import listeners
+        from analytic.machine_code import listeners
 
         listeners.remove(self.compiling)
         self._warns.close()

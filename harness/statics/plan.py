@@ -2,17 +2,243 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final, Literal, Protocol
+from dataclasses import dataclass, replace
+from typing import Final, Literal, Protocol, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
+from analytic.excitation import Excitation, ZeroExcitation
 from harness.model.finding import Finding, info
 from harness.model.history import Array
-from harness.model.options import SKIPS, Capabilities, RunOptions
+from harness.model.run import SKIPS, Capabilities, RunOptions
 from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Statue
-from harness.statics.rest import LimitsOfRest, first_motion_s
+from harness.statics.standstill import tipping_of_pedestal
+from meshes.footprint import margin_m, outward_sides
+
+# What a statue at rest bears: the floor's acceleration below which nothing can move, and when a motion
+# passes it.
+
+
+# Other bodies made of a statue and its pedestal: both as one, its base widened, another side before the
+# shaking.
+
+
+def as_one(statue: Statue, pedestal: Pedestal) -> Statue:
+    """The statue fixed to its pedestal: mass, centroid and inertia of both (parallel axes), on the pedestal's base."""
+    mass = statue.mass_kg + pedestal.mass_kg
+    middle = statue.base_centre_m + pedestal.offset_m
+    centres = np.array(
+        [[0.0, 0.0, pedestal.height_m + statue.centroid_height_m], [middle, 0.0, pedestal.centroid_height_m]]
+    )
+    masses = np.array([statue.mass_kg, pedestal.mass_kg])
+    centroid = masses @ centres / mass
+    w, d, h = pedestal.width_m, pedestal.depth_m, pedestal.height_m
+    tensor = statue.inertia_tensor_kg_m2 + pedestal.mass_kg / 12.0 * np.diag(
+        [d * d + h * h, w * w + h * h, w * w + d * d]
+    )
+    for each, centre in zip(masses, centres - centroid, strict=True):
+        tensor = tensor + each * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+    left, right = float(centroid[0] - middle + 0.5 * w), float(middle + 0.5 * w - centroid[0])
+    raised = statue.section_m + np.array([-centroid[0], h])
+    return Statue(
+        mass_kg=mass,
+        centroid_height_m=float(centroid[2]),
+        corner_left_m=left,
+        corner_right_m=right,
+        inertia_kg_m2=float(tensor[1, 1]),
+        height_m=statue.height_m + h,
+        depth_m=d,
+        section_m=np.vstack([[[-left, 0.0], [right, 0.0]], raised]),
+        footprint_m=_rectangle(left, right, 0.5 * d, 0.5 * d),
+        inertia_tensor_kg_m2=tensor,
+    )
+
+
+def sliding(scene: Scene) -> Scene:
+    """The scene's body as one that slides and cannot rock: its mass shared by a pedestal and a plate too flat to lift.
+
+    A rigid body that slides knows no mass: only friction and the floor's motion decide its path.
+    """
+    half = 0.5 * scene.statue.mass_kg
+    low, wide = 0.01, 1.0
+    section = np.array([[-wide, 0.0], [wide, 0.0], [wide, 2.0 * low], [-wide, 2.0 * low]])
+    plate = Statue(
+        half,
+        low,
+        wide,
+        wide,
+        half * wide**2 / 3.0,
+        2.0 * low,
+        wide,
+        section,
+        _rectangle(wide, wide, 0.5 * wide, 0.5 * wide),
+        half * np.eye(3),
+    )
+    return replace(scene, statue=plate, pedestal=Pedestal(half, 2.0 * wide, wide, low))
+
+
+def widened(statue: Statue, by_m: float) -> Statue:
+    """The statue on a plate fixed to it that reaches `by_m` beyond both corners; the plate itself weighs nothing here."""
+    left, right = statue.corner_left_m + by_m, statue.corner_right_m + by_m
+    front, back = -float(statue.footprint_m[:, 1].min()) + by_m, float(statue.footprint_m[:, 1].max()) + by_m
+    section = np.vstack([[[-left, 0.0], [right, 0.0]], statue.section_m])
+    return replace(
+        statue,
+        corner_left_m=left,
+        corner_right_m=right,
+        section_m=section,
+        footprint_m=_rectangle(left, right, front, back),
+        solid=None,
+    )
+
+
+def turned_block(statue: Statue) -> Statue:
+    """A block turned by 90 degrees: its depth lies in the rocking plane, and its moment about x decides."""
+    half, across = 0.5 * statue.depth_m, statue.corner_left_m + statue.corner_right_m
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    tensor = turn @ statue.inertia_tensor_kg_m2 @ turn.T
+    return replace(
+        statue,
+        corner_left_m=half,
+        corner_right_m=half,
+        depth_m=across,
+        inertia_kg_m2=float(tensor[1, 1]),
+        section_m=np.array([[-half, 0.0], [half, 0.0], [half, statue.height_m], [-half, statue.height_m]]),
+        # What was left is now in front.
+        footprint_m=_rectangle(half, half, statue.corner_left_m, statue.corner_right_m),
+        inertia_tensor_kg_m2=tensor,
+    )
+
+
+def _rectangle(left: float, right: float, front: float, back: float) -> Array:
+    return np.array([[-left, -front, 0.0], [right, -front, 0.0], [right, back, 0.0], [-left, back, 0.0]])
+
+
+LEVEL_M: Final = 1e-9
+"""Feet within this height of each other are level: what is left is rounding."""
+WINDOW: Final = 256
+"""Samples looked at together: the first that moves a statue at rest mostly comes soon."""
+
+
+def limit_of_rest_m_s2(scene: Scene) -> float:
+    """Horizontal acceleration, in whatever direction, below which nothing can move while the floor moves horizontally only.
+
+    The least of uplift, g b / h with b the distance of the base's nearest edge (of its two corners when the motion stays in the
+    plane), and, on a pedestal, slip, μ_s g (docs/model.md, section 2).
+    """
+    statue, gravity = scene.statue, scene.gravity_m_s2
+    corner = min(statue.corner_left_m, statue.corner_right_m)
+    if not isinstance(scene.base_excitation.y, ZeroExcitation):
+        corner = min(corner, margin_m(statue.footprint_m))
+    uplift = gravity * corner / statue.centroid_height_m
+    return min(uplift, _holding_friction(scene) * gravity)
+
+
+def _holding_friction(scene: Scene) -> float:
+    """The least coefficient of static friction between statue and floor."""
+    contact = scene.contact
+    return contact.statue if scene.pedestal is None else min(contact.floor_static, contact.statue)
+
+
+@dataclass(frozen=True, eq=False)
+class LimitsOfRest:
+    """A statue at rest on its lowest vertices `polygon_m` (k, 2) under records: their accelerations (n, 3) at all their samples.
+
+    Between two samples a record is linear, so that what both bear is borne between them too.
+    """
+
+    scene: Scene
+    polygon_m: Array
+    times_s: Array
+    accel_m_s2: Array
+
+    @classmethod
+    def of(cls, scene: Scene) -> Self | None:
+        """None where a component is a formula, or the statue tilts off its lowest vertices: nothing is known of rest then."""
+        components = (scene.base_excitation.x, scene.base_excitation.y, scene.base_excitation.z)
+        times = _knots(components, scene.duration_s)
+        polygon = None if times is None else resting_polygon_m(scene.statue)
+        if times is None or polygon is None:
+            return None
+        accel = np.stack([np.asarray(item.accel_m_s2(times), dtype=np.float64) for item in components], axis=1)
+        return cls(scene, polygon, times, accel)
+
+    def until_s(self, t_s: float, yaw_rad: float = 0.0) -> float:
+        """A time up to which a statue at rest at `t_s`, turned about the vertical, stays so: the last sample before the first
+        that moves it; the scene's duration where none does.
+        """
+        first = max(int(np.searchsorted(self.times_s, t_s, side="right")) - 1, 0)
+        if not self.accel_m_s2[first:].any():
+            return self.scene.duration_s
+        for begin in range(first, self.times_s.size, WINDOW):
+            passed = np.flatnonzero(self._moves(self.accel_m_s2[begin : begin + WINDOW], yaw_rad))
+            if passed.size:
+                return max(float(self.times_s[max(begin + int(passed[0]) - 1, 0)]), t_s)
+        return self.scene.duration_s
+
+    def _moves(self, accel_m_s2: Array, yaw_rad: float) -> NDArray[np.bool_]:
+        """At which samples the floor's acceleration passes what friction holds or what the base bears, statue or pedestal.
+
+        A base bears it while the weight's line, leant by the acceleration, meets the floor inside the polygon that it rests on.
+        A planar body bears at least as much: its ends are the polygon's outermost points.
+        """
+        scene, statue = self.scene, self.scene.statue
+        weight = np.maximum(scene.gravity_m_s2 - np.abs(accel_m_s2[:, 2]), 0.0)
+        push = -accel_m_s2[:, :2]
+        slips = np.hypot(push[:, 0], push[:, 1]) >= _holding_friction(scene) * weight
+        # What pushes, in the frame of a statue that has turned.
+        cosine, sine = math.cos(yaw_rad), math.sin(yaw_rad)
+        turned = push @ np.array([[cosine, -sine], [sine, cosine]])
+        normals, reach = outward_sides(self.polygon_m)
+        moves: NDArray[np.bool_] = slips | np.any(
+            statue.centroid_height_m * turned @ normals.T >= reach * weight[:, None], axis=1
+        )
+        if scene.pedestal is not None:
+            sides = tipping_of_pedestal(statue.mass_kg, statue.centroid_height_m, statue.base_centre_m, scene.pedestal)
+            for (axis, direction), share in sides.items():
+                moves |= direction * push[:, axis] >= share * weight
+        return moves
+
+
+def first_motion_s(scene: Scene) -> float:
+    """A time before which nothing can move, from the samples' own values (0 when the statue starts off rest).
+
+    A body with a rough base rests on its lowest vertices, which lie nearer than its corners; where its centroid is not above
+    them it tilts at once: 0 too.
+
+    For piecewise linear records the time is the last sample before a limit is first exceeded; for formulas it is 0.
+    """
+    limits = LimitsOfRest.of(scene) if scene.initial.still else None
+    return 0.0 if limits is None else limits.until_s(0.0)
+
+
+def resting_polygon_m(statue: Statue) -> Array | None:
+    """The polygon (k, 2), counter-clockwise, of the lowest vertices, which the statue rests on; None where it tilts off it."""
+    from meshes import MeshError
+    from meshes.footprint import footprint
+
+    try:
+        polygon = footprint(statue.feet_m, LEVEL_M)
+    except MeshError:  # fewer than three vertices, or all on a line
+        return None
+    return polygon[:, :2] if margin_m(polygon) > 0.0 else None
+
+
+def _knots(components: Sequence[Excitation], duration_s: float) -> Array | None:
+    """All sample times of records, or None when a component is a formula (its extremes lie between knots)."""
+    knots = [np.zeros(1)]
+    for item in components:
+        if isinstance(item, ZeroExcitation):
+            continue
+        samples = getattr(item, "t_s", None)
+        if samples is None:
+            return None
+        knots.append(np.asarray(samples))
+    return np.unique(np.clip(np.concatenate(knots), 0.0, duration_s))
+
 
 # Which collision shape of the statue a 3D run needs, and why: a pure function of the scene.
 

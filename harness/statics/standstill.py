@@ -4,16 +4,173 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, Literal
 
 import numpy as np
 
+from analytic.excitation import Excitation, ZeroExcitation
 from harness.input.motions.spec import LARGEST_G, LARGEST_SCALE
 from harness.model.finding import Finding, caution, changes_answer
-from harness.model.history import Outcome
+from harness.model.history import Array, Outcome
 from harness.model.run import Run
-from harness.model.scene import Scene, written
-from harness.statics.push import least_x_factor, push_of
+from harness.model.scene import Pedestal, Scene, written
+from meshes.footprint import outward_sides
+
+# What the floor's motion asks of a statue at rest: its strongest push, and how near that comes to moving
+# the statue.
+
+
+SAMPLES: Final = 40_001
+"""Instants at which a formula is looked at first: four hundred for each cycle of a motion of a hundred cycles."""
+CLOSER: Final = 401
+"""Instants between the neighbours of the strongest of them: its crest is found within 1e-8 of its size."""
+CREST: Final = 1e-3
+"""A formula's crest lies between the instants looked at: a value this near to its own peak is that peak."""
+FACTOR_ROUNDING: Final = 1e-7
+"""A factor is told to four digits; it is found to a thousandth of the last."""
+Cause = Literal["statue_tips", "statue_slides", "pedestal_slides", "pedestal_tips"]
+CAUSES: Final[Mapping[Cause, str]] = {
+    "statue_tips": "the statue tips",
+    "statue_slides": "the statue slides on its support",
+    "pedestal_slides": "the pedestal slides on the floor",
+    "pedestal_tips": "the pedestal tips with the statue on it",
+}
+"""What can begin to move, in words."""
+
+
+@dataclass(frozen=True)
+class Push:
+    """The strongest level push of a motion as a share of the weight, and by cause its largest share of what begins that motion.
+
+    A share is one where the statue just begins to move so, infinite where it holds nothing. A floor that drops lightens the
+    statue at that instant, one that rises makes it heavier (docs/model.md, section 2: g + a_z).
+    """
+
+    peak: float
+    shares: Mapping[Cause, float]
+
+    @property
+    def first(self) -> tuple[Cause, float]:
+        """The cause that gives way first under this motion, and its share."""
+        cause = max(self.shares, key=lambda name: self.shares[name])
+        return cause, self.shares[cause]
+
+
+def push_of(scene: Scene, x_factor: float = 1.0) -> Push:
+    """The push of a scene's motion within its duration, that along x made larger by a factor."""
+    base_excitation = scene.base_excitation
+    parts = (base_excitation.x, base_excitation.y, base_excitation.z)
+    t_s = instants_s(parts, scene.duration_s)
+    peak, shares = 0.0, dict.fromkeys(_limits(scene), 0.0)
+    for _ in range(2):
+        level, weight = _level(parts, t_s, x_factor), scene.gravity_m_s2 + parts[2].accel_m_s2(t_s)
+        sizes = {name: _shares(over, weight) for name, over in _needed(scene, level).items()}
+        peak = max(peak, float(np.hypot(*level.T).max()) / scene.gravity_m_s2)
+        shares = {name: max(shares[name], float(size.max())) for name, size in sizes.items()}
+        crests = {int(np.argmax(size)) for size in (np.hypot(*level.T), *sizes.values())}
+        t_s = np.concatenate([np.linspace(t_s[max(k - 1, 0)], t_s[min(k + 1, len(t_s) - 1)], CLOSER) for k in crests])
+    return Push(peak, shares)
+
+
+def instants_s(parts: tuple[Excitation, ...], duration_s: float) -> Array:
+    """Instants (n,) that hold every extreme of records, both sides of every jump, and a fine grid for formulas."""
+    times = [np.array([0.0, duration_s])]
+    for item in parts:
+        knots = np.asarray(getattr(item, "t_s", item.breaks_s(duration_s)), dtype=np.float64)
+        times += [knots, np.nextafter(knots, -np.inf)]
+        if not isinstance(item, ZeroExcitation) and not hasattr(item, "t_s"):
+            times.append(np.linspace(0.0, duration_s, SAMPLES))
+    joined, _ = np.unique(
+        np.concatenate(times), return_index=True
+    )  # without, NumPy loads its masked arrays: 15 ms of a start
+    return joined[(joined >= 0.0) & (joined <= duration_s)]
+
+
+def peak_within_m_s2(item: Excitation, duration_s: float) -> float:
+    """The largest acceleration that a motion reaches within the duration."""
+    largest = float(np.abs(item.accel_m_s2(instants_s((item,), duration_s))).max())
+    return item.peak_m_s2 if largest > (1.0 - CREST) * item.peak_m_s2 else largest
+
+
+def _level(parts: tuple[Excitation, ...], t_s: Array, x_factor: float) -> Array:
+    """The push (n, 2) on each kilogram: against the floor's horizontal acceleration."""
+    return -np.column_stack([x_factor * parts[0].accel_m_s2(t_s), parts[1].accel_m_s2(t_s)])
+
+
+def _limits(scene: Scene) -> tuple[Cause, ...]:
+    return tuple(name for name in CAUSES if not name.startswith("pedestal") or scene.pedestal is not None)
+
+
+def _needed(scene: Scene, level_m_s2: Array) -> dict[Cause, Array]:
+    """By cause the weight on each kilogram (n,) below which the statue moves so under these pushes."""
+    statue, contact = scene.statue, scene.contact
+    normals, reach = outward_sides(statue.footprint_m)
+    size = np.hypot(*level_m_s2.T)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        needed: dict[Cause, Array] = {
+            "statue_tips": (level_m_s2 @ (normals / reach[:, None]).T).max(axis=1) * statue.centroid_height_m,
+            "statue_slides": size / contact.statue,
+        }
+        if scene.pedestal is not None:
+            sides = tipping_of_pedestal(statue.mass_kg, statue.centroid_height_m, statue.base_centre_m, scene.pedestal)
+            over = [direction * level_m_s2[:, axis] / np.float64(share) for (axis, direction), share in sides.items()]
+            needed["pedestal_tips"] = np.max(over, axis=0)
+            needed["pedestal_slides"] = np.where(size > 0.0, size / np.float64(contact.floor_static), 0.0)
+    return needed
+
+
+def tipping_of_pedestal(
+    mass_kg: float, centroid_height_m: float, base_centre_m: float, pedestal: Pedestal
+) -> dict[tuple[int, int], float]:
+    """The pushes, as shares of the weight, from which pedestal and statue tip as one body, by (axis, direction): ±x, ±y.
+
+    About an edge of the pedestal: push (m₁ H/2 + m₂ (H + h)) = g (m₁ d₁ + m₂ d₂), d being the distances of both centroids from
+    the edge. A centroid beyond its edge leaves nothing.
+    """
+    stone_kg, height_m = pedestal.mass_kg, pedestal.height_m
+    lever = 0.5 * stone_kg * height_m + mass_kg * (height_m + centroid_height_m)
+    sides = {}
+    for axis, size_m, centre in ((0, pedestal.width_m, base_centre_m + pedestal.offset_m), (1, pedestal.depth_m, 0.0)):
+        half = 0.5 * size_m
+        for direction in (1, -1):
+            share = (stone_kg * half + mass_kg * (half + direction * centre)) / lever
+            sides[axis, direction] = max(share, 0.0)
+    return sides
+
+
+def _shares(needed_m_s2: Array, weight_m_s2: Array) -> Array:
+    """What is needed as a share of the weight there is; a floor that falls freely leaves none."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = np.where(weight_m_s2 > 0.0, needed_m_s2 / weight_m_s2, np.where(needed_m_s2 > 0.0, np.inf, 0.0))
+    return np.asarray(np.maximum(shares, 0.0))
+
+
+def least_x_factor(scene: Scene, most: float) -> float | None:
+    """The factor of the motion along x, up to `most`, from which the statue begins to move; None where none does.
+
+    The pushes that are borne form a convex set that holds the push of the other components alone, so one factor parts rest
+    from motion.
+    """
+
+    if isinstance(scene.base_excitation.y, ZeroExcitation):
+        # Every push, and with it every share, is the factor's multiple.
+        share = push_of(scene).first[1]
+        return 1.0 / share if share * most >= 1.0 else None
+
+    def moves(factor: float) -> bool:
+        return push_of(scene, factor).first[1] >= 1.0
+
+    low, high = 0.0, 1.0
+    while not moves(high):
+        low, high = high, 2.0 * high
+        if low > most:
+            return None
+    while high - low > FACTOR_ROUNDING * high:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if moves(middle) else (middle, high)
+    return high if high <= most else None
+
 
 STILL_RAD: Final = 1e-4
 """A smaller rotation is the give of a contact engine, or an uneven base settling."""

@@ -15,12 +15,11 @@ from typing import Any, Final
 import numpy as np
 from markupsafe import Markup
 
+from harness.model.errors import printable_lines
 from harness.model.run import to_plain
-from harness.model.terminal import printable_lines
 from reports.charts import Json
-from reports.charts.figure import CONFIG, LETTER
-from reports.charts.palette import HATCHES
-from reports.charts.samples import packed_array, shown_together
+from reports.charts.figure import CONFIG, HATCHES, LETTER
+from reports.charts.histories import packed_array, shown_together
 
 WIDE: Final = 1060
 """Width in pixels of a chart that fills the page."""

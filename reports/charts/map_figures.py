@@ -14,13 +14,16 @@ from numpy.typing import NDArray
 
 from harness.questions.study.case_selection import SAME_CELL, Answer, Place, filled
 from harness.questions.trust.point import MODEL
-from harness.records.stress import Cell
+from harness.records.bench import Cell
 from harness.records.study import CaseRun
 from harness.records.trust import CLASSES, TrustCell, TrustMap
 from reports.charts import Json
 from reports.charts.figure import (
     CELL,
+    INK,
+    SURFACES,
     ZOOMED,
+    Look,
     across,
     axis,
     cell_edges,
@@ -29,14 +32,15 @@ from reports.charts.figure import (
     chosen,
     figure,
     kinds,
+    look,
     marks,
+    model_looks,
     named,
     names,
     upwards,
 )
-from reports.charts.palette import INK, SURFACES, Look, look, model_looks
 from reports.messages import ENGLISH, Language
-from reports.text.study_rows import Condition, family, symbol
+from reports.text.wording import Condition, family, symbol
 
 FAMILIES: Final = ("none", "stands", "other", "wall", "overturns", "failed")
 COLOURS: Final = ("#ffffff", "#bfe0ee", "#b9bec6", "#E69F00", "#c8562d", "#000000")

@@ -14,7 +14,11 @@ from harness.records.study import CaseRun, Panel
 from reports.charts import Json
 from reports.charts.drawn import BETWEEN
 from reports.charts.figure import (
+    FLOOR_COLOUR,
+    INK,
+    PEDESTAL_COLOUR,
     ZOOMED,
+    Look,
     across,
     axis,
     band,
@@ -24,6 +28,7 @@ from reports.charts.figure import (
     estimates,
     figure,
     marks,
+    model_looks,
     named,
     names,
     points,
@@ -31,11 +36,10 @@ from reports.charts.figure import (
     upwards,
 )  # fmt: skip
 from reports.charts.map_figures import LEAST, map_axes, number_map, numeric
-from reports.charts.palette import INK, Look, model_looks
 from reports.drawing.effects_figures import Curve, rose_of
 from reports.drawing.shapes import Picture
 from reports.messages import ENGLISH, Language
-from reports.text.study_rows import Condition, family, runs_of, symbol
+from reports.text.wording import Condition, family, runs_of, symbol
 
 # Maps of numbers: how far the statue rotates and its pedestal slides over what varies, and where the pedestal
 # would tip.
@@ -186,8 +190,6 @@ def _curves(models: Sequence[str], members: Sequence[Condition], key: str, say: 
     )
 
 
-FLOOR_COLOUR: Final = "#0072B2"
-PEDESTAL_COLOUR: Final = "#D55E00"
 SLIP_COLOUR: Final = "#009E73"
 SHOWN_RAD: Final = 0.50
 """The paper's figures show rotations up to this value."""

@@ -8,7 +8,9 @@ from io import TextIOWrapper
 
 # Each adds its commands, which the help lists in this order.
 # isort: off
-from reports.cli import scenes, questions, inputs, pages, measures
+from reports.cli import scenes, questions, inputs
+from reports.cli import questions as pages
+from reports.cli import questions as measures
 # isort: on
 
 from reports.cli.app import app

@@ -20,9 +20,8 @@ from harness.questions.assess.by_model import MODEL
 from harness.questions.assess.options import read_options
 from harness.records.assess import AssessRecord
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
-from harness.runs.dask_pool import DaskPool
 from harness.runs.progress import ProgressMessages
-from harness.runs.runner import LocalPool
+from harness.runs.runner import DaskPool, LocalPool
 from harness.runs.store import STORE_NAME, Store, check_begun
 from reports.cli.options import EngineOptions, Sampling, ScanOptions, SupportOptions, TextLayout
 from reports.cli.studies import unbegun

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.model.terminal import printable
+from harness.model.errors import printable
 from reports.cli.app import app, command
 from reports.cli.options import OUT, OutputOptions, ScanOptions, SupportOptions, TextLayout
 

@@ -9,8 +9,7 @@ from typing import Annotated, Final
 
 import typer
 
-from harness.model.errors import InputError, Mistake
-from harness.model.terminal import json_text, printable_lines
+from harness.model.errors import InputError, Mistake, json_text, printable_lines
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (TOML).", show_default=False)]
 Accuracy = Annotated[

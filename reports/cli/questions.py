@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from harness.runs.progress import ProgressMessages
 from reports.cli.app import app, command
-from reports.cli.ending import FAILED, OK
+from reports.cli.ending import FAILED, OK, check_language, say_result
 from reports.cli.options import (
     OUT,
     Dask,
@@ -25,10 +26,10 @@ from reports.cli.options import (
     SupportOptions,
     TextLayout,
 )
-from reports.cli.result import check_language, say_result
 
 if TYPE_CHECKING:
-    from harness.records.measured import MeasuredRecord
+    from harness.records.validation import MeasuredRecord
+    from harness.runs.parts import Measurement, R
 
 
 @command(
@@ -233,3 +234,113 @@ def _measured(
     return validate_drops(
         table, folder, body, models=models, samples=samples, seed=seed, jobs=jobs, quiet=quiet, say=say
     )
+
+
+# The commands that make something of finished records: pages, figures, an animation.
+
+
+READERS: Final = ("engineer", "conservator")
+
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.json.", show_default=False)]
+
+
+@command(app, None, "rockcheck report out/maria", "rockcheck report out/maria --for conservator --language it --pdf")
+def report(
+    folder: Folder,
+    saying: OutputOptions,
+    reader: Annotated[str, typer.Option("--for", help="Whose page to name: engineer or conservator.")] = "engineer",
+    pdf: Annotated[bool, typer.Option("--pdf", help="Also print that page, beside it (by Chromium).")] = False,
+    language: InLanguage = "en",
+) -> None:
+    """Write the pages of a result folder again from its records: report.html, and conservator.html where there is one."""
+    from harness.model.errors import InputError, Mistake
+    from reports.export.figures import browser, write_pdf
+    from reports.pages.page import CONSERVATOR_NAME, write_report
+
+    if reader not in READERS:
+        raise InputError(Mistake("--for", "", f"one of {', '.join(READERS)}", repr(reader)))
+    if pdf:
+        browser()
+    page = write_report(folder, language)
+    if reader == "conservator":
+        page = folder / CONSERVATOR_NAME
+        if not page.is_file():
+            raise InputError(Mistake("--for", "", "a run or a study", "a record that has no conservator's page"))
+    paths = {"report": str(page)} | ({"pdf": str(write_pdf(page))} if pdf else {})
+    saying.say(paths, "\n".join(f"{name}: {path}" for name, path in paths.items()))
+
+
+@command(app, None, "rockcheck figures out/paestum_floor --format pdf --width column")
+def figures(
+    folder: Folder,
+    saying: OutputOptions,
+    formats: Annotated[list[str] | None, typer.Option("--format", help="png, svg, pdf (repeat). Default: all.")] = None,
+    width: Annotated[str, typer.Option("--width", help="column or page, as journals print.")] = "page",
+    model: Annotated[
+        str | None, typer.Option("--model", help="Of a study: whose panels, such as `pymunk (paper)`.")
+    ] = None,
+) -> None:
+    """Write the figures of a result for print."""
+    from reports.export.figures import FORMATS, write_figures
+
+    written = [str(path) for path in write_figures(folder, formats or FORMATS, width, model)]
+    saying.say(written, "\n".join(written))
+
+
+@command(app, None, "rockcheck gif out/paestum_floor")
+def gif(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder of a run.", show_default=False)],
+    saying: OutputOptions,
+    out: Annotated[Path | None, typer.Option("--out", help="The file to write. Default: replay.gif in DIR.")] = None,
+    model: Annotated[str | None, typer.Option("--model", help="Whose motion. Default: the 3D engine's.")] = None,
+) -> None:
+    """Write the replay of a run as an animated picture for slides."""
+    from reports.export.animation import write_gif
+
+    with ProgressMessages(saying.silent) as messages:
+        messages.now("drawing the frames")
+        written = str(write_gif(folder, out, model))
+    saying.say([written], written)
+
+
+# The commands that measure: run time against error, and numerical stability.
+
+
+Quick = Annotated[bool, typer.Option("--quick", help="A few rows of each kind: to see that it works, not to judge.")]
+Parts = Annotated[
+    str | None,
+    typer.Option(
+        "--parts", metavar="NAMES", help="Only these parts (a,b), the others as measured before; see the docs."
+    ),
+]
+
+
+@command(app, None, "rockcheck bench --out out/bench", "rockcheck bench --parts precision,skips")
+def bench(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
+    """Measure run time against error for every engine and setting, what skips gain, and how cost grows."""
+    from harness.questions.bench import bench_run
+
+    measured(bench_run.bench(), saying, quick, parts, out)
+
+
+@command(app, None, "rockcheck stress --out out/stress", "rockcheck stress --parts fuzz")
+def stress(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
+    """Run hard scenes, map each engine's stability, and read thousands of mutated files."""
+    from harness.questions.bench.stress import stress_run
+
+    record = measured(stress_run.stress(), saying, quick, parts, out)
+    raise typer.Exit(OK if record.holds else FAILED)
+
+
+def measured(measurement: Measurement[R], saying: OutputOptions, quick: bool, parts: str | None, out: Path | None) -> R:
+    """The record of a measurement of these parts (comma-separated; None: of all), once it is said."""
+    from harness.records.base import as_file
+    from reports.messages import ENGLISH
+    from reports.terminal import study_lines
+
+    folder = out or OUT / measurement.name
+    only = None if parts is None else [name.strip() for name in parts.split(",") if name.strip()]
+    with ProgressMessages(saying.silent) as messages:
+        record = measurement.run(folder, quick, only, messages.engine, ENGLISH.say)
+    say_result(as_file(record), "\n".join(study_lines(record, verbose=saying.verbose)), folder, saying)
+    return record

@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.input import paths
-from harness.input.mesh_file import MARBLE_KG_M3
-from harness.input.mesh_statue import findings_of, mesh_mistake, steps_of
+from harness.input.mesh_statue import MARBLE_KG_M3, findings_of, mesh_mistake, steps_of
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.files import check_own, checksum, write_text, writing

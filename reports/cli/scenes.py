@@ -10,21 +10,19 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.model.errors import InputError, Mistake, nearest
-from harness.model.terminal import printable
+from harness.model.errors import InputError, Mistake, nearest, printable
 from harness.runs.progress import ProgressMessages
 from reports.cli.app import app, command
-from reports.cli.ending import FAILED, OK
+from reports.cli.ending import FAILED, OK, check_language, say_result
 from reports.cli.options import OUT, EngineOptions, InLanguage, JsonOnly, Out, OutputOptions, SceneFile, Target
-from reports.cli.result import check_language, say_result
 
 if TYPE_CHECKING:
-    from harness.comparison.scores.against_measured import Measured
-    from harness.model.options import RunOptions
+    from harness.comparison.scores.pointwise import Measured
+    from harness.model.run import RunOptions
     from harness.model.scene import Scene
     from harness.questions.scene.scene_run import Result
     from harness.records.scores import Scores
-    from harness.records.sets import SetScores
+    from harness.records.validation import SetScores
     from harness.statics.plan import Step
 
 
@@ -163,7 +161,7 @@ def compare(
 
 def _measured(data_rad: float | None, input_rad: float) -> Measured | None:
     """What is stated of a measured history. Raises `InputError` for what is stated of inputs alone."""
-    from harness.comparison.scores.against_measured import Measured
+    from harness.comparison.scores.pointwise import Measured
 
     if data_rad is None and input_rad:
         raise InputError(Mistake("--input-uncertainty", "", "beside --measured-uncertainty", "alone"))
@@ -238,8 +236,8 @@ def compared_of(
         if out is not None:
             write_comparison(a, b, scores, out)
         return Compared({f"{a.name}_vs_{b.name}": scores})
+    from harness.questions.study.case_blocks import KeyedRow
     from harness.questions.study.ensembles import score_sets
-    from harness.questions.study.rows import KeyedRow
     from harness.records.study import CaseRun
     from harness.runs.task import answer_of
 
@@ -332,7 +330,7 @@ def plan_of(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | 
 
 def options_without(no_skip: Sequence[str] | None) -> RunOptions:
     """The options of a run without the skips that `--no-skip` names. Raises `InputError` for a name that is no skip."""
-    from harness.model.options import SKIPS, RunOptions
+    from harness.model.run import SKIPS, RunOptions
 
     off = set(no_skip or ())
     unknown = [name for name in off if name not in SKIPS and name != "all"]

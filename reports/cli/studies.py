@@ -24,9 +24,8 @@ from harness.questions.study.witnessed import witness_study
 from harness.records.base import Record
 from harness.records.result_folder import RECORD, check_folder, read_own, write_whole
 from harness.records.study import ExportRecord, StudyRecord
-from harness.runs.dask_pool import DaskPool
 from harness.runs.progress import progress
-from harness.runs.runner import LIMIT_S, LocalPool, Pool
+from harness.runs.runner import LIMIT_S, DaskPool, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, check_begun
 
 QUESTIONS: Final = {

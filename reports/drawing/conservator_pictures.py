@@ -10,8 +10,7 @@ import numpy as np
 from markupsafe import Markup
 
 from harness.records.scene import MotionRecord, SceneRecord
-from reports.charts.palette import INK
-from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
+from reports.charts.figure import FLOOR_COLOUR, INK, PEDESTAL_COLOUR
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import Plan
 from reports.drawing.kinematics import Array, section

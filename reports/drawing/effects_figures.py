@@ -12,8 +12,21 @@ from markupsafe import Markup
 
 from harness.records.effects3d import BASELINE, Band, EffectsRecord
 from reports.charts import Json
-from reports.charts.figure import HEIGHT, WIDTH, across, axis, figure, level, marks, named, span
-from reports.charts.palette import HAIRLINE, INK, MUTED, look
+from reports.charts.figure import (
+    HAIRLINE,
+    HEIGHT,
+    INK,
+    MUTED,
+    WIDTH,
+    across,
+    axis,
+    figure,
+    level,
+    look,
+    marks,
+    named,
+    span,
+)
 from reports.drawing.display_mesh import read_mesh
 from reports.drawing.scan_picture import Figure, directions_picture
 from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, line, nice_ticks

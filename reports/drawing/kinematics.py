@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.model.history import History
-from harness.model.in_space import SOLID_COLUMNS, Sides, centroid_shift_m, rotations
+from harness.model.scene import SOLID_COLUMNS, Sides, centroid_shift_m, rotations
 from harness.records.scene import SceneRecord
 
 Array = NDArray[np.float64]

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.model.history import History
-from harness.model.in_space import SOLID_COLUMNS
+from harness.model.scene import SOLID_COLUMNS
 from harness.records.scene import MotionRecord, SceneRecord
-from reports.charts.palette import look
-from reports.charts.samples import packed_array
+from reports.charts.figure import look
+from reports.charts.histories import packed_array
 from reports.drawing.display_mesh import display_mesh
 from reports.drawing.kinematics import poses, section
 from reports.pages.assets import packed_json

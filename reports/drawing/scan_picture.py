@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from meshes.footprint import slenderness_rose_rad, weakest_azimuth_deg
 from meshes.solid import Solid
-from reports.charts.palette import MUTED
+from reports.charts.figure import MUTED
 from reports.drawing.display_mesh import Array, decimated, facing
 from reports.drawing.shapes import Path, Picture, Shape, Text, area, line, moved
 from reports.messages import ENGLISH, Language

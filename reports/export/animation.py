@@ -17,9 +17,8 @@ from harness.model.errors import InputError, Mistake
 from harness.model.files import check_own, writing
 from harness.model.history import History
 from reports.charts.drawn import svg
-from reports.charts.figure import across, axis, figure, marks, named
+from reports.charts.figure import HAIRLINE, INK, MUTED, across, axis, figure, look, marks, named
 from reports.charts.histories import histories_figure
-from reports.charts.palette import HAIRLINE, INK, MUTED, look
 from reports.drawing.display_mesh import display_mesh, facing, silhouette_m
 from reports.drawing.kinematics import Section, posed_in_space_m, posed_pedestal_m, poses, section
 from reports.drawing.replay import default_model

@@ -7,12 +7,11 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from harness.input.motions.inspect import DAMPING, PERIODS_S, Inspection, in_g
-from harness.input.motions.measures import arias_share
-from harness.input.motions.series import displacement_m, velocity_m_s
-from harness.model.terminal import printable
+from harness.input.motions.recordfile import displacement_m, velocity_m_s
+from harness.input.motions.spectra import arias_share
+from harness.model.errors import printable
 from reports.charts import Json
-from reports.charts.figure import LOOKING, across, axis, figure, level, log, marks, named, rows_of
-from reports.charts.palette import MUTED, Look
+from reports.charts.figure import LOOKING, MUTED, Look, across, axis, figure, level, log, marks, named, rows_of
 from reports.messages import ENGLISH
 
 WIDE: Final = 1290

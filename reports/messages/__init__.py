@@ -15,9 +15,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, printable
 from harness.model.finding import Finding
-from harness.model.terminal import printable
 from reports.messages import numbers
 
 FOLDER: Final = Path(__file__).parent

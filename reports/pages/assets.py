@@ -15,8 +15,8 @@ import numpy as np
 from jinja2 import Environment, FileSystemBytecodeCache, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
+from harness.model.errors import printable_lines
 from harness.model.run import to_plain
-from harness.model.terminal import printable_lines
 from meshes import array_cache
 from reports.charts import Json
 from reports.charts.drawn import packed_data, still

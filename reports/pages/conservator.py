@@ -11,8 +11,8 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.history import Outcome
-from harness.model.in_space import support_m
 from harness.model.run import EngineRunRecord
+from harness.model.scene import support_m
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import MOSTLY, Assessment, worst
 from harness.records.run import RunRecord, has_answer, tips_s

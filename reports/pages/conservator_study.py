@@ -19,10 +19,8 @@ from reports.charts.map_figures import map_axes, map_figures
 from reports.messages import ENGLISH, Language
 from reports.pages.conservator import ENDS, order_picture, plain_page, push_picture, reach_picture
 from reports.source import run_source
-from reports.text.giving_way import compass, scan_turn_deg, support_of
-from reports.text.pedestal_effect import pedestal_effect
-from reports.text.study_rows import Condition, conditions, family, runs_of, varying_keys
-from reports.text.wording import tone_of_study
+from reports.text.giving_way import compass, pedestal_effect, scan_turn_deg, support_of
+from reports.text.wording import Condition, conditions, family, runs_of, tone_of_study, varying_keys
 
 WIDTH: Final = 480
 """Width of the charts among the page's pictures."""

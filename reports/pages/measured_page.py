@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from pathlib import Path
 
-from harness.records.measured import MeasuredRecord, MeasuredTable
+from harness.records.validation import MeasuredRecord, MeasuredTable
 from reports.blocks import Block, Table, code, repeat, section, verdict
 from reports.messages import Language
 

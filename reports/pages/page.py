@@ -10,15 +10,14 @@ from typing import Final
 
 from markupsafe import Markup
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, printable
 from harness.model.files import write_text
-from harness.model.terminal import printable
 from harness.records.base import Record
 from harness.records.kinds import read_result
 from reports.blocks import SHOWN_POINTS, Block, Replay, Section, walk
 from reports.charts.drawn import told_apart
+from reports.charts.figure import dark_css
 from reports.charts.library import chart_library
-from reports.charts.palette import dark_css
 from reports.messages import ENGLISH, Language, language
 from reports.pages.assets import environment, source_text
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.comparison.statistics.distributions import wilson
 from harness.questions.assess.stratified import LEVEL
-from harness.records.rocking_spectrum import RockingSpectrumRecord
+from harness.records.study import RockingSpectrumRecord
 from reports.blocks import Block, Chart, Verdict, facts, grid, repeat, section, table, words
 from reports.blocks import verdict as verdict_of
 from reports.charts import Json

@@ -29,10 +29,10 @@ from reports.blocks import (
     turned,
     words,
 )
+from reports.charts.figure import look
 from reports.charts.histories import histories_figure
-from reports.charts.palette import look
+from reports.drawing.floor_plan import scene_svg
 from reports.drawing.replay import default_model, replay_payload
-from reports.drawing.scene_picture import scene_svg
 from reports.messages import Language
 from reports.messages.numbers import angle, given, length, short, unit
 from reports.pages.assets import three_js

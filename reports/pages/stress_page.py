@@ -1,4 +1,4 @@
-"""The page of a stress run (`harness/records/stress.py`): each engine's stability map, the hard scenes, the mutated inputs."""
+"""The page of a stress run (`harness/records/bench.py`): each engine's stability map, the hard scenes, the mutated inputs."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from harness.records.stress import Cell as Found
-from harness.records.stress import HardRow, Measure, StressRecord
+from harness.records.bench import Cell as Found
+from harness.records.bench import HardRow, Measure, StressRecord
 from reports.blocks import (
     Block,
     Cell,

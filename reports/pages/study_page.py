@@ -39,20 +39,20 @@ from reports.charts.study_figures import (
     panels_figure,
     rose_picture,
 )
-from reports.drawing.scene_picture import scene_svg
+from reports.drawing.floor_plan import scene_svg
 from reports.messages import Language
 from reports.messages.numbers import plain, short
-from reports.text.pedestal_effect import pedestal_effect
-from reports.text.study_rows import (
+from reports.text.giving_way import pedestal_effect
+from reports.text.wording import (
     Condition,
     cell,
     conditions,
     family,
     runs_of,
     symbols,
+    tone_of_study,
     varying_keys,
 )
-from reports.text.wording import tone_of_study
 
 MOST_MATRIX_ROWS: Final = 300
 """Longer matrices are not read; the map shows them."""

@@ -27,9 +27,9 @@ from reports.blocks import (
     section,
     verdict,
 )
-from reports.charts.validation_figures import charts
+from reports.charts.curve_figures import charts
 from reports.messages import Language
-from reports.text.study_rows import SIGNS, symbol
+from reports.text.wording import SIGNS, symbol
 
 RATES: Final = ("accuracy", "precision", "recall", "f1", "matthews")
 PLAIN: Final = ("f1", "matthews", "area")

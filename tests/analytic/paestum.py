@@ -6,7 +6,7 @@ import math
 from typing import Any, Final
 
 from analytic import Block, Harmonic, Pedestal, Solution, simulate
-from analytic.constants import GRAVITY_M_S2 as GRAVITY
+from analytic.block import GRAVITY_M_S2 as GRAVITY
 
 STATUE: Final = Block.two_corners(
     mass_kg=707.0, centroid_height_m=0.774, inertia_kg_m2=152.4, corner_left_m=0.3585, corner_right_m=0.0682

@@ -6,8 +6,7 @@ import numpy as np
 
 from analytic import Excitation, Harmonic, Pulse, Record, Rest
 from analytic.block import Block, Form, Pedestal, Wall
-from analytic.certainty import Certified, certify
-from analytic.solver import simulate
+from analytic.solver import Certified, certify, simulate
 from tests.analytic.reference_case import PEDESTAL_SIZE_M, Case, Motion, Path
 
 OUTCOMES = {"stands": "ran", "undecided": "ran"}

@@ -7,8 +7,8 @@ from dataclasses import astuple
 import numpy as np
 
 from analytic import Block, CommonKeywords, Form, Harmonic, Pedestal, SampledAcceleration, ZeroExcitation, certify
-from analytic.certified_rows import Motions, body_of, certify_rows
 from analytic.problem import Problem
+from analytic.sweep import Motions, body_of, certify_rows
 from harness.engines.analytic import findings_of
 
 ACCURACY_RAD = 1e-6

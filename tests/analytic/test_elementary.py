@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from analytic.kernel.compiler import jit
-from analytic.kernel.elementary import FAR, coarse_root, sine_cosine
+from analytic.kernel.polynomial import FAR, coarse_root, sine_cosine
 from tests.budgets_analytic import COARSE_ROOT, SINE_RELATIVE
 
 

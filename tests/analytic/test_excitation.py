@@ -9,7 +9,7 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from analytic.errors import AnalyticInputError
+from analytic.block import AnalyticInputError
 from analytic.excitation import Excitation, Harmonic, Pulse, PulseShape, Record, Rest
 from tests.budgets_analytic import QUADRATURE_REL
 

@@ -14,14 +14,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analytic import compiling, machine_code
+from analytic import machine_code
+from analytic import machine_code as compiling
 from analytic.kernel import compiler
 from analytic.machine_code import home_of
 
 TINY = '''
 import math
 from analytic.kernel.compiler import jit
-from analytic.kernel.memory import load_double, store_double
+from analytic.kernel.compiler import load_double, store_double
 
 @jit
 def power(x, n):
@@ -154,7 +155,8 @@ def test_the_processor_and_the_loader_name_what_is_kept(monkeypatch: pytest.Monk
 HEARING = """
 import sys
 import numpy as np
-from analytic import compiling, machine_code
+from analytic import machine_code
+from analytic import machine_code as compiling
 compiling.listeners.append(lambda done, total: print("compiled"))
 machine_code.Entry(sys.argv[1], "powers")(np.zeros(3).ctypes.data, 3)
 """

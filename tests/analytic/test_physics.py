@@ -10,8 +10,7 @@ from scipy.integrate import simpson
 
 from analytic import Block, Excitation, Form, Harmonic, Pedestal, Pulse, Record, Rest, simulate
 from analytic.kernel.impact import impact
-from analytic.kernel.layout import PARAMS
-from analytic.kernel.records import Params
+from analytic.kernel.records import PARAMS, Params
 from tests.analytic.paestum import FREE, GRAVITY, PEDESTAL, STATUE, rectangle, shaken
 from tests.budgets_analytic import ENERGY_REL, ENERGY_RISE_REL, IMPACT_REL
 

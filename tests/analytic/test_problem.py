@@ -11,9 +11,9 @@ import pytest
 
 import analytic
 from analytic import AnalyticInputError, Block, Harmonic, Keywords, Options, Problem, simulate, solve
-from analytic.encode import encode
 from analytic.kernel import records
-from analytic.kernel.layout import PARAMS, layout, packing, row
+from analytic.kernel.records import PARAMS, layout, packing, row
+from analytic.problem import encode
 from tests.analytic.paestum import PEDESTAL, STATUE
 
 MOTION = Harmonic(3.0, 2.0)

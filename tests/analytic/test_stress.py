@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from analytic import Block, Form, Harmonic, Pedestal, Solution, simulate
-from analytic.constants import GRAVITY_M_S2 as GRAVITY
+from analytic.block import GRAVITY_M_S2 as GRAVITY
 from tests.budgets_analytic import ENERGY_RISE_REL, STRESS_STEPS_PER_S
 
 

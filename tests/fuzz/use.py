@@ -69,7 +69,7 @@ def effects(path: Path) -> None:
     """Read, and run the first conditions of the first direction for a moment."""
     from harness.accuracy.simulation import simulate
     from harness.input.tables import read_model
-    from harness.questions.effects3d.conditions import changed_scene
+    from harness.questions.effects3d.search import changed_scene
     from harness.questions.effects3d.study import EffectsFile
     from harness.questions.study.cases import base_of_scene
 
@@ -103,7 +103,7 @@ def ratios(path: Path) -> None:
 def drops(path: Path) -> None:
     """Read measured drops of the square beside them."""
     from harness.input.scene_file import load_scene
-    from harness.questions.validate.drops import read_drops
+    from harness.questions.validate.drop_run import read_drops
 
     read_drops(path, load_scene(path.with_name("thrown.toml")))
 

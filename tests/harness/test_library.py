@@ -23,12 +23,12 @@ import trimesh
 
 import harness
 from harness import engines
+from harness.model.finding import Shown
 from harness.model.history import Outcome
 from harness.model.run_set import RunSet, column_of
-from harness.model.shown import Shown
 from harness.questions.scene.scene_run import write_result
 from harness.records.study import CaseRun, StudyRecord, StudyRow
-from harness.runs.cache_key import scene_key
+from harness.runs.task import scene_key
 from tests import budgets
 
 REFERENCE = ("analytic", "analytic.closed_form", "analytic.pulse_response", "meshes", "harness")

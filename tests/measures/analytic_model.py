@@ -26,12 +26,11 @@ from analytic import (
     ensemble,
     simulate,
 )
-from analytic.certified_rows import body_of, certify_rows
-from analytic.constants import GRAVITY_M_S2
-from analytic.encode import encode
+from analytic.block import GRAVITY_M_S2
 from analytic.kernel.records import Counts, State
-from analytic.problem import Options, Problem
+from analytic.problem import Options, Problem, encode
 from analytic.solver import Prepared, prepare
+from analytic.sweep import body_of, certify_rows
 from harness.questions.bench.programs import Cost, cost, costs
 from harness.records.bench import SolverRow, Throughput
 from tests.measures.reference_integrators import Model, heyoka_solver, scipy_run

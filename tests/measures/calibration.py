@@ -20,10 +20,8 @@ import numpy as np
 from harness.comparison.statistics.outcomes import FELL, brier, reliability
 from harness.model.scene import Scene
 from harness.questions.assess.engine_runs import DrawnRun, overturns
-from harness.questions.assess.inputs import draw, row, uncertain_inputs
-from harness.questions.assess.model_draws import model_draws
-from harness.questions.assess.variation import varied
-from harness.records.sets import ReliabilityBin
+from harness.questions.assess.model_draws import draw, model_draws, row, uncertain_inputs, varied
+from harness.records.validation import ReliabilityBin
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
 from tests.measures.seeded_scenes import random_scene

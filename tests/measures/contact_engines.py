@@ -12,8 +12,7 @@ from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.world import build
 from harness.engines.stepping import frame
 from harness.engines.stepping.schedule import Schedule
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import PAESTUM, PEDESTAL, harmonic, scene_of
 

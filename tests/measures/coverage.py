@@ -15,14 +15,13 @@ from typing import Final
 
 import numpy as np
 
-from analytic.constants import GRAVITY_M_S2
+from analytic.block import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.comparison.scores.pointwise import error_rad, errors
 from harness.engines.base import Engine, EngineFailure
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue
 from harness.questions.bench.bench_run import FIRST_SEED, SCENES
 from harness.questions.bench.precision import TARGET_RAD

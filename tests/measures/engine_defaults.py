@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import engines
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.bench.precision import BUDGET_S, REPEATS, costing
 from harness.questions.bench.programs import costs, timed

@@ -16,7 +16,7 @@ from harness.model.scene import Scene
 from harness.records.scores import Verdict
 
 MUST_SHOW: Final = 3.0
-"""An effect above this multiple of the joint uncertainty must be found (see `harness.comparison.verdict.COVERAGE`)."""
+"""An effect above this multiple of the joint uncertainty must be found (see `harness.comparison.comparator.COVERAGE`)."""
 
 
 def heavier_turning(scene: Scene) -> Scene:

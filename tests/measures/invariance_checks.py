@@ -16,20 +16,19 @@ from typing import Final
 
 import numpy as np
 
-from analytic.constants import GRAVITY_M_S2
+from analytic.block import GRAVITY_M_S2
 from analytic.excitation import SampledAcceleration
 from harness import engines
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, Settings
 from harness.model.errors import InputError
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import BaseExcitation, Scene
 from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.questions.bench.stress import checks
 from harness.questions.bench.stress.catalogue import ALL, CONTACT, leaning
 from harness.questions.bench.stress.hard_scenes import QUESTIONS, solution
-from harness.records.stress import HardRow, Measure
+from harness.records.bench import HardRow, Measure
 
 HOLDS: Final = "holds"
 STEP_S: Final = 5e-4

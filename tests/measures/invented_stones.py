@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from harness.accuracy.simulation import simulate
 from harness.comparison.statistics.outcomes import reliability
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.questions.validate import fit
 from harness.questions.validate.scenes import Variant, scene_of
 from harness.questions.validate.table import Inputs, Trial, read_table

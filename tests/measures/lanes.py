@@ -16,15 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import Harmonic, Pedestal, ZeroExcitation
-from analytic.constants import GRAVITY_M_S2
-from analytic.encode import encode
+from analytic.block import GRAVITY_M_S2
 from analytic.kernel.compiler import jit
 from analytic.kernel.events import first_event
 from analytic.kernel.integrator import _expand_step
-from analytic.kernel.layout import TASK
-from analytic.kernel.records import Records
+from analytic.kernel.records import TASK, Records
 from analytic.kernel.track import advance
-from analytic.problem import Options, Problem
+from analytic.problem import Options, Problem, encode
 from analytic.solver import prepare
 from tests.measures.analytic_model import FORCED, STATUE
 

@@ -12,7 +12,7 @@ from typing import Final
 
 from harness import engines
 from harness.comparison.scores.pointwise import errors
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from tests.measures.contact_engines import KINDS, PAPER, analytic_run, paper_scene
 
 STEPS_S: Final = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)

@@ -14,7 +14,7 @@ from typing import Final
 from harness.questions.validate.drop_run import validate_drops
 from harness.questions.validate.impact_ratios import validate_ratios
 from harness.questions.validate.toss_run import validate_tosses
-from harness.records.measured import MeasuredRecord
+from harness.records.validation import MeasuredRecord
 from reports.messages import ENGLISH
 from reports.pages.measured_page import measured_table
 from tests.measures.pages import DOCS, renew_tables, table

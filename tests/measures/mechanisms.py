@@ -20,8 +20,7 @@ import numpy as np
 from harness import engines
 from harness.comparison.scores.pointwise import errors
 from harness.engines.base import Engine, EngineFailure
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from tests.measures.contact_engines import PAPER, paper_scene
 from tests.measures.seeded_scenes import random_scene, wide_scene
@@ -73,7 +72,7 @@ LAYER: Final[Mapping[str, Change]] = {
     "slip onset at its share of the step": {
         _E + "step_state:coefficient": lambda _: lambda stepper, *__: stepper.kinetic
     },
-    "the step after a reversal solved again": {_E + "stepper:Stepper._reversed": _always(False)},
+    "the step after a reversal solved again": {_E + "step_state:Stepper._reversed": _always(False)},
 }
 MUNK: Final[Mapping[str, Change]] = {
     **LAYER,

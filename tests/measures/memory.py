@@ -17,7 +17,7 @@ import numpy as np
 
 from harness import engines
 from harness.engines.base import Engine, Settings
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from tests.measures.contact_engines import paper_scene
 
 RUNS: Final = (100, 1000)

@@ -14,7 +14,7 @@ from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
 from harness import engines
 from harness.comparison.scores.pointwise import errors
 from harness.engines.base import Engine
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.model.scene import Scene
 from tests.measures.contact_engines import analytic_run
 from tests.measures.seeded_scenes import random_scene

@@ -14,8 +14,8 @@ from harness.input.motions import compatible
 from harness.input.motions.inspect import inspect_file
 from harness.input.motions.process import bandpass, baseline
 from harness.input.motions.readers import read_record
+from harness.input.motions.recordfile import displacement_m, velocity_m_s
 from harness.input.motions.records import aligned
-from harness.input.motions.series import displacement_m, velocity_m_s
 from harness.input.motions.spec import SpectrumSpec
 from harness.input.motions.spectra import DesignSpectrum, design_spectrum
 from reports.export.figures import printed, write_picture

@@ -16,7 +16,7 @@ from typing import Final
 
 import numpy as np
 
-from analytic.constants import GRAVITY_M_S2
+from analytic.block import GRAVITY_M_S2
 from analytic.excitation import Harmonic
 from harness.accuracy.simulation import simulate
 from harness.input.scene_file import load_scene

@@ -13,7 +13,7 @@ from functools import partial
 from typing import Final, final
 
 import analytic
-from analytic.constants import GRAVITY_M_S2
+from analytic.block import GRAVITY_M_S2
 from tests.measures.pages import renew_tables, table
 
 PAGE: Final = "measured/paper_forms.md"

@@ -13,8 +13,7 @@ from typing import Final
 from harness import engines
 from harness.comparison.scores.pointwise import errors
 from harness.engines.base import Engine
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.records.run import PLAIN
 from tests.measures.contact_engines import PAPER, analytic_run, paper_scene

@@ -18,11 +18,8 @@ from harness.input.tables import read_model
 from harness.model.scene import BaseExcitation, Scene
 from harness.questions.assess.assessment import assess
 from harness.questions.assess.by_model import RUN_DRAWS, assess_models
-from harness.questions.assess.compared import Answered, compare
-from harness.questions.assess.inputs import uncertain_inputs
-from harness.questions.assess.model_draws import draws_of, model_draws
-from harness.questions.assess.options import options_of
-from harness.questions.assess.variation import varied
+from harness.questions.assess.model_draws import draws_of, model_draws, uncertain_inputs, varied
+from harness.questions.assess.options import Answered, compare, options_of
 from harness.questions.study.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of
 from reports.messages import probability_text
 from tests.harness.questions.assess.measure_own_runs import own_runs, scene_of_runs

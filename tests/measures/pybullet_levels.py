@@ -15,8 +15,7 @@ from typing import Final
 
 from harness.comparison.scores.pointwise import errors
 from harness.engines import load
-from harness.model.options import SKIPS, RunOptions
-from harness.model.run import Run
+from harness.model.run import SKIPS, Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import resolved, standard_set
 from tests.measures.contact_engines import KINDS, PAPER, paper_scene

@@ -23,14 +23,12 @@ from harness.engines.pybullet.backend import BulletBackend
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
 from harness.engines.stepping.columns import Trajectory, trajectory
-from harness.engines.stepping.loop import integrate
+from harness.engines.stepping.loop import Watch, integrate
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
-from harness.engines.stepping.step_state import StepState
-from harness.engines.stepping.stepper import Stepper
-from harness.engines.stepping.watch import Watch
+from harness.engines.stepping.step_state import Stepper, StepState
 from harness.model.history import History
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.model.scene import Pedestal, Scene
 from tests.measures.contact_engines import PAPER, paper_scene
 from tests.measures.pages import renew_tables

@@ -15,7 +15,7 @@ from typing import Final, Literal
 import numpy as np
 import pybullet
 
-from analytic.constants import GRAVITY_M_S2
+from analytic.block import GRAVITY_M_S2
 from harness.engines import load
 from harness.engines.pybullet import run_phases
 from harness.engines.pybullet.full import full_shape
@@ -23,8 +23,7 @@ from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
 from harness.input import paths
 from harness.input.mesh_statue import statue_of
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Scene
 from harness.statics.plan import shape_needed
 from meshes import Solid

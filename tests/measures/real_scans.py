@@ -22,7 +22,7 @@ from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
 from harness.engines.stepping.schedule import Schedule
 from harness.model.errors import InputError
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import MESHES, record, scene_of
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import Block, Friction, Harmonic, Pedestal
-from analytic.constants import GRAVITY_M_S2, OVERTURN_RAD
+from analytic.block import GRAVITY_M_S2, OVERTURN_RAD
 
 MAX_EVENTS: Final = 100_000
 """Events after which a run is given up."""

@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.comparison.comparator import compare
-from harness.comparison.scores import iso
+from harness.comparison.scores import pointwise as iso
 from harness.model.history import History, pair
 
 PAIRS: Final = 1000

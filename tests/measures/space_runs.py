@@ -15,8 +15,8 @@ from scipy import signal
 
 import analytic
 from analytic import spatial
-from analytic.constants import GRAVITY_M_S2 as GRAVITY
-from analytic.motion import Excitation
+from analytic.block import GRAVITY_M_S2 as GRAVITY
+from analytic.excitation import Excitation
 from tests import budgets_spatial as budget
 from tests.analytic.spatial.test_variety import drawn
 

@@ -18,10 +18,9 @@ import numpy as np
 from harness import engines
 from harness.accuracy.simulation import simulate
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
-from harness.questions.validate.toss_scores import poses
+from harness.questions.validate.toss_run import poses
 from harness.records.bench import Statement
 from harness.runs.runner import Crash, Hung, LocalPool, Pool
 from tests.measures.coverage import statement

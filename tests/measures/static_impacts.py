@@ -12,8 +12,7 @@ from typing import Final, Literal
 
 from harness.comparison.scores.pointwise import errors
 from harness.engines import load
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from tests.measures.pages import renew, table
 from tests.scenes_for_tests import paestum

@@ -16,8 +16,7 @@ from typing import Any, Final
 from harness import engines
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import EngineFailure
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from tests.measures.mechanisms import Change, changed
 from tests.measures.seeded_scenes import random_scene
@@ -147,9 +146,9 @@ def _heavier(own: Any) -> Any:
 
 _E: Final = "harness.engines.stepping."
 LAYER: Final[Mapping[str, Change]] = {
-    **_turns(_E + "stepper:RowWriter.write", Columns(7, 9, 11, 20)),
+    **_turns(_E + "step_state:RowWriter.write", Columns(7, 9, 11, 20)),
     **{
-        f"{what} written at an impact × {share}": {_E + "stepper:RowWriter.write": _at_impact(*columns, share)}
+        f"{what} written at an impact × {share}": {_E + "step_state:RowWriter.write": _at_impact(*columns, share)}
         for what, columns in {"velocity": (7, 10), "rate": (10, 13), "pedestal's velocity": (20, 23)}.items()
         for share in (1.0 + ARM, 1.0 - ARM)
     },
@@ -161,13 +160,13 @@ LAYER: Final[Mapping[str, Change]] = {
     "turned the other way": {
         _E + "step_state:StepState.turn": lambda own: lambda self, seconds, foot_m: own(self, -seconds, foot_m)
     },
-    "limits of friction × 1.1": {_E + "stepper:Stepper.__init__": _limits},
+    "limits of friction × 1.1": {_E + "step_state:Stepper.__init__": _limits},
     "limit × 1.1 in the test alone": {
-        _E + "stepper:Stepper._share_of_limit": lambda own: lambda self, *values: own(self, *values) / LIMIT
+        _E + "step_state:Stepper._share_of_limit": lambda own: lambda self, *values: own(self, *values) / LIMIT
     },
     "release as static": {
-        _E + "stepper:Stepper._slip_onset": _static,
-        _E + "stepper:Stepper.redo_sliding": lambda _: lambda self, friction, gravity, before: self.backend.read(),
+        _E + "step_state:Stepper._slip_onset": _static,
+        _E + "step_state:Stepper.redo_sliding": lambda _: lambda self, friction, gravity, before: self.backend.read(),
     },
 }
 MUTANTS: Final[Mapping[str, Mapping[str, Change]]] = dict.fromkeys(("pymunk", "pybullet"), LAYER)

@@ -7,7 +7,7 @@ from typing import Final
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.questions.bench.programs import timed
 from harness.questions.bench.standard_scenes import PAESTUM, PEDESTAL, TWO, record, scene_of
 

@@ -24,7 +24,7 @@ TARGETS = sorted(
 
 
 def test_both_tables_name_targets() -> None:
-    assert any("stepping.stepper" in target for target in TARGETS)
+    assert any("stepping.step_state" in target for target in TARGETS)
     assert any("stepping.loop" in target for target in TARGETS)
 
 

@@ -7,8 +7,7 @@ import pytest
 from harness import engines
 from harness.engines.base import Engine, Settings
 from harness.engines.pymunk import Munk2D
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from tests import budgets_engines as budget
 from tests.measures import memory

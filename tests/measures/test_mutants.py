@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from harness.accuracy.simulation import simulate
-from harness.comparison import verdict
-from harness.comparison.comparator import compare
-from harness.comparison.verdict import COVERAGE
+from harness.comparison import comparator as verdict
+from harness.comparison.comparator import COVERAGE, compare
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.scores import Verdict

@@ -12,7 +12,7 @@ import pytest
 from analytic import ZeroExcitation
 from harness import engines
 from harness.comparison.scores.pointwise import errors
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from tests.budgets_engines import PROFILE_FINE_RAD, PROFILE_RAD, REST_ANGLE_RAD, ROUNDING_RAD
 from tests.measures import profiles as bench
 

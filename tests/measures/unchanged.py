@@ -16,8 +16,7 @@ import numpy as np
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.engines.base import Engine
-from harness.model.options import SKIPS, RunOptions
-from harness.model.run import Run
+from harness.model.run import SKIPS, Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.bench.skips import difference
 from tests.measures.pages import renew, table

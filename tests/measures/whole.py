@@ -14,8 +14,8 @@ from harness.questions.bench import bench_run
 from harness.questions.bench.stress import stress_run
 from reports.cli.app import command
 from reports.cli.ending import FAILED, OK, guarded
-from reports.cli.measures import Parts, Quick, measured
 from reports.cli.options import Out, OutputOptions
+from reports.cli.questions import Parts, Quick, measured
 
 SOURCES: Final = ("tests/fuzz", "tests/measures")
 BENCH: Final = bench_run.bench(

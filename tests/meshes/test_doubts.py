@@ -12,14 +12,14 @@ from scipy.spatial import ConvexHull
 
 from harness.input.scene_file import load_scene
 from meshes import MeshError, Solid, self_intersection
-from meshes.attached import SHEET, SHEET_WIDER, WIDER, attached_floor, cut_below
+from meshes.beside import SHEET, SHEET_WIDER, WIDER, attached_floor, cut_below
 from meshes.doubts import MOST_PINCHED, MOST_WRONG, doubts
 from meshes.inspection import inspect
 from meshes.mesh import RawMesh
 from meshes.prepare import Wanted, prepare, prepare_mesh
+from meshes.processing_log import EdgeCount
 from meshes.repair import Part
 from meshes.self_intersection import crossings, pinched, wrongly_sided
-from meshes.topology import EdgeCount
 from tests import doubles
 from tests.budgets_meshes import CUT_VOLUME_REL, FORMER_LIMIT, NOISE_REL
 from tests.meshes import toadstool

@@ -9,8 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from meshes import MeshError, Solid
-from meshes.errors import Doubt
-from meshes.mesh import Array, RawMesh
+from meshes.mesh import Array, Doubt, RawMesh
 from meshes.orientation import find_orientation, turn_axis, up_doubted
 from meshes.prepare import Wanted, prepare_mesh
 from meshes.repair import Part

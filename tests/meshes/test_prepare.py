@@ -9,12 +9,10 @@ import numpy as np
 import pytest
 
 from meshes import MeshError, Solid, load_solid
-from meshes.decimation import Bounds
 from meshes.mesh import RawMesh
-from meshes.prepare import Limits, Prepared, Wanted, prepare, prepare_mesh
-from meshes.processing_log import measure
+from meshes.prepare import Bounds, Limits, Prepared, Wanted, prepare, prepare_mesh
+from meshes.processing_log import EdgeCount, measure
 from meshes.solid import mass_properties
-from meshes.topology import EdgeCount
 from tests.budgets_meshes import CORNER_ASKED_M, DECIMATION_VOLUME_REL, QUIET_SCAN_REL, ROUND_OFF_REL, SURVEY_ASKED_REL
 from tests.meshes.scanner import Faults, scan, write
 

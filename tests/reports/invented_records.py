@@ -20,15 +20,26 @@ from harness.questions.assess.assessment import assess
 from harness.questions.study.cases import Base
 from harness.questions.trust.plane import Plane
 from harness.questions.trust.trust_run import answer_of, findings_of, saved_by
-from harness.records import stress as stress_record
+from harness.records import bench as stress_record
 from harness.records.base import as_file, plain
-from harness.records.bench import BenchRecord, Choice, Covered, PartRow, PrecisionRow, ScalingRow, SkipRow
+from harness.records.bench import (
+    BenchRecord,
+    Cell,
+    Choice,
+    Covered,
+    HardRow,
+    Measure,
+    Mutated,
+    PartRow,
+    PrecisionRow,
+    ScalingRow,
+    SkipRow,
+    StressRecord,
+)
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval, Scores
-from harness.records.sets import FragilityCurve
-from harness.records.stress import Cell, HardRow, Measure, Mutated, StressRecord
 from harness.records.trust import CLASSES, CONTOURS, Rotation, TrustCell, TrustMap, TrustRecord, TrustSummary
-from harness.records.validation import FallScores
+from harness.records.validation import FallScores, FragilityCurve
 from reports.messages import ENGLISH
 from tests import doubles
 from tests.scenes_for_tests import paestum

@@ -11,7 +11,7 @@ import numpy as np
 
 from harness.model import run as record
 from harness.questions.study import claims
-from harness.questions.study.answer import answer_of, findings_of
+from harness.questions.study.study_record import answer_of, findings_of
 from harness.records.base import as_file, part, plain
 from harness.records.kinds import read_result
 from harness.records.scene import SceneRecord

@@ -79,9 +79,8 @@ def test_a_step_is_a_few_calls_from_the_command(
     ways = ways_to(steps, ["run", str(ROOT / "scenes" / "free_rocking.toml"), "-e", engine, *options])
     assert ways
     for way in ways:
-        rooms = {name.partition(":")[0].rpartition("/")[2] for name in way}
         verifying = any(name.endswith("refinement.py:response") for name in way)
         most = CALLS_TO_A_VERIFYING_STEP if verifying else CALLS_TO_A_STEP
-        located = any(name.endswith("loop.py:locate_event") for name in way)
-        most = CALLS_AROUND_AN_EVENT if "stepper.py" in rooms or located else most
+        located = any(name.endswith(("loop.py:locate_event", "step_state.py:step")) for name in way)
+        most = CALLS_AROUND_AN_EVENT if located else most
         assert len(way) <= most, "\n".join(way)

@@ -10,19 +10,17 @@ from pathlib import Path
 from harness.comparison.statistics.outcomes import score_outcomes
 from harness.model.finding import Answer, caution, info
 from harness.model.run import write_json
-from harness.questions.study.answer import answer_of, findings_of
+from harness.questions.study.study_record import answer_of, findings_of
 from harness.questions.validate.validation_run import answer_of as validation_answer
 from harness.records.base import as_file, plain
-from harness.records.bench import PartRow, ScalingRow
+from harness.records.bench import Cell as Found
+from harness.records.bench import KnownFailure, Measure, PartRow, ScalingRow
+from harness.records.bench import answer_of as stress_answer
+from harness.records.bench import findings_of as stress_findings
 from harness.records.kinds import read_result
 from harness.records.scores import Interval
-from harness.records.sets import SetScores
-from harness.records.stress import Cell as Found
-from harness.records.stress import KnownFailure, Measure
-from harness.records.stress import answer_of as stress_answer
-from harness.records.stress import findings_of as stress_findings
 from harness.records.study import StudyWitness, WitnessCount
-from harness.records.validation import ValidationRecord
+from harness.records.validation import SetScores, ValidationRecord
 from reports.blocks import Cell, Chart, Group, Section, Table, Text
 from reports.charts.curve_figures import on_front, precision_figure, scaling_figure
 from reports.charts.study_figures import rose_picture
@@ -33,7 +31,7 @@ from reports.pages.bench_page import bench_verdict
 from reports.pages.page import page_blocks, write_report
 from reports.pages.stress_page import explanations, measured, stress_verdict
 from reports.pages.validation_page import validation_verdict
-from reports.text.study_rows import conditions
+from reports.text.wording import conditions
 from tests.reports import invented_records, invented_study
 from tests.reports.charts.parts import part
 from tests.reports.page_parts import every, lines, rows
@@ -203,7 +201,7 @@ def test_a_validation_says_how_to_repeat_it_and_how_far_histories_are_apart(tmp_
 
 
 def test_settings_of_one_engine_look_different() -> None:
-    from reports.charts.validation_figures import styles
+    from reports.charts.curve_figures import styles
 
     coarse, fine = styles({"pymunk@dt=0.001": "pymunk", "pymunk@dt=0.0005": "pymunk"}).values()
     assert coarse.colour == fine.colour

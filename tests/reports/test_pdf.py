@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from reports.cli import app
-from reports.export import pdf
+from reports.export import figures as pdf
 from tests.reports.invented_run import write_invented
 
 needs_browser = pytest.mark.skipif(

@@ -14,9 +14,9 @@ from PIL import Image
 from harness.model.errors import InputError
 from harness.model.run import PatternName, write_json
 from harness.records.base import as_file
+from harness.records.bench import StressRecord
 from harness.records.kinds import read_result
 from harness.records.run import RunRecord
-from harness.records.stress import StressRecord
 from harness.records.study import StudyRecord
 from reports.blocks import Chart, walk
 from reports.charts.histories import histories_figure

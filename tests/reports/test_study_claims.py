@@ -17,7 +17,7 @@ from reports.messages import ENGLISH
 from reports.pages.conservator_study import blocks
 from reports.pages.page import write_report
 from reports.pages.study_page import study_verdict
-from reports.text.study_rows import conditions
+from reports.text.wording import conditions
 from tests.reports.claim_scenes import content, write_scene
 from tests.reports.invented_study import study as study_record
 from tests.reports.page_parts import answer, pictures

@@ -11,7 +11,6 @@ from analytic.spatial.kernel import codes
 from analytic.spatial.kernel.choose import pivot_directions
 from analytic.spatial.kernel.contact import Rows, clear, columns, free_accelerations, solve_columns
 from analytic.spatial.kernel.flat import solve_flat
-from analytic.spatial.kernel.motion import field
 from analytic.spatial.kernel.records import LOST, WORK, Memory, Run
 from analytic.spatial.kernel.vectors import (
     Vector,
@@ -19,6 +18,7 @@ from analytic.spatial.kernel.vectors import (
     axes,
     cross,
     dot,
+    field,
     length,
     minus,
     plus,
@@ -31,7 +31,7 @@ from analytic.spatial.kernel.vectors import (
 )
 
 SHIFT: Final = 4.0
-"""Of the slowest sliding: friction turns round beyond where a vertex that stops is seen to have stopped (`watching.arm`)."""
+"""Of the slowest sliding: friction turns round beyond where a vertex that stops is seen to have stopped (`track.arm`)."""
 
 
 @inlined

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Final
 
-from analytic.kernel.layout import layout
-from analytic.kernel.records import Floats, Ints, Motion
+from analytic.kernel.records import Floats, Ints, Motion, layout
 
 STATE: Final = 15
 """Items of a state: place of the centroid (3), quaternion w, x, y, z (4), velocity (3), angular velocity in the body's frame (3),

@@ -9,13 +9,12 @@ from analytic.kernel.codes import NONE, RECTANGULAR, SAMPLED
 from analytic.kernel.compiler import jit
 from analytic.spatial.kernel import codes
 from analytic.spatial.kernel.contact import UNLIMITED, edge_friction
-from analytic.spatial.kernel.motion import field
 from analytic.spatial.kernel.rates import contact_forces
 from analytic.spatial.kernel.records import Memory, Run
 from analytic.spatial.kernel.rest import edge_distance, thrust
 from analytic.spatial.kernel.steps import SAME_INSTANT_S, succeed
 from analytic.spatial.kernel.track import note_event, sample
-from analytic.spatial.kernel.vectors import axes
+from analytic.spatial.kernel.vectors import axes, field
 
 REST_STEPS: Final = 64.0
 """Steps to a period of a sine in which a body at rest is looked at."""

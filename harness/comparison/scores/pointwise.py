@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
+from harness.model.errors import InputError, Mistake
+from harness.model.finding import Finding, caution, info
 from harness.model.history import Array, History, Pair, first_beyond_s
 from harness.model.run import Run
-from harness.records.scores import SpragueGeers
+from harness.records.scores import ComparisonError, IsoRating, SpragueGeers
 
 # How far two runs are apart.
 
@@ -91,3 +93,110 @@ def together_until_s(pair: Pair, tolerance_rad: float) -> float:
     """The time up to which |θ_a − θ_b| has stayed within the tolerance; the window's end when it always does."""
     left = first_beyond_s(pair.t_s, np.abs(pair.difference_rad), tolerance_rad)
     return pair.end_s if left is None else left
+
+
+# ISO/TS 18571 by the library of TU Graz (extra `iso`), on a stated resampling; loaded only when asked.
+
+
+SAMPLES: Final = 1001
+"""Samples after resampling: the rating's time warping costs the square of their number in time and memory."""
+
+WEIGHTS: Final = {"corridor": 0.4, "phase": 0.2, "magnitude": 0.2, "slope": 0.2}
+"""Weights of the overall rating (ISO/TS 18571, also the library's defaults)."""
+
+
+def rate(pair: Pair, samples: int = SAMPLES) -> IsoRating:
+    """Corridor, phase, magnitude, slope and overall rating (1 is perfect) of θ_a against θ_b.
+
+    The specification was made for signals at 10 kHz; here both histories are resampled linearly to `samples` equal steps over
+    the window, and that step is stated. Raises `InputError` when the extra is not installed, the window is too short, or a
+    history does not move (the rating divides by its norm).
+    """
+    try:
+        from objective_rating_metrics.rating import ISO18571
+    except ImportError as error:
+        advice = 'install it: pip install "rockcheck[iso]"'
+        raise InputError(Mistake("--iso", "", "the extra `iso`", "no objective_rating_metrics", advice)) from error
+    if pair.t_s.size < 10:
+        raise InputError(Mistake("--iso", "", "at least 10 common samples", f"{pair.t_s.size}"))
+    if np.ptp(pair.theta_a_rad) == 0.0 or np.ptp(pair.theta_b_rad) == 0.0:
+        raise InputError(Mistake("--iso", "", "two histories that move", "one that stays at a constant rotation"))
+    curves, step = resampled(pair, samples)
+    rating = ISO18571(reference_curve=curves[1], comparison_curve=curves[0], dt=step)
+    # Each rating once: the library's own overall_rating computes them all again.
+    parts = {
+        "corridor": float(rating.corridor_rating(-1)),
+        "phase": float(rating.phase_rating(-1)),
+        "magnitude": float(rating.magnitude_rating(-1)),
+        "slope": float(rating.slope_rating(-1)),
+    }
+    overall = sum(WEIGHTS[name] * value for name, value in parts.items())
+    return IsoRating(**parts, overall=overall, resampled_dt_s=step, samples=samples)
+
+
+def resampled(pair: Pair, samples: int) -> tuple[tuple[Any, Any], float]:
+    """Both rotations as (samples, 2) arrays of time and value on equal steps, and the step in s."""
+    t_s = np.linspace(pair.start_s, pair.end_s, samples)
+    curves = [np.column_stack((t_s, np.interp(t_s, pair.t_s, x))) for x in (pair.theta_a_rad, pair.theta_b_rad)]
+    return (curves[0], curves[1]), float(t_s[1] - t_s[0])
+
+
+# A simulation against a measurement: the comparison error E = S − D and the uncertainties of both (ASME
+# V&V 20).
+
+
+RECTANGLE: Final = 1.0 / math.sqrt(3.0)
+"""Standard uncertainty of what is only known to lie within ± 1 (GUM, 4.3.7): a stated numerical error is such a bound."""
+COVERAGE: Final = 2.0
+"""Standard uncertainties within which 95 % of errors lie."""
+LARGEST_RAD: Final = 1.0
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Standard uncertainties, rad, of a measured rotation, and of a computed one because its inputs are not known."""
+
+    data_rad: float
+    input_rad: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in (("--measured-uncertainty", self.data_rad), ("--input-uncertainty", self.input_rad)):
+            if not 0.0 <= value < LARGEST_RAD:
+                raise InputError(Mistake(name, "", f"a rotation from 0 to {LARGEST_RAD:g} rad", f"{value!r}"))
+
+
+def comparison_error(
+    within: Pair, peaks: tuple[Peak, Peak], numerical_rad: float, measured: Measured
+) -> tuple[ComparisonError, Finding]:
+    """E of the largest rotation and over the history of a simulation (first) against a measurement, and what it says.
+
+    `numerical_rad` bounds the simulation's numerical error. ASME V&V 20-2009, section 1: u_val² = u_num² + u_input² + u_D², and
+    the model's own error lies within E ± 2 u_val.
+    """
+    simulated, seen = (abs(each.theta_rad) for each in peaks)
+    own = RECTANGLE * numerical_rad
+    total = math.hypot(own, measured.input_rad, measured.data_rad)
+    beyond = np.abs(within.difference_rad) > COVERAGE * total
+    found = ComparisonError(
+        simulated_rad=simulated,
+        measured_rad=seen,
+        error_rad=simulated - seen,
+        rms_error_rad=rms(within, within.difference_rad),
+        beyond_share=float(within.weights_s @ beyond / within.weights_s.sum()),
+        u_num_rad=own,
+        u_input_rad=measured.input_rad,
+        u_data_rad=measured.data_rad,
+        u_val_rad=total,
+    )
+    apart = abs(found.error_rad) > COVERAGE * total
+    values = {
+        "error_rad": found.error_rad,
+        "u_val_rad": total,
+        "beyond_share": found.beyond_share,
+        "low_rad": found.error_rad - COVERAGE * total,
+        "high_rad": found.error_rad + COVERAGE * total,
+        "u_num_rad": own,
+        "u_input_rad": measured.input_rad,
+        "u_data_rad": measured.data_rad,
+    }
+    return found, caution("model_error", **values) if apart else info("model_error_not_told", **values)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from harness.model.history import Array
 from harness.records.scores import CONFIDENCE, Interval
-from harness.records.sets import DistributionScores, LogPeaks
+from harness.records.validation import DistributionScores, LogPeaks
 
 ROUNDING: Final = 1e-12
 """Of a distance, which is a ratio of counts."""

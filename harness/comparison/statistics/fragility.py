@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from harness.model.history import Array
 from harness.records.scores import CONFIDENCE
-from harness.records.sets import FragilityCurve
+from harness.records.validation import FragilityCurve
 
 STEPS: Final = 50
 """Newton steps allowed; probit likelihoods are concave and take some 6 to 10 from the start used."""

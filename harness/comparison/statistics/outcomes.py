@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from harness.comparison.statistics.distributions import bootstrap, wilson
 from harness.model.history import Array, Outcome
 from harness.records.scores import CONFIDENCE, Interval
-from harness.records.sets import OutcomeScores, ReliabilityBin
+from harness.records.validation import OutcomeScores, ReliabilityBin
 
 Flags = NDArray[np.bool_]
 

@@ -20,12 +20,11 @@ from harness.engines.base import (
 )
 from harness.engines.pybullet import mirror
 from harness.engines.pybullet.settings import BulletSettings
-from harness.engines.stepping.friction import floor_friction
-from harness.engines.stepping.impact import IMPOSED_LABEL
+from harness.engines.stepping.coulomb import floor_friction
+from harness.engines.stepping.loop import IMPOSED_LABEL
 from harness.engines.stepping.reduce import Report, reduce_trajectory
 from harness.model.finding import Finding, caution, changes_answer
-from harness.model.options import Capabilities, RunOptions
-from harness.model.run import Run
+from harness.model.run import Capabilities, Run, RunOptions
 from harness.model.scene import Scene
 
 if TYPE_CHECKING:

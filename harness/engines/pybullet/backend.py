@@ -4,17 +4,129 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import pybullet
 
-from harness.engines.pybullet.gyroscopic import Gyroscope
-from harness.engines.pybullet.sliding_line import IN_LINE_RAD, SlidingLine
+from harness.engines.pybullet import writing
 from harness.engines.pybullet.world import World
 from harness.engines.stepping import settings
 from harness.engines.stepping.backend import Instant
-from harness.engines.stepping.rows import ALONE, Impulse, Row, Vector, bodies, crossed
-from harness.engines.stepping.step_log import Ledger, StepLog
+from harness.engines.stepping.step_log import ALONE, Impulse, Ledger, Row, StepLog, Vector, bodies, crossed
+from harness.engines.stepping.support import SLIDES_M_S
+
+if TYPE_CHECKING:
+    from harness.engines.pybullet.world import World
+    from harness.engines.stepping.step_log import Ledger
+
+
+# The line along which something slides on the floor: one of Bullet's axes is to lie along it
+# (`world.py`).
+
+
+NEAR_M: Final = 1e-4
+"""A foot further above its support than this rubs on nothing."""
+IN_LINE_RAD: Final = 3e-4
+"""So near to one of Bullet's axes friction leans by less than a ten-thousandth of itself."""
+EIGHTH_RAD: Final = 0.25 * math.pi
+
+
+class SlidingLine:
+    """The line along which the pedestal slides on the floor, or while it does not, the statue's lowest foot.
+
+    Bullet's friction is Coulomb's along its own x and y, whatever a contact's effective masses: one of these is to lie along it.
+    """
+
+    def __init__(self, world: World, step_s: float) -> None:
+        self.world, self.step_s, self.feet_m = world, step_s, world.feet_m
+
+    def askew_rad(self, row: Row) -> float:
+        """Angle from the nearer of Bullet's axes to that line, 0 where nothing slides."""
+        (_, _, up), (u, v, _) = self.world.table
+        x, y, least = 0.0, 0.0, SLIDES_M_S
+        if len(row) > ALONE:
+            half_m = self.world.pedestal_half_m
+            x, y, up = row[20] - row[24] * half_m - u, row[21] + row[23] * half_m - v, up + 2.0 * half_m
+        if math.hypot(x, y) < least:
+            x, y, least = self._foot(row, up)
+            x, y = x - u, y - v
+        if math.hypot(x, y) < least:
+            return 0.0
+        own = math.atan2(y, x) + self.world.turn_rad - self.world.settings.turn_rad
+        return (own + EIGHTH_RAD) % (2.0 * EIGHTH_RAD) - EIGHTH_RAD
+
+    def _foot(self, row: Row, support_m: float) -> tuple[float, float, float]:
+        """Velocity of the lowest foot, m/s, and how fast it must be to slide: infinitely where it is above its support."""
+        x, y, z, w = row[3:7]
+        downs = self.feet_m @ (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y))
+        lowest = int(downs.argmin())
+        if row[2] + float(downs[lowest]) - support_m > NEAR_M:
+            return 0.0, 0.0, math.inf
+        c = float(downs[lowest])
+        e, f, g = self.feet_m[lowest].tolist()
+        a = (1.0 - 2.0 * (y * y + z * z)) * e + 2.0 * ((x * y - z * w) * f + (x * z + y * w) * g)
+        b = 2.0 * ((x * y + z * w) * e + (y * z - x * w) * g) + (1.0 - 2.0 * (x * x + z * z)) * f
+        p, q, r = row[10:13]
+        # A foot that stands moves by its body's turning in half a step: velocities are older than places by that.
+        turning = (p * p + q * q + r * r) * math.sqrt(a * a + b * b + c * c) * self.step_s
+        return row[7] + q * c - r * b, row[8] + r * a - p * c, SLIDES_M_S + turning
+
+
+# Bullet's gyroscopic torque made of second order: what a step's own misses is added to it as an external
+# torque.
+#
+# Euler's equations are I ω̇ + ω × I ω = τ. Bullet takes ω × I ω at the velocity with which a step begins,
+# half a step before the step's middle: the rotation then errs by the first order of the step, in flight as
+# about a vertex. Here it is taken at the velocity foreseen for the middle of the time over which the
+# velocity is changed. No place and no velocity is written.
+
+
+KIND: Final = "gyroscopic"
+"""Kind of this intervention."""
+STILL_RAD_S: Final = 1e-6
+"""A body that turns more slowly has no gyroscopic torque worth a call: less than 1e-12 rad/s²."""
+
+
+class Gyroscope:
+    """The torque that the next step lacks: `prepare_step` it from the rows, `act` before each solution of the step."""
+
+    def __init__(self, world: World) -> None:
+        self.world, self.body, self.client = world, world.statue, world.client
+        # What turns in the plane alone turns about a principal axis: nothing is missing.
+        self.moments: Vector | None = None if world.in_plane else world.moments
+        self.torque: Vector | None = None
+
+    def prepare_step(self, row: Row, rate_rad_s2: Vector, span_s: float, length_s: float, ledger: Ledger) -> None:
+        """A step of `length_s` that takes velocities on by `span_s` (shorter around events), from a row whose angular velocity
+        changes by `rate_rad_s2`.
+        """
+        self.torque = None
+        if self.moments is None or abs(row[10]) + abs(row[11]) + abs(row[12]) < STILL_RAD_S:
+            return
+        (ix, iy, iz), (x, y, z, w), half = self.moments, row[3:7], 0.5 * span_s
+        # Columns of the body's rotation.
+        ax, ay, az = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)
+        bx, by, bz = 2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)
+        cx, cy, cz = 2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)
+        f, g, h = row[10:13]
+        p, q, r = f * ax + g * ay + h * az, f * bx + g * by + h * bz, f * cx + g * cy + h * cz
+        f, g, h = f + half * rate_rad_s2[0], g + half * rate_rad_s2[1], h + half * rate_rad_s2[2]
+        u, v, s = f * ax + g * ay + h * az, f * bx + g * by + h * bz, f * cx + g * cy + h * cz
+        share = span_s / length_s
+        a = (iy - iz) * (share * v * s - q * r)
+        b = (iz - ix) * (share * s * u - r * p)
+        c = (ix - iy) * (share * u * v - p * q)
+        self.torque = a * ax + b * bx + c * cx, a * ay + b * by + c * cy, a * az + b * bz + c * cz
+        rate_rad_s = length_s * math.hypot(a / ix, b / iy, c / iz)
+        ledger.of(KIND).write(0.0, 0.0, 0.0, rate_rad_s, length_s * (a * p + b * q + c * r))
+
+    def act(self) -> None:
+        """Add the torque foreseen to the step that follows: Bullet forgets it with that."""
+        if self.torque is not None:
+            heading = self.world.heading
+            torque = self.torque if heading is None else heading.vector(self.torque)
+            writing.twist(self.body, torque, self.client)
+
 
 GRIP: Final = 0.5
 """Share of the statue's friction limit from which on its feet are not taken to stand, and"""

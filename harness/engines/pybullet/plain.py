@@ -3,7 +3,7 @@
 The steps are all of one length, none is repeated, no place or velocity is set, no contact parameter changes on the way. The
 shapes are what the scene needs: spheres at the vertices that can touch, and where the statue comes to its pedestal's edge its
 full shape from the start. Two coefficients of friction are the one thing that Bullet does not know: the floor's follows the
-pedestal's own velocity (`harness.engines.stepping.friction.followed`).
+pedestal's own velocity (`harness.engines.stepping.coulomb.followed`).
 """
 
 from __future__ import annotations
@@ -20,15 +20,14 @@ from harness.engines.pybullet.adapter import REST_BAND_RAD, Bullet3D
 from harness.engines.pybullet.mirror import halves
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.stepping.columns import trajectory
+from harness.engines.stepping.coulomb import floor_friction
 from harness.engines.stepping.frame import greatest_pull_m_s2, step_count
-from harness.engines.stepping.friction import floor_friction
+from harness.engines.stepping.loop import LOOK_STEPS, WallWatch, Watch
 from harness.engines.stepping.plain_steps import plain_steps, refuse_steering
 from harness.engines.stepping.reduce import Report, reduce_trajectory
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
-from harness.engines.stepping.watch import LOOK_STEPS, WallWatch, Watch
-from harness.model.options import Capabilities, RunOptions
-from harness.model.run import Run
+from harness.model.run import Capabilities, Run, RunOptions
 from harness.model.scene import Scene
 
 if TYPE_CHECKING:
@@ -125,7 +124,7 @@ def _settings(dt_s: float, error_rad: float) -> BulletSettings:
 
 def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, options: RunOptions) -> tuple[StepLog, str | None]:
     """All samples, and what the full shape was, None where the vertices that touch were enough."""
-    from harness.engines.pybullet.edge import EdgeWatch
+    from harness.engines.pybullet.feet import EdgeWatch
     from harness.engines.pybullet.full import full_shape
 
     wall = WallWatch.of(scene, setup.axes, settings.dt_s)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.pybullet.feet import Rest
-from harness.engines.stepping.rows import Body
+from harness.engines.stepping.step_log import Body
 from harness.model.scene import Scene, Statue
 
 Array = NDArray[np.float64]

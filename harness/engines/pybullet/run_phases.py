@@ -11,23 +11,20 @@ from numpy.typing import NDArray
 
 from harness.engines.pybullet import feet, mirror, pose
 from harness.engines.pybullet.backend import BulletBackend
-from harness.engines.pybullet.edge import Crossing, EdgeWatch
+from harness.engines.pybullet.feet import Crossing, EdgeWatch
 from harness.engines.pybullet.full import FullShape, full_shape
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import STILL, UPRIGHT, World
 from harness.engines.stepping import loop
 from harness.engines.stepping.contact_gaps import ContactGaps
 from harness.engines.stepping.frame import greatest_pull_m_s2, step_count
-from harness.engines.stepping.loop import MOST_FREE
-from harness.engines.stepping.rows import Body, Row, Vector
+from harness.engines.stepping.loop import MOST_FREE, RestSpells, WallWatch, Watch
 from harness.engines.stepping.schedule import Schedule
-from harness.engines.stepping.step_log import StepLog
-from harness.engines.stepping.step_state import StepState
-from harness.engines.stepping.stepper import Stepper
-from harness.engines.stepping.watch import RestSpells, WallWatch, Watch
-from harness.model.options import RunOptions
+from harness.engines.stepping.step_log import Body, Row, StepLog, Vector
+from harness.engines.stepping.step_state import Stepper, StepState
+from harness.model.run import RunOptions
 from harness.model.scene import Scene
-from harness.statics.rest import LimitsOfRest, first_motion_s
+from harness.statics.plan import LimitsOfRest, first_motion_s
 
 Array = NDArray[np.float64]
 

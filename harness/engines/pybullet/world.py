@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from types import TracebackType
 from typing import Final, Self, final
 
@@ -13,11 +15,134 @@ from numpy.typing import NDArray
 
 from harness.engines.base import EngineFailure
 from harness.engines.pybullet import mirror, shapes, writing
-from harness.engines.pybullet.heading import Heading
 from harness.engines.pybullet.settings import BulletSettings
-from harness.engines.pybullet.solver import Solver
-from harness.engines.stepping.rows import Body, Vector
+from harness.engines.stepping.step_log import ALONE, Body, Row, Vector
 from harness.model.scene import Contact, Pedestal, Wall
+
+# What Bullet's solver is told: every parameter of a world, and what the length of a step or a rest asks of
+# it.
+
+
+MIRRORED_RESIDUAL: Final = 1e-2
+"""Share of a level's residual in a mirrored world: started from the last step's impulses the solver iterations get there soon."""
+RESTING_RESIDUAL: Final = 1e-4
+"""Share of it for bodies that rest one on the other: what the iterations leave of a step there adds up to a creep that goes with
+the square root of the residual (6e-7 m a minute at 4 ms; 6e-5 without it), and they need as many as"""
+RESTING_ITERATIONS: Final = 2000
+"""this (docs/engines.md)."""
+SHORT: Final = 0.1
+"""Share of a step below which nothing is taken back of what a standing foot has crept along: it holds an impact."""
+NO_RESTITUTION_BELOW_M_S: Final = 1e9
+"""Every contact is slower than this, so none bounces."""
+
+
+class Solver:
+    """Parameters of one world's solver."""
+
+    def __init__(self, settings: BulletSettings, client: int, *, mirrored: bool) -> None:
+        self.settings, self.client, self.mirrored, self.resting = settings, client, mirrored, False
+        self.length_s = settings.dt_s
+
+    def begin(self) -> None:
+        """Send every parameter: some are global to the process and outlive a client."""
+        pybullet.setPhysicsEngineParameter(
+            numSubSteps=0,
+            contactBreakingThreshold=self.settings.reach,
+            enableConeFriction=int(self.settings.cone_friction),
+            globalCFM=0.0,
+            contactSlop=0.0,
+            restitutionVelocityThreshold=NO_RESTITUTION_BELOW_M_S,
+            deterministicOverlappingPairs=1,
+            enableFileCaching=0,
+            constraintSolverType=pybullet.CONSTRAINT_SOLVER_LCP_SI,
+            physicsClientId=self.client,
+        )
+        self.set_length(self.settings.dt_s)
+
+    def rest(self, resting: bool) -> None:
+        """Whether the steps that follow are of bodies at rest."""
+        if resting != self.resting:
+            self.resting = resting
+            self.set_length(self.settings.dt_s)
+
+    def set_length(self, step_s: float) -> None:
+        """The length of the steps that follow; what is a share of a penetration for each step goes with it.
+
+        A step of another length than the level's holds an event, whose impulses are solved more tightly.
+        """
+        self.length_s = step_s
+        s, erp = self.settings, self.settings.erp_for(step_s)
+        tight, share = step_s != s.dt_s, step_s / s.dt_s
+        iterations, residual = s.iterations, s.residual_for()
+        if tight or self.mirrored:
+            iterations = max(iterations, s.event_iterations)
+            residual *= MIRRORED_RESIDUAL if self.mirrored else s.event_residual
+        elif self.resting:
+            iterations, residual = max(iterations, RESTING_ITERATIONS), RESTING_RESIDUAL * residual
+        pybullet.setPhysicsEngineParameter(
+            fixedTimeStep=step_s,
+            erp=erp,
+            contactERP=erp,
+            frictionERP=share**2 if share > SHORT else 0.0,
+            numSolverIterations=iterations,
+            solverResidualThreshold=residual,
+            # Impulses of an event are no guess for the next step's, nor the last step's for an event's.
+            warmStartingFactor=0.0 if tight else 1.0,
+            physicsClientId=self.client,
+        )
+
+
+# The scene turned about the vertical in Bullet's world, so that what slides does so along one of Bullet's
+# axes.
+#
+# Bullet resolves friction along its own x and y. Askew to these the force that it settles on leans towards
+# them at every step, so that runs with finer steps agree on it; along them it is Coulomb's
+# (docs/engines.md). All above the world keeps the scene's axes: states and pulls are turned as they are
+# handed to Bullet, rows as they are read.
+
+
+@dataclass(frozen=True)
+class Heading:
+    """The turn from the scene's axes to Bullet's about the vertical, as cosine and sine of it and of its half."""
+
+    cos: float
+    sin: float
+    half_cos: float
+    half_sin: float
+
+    @classmethod
+    def of(cls, turn_rad: float) -> Heading | None:
+        """A turn by so much; None for none."""
+        if turn_rad == 0.0:
+            return None
+        return cls(math.cos(turn_rad), math.sin(turn_rad), math.cos(0.5 * turn_rad), math.sin(0.5 * turn_rad))
+
+    @property
+    def back(self) -> Heading:
+        """The turn from Bullet's axes to the scene's."""
+        return Heading(self.cos, -self.sin, self.half_cos, -self.half_sin)
+
+    def vector(self, vector: Vector) -> Vector:
+        """A vector, turned."""
+        x, y, z = vector
+        return self.cos * x - self.sin * y, self.sin * x + self.cos * y, z
+
+    def body(self, state: Body) -> Body:
+        """A body's state, turned."""
+        x, y, z, w = state.turn
+        # The turn comes after the body's own: its quaternion (0, 0, s, c) stands on the left of the product.
+        c, s = self.half_cos, self.half_sin
+        turn = (c * x - s * y, c * y + s * x, c * z + s * w, c * w - s * z)
+        return Body(self.vector(state.place_m), turn, self.vector(state.velocity_m_s), self.vector(state.rate_rad_s))
+
+    def row(self, row: Row) -> Row:
+        """The row of one or two bodies, turned."""
+        turned: Row = ()
+        for k in range(0, len(row), ALONE):
+            body = self.body(Body(row[k : k + 3], row[k + 3 : k + 7], row[k + 7 : k + 10], row[k + 10 : k + 13]))  # type: ignore[arg-type]
+            turned += (*body.place_m, *body.turn, *body.velocity_m_s, *body.rate_rad_s)
+        return turned
+
 
 # Clients of Bullet, kept from one run to the next: to start and end one costs more than many a run. A kept
 # client is emptied (`resetSimulation` makes a new world with new solver and new numbering) and every

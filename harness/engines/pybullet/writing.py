@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pybullet
 
-from harness.engines.stepping.rows import Body
+from harness.engines.stepping.step_log import Body
 
 
 def place(body: int, state: Body, client: int) -> None:

@@ -22,21 +22,17 @@ from harness.engines.base import (
 )
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.contact_gaps import ContactGaps
+from harness.engines.stepping.coulomb import floor_friction
 from harness.engines.stepping.frame import step_count
-from harness.engines.stepping.friction import floor_friction
-from harness.engines.stepping.impact import IMPOSED_LABEL
-from harness.engines.stepping.loop import integrate
+from harness.engines.stepping.loop import IMPOSED_LABEL, STILL_M_S, WallWatch, Watch, integrate
 from harness.engines.stepping.reduce import Report, reduce_trajectory
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
-from harness.engines.stepping.step_state import StepState
-from harness.engines.stepping.stepper import Stepper
+from harness.engines.stepping.step_state import Stepper, StepState
 from harness.engines.stepping.support import flat_base
-from harness.engines.stepping.watch import STILL_M_S, WallWatch, Watch
-from harness.model.options import Capabilities, RunOptions
-from harness.model.run import Run
+from harness.model.run import Capabilities, Run, RunOptions
 from harness.model.scene import Scene
-from harness.statics.rest import first_motion_s
+from harness.statics.plan import first_motion_s
 
 LEVELS: Final = (
     (4e-3, 90, 4e-4),

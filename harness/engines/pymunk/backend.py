@@ -18,8 +18,7 @@ from harness.engines.pymunk.native import State
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.support import STILL, SupportVertex
 from harness.engines.pymunk.world import World
-from harness.engines.stepping.rows import ALONE, Impulse, Row, Vector
-from harness.engines.stepping.step_log import Ledger
+from harness.engines.stepping.step_log import ALONE, Impulse, Ledger, Row, Vector
 
 if TYPE_CHECKING:
     from harness.engines.stepping.backend import Instant

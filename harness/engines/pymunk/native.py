@@ -13,7 +13,7 @@ import pymunk
 from pymunk import batch
 from pymunk._chipmunk_cffi import ffi, lib
 
-from harness.engines.stepping.rows import Impulse
+from harness.engines.stepping.step_log import Impulse
 
 State = tuple[float, float, float, float, float, float]
 """Place x, z, rotation (anticlockwise, as Chipmunk counts) and their rates."""

@@ -2,7 +2,7 @@
 
 What `pymunk` adds to this, events located inside a step, rests on rigid-body formulas of this project; this engine has none of
 them, so that where the two agree the contact engine itself has confirmed the answer. Two coefficients of friction are the one
-thing that Chipmunk does not know: the floor's follows the pedestal's own velocity (`harness.engines.stepping.friction.followed`).
+thing that Chipmunk does not know: the floor's follows the pedestal's own velocity (`harness.engines.stepping.coulomb.followed`).
 """
 
 from __future__ import annotations
@@ -15,15 +15,14 @@ from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, EngineFailure,
 from harness.engines.pymunk import SLOP_RAD_S, Munk2D, refuse_out_of_plane, resolution_rad
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.columns import trajectory
+from harness.engines.stepping.coulomb import floor_friction
 from harness.engines.stepping.frame import step_count
-from harness.engines.stepping.friction import floor_friction
+from harness.engines.stepping.loop import WallWatch, Watch
 from harness.engines.stepping.plain_steps import plain_steps, refuse_steering
 from harness.engines.stepping.reduce import Report, reduce_trajectory
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
-from harness.engines.stepping.watch import WallWatch, Watch
-from harness.model.options import Capabilities, RunOptions
-from harness.model.run import Run
+from harness.model.run import Capabilities, Run, RunOptions
 from harness.model.scene import Scene
 
 LEVELS: Final = (

@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-from harness.engines.stepping.rows import Impulse, Row, Vector
-from harness.engines.stepping.step_log import StepLog
+from harness.engines.stepping.step_log import Impulse, Row, StepLog, Vector
 
 
 class Instant(Protocol):

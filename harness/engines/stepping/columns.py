@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from harness.engines.stepping import frame
 from harness.engines.stepping.frame import matrices, planar, statue_columns
 from harness.engines.stepping.step_log import StepLog
-from harness.model.in_space import centroid_shift_m
-from harness.model.scene import Scene
+from harness.model.scene import Scene, centroid_shift_m
 
 # What a contact engine's loop recorded, before it becomes a run.
 

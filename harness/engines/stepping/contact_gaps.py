@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from harness.engines.stepping import settings
 from harness.engines.stepping.frame import greatest_pull_m_s2, matrices
-from harness.engines.stepping.rows import Row, Vector
+from harness.engines.stepping.step_log import Row, Vector
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]

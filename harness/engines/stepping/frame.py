@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.block import rotation_matrices
 from analytic.excitation import Excitation, ZeroExcitation
-from analytic.rotation import rotation_matrices
 from harness.model.scene import OVERTURN_RAD, Scene, Statue
 
 # What three dimensions add to a trajectory: rotation matrices, the columns of a body's pose, a fall in any

@@ -4,18 +4,242 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Final
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
 
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.stepping.columns import trajectory
 from harness.engines.stepping.contact_gaps import ContactGaps
-from harness.engines.stepping.frame import fallen, greatest_pull_m_s2
-from harness.engines.stepping.impact import impact
-from harness.engines.stepping.rows import ALONE, Row, advanced, axis_of, bodies
+from harness.engines.stepping.frame import fallen, greatest_pull_m_s2, matrices
 from harness.engines.stepping.schedule import SAME_INSTANT, Schedule
-from harness.engines.stepping.step_log import StepLog
-from harness.engines.stepping.step_state import ContactTime, HalfCycle, StepState
-from harness.engines.stepping.stepper import Stepper
-from harness.engines.stepping.watch import LOOK_STEPS, STILL_M_S, WALL_STEPS, Watch
+from harness.engines.stepping.step_log import ALONE, Row, StepLog, Vector, advanced, axis_of, bodies
+from harness.engines.stepping.step_state import ContactTime, HalfCycle, Stepper, StepState
+from harness.engines.stepping.support import wall_touch
 from harness.model.scene import Scene
+from harness.statics.plan import LimitsOfRest
+
+if TYPE_CHECKING:
+    from harness.engines.stepping.contact_gaps import ContactGaps
+
+
+# The model's impact map on both bodies, to be imposed in a contact engine (docs/model.md, sections 3 and
+# 4).
+
+
+IMPOSED_LABEL: Final = "impact law imposed"
+"""Label of a run whose impacts are the model's: it tests the motion between impacts, not the impact."""
+
+
+@dataclass(frozen=True)
+class Impact:
+    """State after an impact: rates, and the floor's impulses."""
+
+    theta_rate_rad_s: float
+    slip_rate_m_s: float
+    normal_n_s: float
+    friction_n_s: float
+
+
+def impact(scene: Scene, *, old_side: int, theta_rate_rad_s: float, slip_rate_m_s: float, stuck: bool) -> Impact:
+    """Rates after the statue, rocking about the corner `old_side` (+1 right, −1 left), meets its support.
+
+    With `scene.contact.restitution` a number that ratio is prescribed, else angular momentum about the new corner is kept.
+    Without a pedestal the support is held. `stuck` is the pedestal's state before the impact (docs/model.md, section 3).
+    """
+    statue, pedestal = scene.statue, scene.pedestal
+    m, h = statue.mass_kg, statue.centroid_height_m
+    old, new = statue.corner_m(old_side), statue.corner_m(-old_side)
+    j_new = statue.inertia_kg_m2 + m * (h * h + new * new)
+    j_cross = statue.inertia_kg_m2 + m * (h * h - old * new)
+    ratio = scene.contact.restitution
+    held = ratio if ratio is not None else j_cross / j_new
+    rate, slip = theta_rate_rad_s, slip_rate_m_s
+    if pedestal is None or scene.form.pedestal_at_impact == "unchanged":
+        after = held * rate
+        both = held < 0.0
+        after = 0.0 if both else after
+        normal = m * ((0.0 if both else new * abs(after)) + old * abs(rate))
+        return Impact(after, slip, normal, 0.0)
+    total = m + pedestal.mass_kg
+    limit = scene.contact.floor_static if stuck else scene.contact.floor_kinetic
+    slides = scene.contact.at_impact if stuck else scene.contact.floor_kinetic
+
+    # The pedestal is held: the friction impulse that this takes must be within the limit.
+    after = ratio * rate if ratio is not None else (j_cross * rate + m * h * slip) / j_new
+    normal = m * (new * abs(after) + old * abs(rate))
+    friction = m * h * (after - rate) - total * slip
+    if after * rate >= 0.0 and abs(friction) <= limit * normal:
+        return Impact(after, 0.0, normal, friction)
+    for sign in (1, -1):
+        jump = _sliding(sign, rate, slip, (m, h, old, new, total, slides), (j_new, j_cross, ratio))
+        if jump is not None:
+            return jump
+    return _both_corners(rate, slip, (m, h, old, total), limit, slides)
+
+
+def _sliding(
+    sign: int,
+    rate: float,
+    slip: float,
+    body: tuple[float, float, float, float, float, float],
+    law: tuple[float, float, float | None],
+) -> Impact | None:
+    """Solve the impact with P_f = −μ_k P_n·sign; None where the solution contradicts its own signs."""
+    m, h, old, new, total, kinetic = body
+    j_new, j_cross, ratio = law
+    turn = 1.0 if rate > 0.0 else -1.0
+    # total·(u⁺ − u⁻) + m h (w⁺ − w⁻) = −μ_k·sign·m(new·w⁺ + old·w⁻)·turn, where w⁺ keeps the sign of w⁻.
+    drag = kinetic * sign * turn * m
+    if ratio is not None:
+        after = ratio * rate
+    else:
+        # j_new w⁺ + m h u⁺ = j_cross w⁻ + m h u⁻, with u⁺ − u⁻ from the line above.
+        slope = -(m * h + drag * new) / total
+        gained = (m * h - drag * old) * rate / total
+        denominator = j_new + m * h * slope
+        if denominator <= 0.0:
+            return None
+        after = (j_cross * rate - m * h * gained) / denominator
+    slip_after = slip + (m * h * (rate - after) - drag * (new * after + old * rate)) / total
+    if after * turn < 0.0 or slip_after * sign <= 0.0:
+        return None
+    normal = m * (new * abs(after) + old * abs(rate))
+    return Impact(after, slip_after, normal, -kinetic * normal * sign)
+
+
+def _both_corners(
+    rate: float, slip: float, body: tuple[float, float, float, float], limit: float, kinetic: float
+) -> Impact:
+    """Both corners hold: the rotation ends, the pedestal takes the horizontal momentum."""
+    m, h, old, total = body
+    normal = m * old * abs(rate)
+    free = slip + m * h * rate / total
+    needed = -total * free
+    if abs(needed) <= limit * normal:
+        return Impact(0.0, 0.0, normal, needed)
+    sign = 1.0 if free > 0.0 else -1.0
+    slip_after = free - kinetic * normal * sign / total
+    if slip_after * sign < 0.0:
+        return Impact(0.0, 0.0, normal, needed)
+    return Impact(0.0, slip_after, normal, -kinetic * normal * sign)
+
+
+# What a run in progress is looked at for, and what ends it.
+
+
+Array = NDArray[np.float64]
+
+# Spells of rest inside a run: while the statue rests on its base and the motion cannot move it, nothing is
+# integrated.
+
+
+STILL_M_S: Final = 1e-5
+"""Velocity, m/s and rad/s, below which everything counts as still."""
+LEAN_RAD: Final = 1e-6
+"""A statue at rest leans less than this from its pose at rest: measured, 1e-8 to 1e-7 rad on 16 vertices under a record."""
+LEAST_STEPS: Final = 8
+"""A shorter spell is not worth its look."""
+
+
+@dataclass(eq=False)
+class RestSpells:
+    """Asked with a run in progress. `axes` (3, 3) are the statue's principal axes as columns, `axis` the vertical one in its
+    principal frame, `rest` that axis in the world at rest. The statue is at rest when it is so at two looks, one after the other:
+    where it only turns back, it moves in the next step.
+    """
+
+    limits: LimitsOfRest
+    axes: Array
+    axis: Vector
+    rest: Vector
+    still_at: int = -1
+    look_from: int = 0
+
+    def steps(self, state: StepState) -> int:
+        """Whole steps from now on in which nothing can move; 0 where something moves, or soon may."""
+        row, number = state.row, state.number
+        if abs(row[11]) > STILL_M_S or number < self.look_from or not state.even:
+            return 0
+        velocities = row[7:13] + row[20:26]
+        zx, zy, _ = axis_of(row, self.axis)
+        if max(map(abs, velocities)) > STILL_M_S or math.hypot(zx - self.rest[0], zy - self.rest[1]) > LEAN_RAD:
+            self.still_at = -1
+            return 0
+        if self.still_at < 0:
+            self.still_at = number
+            return 0
+        self.still_at = -1
+        # The sides over which the base may tip are where the statue has turned about the vertical.
+        turn = matrices(np.array([row[3:7]]))[0] @ self.axes.T
+        until_s = self.limits.until_s(state.t_s, math.atan2(turn[1, 0], turn[0, 0]))
+        steps = int(until_s / state.step_s) - number
+        self.look_from = number + max(steps, 1)
+        return steps if steps >= LEAST_STEPS else 0
+
+
+WALL_STEPS: Final = 256
+"""Steps between two looks whether a wall was reached: a look costs what ten steps do."""
+ACROSS: Final = 0.5
+"""Share of the balance angle across the plane within which the statue is not on its way to a fall there, which would come
+first."""
+
+
+@dataclass(eq=False)
+class WallWatch:
+    """Whether the run has come to its end at a wall; `axes` and `step_s` as `columns.trajectory` takes them."""
+
+    scene: Scene
+    axes: Array | None
+    step_s: float
+    seen: int = 0
+    touched: bool = False
+
+    @classmethod
+    def of(cls, scene: Scene, axes: Array | None, step_s: float) -> WallWatch | None:
+        """None without a wall."""
+        return None if scene.wall is None else cls(scene, axes, step_s)
+
+    def ends(self, record: StepLog) -> bool:
+        """Whether something touched the wall since the last look or before, and the statue does not fall across the plane."""
+        path = trajectory(self.scene, record.tail(max(self.seen - 2, 0)), self.axes, self.step_s)
+        self.seen = len(record.t_s)
+        self.touched = self.touched or wall_touch(self.scene, path) is not None
+        across, statue = path.extra.get("out_of_plane_rad"), self.scene.statue
+        most_rad = ACROSS * math.atan2(0.5 * statue.depth_m, statue.centroid_height_m)
+        return self.touched and (across is None or abs(float(across[-1])) < most_rad)
+
+
+UPRIGHT: Final[Vector] = (0.0, 0.0, 1.0)
+LOOK_STEPS: Final = 64
+"""Steps between two questions whether the run may end: a statue that has fallen stays down."""
+
+
+@dataclass(frozen=True, eq=False)
+class Watch:
+    """What a loop looks at: the statue's `axis` in its principal frame and in the world at `rest`, when and what to end.
+
+    `impose` says that impacts are the model's. `quiet_from` is the number of the step from which the table is still (None: the
+    run is not ended at rest). `leave` is asked now and then whether the statue may touch what this world leaves out, `stop`, with
+    time and rotation, whether the run may end, `wall` whether one was reached. `gaps` finds impacts; None leaves them to whole
+    steps, as they are while `edges` says that the pedestal's edges may be met. `spells` finds times of rest; `ends_fallen` ends a
+    run whose statue has overturned.
+    """
+
+    axis: Vector = UPRIGHT
+    rest: Vector = UPRIGHT
+    quiet_from: int | None = None
+    impose: bool = False
+    leave: Callable[[Row], bool] | None = None
+    stop: Callable[[float, float], bool] | None = None
+    gaps: ContactGaps | None = None
+    spells: RestSpells | None = None
+    edges: Callable[[Row], bool] | None = None
+    wall: WallWatch | None = None
+    # Engines that do not say otherwise end there: what has fallen does not stand up again.
+    ends_fallen: bool = True
+
 
 # When a foot comes down that gathers speed: velocities are older than places, and a short half-cycle's change
 # much in that time.

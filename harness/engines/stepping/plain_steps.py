@@ -6,12 +6,11 @@ import math
 
 from harness.engines.base import MOVING_TABLE, refuse
 from harness.engines.stepping.backend import Backend
+from harness.engines.stepping.coulomb import floor_friction, followed
 from harness.engines.stepping.frame import fallen
-from harness.engines.stepping.friction import floor_friction, followed
-from harness.engines.stepping.rows import Row, axis_of, base_velocity
+from harness.engines.stepping.loop import LOOK_STEPS, WALL_STEPS, Watch
 from harness.engines.stepping.schedule import Schedule
-from harness.engines.stepping.step_log import StepLog
-from harness.engines.stepping.watch import LOOK_STEPS, WALL_STEPS, Watch
+from harness.engines.stepping.step_log import Row, StepLog, axis_of, base_velocity
 from harness.model.scene import Scene
 
 # What a contact engine could compute only by writing to its bodies: unmodified engines refuse it.

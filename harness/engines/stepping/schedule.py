@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from analytic.excitation import ZeroExcitation
 from harness.engines.stepping import frame
-from harness.engines.stepping.rows import Vector
+from harness.engines.stepping.step_log import Vector
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]

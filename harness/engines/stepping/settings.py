@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Final
 
-from harness.engines.stepping.rows import STANDS_RAD
+from harness.engines.stepping.step_log import STANDS_RAD
 
 
 @dataclass(frozen=True, kw_only=True)

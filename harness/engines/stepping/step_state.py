@@ -9,12 +9,329 @@ from __future__ import annotations
 
 import math
 from array import array
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Protocol
 
-from harness.engines.stepping.rows import Row, Vector, advanced, crossed
-from harness.engines.stepping.step_log import StepLog
-from harness.engines.stepping.stepper import AFTER_STEPS, IMPACT, STEP, Stepper
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.base import LayerFault
+from harness.engines.stepping import settings
+from harness.engines.stepping.backend import Backend
+from harness.engines.stepping.coulomb import SLIP_ONSET, Pair
+from harness.engines.stepping.forces import pedestal_inertia_kg_m2
+from harness.engines.stepping.schedule import Schedule
+from harness.engines.stepping.step_log import (
+    ALONE,
+    Impulse,
+    Ledger,
+    Row,
+    StepLog,
+    Vector,
+    advanced,
+    base_velocity,
+    crossed,
+)
+from harness.model.scene import Scene
+
+# One step of an engine with the scene's two coefficients of friction, and with a table that moves.
+
+
+# Whether each body's momentum, and its turning in the plane, changed by what the engine's own contacts gave
+# it, and by the pull. At every impact, with what was written after it, and over a whole step now and then.
+# The impulses are those that the engine reports, the pull is taken from the scene: what the layer believes of
+# either is not asked. Both engines keep this balance to rounding.
+
+
+Array = NDArray[np.float64]
+
+MOST_UNBALANCED: Final = 1e-4
+"""Share of all impulses that may be missing in the balance: 1e-12 is, and 1e-3 where a pull or an inertia is off by it."""
+ROUNDED_OFF: Final = 1e-6
+"""Share of a body's own momentum that counts as impulse: of a body in flight the last digits are missing."""
+SLOW_M_S: Final = 1e-3
+"""Velocity that is added to a body's own in that: of one at rest, on which nothing acts, rounding is all there is."""
+AFTER_STEPS: Final = 128
+"""Whole steps from one that is looked at to the next."""
+IMPACT, STEP = "impact", "step"
+
+
+class Balance:
+    """The sums of one run: what is missing, and the size of what there is, by what it is of."""
+
+    def __init__(self, scene: Scene, axes: Array | None) -> None:
+        """`axes` (3, 3) holds the statue's principal axes as columns (None: a planar engine)."""
+        self.scene, self.planar, self.next = scene, axes is None, 0
+        statue = scene.statue
+        # In the frame of a row's quaternion; a planar body has one number, that of its scene.
+        inside = (
+            np.diag([0.0, statue.inertia_kg_m2, 0.0]) if axes is None else axes.T @ statue.inertia_tensor_kg_m2 @ axes
+        )
+        self.inertia = inside.tolist()
+        self.arm_m = scene.statue.centroid_height_m
+        pedestal = scene.pedestal
+        self.masses = [scene.statue.mass_kg, *([] if pedestal is None else [pedestal.mass_kg])]
+        self.missing: dict[tuple[str, str], float] = {}
+        self.size: dict[tuple[str, str], float] = {}
+
+    def pull_m_s(self, from_s: float, to_s: float) -> Vector:
+        """What weight and the motion of the floor's frame change velocities by; a table that moves is none."""
+        motion = self.scene.base_excitation
+        parts = [0.0, 0.0, -self.scene.gravity_m_s2 * (to_s - from_s)]
+        if self.scene.table != "moving":
+            for axis, part in enumerate((motion.x, motion.y, motion.z)):
+                if axis == 1 and self.planar:
+                    continue
+                parts[axis] -= part.velocity_at(to_s) - part.velocity_at(from_s)
+        return parts[0], parts[1], parts[2]
+
+    def add(self, of: str, before: Row, after: Row, impulses: Sequence[Impulse], pull_m_s: Vector) -> None:
+        """Compare two rows with what the contacts gave each body between them; none where the engine cannot say."""
+        if not impulses:
+            return
+        # What acts on the pedestal from both sides may cancel.
+        largest = max(math.hypot(*impulse) for impulse, _ in impulses)
+        speeds = (math.hypot(*after[ALONE * k + 7 : ALONE * k + 10]) for k in range(len(impulses)))
+        moved = sum(mass * (speed + SLOW_M_S) for mass, speed in zip(self.masses, speeds, strict=True))
+        for k, (mass, (impulse, _)) in enumerate(zip(self.masses, impulses, strict=True)):
+            at, name = ALONE * k + 7, "pedestal" if k else "statue"
+            missing = [mass * (after[at + n] - before[at + n] - pull_m_s[n]) - impulse[n] for n in range(3)]
+            self._count((of, f"{name}_momentum"), math.hypot(*missing), largest, moved)
+        if of == IMPACT:
+            inertia, moment = self._inertia(before), impulses[0][1][1]
+            gained = sum(each * (after[10 + n] - before[10 + n]) for n, each in enumerate(inertia))
+            turned = abs(sum(each * after[10 + n] for n, each in enumerate(inertia))) + self.arm_m * (largest + moved)
+            self._count((of, "statue_turning"), abs(gained - moment), abs(moment), turned)
+
+    def _inertia(self, row: Row) -> Vector:
+        """Row of the statue's inertia in the world's axes, kg m², that gives the angular momentum about y."""
+        x, y, z, w = row[3:7]
+        turn = (
+            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)),
+            (2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)),
+            (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)),
+        )
+        across = [sum(each * turn[1][n] for n, each in enumerate(line)) for line in self.inertia]
+        a, b, c = (sum(each * across[n] for n, each in enumerate(line)) for line in turn)
+        return a, b, c
+
+    def _count(self, of: tuple[str, str], missing: float, impulse: float, moved: float) -> None:
+        self.missing[of] = self.missing.get(of, 0.0) + missing
+        self.size[of] = self.size.get(of, 0.0) + impulse + ROUNDED_OFF * moved
+
+    def check(self) -> None:
+        """Raise `LayerFault` where something is missing."""
+        for (of, what), missing in self.missing.items():
+            size = self.size[of, what]
+            if not missing <= MOST_UNBALANCED * size:
+                raise LayerFault(f"unbalanced_{what}", **{f"{of}_missing": missing, f"{of}_whole": size})
+
+
+# The one place from which an engine's bodies are written to while a run goes on, and the account of what is
+# written.
+
+
+class RowWriter:
+    """Writes rows to statue and pedestal of one world of an engine."""
+
+    def __init__(self, backend: Backend, scene: Scene) -> None:
+        self.backend, self.ledger, self.gravity_m_s2 = backend, Ledger(), scene.gravity_m_s2
+        statue, pedestal = scene.statue, scene.pedestal
+        self.inertias = [(statue.mass_kg, statue.inertia_kg_m2)]
+        if pedestal is not None:
+            self.inertias.append((pedestal.mass_kg, pedestal_inertia_kg_m2(pedestal)))
+
+    def write(self, kind: str, before: Row, after: Row) -> None:
+        """Change both bodies from the row that they have, `before`."""
+        moved_m = turned_rad = velocity_m_s = rate_rad_s = joules = 0.0
+        for k, (mass, inertia) in enumerate(self.inertias):
+            old, new = before[ALONE * k : ALONE * (k + 1)], after[ALONE * k : ALONE * (k + 1)]
+            if old[:7] != new[:7]:
+                chord = min(math.dist(old[3:7], new[3:7]), math.dist(old[3:7], [-q for q in new[3:7]]))
+                moved_m += math.dist(old[0:3], new[0:3])
+                turned_rad += 4.0 * math.asin(0.5 * chord)
+                joules += mass * self.gravity_m_s2 * (new[2] - old[2])
+            if old[7:] != new[7:]:
+                velocity_m_s += math.dist(old[7:10], new[7:10])
+                rate_rad_s += math.dist(old[10:13], new[10:13])
+                joules += 0.5 * mass * (sum(v * v for v in new[7:10]) - sum(v * v for v in old[7:10]))
+                # Angular velocities are changed in the rocking plane alone, about y.
+                joules += 0.5 * inertia * (new[11] ** 2 - old[11] ** 2)
+        self.ledger.of(kind).write(moved_m, turned_rad, velocity_m_s, rate_rad_s, joules)
+        self.backend.place(after)
+
+
+NOTHING: Final = (0.0, 0.0, 0.0)
+HOLDS: Final = 2.0
+"""Times the static coefficient with which a pedestal holds in a step that asks for the force that this takes."""
+LEAST_M_S: Final = 1e-12
+"""Below this a velocity does not change."""
+RESTS: Final = 1e-2
+"""Share of what kinetic friction takes in a step, below which a velocity is what the solver's iterations leave at rest."""
+REVERSAL: Final = "friction_reversal"
+"""Kind of what is written where the pedestal's velocity passed zero, and static friction may hold."""
+
+
+class Stepper:
+    """One step at a time: gravity or table, friction's two numbers; keeps the sliding state between steps."""
+
+    def __init__(
+        self, backend: Backend, scene: Scene, schedule: Schedule, event_share: float = 1.0, axes: Array | None = None
+    ) -> None:
+        self.backend, self.schedule, self.events = backend, schedule, settings.EVENTS.stretched(event_share)
+        self.writer, self.balance = RowWriter(backend, scene), Balance(scene, axes)
+        contact, pedestal = scene.contact, scene.pedestal
+        self.static, self.kinetic, self.at_impact = contact.floor_static, contact.floor_kinetic, contact.at_impact
+        self.kinetic_m_s = self.kinetic * scene.gravity_m_s2 * schedule.step_s
+        self.switches = pedestal is not None and self.static != self.kinetic
+        self.masses = (scene.statue.mass_kg, 0.0 if pedestal is None else pedestal.mass_kg)
+        freely_rad = 0.0 if pedestal is None else 2.0 * scene.gravity_m_s2 / pedestal.height_m * schedule.step_s**2
+        self.tipped_rad = max(self.events.tipped_rad, self.events.tipped * freely_rad)
+        # Whole steps that ask for nothing between them are made at once.
+        self.runs = backend.runs and not (schedule.moving or self.switches)
+        self.stuck, self.just_slipped, self.past_rest = True, False, False
+        self.half_m = NOTHING if pedestal is None else pedestal.half_m
+        # Velocity over the floor of what the pedestal stands on, m/s, before the present step, and the row where this one begins.
+        self.slip_before: Pair = (0.0, 0.0)
+        self.places: Row | None = None
+        self.table_place = self.table_rate = self.table_before = NOTHING
+
+    def step(self, gravity: Vector, t_s: float, kick_s: float, step_s: float, before: Row) -> Row:
+        """Advance the world from `before` at `t_s` by `step_s`, velocities to `kick_s`."""
+        if self.schedule.moving:
+            self.table_before = self.table_rate
+            self.table_place, self.table_rate = self.schedule.table(t_s, kick_s, step_s)
+            self.backend.move_table(self.table_place, self.table_rate)
+        self.just_slipped = False
+        row = self.backend.advance(gravity)
+        if not self.switches:
+            return row
+        # A velocity is solved at the places at which its step began.
+        self.slip_before = self._slip(before if self.places is None else self.places, before, self.table_before)
+        self.places = before
+        pull = (gravity[0] * step_s, gravity[1] * step_s, gravity[2] * step_s)
+        if self.stuck:
+            row = self._slip_onset(gravity, pull, before, row)
+            # What a blow set moving slides throughout: no force before it tells when it broke loose.
+            taken_m_s = self.kinetic * math.hypot(*pull)
+            self.just_slipped = not self.stuck and math.hypot(*self.slip_before) < self.events.sticks_below * taken_m_s
+            return row
+        slip = self._slip(before, row, self.table_rate)
+        if self._goes_past_rest(slip):
+            return row
+        stops = self._sticks(slip) or self._rests(slip)
+        if stops and self._share_of_limit(self.kinetic, pull, before, row) < 1.0 - self.events.unsolved:
+            self._hold(self.static)
+        elif self._reversed(slip) and any(pull):
+            # The velocity passed zero: the step again with the static limit, which may hold. An impact takes no time and has no
+            # pull: what slid before it has the kinetic coefficient throughout, whichever way it slides after.
+            self._hold(self.static)
+            self._again(before, REVERSAL)
+            row = self._slip_onset(gravity, pull, before, self.backend.advance(gravity))
+        return row
+
+    def _slip_onset(self, gravity: Vector, pull: Vector, before: Row, row: Row) -> Row:
+        """A step computed with the static limit, or, where it reached the limit, once more with kinetic friction.
+
+        One that brings the pedestal to rest, from a slip or a blow, reaches the limit too: static friction has it then.
+        """
+        if self._share_of_limit(self.static, pull, before, row) < 1.0 - self.events.unsolved:
+            return row
+        slip = self._slip(before, row, self.table_rate)
+        gaining = math.hypot(*slip) > math.hypot(*self.slip_before)
+        if not gaining and (self._sticks(slip) or self._reversed(slip)):
+            return row
+        # So near to the limit an engine's feet, which do not all bear the same, give way one by one: what holds them is asked.
+        self._again(before)
+        self.backend.set_floor_friction(HOLDS * self.static)
+        held = self.backend.advance(gravity)
+        if self._share_of_limit(self.static, pull, before, held) <= 1.0:
+            self._hold(self.static)
+            return held
+        self._again(before)
+        # In an impact, which takes no time and has no pull, another coefficient may act: sliding begins with it.
+        self.backend.set_floor_friction(self.kinetic if any(pull) else self.at_impact)
+        row = self.backend.advance(gravity)
+        self._hold(self.kinetic)
+        return row
+
+    def _again(self, before: Row, kind: str = SLIP_ONSET) -> None:
+        """Back to where the step began, which is to be solved again."""
+        self.backend.place(before)
+        self.writer.ledger.of(kind).steps_again += 1
+
+    def look(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
+        """After whole steps under `pulls`: what the bodies' contacts need next."""
+        self.backend.look(pulls, before, after, self.table_rate)
+
+    def redo_sliding(self, friction: float, gravity: Vector, before: Row) -> Row:
+        """A step in which the pedestal was let loose again, with the coefficient that acts over it: the static one holds it."""
+        self._again(before)
+        self.backend.set_floor_friction(friction)
+        row = self.backend.advance(gravity)
+        self._hold(self.static if friction == self.static else self.kinetic)
+        return row
+
+    def set_sliding(self, sliding: bool) -> None:
+        """The pedestal slides, or is held, from now on, as an impact that is not the engine's left it."""
+        if self.switches:
+            self._hold(self.kinetic if sliding else self.static)
+
+    def _hold(self, friction: float) -> None:
+        self.backend.set_floor_friction(friction)
+        self.stuck = friction == self.static
+
+    def _share_of_limit(self, friction: float, pull: Vector, before: Row, row: Row) -> float:
+        """The floor's friction in this step, from the balance of momentum, as a share of its limit; infinite without one."""
+        x, y, normal = self.friction(pull, before, row)
+        owed_x, owed_z = self.backend.owed_m_s
+        x, limit = x + self.masses[0] * owed_x, friction * (normal + self.masses[0] * owed_z)
+        return math.hypot(x, y) / limit if limit > 0.0 else math.inf
+
+    def friction(self, pull: Vector, before: Row, row: Row) -> Vector:
+        """The floor's impulse on the pedestal in a step, N s, from the balance of momentum, less what `pull` gives."""
+        (statue, pedestal), (x, y, z) = self.masses, pull
+        return (
+            statue * (row[7] - before[7] - x) + pedestal * (row[20] - before[20] - x),
+            statue * (row[8] - before[8] - y) + pedestal * (row[21] - before[21] - y),
+            statue * (row[9] - before[9] - z) + pedestal * (row[22] - before[22] - z),
+        )
+
+    def _slip(self, places: Row, row: Row, table: Vector) -> Pair:
+        u, v = base_velocity(self.half_m, places, row)
+        return u - table[0], v - table[1]
+
+    def _sticks(self, slip: Pair) -> bool:
+        """Whether friction took nearly all of the velocity that it could take in this step: solver iterations leave a little."""
+        here, there = math.hypot(*slip), math.hypot(*self.slip_before)
+        return here <= self.events.sticks_below * max(there - here, 0.0)
+
+    def _rests(self, slip: Pair) -> bool:
+        """Whether the pedestal was at rest before this step and is still: the step that ends where it comes to rest takes all of
+        its velocity at the limit, and is no sign of holding yet.
+        """
+        return max(math.hypot(*slip), math.hypot(*self.slip_before)) <= RESTS * self.kinetic_m_s
+
+    def _reversed(self, slip: Pair) -> bool:
+        return self.slip_before[0] * slip[0] + self.slip_before[1] * slip[1] < 0.0
+
+    def _goes_past_rest(self, slip: Pair) -> bool:
+        """Whether in this step or the one before the velocity went along a line that passes rest, as it does in space.
+
+        Kinetic friction stops nothing that turns aside where more is needed to hold it; a step's own solution does, as within
+        its length it takes all of a small velocity.
+        """
+        (u, v), (x, y) = self.slip_before, slip
+        one_before, self.past_rest = self.past_rest, self.passes_rest(self.slip_before, (x - u, y - v))
+        return one_before or self.past_rest
+
+    def passes_rest(self, velocity_m_s: Pair, change_m_s: Pair) -> bool:
+        """Whether the pedestal's velocity, going on along the line of its change, passes rest and does not come to it."""
+        (u, v), (a, b) = velocity_m_s, change_m_s
+        past_m_s = abs(u * b - v * a) / max(math.hypot(a, b), LEAST_M_S)
+        return past_m_s > self.events.past_rest * self.kinetic_m_s
+
 
 # When static friction gives way inside a step: the coefficient that acts over that step in the mean.
 

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from harness.input.motions import oscillator
-from harness.input.motions.series import Floats, Series, at_rest
+from harness.input.motions.recordfile import Floats, Series, at_rest
 from harness.input.motions.spectra import DesignSpectrum
 from harness.model.finding import info
 

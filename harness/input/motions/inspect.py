@@ -11,12 +11,10 @@ import numpy as np
 
 from analytic.excitation import SampledAcceleration
 from harness.input.motions import SceneMotion, oscillator, prepare
-from harness.input.motions.measures import Measures, measures
 from harness.input.motions.readers import read_record
-from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Layout
+from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Floats, Layout, Series
 from harness.input.motions.records import aligned
-from harness.input.motions.series import Floats, Series
-from harness.input.motions.spectra import DesignSpectrum
+from harness.input.motions.spectra import DesignSpectrum, Measures, measures
 from harness.model.finding import Finding, info
 
 DAMPING: Final = 0.05

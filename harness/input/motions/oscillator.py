@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from harness.input.motions.series import Floats
+from harness.input.motions.recordfile import Floats
 
 POINTS_PER_PERIOD: Final = 20
 """Samples of the response in a period: the peak between two of them is missed by at most 1 − cos(π/20) = 1.2 %."""

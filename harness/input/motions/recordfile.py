@@ -4,15 +4,152 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.input.motions.orientation import Orientation, parse_orientation
+from analytic.excitation import SampledAcceleration
 from harness.model.finding import Finding
+
+# Directions of recorded channels, from the many ways in which networks write them.
+
+
+_QUADRANT = re.compile(r"([NS])\s*(\d{1,2}(?:\.\d+)?)\s*([EW])", re.IGNORECASE)
+_NUMBER = re.compile(r"[0-9]{1,3}(?:\.[0-9]+)?")
+_SEED_CODE = re.compile(r"[HBECSMDL][NLHG]([NEZ])", re.IGNORECASE)
+_CARDINAL: Final = {
+    "N": 0.0,
+    "NORTH": 0.0,
+    "E": 90.0,
+    "EAST": 90.0,
+    "S": 180.0,
+    "SOUTH": 180.0,
+    "W": 270.0,
+    "WEST": 270.0,
+}
+_LINE: Final = {"NS": 0.0, "SN": 0.0, "EW": 90.0, "WE": 90.0}
+"""Names of a line rather than of a direction. Networks that use them count towards north and east, whichever letter comes
+first: K-NET's manual says so of N-S and E-W, ITACA's WE is the channel that ESM calls HNE."""
+_UP: Final = frozenset({"UP", "U", "Z", "V", "VER", "VERT", "VERTICAL", "UPDO"})
+_UPRIGHT_LINE: Final = frozenset({"UD", "DU"})
+_DOWN: Final = frozenset({"DN", "DWN", "DOWN"})
+_PLACE = re.compile(r"[1-9]")
+"""A channel's number in its file; an azimuth is written with two digits or three."""
+
+
+@dataclass(frozen=True)
+class Orientation:
+    """A channel's direction: its azimuth clockwise from north in [0, 360), or vertical, or neither known.
+
+    `sign` is −1 where the file counts downwards as positive; `sense_assumed` where its name says a line,
+    but not which way along it.
+    """
+
+    azimuth_deg: float | None = None
+    vertical: bool = False
+    sign: int = 1
+    sense_assumed: bool = False
+
+    def __str__(self) -> str:
+        if self.vertical:
+            return "up"
+        return "direction unknown" if self.azimuth_deg is None else f"azimuth {self.azimuth_deg:g}°"
+
+
+def parse_orientation(text: str) -> Orientation:
+    """Direction named by `text`: "N28W", "067", "UP", "HNE", "EW" …; unknown where it names none."""
+    token = re.sub(r"\s*DEG(REES?)?$", "", text.strip().strip("°.").upper())
+    letters = re.sub(r"(?<=^[A-Z])\s*[-/]\s*(?=[A-Z]$)", "", token)
+    if letters in _LINE:
+        return Orientation(_LINE[letters], sense_assumed=True)
+    if token in _UP or letters in _UPRIGHT_LINE:
+        return Orientation(vertical=True, sense_assumed=letters in _UPRIGHT_LINE)
+    if token in _DOWN:
+        return Orientation(vertical=True, sign=-1)
+    if token in _CARDINAL:
+        return Orientation(_CARDINAL[token])
+    if match := _QUADRANT.fullmatch(token):
+        north, angle, east = match.group(1), float(match.group(2)), match.group(3)
+        azimuth = angle if north == "N" else 180.0 - angle
+        return Orientation((azimuth if east == "E" else -azimuth) % 360.0)
+    if match := _SEED_CODE.fullmatch(token):
+        return Orientation(vertical=True) if match.group(1) == "Z" else Orientation(_CARDINAL[match.group(1)])
+    if _NUMBER.fullmatch(token) and not _PLACE.fullmatch(token) and float(token) <= 360.0:
+        return Orientation(float(token) % 360.0)
+    return Orientation()
+
+
+# A uniform acceleration history on its way from a file to an excitation, with the list of what was done to
+# it.
+
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """Samples accel_m_s2 (n,) every dt_s, the first at t = 0, joined by straight lines; `done` says how they came about."""
+
+    dt_s: float
+    accel_m_s2: Floats
+    done: tuple[Finding, ...] = ()
+
+    @property
+    def t_s(self) -> Floats:
+        """Times of the samples (n,), s."""
+        return np.asarray(self.dt_s * np.arange(self.accel_m_s2.size))
+
+    @property
+    def duration_s(self) -> float:
+        """Time of the last sample, s."""
+        return self.dt_s * (self.accel_m_s2.size - 1)
+
+    def changed(self, accel_m_s2: Floats, step: Finding, *, dt_s: float | None = None) -> Series:
+        """Other samples, with what was done to get them."""
+        return replace(self, accel_m_s2=accel_m_s2, dt_s=self.dt_s if dt_s is None else dt_s, done=(*self.done, step))
+
+    def excitation(self) -> SampledAcceleration:
+        """The same motion for a solver."""
+        return SampledAcceleration(self.t_s, self.accel_m_s2)
+
+
+def velocity_m_s(series: Series) -> Floats:
+    """Velocity at the samples (n,), m/s: the exact integral of the straight lines from rest."""
+    accel = series.accel_m_s2
+    return np.concatenate([[0.0], np.cumsum(0.5 * (accel[1:] + accel[:-1]) * series.dt_s)])
+
+
+def displacement_m(series: Series) -> Floats:
+    """Displacement at the samples (n,), m: the exact double integral of the straight lines from rest."""
+    accel, dt = series.accel_m_s2, series.dt_s
+    gained = velocity_m_s(series)[:-1] * dt + (accel[:-1] / 3.0 + accel[1:] / 6.0) * dt**2
+    return np.concatenate([[0.0], np.cumsum(gained)])
+
+
+def at_rest(accel_m_s2: Floats, dt_s: float, window: Floats | None = None) -> Floats:
+    """Samples changed smoothly so that velocity and displacement are zero at the end (to rounding).
+
+    Subtracts the combination of w(t) and t·w(t), w = sin²(πt/T) (or `window` (n,)), that carries both residuals.
+    """
+    n = accel_m_s2.size
+    share = np.linspace(0.0, 1.0, n)
+    shape = np.sin(np.pi * share) ** 2 if window is None else window
+    basis = (shape, shape * (share - 0.5))
+    result = np.array(accel_m_s2, dtype=np.float64)
+    for _ in range(2):  # the second pass removes the first one's rounding
+        ends = np.array([_ends(part, dt_s) for part in basis]).T
+        result -= np.tensordot(np.linalg.solve(ends, _ends(result, dt_s)), basis, axes=1)
+    return result
+
+
+def _ends(accel_m_s2: Floats, dt_s: float) -> Floats:
+    """Velocity and displacement at the last sample."""
+    series = Series(dt_s, accel_m_s2)
+    return np.array([velocity_m_s(series)[-1], displacement_m(series)[-1]])
+
 
 STANDARD_GRAVITY_M_S2: Final = 9.80665
 UNITS_M_S2: Final[Mapping[str, float]] = MappingProxyType(

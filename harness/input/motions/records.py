@@ -11,11 +11,9 @@ import numpy as np
 
 from harness.input import paths
 from harness.input.motions import process
-from harness.input.motions.orientation import parse_orientation
 from harness.input.motions.process import ProcessError
 from harness.input.motions.readers import read_record
-from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.series import Floats, Series
+from harness.input.motions.recordfile import Channel, Floats, RecordFile, Series, parse_orientation
 from harness.input.motions.spec import Source
 from harness.input.motions.text import mistake
 from harness.model.finding import Finding, info

@@ -8,10 +8,11 @@ from typing import Any, Final
 
 from harness.model.finding import Answer, Finding, caution, changes_answer, info
 from harness.questions.assess.by_model import MODEL
-from harness.questions.assess.options import FLOOR, TURNED
 from harness.questions.assess.plan import PLANAR_DEG
 from harness.records.assess import (
+    FLOOR,
     MOSTLY,
+    TURNED,
     Assessment,
     AssessRecord,
     ClearanceRecord,

@@ -16,23 +16,29 @@ from numpy.typing import NDArray
 from harness import engines
 from harness.accuracy.forecast import START_S, Range, first_settings, moving_s, timed_step_s
 from harness.model.errors import InputError, Mistake
+from harness.model.finding import Shown, new_axes
 from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain
-from harness.model.shown import Shown, new_axes
 from harness.questions.assess.answer import answer_of, findings_of
 from harness.questions.assess.by_model import MODEL, RUN_DRAWS, SAMPLE_S, SAMPLER, probability_of, sampled
 from harness.questions.assess.clearance import of_engine, of_model
-from harness.questions.assess.compared import Answered, compare
 from harness.questions.assess.engine_runs import EngineRuns
 from harness.questions.assess.in_space import SPACE, Ends, assess_in_space, clearance_in_space, shaken_across
-from harness.questions.assess.inputs import Array, row, uncertain_inputs
-from harness.questions.assess.model_draws import ModelDraws, draws_of, model_draws, sweepable
-from harness.questions.assess.options import Option, options_of
+from harness.questions.assess.model_draws import (
+    Array,
+    ModelDraws,
+    draws_of,
+    model_draws,
+    row,
+    sweepable,
+    uncertain_inputs,
+    varied,
+)
+from harness.questions.assess.options import Answered, Option, compare, options_of
 from harness.questions.assess.plan import rest_outline_m
 from harness.questions.assess.sensitivity import FRAGILITY_DRAWS, fragility, indices, indices_of_draws
 from harness.questions.assess.space_studies import compare_in_space, fragility_in_space
 from harness.questions.assess.stratified import estimate
-from harness.questions.assess.variation import varied
 from harness.records.assess import (
     Assessment,
     AssessRecord,

@@ -18,14 +18,19 @@ from harness import engines
 from harness.accuracy.refinement import first_level
 from harness.comparison.statistics.distributions import wilson
 from harness.engines.base import EngineFailure
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.model.scene import Scene
-from harness.questions.assess.engine_runs import ENGINE_ERROR_RAD
 from harness.questions.assess.in_space import SPACE, SPACE_S, assess_in_space, shaken_across
-from harness.questions.assess.inputs import row, uncertain_inputs
-from harness.questions.assess.model_draws import ModelDraws, draws_of, model_draws
+from harness.questions.assess.model_draws import (
+    ENGINE_ERROR_RAD,
+    ModelDraws,
+    draws_of,
+    model_draws,
+    row,
+    uncertain_inputs,
+    varied,
+)
 from harness.questions.assess.stratified import LEVEL, jeffreys
-from harness.questions.assess.variation import varied
 from harness.records.assess import Assessment
 
 MODEL: Final = "analytic"

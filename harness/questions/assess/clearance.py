@@ -9,11 +9,9 @@ import numpy as np
 
 from harness.engines import analytic as twoblock
 from harness.model.scene import Scene
-from harness.questions.assess.inputs import Array, row
-from harness.questions.assess.model_draws import SLOW_DRAWS, ModelDraws, sweepable
+from harness.questions.assess.model_draws import SLOW_DRAWS, Array, ModelDraws, row, sweepable, varied
 from harness.questions.assess.plan import AROUND_DEG, PARTS, PLANAR_DEG, reach_m
 from harness.questions.assess.stratified import strata_of
-from harness.questions.assess.variation import varied
 from harness.records.assess import ClearanceByModel
 
 if TYPE_CHECKING:  # a run of the model alone has no campaign

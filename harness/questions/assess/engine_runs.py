@@ -5,26 +5,24 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from harness import engines
 from harness.accuracy.refinement import first_level
 from harness.engines.base import EngineFailure
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.model.scene import Scene
-from harness.questions.assess.inputs import Array, row
+from harness.questions.assess.model_draws import ENGINE_ERROR_RAD, Array, row, varied
 from harness.questions.assess.plan import reach_m
-from harness.questions.assess.variation import varied
-from harness.runs.cache_key import request_key
-from harness.runs.execute import Campaign
-from harness.runs.task import Answer, Task
+from harness.runs.task import Answer, Task, request_key
+
+if TYPE_CHECKING:
+    from harness.runs.execute import Campaign
 
 OUTCOME: Final = "end and reach"
 """Kind of a result that is whether a statue fell, and how far one that stands went on the plan."""
-ENGINE_ERROR_RAD: Final = 1e-3
-"""A single run's expected error: an outcome changes by it only where a draw lies that near the boundary."""
 
 
 @dataclass(frozen=True)

@@ -15,10 +15,9 @@ from harness.comparison.statistics.distributions import wilson
 from harness.engines import stands_alone
 from harness.model.scene import Scene
 from harness.questions.assess.clearance import clearance
-from harness.questions.assess.inputs import Array, row
+from harness.questions.assess.model_draws import Array, file_scale, row, varied
 from harness.questions.assess.plan import reach_m
 from harness.questions.assess.stratified import LEVEL
-from harness.questions.assess.variation import file_scale, varied
 from harness.records.assess import Assessment, ClearanceByModel
 
 Ends = NDArray[np.object_]

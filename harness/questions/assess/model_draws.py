@@ -2,20 +2,238 @@
 
 from __future__ import annotations
 
+import copy
+import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Final, NamedTuple
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, ZeroExcitation
 from harness.engines import analytic as twoblock
+from harness.input.uncertain import assumption
 from harness.model.errors import InputError, Mistake
-from harness.model.scene import Scene, Uncertain
-from harness.questions.assess.inputs import draw, row
-from harness.questions.assess.variation import IMPACT, KINETIC, STATIC, file_scale, varied
+from harness.model.scene import Scene, Uncertain, written
+
+if TYPE_CHECKING:
+    from pydantic import JsonValue
+
+
+# What a scene does not know, and seeded draws of it.
+
 
 Array = NDArray[np.float64]
+
+MOST: Final = {"contact.restitution": 1.0}
+"""Draws above this are drawn again: no impact gives energy."""
+LEAST_SHARE: Final = 1e-3
+"""Draws of a positive number below this share of it are drawn again: a friction or a mass has no tail through zero."""
+
+
+def uncertain_inputs(scene: Scene) -> tuple[Uncertain, ...]:
+    """The scene's own `[uncertainty]`, or the assumed one: friction on the floor, strength and a harmonic motion's frequency.
+
+    Which of two coefficients acts at an impact is drawn too, where it matters and the scene does not choose.
+    """
+    if scene.uncertainty:
+        return tuple(scene.uncertainty)
+    assumed = [] if scene.pedestal is None else [_assumed("contact.floor", scene.contact.floor_static)]
+    contact, chosen = scene.contact, written(scene, "contact", "floor_impact")
+    matters = contact.floor_kinetic < contact.floor_static and scene.form.pedestal_at_impact == "momentum"
+    axes = {"x": scene.base_excitation.x, "y": scene.base_excitation.y, "z": scene.base_excitation.z}
+    if not all(isinstance(item, ZeroExcitation) for item in axes.values()):
+        assumed.append(_assumed("motion.scale", file_scale(scene)))
+    for axis, item in axes.items():
+        if isinstance(item, Harmonic):
+            assumed.append(_assumed(f"motion.{axis}.frequency_hz", item.frequency_hz))
+    if scene.pedestal is None and assumed:
+        assumed.append(_assumed("contact.statue", scene.contact.statue))
+    # The last, so that the others' draws are the same with it and without.
+    if scene.pedestal is not None and matters and chosen is None:
+        assumed.append(_assumed(IMPACT, 0.5))
+    return tuple(item for item in assumed if item.value > 0.0)
+
+
+def _assumed(key: str, value: float) -> Uncertain:
+    given = assumption(key)
+    if given is None:
+        raise KeyError(key)
+    return Uncertain(key, given.kind, value, given.width)
+
+
+def draw(inputs: Sequence[Uncertain], count: int, seed: int) -> dict[str, Array]:
+    """Values (count,) of every input by its key; more draws of one seed begin with the same values."""
+    linked = {name for group in groups(inputs) if len(group) > 1 for name in group}
+    values: dict[str, Array] = {}
+    scores: dict[str, Array] = {}
+    for k, item in enumerate(inputs):
+        random = np.random.default_rng([seed, k])
+        if item.key not in linked:
+            values[item.key] = _values(item, count, random)
+            continue
+        own = random.standard_normal(count)
+        other = scores.get(item.correlated_with or "")
+        scores[item.key] = own if other is None else item.rho * other + math.sqrt(1.0 - item.rho**2) * own
+        values[item.key] = _of_score(item, scores[item.key])
+    return values
+
+
+def groups(inputs: Sequence[Uncertain]) -> list[list[str]]:
+    """The keys that depend on each other, each group independent of all others."""
+    by_key: dict[str, list[str]] = {}
+    for item in inputs:
+        by_key[item.key] = by_key.get(item.correlated_with or "", [])
+        by_key[item.key].append(item.key)
+    return [group for key, group in by_key.items() if group[0] == key]
+
+
+def _of_score(item: Uncertain, score: Array) -> Array:
+    """The input at normal scores (n,): the same distribution as `_values` draws, by its quantiles."""
+    from scipy.special import ndtr, ndtri
+
+    least, most = _limits(item)
+    if item.kind == "lognormal":
+        return np.minimum(item.value * np.exp(math.sqrt(math.log1p(item.width**2)) * score), most)
+    if item.kind == "uniform":
+        low, high = max(item.value - item.width, least), min(item.value + item.width, most)
+        return np.asarray(low + (high - low) * ndtr(score))
+    below, up_to = ndtr((least - item.value) / item.width), ndtr((most - item.value) / item.width)
+    return np.asarray(item.value + item.width * ndtri(below + (up_to - below) * ndtr(score)))
+
+
+def _limits(item: Uncertain) -> tuple[float, float]:
+    """Between which values a draw is kept."""
+    return LEAST_SHARE * item.value if item.value > 0.0 else -math.inf, MOST.get(item.key, math.inf)
+
+
+def _values(item: Uncertain, count: int, random: np.random.Generator) -> Array:
+    least, most = _limits(item)
+    if item.kind == "lognormal":
+        # The median is the scene's value; cov² = exp(s²) − 1.
+        s = math.sqrt(math.log1p(item.width**2))
+        return np.minimum(item.value * np.exp(s * random.standard_normal(count)), most)
+    values = np.empty(0)
+    while values.size < count:
+        unit = random.standard_normal(count) if item.kind == "normal" else random.uniform(-1.0, 1.0, count)
+        drawn = item.value + item.width * unit
+        values = np.concatenate([values, drawn[(drawn >= least) & (drawn <= most)]])
+    return values[:count]
+
+
+def row(draws: Mapping[str, Array], number: int) -> dict[str, float]:
+    """The values of one draw by key."""
+    return {key: float(values[number]) for key, values in draws.items()}
+
+
+# A scene with other values of what it does not know.
+
+
+AXES: Final = ("x", "y", "z")
+STATIC: Final = "contact.floor_static"
+KINETIC: Final = "contact.floor_kinetic"
+"""The floor's two coefficients drawn apart: where one in motion would be more than the one at rest, it is that."""
+IMPACT: Final = "contact.floor_impact"
+"""Which of the two, or what between them, acts at an impact: drawn by its place between them, 0 the kinetic one, 1 the static."""
+TIME_SCALE: Final = "motion.time_scale"
+"""The factor τ on the motion's axis of time, by which its step, its periods and its duration grow, and the run's with it.
+
+In the time t/τ every acceleration is τ² times as large and every place is the same: gravity and shaking times τ², rates times τ,
+computed in the scene's own time.
+"""
+
+
+def varied(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """The scene with those values by dotted key. Raises `InputError` where a value makes no scene.
+
+    Friction, strength and frequency are changed in place; any other key is written into the scene's own file content, which is
+    then read again as a whole.
+    """
+    other = {key: value for key, value in values.items() if not _direct(scene, key)}
+    if other:
+        scene = reread(scene, other, f"{scene.source or 'the scene'}: uncertainty")
+    # What is at rest first: friction in motion is at most that, and what acts at an impact lies between them.
+    for key in sorted(values, key=lambda key: (key == KINETIC, key == IMPACT)):
+        if key not in other:
+            scene = _changed(scene, key, values[key])
+    return scene
+
+
+def _direct(scene: Scene, key: str) -> bool:
+    if key in ("contact.floor", STATIC, KINETIC, IMPACT, "contact.statue", "motion.scale", TIME_SCALE):
+        return True
+    parts = key.split(".")
+    if len(parts) == 3 and parts[0] == "motion" and parts[2] == "frequency_hz":
+        return isinstance(getattr(scene.base_excitation, parts[1]), Harmonic)
+    return False
+
+
+def _changed(scene: Scene, key: str, value: float) -> Scene:
+    if key == "contact.floor":
+        factor = value / scene.contact.floor_static if scene.contact.floor_static > 0.0 else 1.0
+        return replace(scene, contact=scene.contact.with_floor(value, scene.contact.floor_kinetic * factor))
+    static, kinetic = scene.contact.floor_static, scene.contact.floor_kinetic
+    if key == STATIC:
+        return replace(scene, contact=scene.contact.with_floor(value, kinetic))
+    if key == KINETIC:
+        return replace(scene, contact=scene.contact.with_floor(static, value))
+    if key == IMPACT:
+        return replace(scene, contact=scene.contact.with_floor(static, kinetic, share=value))
+    if key == "contact.statue":
+        return replace(scene, contact=replace(scene.contact, statue=value))
+    base_excitation = scene.base_excitation
+    if key == "motion.scale":
+        return replace(scene, base_excitation=base_excitation.scaled(value / file_scale(scene)))
+    if key == TIME_SCALE:
+        start = scene.initial
+        return replace(
+            scene,
+            gravity_m_s2=scene.gravity_m_s2 * value**2,
+            base_excitation=base_excitation.scaled(value**2),
+            initial=replace(start, theta_rate_rad_s=start.theta_rate_rad_s * value),
+        )
+    axis = key.split(".")[1]
+    return replace(
+        scene,
+        base_excitation=replace(base_excitation, **{axis: replace(getattr(base_excitation, axis), frequency_hz=value)}),
+    )
+
+
+def file_scale(scene: Scene) -> float:
+    """The factor that the scene's file puts on all axes, which its excitations hold already."""
+    scale = written(scene, "motion", "scale")
+    return float(scale) if isinstance(scale, int | float) else 1.0
+
+
+def reread(scene: Scene, values: Mapping[str, object], place: str) -> Scene:
+    """The scene of its own file's content with other values by dotted key (`"none"` removes one), read again as a whole.
+
+    `place` is where a mistake is: raises `InputError` for values that make no scene, and for a scene made in Python.
+    """
+    from pydantic import ValidationError
+
+    from harness.input.mistakes import mistakes_of
+    from harness.input.overrides import put
+    from harness.input.scene_file import resolve
+    from harness.input.tables import SceneFile
+
+    if not scene.given:
+        raise InputError(Mistake(place, ", ".join(values), "a scene read from a file", "one made in Python"))
+    content: dict[str, JsonValue] = copy.deepcopy(dict(scene.given))
+    values_text = ", ".join(
+        f"{key} = {value:.6g}" if isinstance(value, float) else f"{key} = {value}" for key, value in values.items()
+    )
+    for key, value in values.items():
+        put(content, place, key, value)
+    try:
+        return resolve(SceneFile.model_validate(content), scene.source, content)
+    except (ValidationError, InputError) as error:
+        mistakes = error.mistakes if isinstance(error, InputError) else mistakes_of(error, SceneFile, place)
+        reasons = "; ".join(str(replace(item, where=item.key, key="")) for item in mistakes)
+        raise InputError(Mistake(place, ", ".join(values), "values that make a scene", values_text, reasons)) from error
+
+
 Flags = NDArray[np.bool_]
 
 START: Final = "initial.theta_rad"
@@ -38,6 +256,8 @@ FACTORS: Final = ("scale", "vertical_scale")
 """Columns that several keys multiply."""
 SHAPES: Final = ("statue.centroid_height_m", "statue.corner_left_m", "statue.corner_right_m")
 """Of these more changes than a column beside a wall (where its silhouette touches), and of corners on a pedestal (its place)."""
+ENGINE_ERROR_RAD: Final = 1e-3
+"""A single run's expected error: an outcome changes by it only where a draw lies that near the boundary."""
 SLOW_DRAWS: Final = 300
 """Most draws where a key needs the scene to be read again for each: some milliseconds instead of a tenth of one."""
 
@@ -164,7 +384,7 @@ def _sweep_of(scene: Scene, key: str, values: Array) -> dict[str, Array] | None:
             return None
         factor = values / file_scale(scene) if key == "motion.scale" else values**2
         own = {"scale": factor} | ({} if isinstance(base_excitation.z, ZeroExcitation) else {"vertical_scale": factor})
-        # The axis of time stretched: see harness.questions.assess.variation.
+        # The axis of time stretched: see harness.questions.assess.model_draws.
         return own if key == "motion.scale" else {**own, "gravity_m_s2": scene.gravity_m_s2 * factor}
     if key == "motion.x.frequency_hz" and isinstance(base_excitation.x, Harmonic):
         return {"frequency_hz": values}

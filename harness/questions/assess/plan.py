@@ -7,9 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from harness.model.in_space import SOLID_COLUMNS, rotations, support_m
-from harness.model.scene import Scene, Statue
-from harness.questions.assess.inputs import Array
+from harness.model.scene import SOLID_COLUMNS, Scene, Statue, rotations, support_m
+from harness.questions.assess.model_draws import Array
 from meshes.footprint import convex_hull
 
 PLANAR_DEG: Final = (0.0, 180.0)

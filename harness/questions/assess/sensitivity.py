@@ -11,10 +11,8 @@ from numpy.typing import NDArray
 
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene, Uncertain
-from harness.questions.assess.inputs import draw, groups, row
-from harness.questions.assess.model_draws import model_draws, sweepable
+from harness.questions.assess.model_draws import draw, file_scale, groups, model_draws, row, sweepable, varied
 from harness.questions.assess.stratified import LEVEL
-from harness.questions.assess.variation import file_scale, varied
 from harness.records.assess import FragilityRecord, Index
 
 Array = NDArray[np.float64]

@@ -8,14 +8,11 @@ from typing import Final
 import numpy as np
 
 from harness.model.scene import Scene, Uncertain
-from harness.questions.assess.compared import DIFFERENCE_LEVEL, Answered, answer_of, common
 from harness.questions.assess.in_space import SPACE, Ends, ends_in_space, without_end
-from harness.questions.assess.inputs import Array, draw, uncertain_inputs
-from harness.questions.assess.model_draws import ModelDraws
-from harness.questions.assess.options import Option
+from harness.questions.assess.model_draws import Array, ModelDraws, draw, file_scale, uncertain_inputs
+from harness.questions.assess.options import DIFFERENCE_LEVEL, Answered, Option, answer_of, common
 from harness.questions.assess.sensitivity import fragility_of
 from harness.questions.assess.stratified import LEVEL
-from harness.questions.assess.variation import file_scale
 from harness.records.assess import FragilityRecord, OptionsRecord
 
 OPTION_DRAWS: Final = 300

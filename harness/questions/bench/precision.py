@@ -13,8 +13,7 @@ from harness.accuracy.refinement import run_to_accuracy
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.errors import InputError
-from harness.model.options import RunOptions
-from harness.model.run import Run, number
+from harness.model.run import Run, RunOptions, number
 from harness.model.scene import Scene
 from harness.questions.bench import programs
 from harness.questions.bench.programs import Cost, costs, timed

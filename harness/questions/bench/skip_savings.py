@@ -18,8 +18,7 @@ from harness.accuracy.refinement import run_to_accuracy
 from harness.engines.base import Engine
 from harness.model.errors import InputError
 from harness.model.finding import Finding, caution, info
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.bench.programs import cost, costs, timed
 from harness.questions.bench.skips import (

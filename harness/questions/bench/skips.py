@@ -13,8 +13,7 @@ from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, Settings
 from harness.model.errors import InputError
 from harness.model.finding import Finding, caution, info
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.bench.programs import cost
 from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, record, scene_of

@@ -10,10 +10,10 @@ from typing import Any, Final, Literal, cast
 from harness.input.paths import DATA_VARIABLE
 from harness.model.errors import InputError
 from harness.model.scene import Scene
-from harness.questions.effects3d.conditions import RAGGED_M, RAGGED_SEED, RAGGED_SPACING_M, with_solid
+from harness.questions.effects3d.search import RAGGED_M, RAGGED_SEED, RAGGED_SPACING_M, with_solid
 from harness.questions.study.cases import Base
 from harness.records.base import Table
-from meshes.roughening import ragged
+from meshes.inspection import ragged
 
 PAESTUM: Final = {
     "mass_kg": 707.0, "centroid_height_m": 0.774, "corner_left_m": 0.3585, "corner_right_m": 0.0682,

@@ -20,15 +20,21 @@ from harness.model.errors import InputError, Mistake
 from harness.model.finding import Finding, Say, info
 from harness.model.scene import Scene, scan_azimuth_deg, written
 from harness.questions.effects3d.answer import answer_of, findings_of
-from harness.questions.effects3d.conditions import (
+from harness.questions.effects3d.search import (
     CONDITIONS,
+    EXACT,
     GEOMETRY_REL,
+    STEPS,
+    Search,
     amplified,
     changed_scene,
+    departure,
+    find,
+    peak_g,
     solid_of,
+    start_factor,
     without_meaning,
 )
-from harness.questions.effects3d.search import EXACT, STEPS, Search, departure, find, peak_g, start_factor
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.questions.study.cases import Base, base_of_scene
 from harness.questions.study.file import EngineName
@@ -50,11 +56,10 @@ from harness.records.effects3d import (
 )
 from harness.records.result_folder import check_folder, write_whole
 from harness.records.scene import SceneRecord
-from harness.runs.cache_key import request_key
 from harness.runs.execute import Campaign, OnProgress, silent
 from harness.runs.runner import Pool
 from harness.runs.store import STORE_NAME, Store, check_begun
-from harness.runs.task import Answer, Task
+from harness.runs.task import Answer, Task, request_key
 from harness.statics.standstill import motion_sized
 from meshes import footprint
 from meshes.orientation import turn_axis

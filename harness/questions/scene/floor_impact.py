@@ -14,8 +14,7 @@ from harness import engines
 from harness.engines.analytic import by_other_impact
 from harness.engines.base import EngineFailure
 from harness.model.finding import Finding, changes_answer
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.records.run import Choice, DecidedBy
 

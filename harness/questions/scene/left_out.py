@@ -11,13 +11,12 @@ import numpy as np
 
 from analytic.excitation import ZeroExcitation
 from harness import engines
+from harness.comparison.comparator import CODES
 from harness.comparison.scores.pointwise import errors
-from harness.comparison.verdict import CODES
 from harness.engines.base import EngineFailure
 from harness.model import history
 from harness.model.finding import Finding, caution
-from harness.model.options import RunOptions
-from harness.model.run import Run, number
+from harness.model.run import Run, RunOptions, number
 from harness.model.scene import Scene
 from harness.records.scores import ROBUST, Evidence, Scores, Verdict
 

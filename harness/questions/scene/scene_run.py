@@ -18,8 +18,7 @@ from harness.engines.base import Engine, EngineFailure
 from harness.input.paths import read_files
 from harness.model.finding import Answer, Finding, Say, caution, info, weighed
 from harness.model.history import Outcome, history_file
-from harness.model.options import RunOptions
-from harness.model.run import Run, machine, versions
+from harness.model.run import Run, RunOptions, machine, versions
 from harness.model.scene import Scene
 from harness.questions.scene import floor_impact
 from harness.questions.scene.answer import answer_of

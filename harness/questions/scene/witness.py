@@ -3,9 +3,9 @@
 Two runs of a plain engine, with steps that the budget allows, state by their own spread how far that engine is from its own
 convergence. Each run of the scene is then judged against the finer of the two as any two models are. So much of this is
 independent of the model: contact, friction, impact and integration are the engine's; shapes, masses and coefficients are the
-scene's. Two coefficients of friction are followed by the plainest rule (`harness.engines.stepping.friction.followed`), which is
+scene's. Two coefficients of friction are followed by the plainest rule (`harness.engines.stepping.coulomb.followed`), which is
 another convention than the model's: they take the static one as an impact breaks the pedestal loose, and so does the model that
-is held against them (`harness.questions.scene.floor_impact`).
+is held against them (`harness.questions.scene.left_out`).
 """
 
 from __future__ import annotations
@@ -21,8 +21,7 @@ from harness.comparison.comparator import compare
 from harness.comparison.scores.pointwise import errors
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.finding import Finding, caution, info
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.scene.floor_impact import MODEL, under_static
 from harness.records.run import LEAST_S, PLAIN, Judged, Witness

@@ -9,16 +9,15 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.certified_rows import CertifiedRows, certify_rows
-from analytic.results import LEFT_BY
-from analytic.solution import OUTCOMES
+from analytic.solution import LEFT_BY, OUTCOMES
+from analytic.sweep import CertifiedRows, certify_rows
 from harness.engines import analytic as twoblock
 from harness.engines.base import RELIABLE_RAD
 from harness.model.finding import Finding
 from harness.model.history import Outcome
 from harness.model.run import NUMBERS, to_plain
 from harness.model.scene import BaseExcitation
-from harness.questions.study.case_scenes import Still
+from harness.questions.study.cases import Still
 from harness.questions.study.file import StudyFile, Value
 from harness.records.base import Plain
 

@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any, Final, NamedTuple, TypeGuard, cast
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import JsonValue, ValidationError
 
+from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
+from analytic.problem import Keywords, stated
+from analytic.sweep import Body, body_of
+from harness.engines import analytic as twoblock
 from harness.input import overrides, tables
 from harness.input import scene_file as load
 from harness.input.mistakes import mistakes_of
+from harness.input.motions.spec import Motion
 from harness.input.tables import SceneFile
 from harness.model.errors import InputError, Mistake
-from harness.model.scene import Scene
+from harness.model.scene import BaseExcitation, Scene
 from harness.questions.study.file import Scatter, StudyFile, Value, Vary
 
 
@@ -136,3 +143,152 @@ def _drawn(item: Scatter, base: Base, stream: np.random.Generator, samples: int)
         sigma = math.sqrt(math.log1p(width**2))
         return centre * np.exp(sigma * stream.standard_normal(samples))
     return centre * (1.0 + width * stream.uniform(-1.0, 1.0, samples))
+
+
+# What the analytic model needs of a study's cases: what many of them share is read and resolved once.
+
+
+Setting = Mapping[str, Value]
+SCALE: Final = "motion.scale"
+DIRECT: Final = {"amplitude_g": (Harmonic, Pulse), "frequency_hz": (Harmonic,)}
+"""Keys of a formula's axis that change one number of it, and the formulas of which they do."""
+OF_MOTION: Final = ("gravity_m_s2", "duration_s")
+"""Keys outside `[motion]` that its formulas and filters take from the scene."""
+MOST_REMEMBERED: Final = 4096
+"""Bodies and motions that are remembered: a study's axes rarely have more, and draws would fill the memory."""
+MOST_SAMPLES: Final = 4_000_000
+"""Samples of records that are remembered, 64 MB of them."""
+
+Own = tuple[tuple[str, Value], ...]
+
+
+class Still(NamedTuple):
+    """A scene without its motion, and as the model reads it."""
+
+    scene: Scene
+    body: Body
+
+
+class Moving(NamedTuple):
+    """A scene with a motion of scale 1, and that motion by axis."""
+
+    gravity_m_s2: float
+    axes: Mapping[str, Excitation]
+
+
+class CaseScenes:
+    """The bodies and the motions of a study's cases, by what each sets; the same objects for the same settings.
+
+    A scene's bodies do not depend on its motion, nor its motion on anything but `OF_MOTION`: the two are resolved apart. What is
+    refused apart is resolved whole, so that the same mistake is told as of a single run.
+    """
+
+    def __init__(self, base: Base, accuracy_rad: float) -> None:
+        self._base, self._accuracy_rad = base, accuracy_rad
+        uncertain = base.content.get("uncertainty")
+        inputs = uncertain if isinstance(uncertain, Mapping) else {}
+        still = {key: value for key, value in base.content.items() if key not in ("motion", "uncertainty")}
+        of_bodies = {key: value for key, value in inputs.items() if not key.startswith("motion.")}
+        self._without_motion = replace(base, content={**still, "uncertainty": of_bodies})
+        self._uncertain = bool(inputs)
+        self._stills: dict[Own, Still] = {}
+        self._movings: dict[Own, Moving] = {}
+        self._motions: dict[Own, BaseExcitation] = {}
+        self._allowed: set[Own] = set()
+
+    def still(self, setting: Setting) -> Still:
+        """The case's scene without its motion. Raises `InputError` for a case that is no scene."""
+        own = tuple((key, value) for key, value in setting.items() if not _of_motion(key))
+        if own not in self._stills:
+            _make_room(self._stills, MOST_REMEMBERED)
+            try:
+                scene = self._without_motion.scene(dict(own))
+            except InputError:
+                self._base.scene(setting)
+                raise
+            given = cast(Keywords, twoblock.keywords(scene))
+            problem, _ = stated(twoblock.block_of(scene), ZeroExcitation(), None, given)
+            self._stills[own] = Still(scene, body_of(problem, self._accuracy_rad))
+        return self._stills[own]
+
+    def motion(self, setting: Setting) -> BaseExcitation:
+        """The case's motion. Raises `InputError` for a case that is no scene."""
+        own = tuple((key, value) for key, value in setting.items() if _of_motion(key) or key in OF_MOTION)
+        if own not in self._motions:
+            made = self._made(dict(own), setting)
+            samples = sum(item.t_s.size for item in (made.x, made.y, made.z) if isinstance(item, SampledAcceleration))
+            _make_room(self._motions, MOST_SAMPLES // samples if samples else MOST_REMEMBERED)
+            self._motions[own] = made
+        return self._motions[own]
+
+    def _made(self, own: dict[str, Value], setting: Setting) -> BaseExcitation:
+        factors = {key: own.pop(key) for key in (SCALE,) if _is_number(own.get(key))}
+        direct = {key: own.pop(key) for key in list(own) if _is_direct(key) and _is_number(own[key])}
+        moving = self._moving(own, direct, setting)
+        if not all(isinstance(moving.axes[key.split(".")[1]], DIRECT[key.split(".")[2]]) for key in direct):
+            moving, direct = self._moving({**own, **direct}, {}, setting), {}
+        self._check(tuple({**factors, **direct}.items()), setting)
+        axes = dict(moving.axes)
+        for key, value in direct.items():
+            _, axis, name = key.split(".")
+            number = float(value)
+            changed = {"amplitude_m_s2": number * moving.gravity_m_s2} if name == "amplitude_g" else {name: number}
+            axes[axis] = replace(cast(Harmonic, axes[axis]), **changed)
+        scale = float(factors[SCALE]) if factors else self._scale(own)
+        return BaseExcitation(**axes).scaled(scale)
+
+    def _moving(self, own: Setting, direct: Setting, setting: Setting) -> Moving:
+        """The motion of these keys, at scale 1; of those that are changed directly any value will do."""
+        name = tuple(own.items())
+        if name not in self._movings:
+            _make_room(self._movings, MOST_REMEMBERED)
+            try:
+                scene = self._base.scene({**own, **direct, SCALE: 1.0})
+            except InputError:
+                scene = self._base.scene({**setting, SCALE: 1.0})
+            given = scene.base_excitation
+            self._movings[name] = Moving(scene.gravity_m_s2, {"x": given.x, "y": given.y, "z": given.z})
+        return self._movings[name]
+
+    def _check(self, numbers: Own, setting: Setting) -> None:
+        """Refuse numbers that the scene's file would not take; each is looked at by itself, once."""
+        for number in numbers:
+            if (number,) in self._allowed:
+                continue
+            if self._uncertain:
+                self._base.scene(setting)
+            content: dict[str, JsonValue] = {"motion": copy.deepcopy(self._base.content.get("motion", {}))}
+            for key, value in {**setting, number[0]: number[1]}.items():
+                if _of_motion(key):
+                    put(content, key, value)
+            try:
+                Motion.model_validate(content["motion"])
+            except ValidationError:
+                self._base.scene(setting)
+                raise
+            _make_room(self._allowed, MOST_REMEMBERED)
+            self._allowed.add((number,))
+
+    def _scale(self, own: Setting) -> float:
+        """The scale of the base's own file, unless the case removes it."""
+        motion = self._base.content.get("motion")
+        scale = motion.get("scale") if isinstance(motion, Mapping) and own.get(SCALE) != "none" else None
+        return float(scale) if isinstance(scale, (int, float)) else 1.0
+
+
+def _of_motion(key: str) -> bool:
+    return key == "motion" or key.startswith("motion.")
+
+
+def _is_direct(key: str) -> bool:
+    parts = key.split(".")
+    return len(parts) == 3 and parts[0] == "motion" and parts[2] in DIRECT
+
+
+def _is_number(value: Value | None) -> TypeGuard[float]:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _make_room(memory: dict[Any, Any] | set[Any], most: int) -> None:
+    if len(memory) >= max(most, 1):
+        memory.clear()

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.stepping.impact import IMPOSED_LABEL
+from harness.engines.stepping.loop import IMPOSED_LABEL
 from harness.model.history import History
 from harness.questions.study import claim_tests as tests
 from harness.questions.study.claim_tests import Answer, Test

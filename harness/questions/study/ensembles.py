@@ -7,17 +7,17 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
 
+from harness.comparison.comparator import judge, shares
 from harness.comparison.scores.events import LEAST_VALUES
 from harness.comparison.scores.pointwise import Peak
 from harness.comparison.side import side_of
 from harness.comparison.statistics.distributions import RESAMPLES, compare_distributions, compare_logarithms
 from harness.comparison.statistics.outcomes import Case, score_outcomes
-from harness.comparison.verdict import judge, shares
 from harness.model.history import History, Outcome, Pair, pair
-from harness.questions.study.rows import KeyedRow
+from harness.questions.study.case_blocks import KeyedRow
 from harness.records.scores import Verdict
-from harness.records.sets import SetScores
 from harness.records.study import CaseRun, Value
+from harness.records.validation import SetScores
 
 Answered = tuple[CaseRun, str | None]
 """A run, and the key of its history in the store."""

@@ -20,8 +20,8 @@ from harness.questions.study.case_selection import COARSEST, REFERENCE, map_axes
 from harness.questions.study.cases import Base, Case, expand
 from harness.questions.study.file import StudyFile
 from harness.questions.study.witnessed import SHARE
-from harness.runs.cache_key import scene_key
 from harness.runs.progress import duration_words
+from harness.runs.task import scene_key
 
 TRIALS: Final = 16
 """Drawn cases of each variant that are looked at: their mean is off by a sixth where one differs from another by two thirds."""

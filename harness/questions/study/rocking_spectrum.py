@@ -17,7 +17,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from analytic import Block, Outcome, ensemble
-from analytic.constants import GRAVITY_M_S2
+from analytic.block import GRAVITY_M_S2
 from analytic.excitation import Excitation
 from harness.comparison.statistics.distributions import wilson
 from harness.input.mistakes import Contradiction, Table
@@ -29,7 +29,7 @@ from harness.model.finding import Answer, Say, info
 from harness.model.history import Array
 from harness.model.run import machine, versions
 from harness.records.result_folder import write_whole
-from harness.records.rocking_spectrum import RockingSpectrumRecord, SpectrumMotion, SpectrumSummary
+from harness.records.study import RockingSpectrumRecord, SpectrumMotion, SpectrumSummary
 from harness.runs.execute import OnProgress
 from harness.runs.runner import Pool
 

@@ -14,8 +14,7 @@ from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.engines.base import EngineFailure
 from harness.engines.stepping.plain_steps import refuse_steering
-from harness.model.options import RunOptions
-from harness.model.run import to_plain, versions
+from harness.model.run import RunOptions, to_plain, versions
 from harness.model.scene import Scene
 from harness.questions.scene.witness import findings_of, plain_names, witnesses
 from harness.questions.study.cases import Base, base_of, expand
@@ -24,11 +23,10 @@ from harness.questions.study.study_run import study_name
 from harness.records.base import part
 from harness.records.run import PLAIN, Witness
 from harness.records.study import StudyWitness, WitnessCount
-from harness.runs.cache_key import key_of
 from harness.runs.execute import Campaign, OnProgress, silent
 from harness.runs.runner import Pool
 from harness.runs.store import Store
-from harness.runs.task import RUN, Answer, Task
+from harness.runs.task import RUN, Answer, Task, key_of
 
 SHARE: Final = 0.1
 """Of the scenes: the run is made again and a witness costs as much at most, so a tenth of them adds a fifth or less."""

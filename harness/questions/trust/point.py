@@ -14,15 +14,12 @@ import numpy as np
 from harness import engines
 from harness.accuracy.horizon import TOLERANCE_RAD
 from harness.model.history import History, Outcome
-from harness.model.options import MOST_TIMES, RunOptions
-from harness.model.run import EngineRunRecord, Run, to_plain
+from harness.model.run import MOST_TIMES, EngineRunRecord, Run, RunOptions, to_plain
 from harness.model.scene import Scene
 from harness.questions.assess.by_model import assess_models
 from harness.questions.assess.engine_runs import DrawnRun, overturns
-from harness.questions.assess.inputs import row, uncertain_inputs
-from harness.questions.assess.model_draws import draws_of, model_draws
+from harness.questions.assess.model_draws import draws_of, model_draws, row, uncertain_inputs, varied
 from harness.questions.assess.stratified import estimate
-from harness.questions.assess.variation import varied
 from harness.questions.scene.answer import STILL_RAD, outcome_family
 from harness.questions.scene.scene_run import Result, run_scene
 from harness.records.assess import Assessment

@@ -20,8 +20,7 @@ from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
-from harness.model.options import MOST_TIMES
-from harness.model.run import machine, versions
+from harness.model.run import MOST_TIMES, machine, versions
 from harness.model.scene import Scene
 from harness.questions.scene.workload import check as check_work
 from harness.questions.study import case_selection as selection
@@ -56,14 +55,12 @@ from harness.records.trust import (
     TrustRecord,
     TrustSummary,
 )
-from harness.runs.cache_key import request_key
-from harness.runs.dask_pool import DaskPool
 from harness.runs.execute import Campaign
 from harness.runs.progress import duration_words, progress
-from harness.runs.runner import LocalPool, Pool
+from harness.runs.runner import DaskPool, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, check_begun
 from harness.runs.task import Answer as Told
-from harness.runs.task import Task
+from harness.runs.task import Task, request_key
 
 CELLS_NAME: Final = "cells.csv"
 CHECKED: Final = 0.1

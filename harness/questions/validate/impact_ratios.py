@@ -19,7 +19,7 @@ from harness.model.finding import Answer, Say, caution, info
 from harness.model.history import Array
 from harness.questions.validate.measured_set import MeasuredSet, Rows
 from harness.questions.validate.number_table import read_groups
-from harness.records.measured import Cell, MeasuredRecord, MeasuredTable
+from harness.records.validation import Cell, MeasuredRecord, MeasuredTable
 
 COLUMNS: Final = ("group", "trial", "width_m", "height_m", "depth_m", "mass_kg", "ratio_measured")
 ROWS: Final = (

@@ -15,14 +15,13 @@ from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simu
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.questions.validate.motions import SHIFT_M
 from harness.questions.validate.scenes import Variant, digest_of, motion_of, scene_of
 from harness.questions.validate.table import Trial
 from harness.records.study import CaseRun
-from harness.runs.cache_key import key_of
 from harness.runs.runner import Crash
-from harness.runs.task import Answer, RunRequest, Task, lost_answer, lost_run, run_request
+from harness.runs.task import Answer, RunRequest, Task, key_of, lost_answer, lost_run, run_request
 
 BATCH: Final = {"analytic": 32, "pymunk": 8}
 """Runs handed to a worker at a time: enough that sending them costs little beside computing them; of other engines"""

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Final
 
 from harness.model.errors import InputError, Mistake
-from harness.questions.validate import drops, impact_ratios, tosses
+from harness.questions.validate import drop_run as drops
+from harness.questions.validate import impact_ratios, tosses
 from harness.questions.validate.number_table import header
 
 MEASURED: Final = {

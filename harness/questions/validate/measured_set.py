@@ -15,8 +15,8 @@ from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Say
 from harness.model.scene import Scene
-from harness.records.measured import About, Cell, MeasuredRecord, MeasuredTable
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
+from harness.records.validation import About, Cell, MeasuredRecord, MeasuredTable
 
 FITTED: Final = 1.0 / 3.0
 """Share of a set on which coefficients are fitted."""

@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 from pydantic import ValidationError
 
-from analytic.constants import GRAVITY_M_S2
+from analytic.block import GRAVITY_M_S2
 from analytic.excitation import Excitation, SampledAcceleration, ZeroExcitation
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import RecordSpec

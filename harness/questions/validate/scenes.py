@@ -12,17 +12,17 @@ from typing import Final
 import numpy as np
 
 import meshes
-from analytic.constants import GRAVITY_M_S2 as GRAVITY_M_S2
+from analytic.block import GRAVITY_M_S2 as GRAVITY_M_S2
 from harness.input import scene_file as load
 from harness.input.mesh_statue import statue_of
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Array
-from harness.model.options import Capabilities
+from harness.model.run import Capabilities
 from harness.model.scene import BaseExcitation, Contact, Form, Scene, Statue
 from harness.questions.study.rocking_spectrum import RING_DOWN_S
 from harness.questions.validate.motions import Intensity, intensity, scaled, shaking
 from harness.questions.validate.table import Inputs, Trial
-from harness.runs.cache_key import scene_key
+from harness.runs.task import scene_key
 
 AZIMUTH_SD_DEG: Final = 2.0
 """Scatter of the body's azimuth on the table: what placing by hand leaves."""

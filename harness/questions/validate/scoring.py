@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.comparison.comparator import COVERAGE
 from harness.comparison.statistics import fragility
 from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.outcomes import (
@@ -23,10 +24,9 @@ from harness.comparison.statistics.outcomes import (
     reliability,
     score_outcomes,
 )
-from harness.comparison.verdict import COVERAGE
 from harness.model.history import Array, Outcome
+from harness.questions.study.case_blocks import KeyedRow
 from harness.questions.study.ensembles import score_sets
-from harness.questions.study.rows import KeyedRow
 from harness.questions.validate import baseline
 from harness.questions.validate.fit import Answers, Choice, counted, fitted
 from harness.questions.validate.jobs import Drawn, Model

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from analytic import spatial
-from analytic.rotation import rotation_matrices
+from analytic.block import rotation_matrices
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Array
 from harness.model.scene import Pose, Statue

@@ -9,8 +9,8 @@ import pytest
 
 import analytic
 from analytic import AnalyticInputError, spatial
-from analytic.constants import GRAVITY_M_S2 as GRAVITY
-from analytic.rotation import rotation_matrices
+from analytic.block import GRAVITY_M_S2 as GRAVITY
+from analytic.block import rotation_matrices
 from tests.budgets_spatial import AUDIT, ENERGY_REL, IMPULSE, MIRROR
 
 BODY = spatial.Body.block(400.0, 0.35, 0.45, 1.1)

@@ -9,7 +9,7 @@ import pytest
 
 import analytic
 from analytic import spatial
-from analytic.constants import GRAVITY_M_S2 as GRAVITY
+from analytic.block import GRAVITY_M_S2 as GRAVITY
 from tests.budgets_spatial import AUDIT, IMPULSE, PLANAR_RAD
 
 

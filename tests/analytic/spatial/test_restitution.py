@@ -10,8 +10,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from analytic import AnalyticInputError, spatial
-from analytic.constants import GRAVITY_M_S2 as GRAVITY
-from analytic.spatial.kernel.restitution import LEAST_RISE_M
+from analytic.block import GRAVITY_M_S2 as GRAVITY
+from analytic.spatial.kernel.impact import LEAST_RISE_M
 from tests.budgets_spatial import AUDIT, CLOSED_FORM, IMPULSE
 
 HALF_M = 0.0524

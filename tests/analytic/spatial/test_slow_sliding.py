@@ -8,7 +8,7 @@ import pytest
 
 import analytic
 from analytic import spatial
-from analytic.constants import GRAVITY_M_S2 as GRAVITY
+from analytic.block import GRAVITY_M_S2 as GRAVITY
 
 FRICTION: Final = 0.4
 BODY: Final = spatial.Body.block(400.0, 0.35, 0.45, 1.1)

@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull
 
 import analytic
 from analytic import spatial
-from analytic.constants import GRAVITY_M_S2 as GRAVITY
+from analytic.block import GRAVITY_M_S2 as GRAVITY
 from tests import budgets_spatial as budget
 
 DURATION_S: Final = 1.5

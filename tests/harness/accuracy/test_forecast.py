@@ -10,8 +10,7 @@ from harness import engines
 from harness.accuracy.forecast import TRIAL_STEPS, expected_steps, first_settings, moving_s, timed_step_s
 from harness.accuracy.simulation import simulate
 from harness.engines.base import Engine, Settings
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from tests.budgets import FORECAST_TIMES
 from tests.measures.seeded_scenes import random_scene, tipping_scene, wide_scene

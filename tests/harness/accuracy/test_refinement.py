@@ -22,8 +22,7 @@ from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pymunk import Munk2D
 from harness.input.scene_file import load_scene
 from harness.model.history import History, Outcome
-from harness.model.options import Capabilities, RunOptions
-from harness.model.run import Run
+from harness.model.run import Capabilities, Run, RunOptions
 from harness.model.scene import BaseExcitation, Scene
 from tests import budgets_engines as budget
 from tests import doubles

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from harness import Outcome, Run, compare
+from harness.comparison.comparator import COVERAGE, shares
 from harness.comparison.side import left_domain
-from harness.comparison.verdict import COVERAGE, shares
 from harness.model.history import History
 from harness.records.scores import Verdict
 from tests import doubles

@@ -13,8 +13,7 @@ from harness.engines.analytic import ACCURACIES_RAD, TwoBlock, TwoBlockSettings,
 from harness.engines.base import EngineFailure, Settings
 from harness.model.finding import Severity
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import BaseExcitation, Form, Scene, Wall
 from tests import doubles
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, PAESTUM_PEDESTAL, paestum, scene

@@ -20,8 +20,7 @@ from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.engines.base import Engine, EngineFailure
 from harness.model.history import Outcome
-from harness.model.options import SKIPS, RunOptions
-from harness.model.run import Run
+from harness.model.run import SKIPS, Run, RunOptions
 from harness.model.scene import Scene
 from harness.records.base import plain
 from tests import budgets_engines as budget

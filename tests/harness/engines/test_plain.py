@@ -13,8 +13,8 @@ import pytest
 from harness import engines
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine
-from harness.engines.stepping.friction import FloorFriction, followed
-from harness.model.options import RunOptions
+from harness.engines.stepping.coulomb import FloorFriction, followed
+from harness.model.run import RunOptions
 from harness.model.scene import Scene
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready

@@ -17,8 +17,7 @@ from harness.engines.base import Engine
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import BaseExcitation, Contact, Initial, Pose, Scene, Uncertain
 from harness.questions.assess.assessment import assess
 from harness.questions.assess.by_model import assess_models

@@ -14,8 +14,7 @@ import pytest
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.engines.base import Engine
-from harness.model.options import SKIPS, RunOptions
-from harness.model.run import Run
+from harness.model.run import SKIPS, Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.runs.store import Store

@@ -11,7 +11,7 @@ from harness import engines
 from harness.engines import spatial
 from harness.engines.spatial import LEVELS
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.model.scene import BaseExcitation, Scene
 from tests.scenes_for_tests import block, scene
 

@@ -13,10 +13,9 @@ import analytic
 from analytic import Harmonic
 from harness.accuracy.refinement import run_to_accuracy
 from harness.comparison.scores.pointwise import error_rad
-from harness.engines.stepping.rows import STANDS_RAD, base_velocity
-from harness.model.in_space import support_m
-from harness.model.options import RunOptions
-from harness.model.scene import Pedestal
+from harness.engines.stepping.step_log import STANDS_RAD, base_velocity
+from harness.model.run import RunOptions
+from harness.model.scene import Pedestal, support_m
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready
 from tests.measures.seeded_scenes import tipping_scene, wide_scene

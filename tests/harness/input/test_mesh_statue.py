@@ -13,8 +13,7 @@ from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.finding import Severity
 from meshes import doubts
-from meshes.errors import Doubt
-from meshes.mesh import RawMesh
+from meshes.mesh import Doubt, RawMesh
 from tests.budgets_meshes import ROUND_OFF_REL
 from tests.meshes.scanner import write
 from tests.meshes.shapes import box

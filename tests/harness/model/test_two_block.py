@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.comparison.verdict import Verdict
+from harness.comparison.comparator import Verdict
 from harness.input.scene_file import load_scene
 from harness.model.finding import Severity
 from harness.model.two_block import block_of

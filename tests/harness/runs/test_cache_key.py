@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from analytic.excitation import Harmonic, Pulse, SampledAcceleration
-from analytic.motion import Excitation
+from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
 from harness.model.finding import info
-from harness.model.options import Capabilities
+from harness.model.run import Capabilities
 from harness.model.scene import BaseExcitation, Initial, Pose, Scene, Wall
-from harness.runs.cache_key import KEYED, NOT_PHYSICS, scene_key
+from harness.runs.task import KEYED, NOT_PHYSICS, scene_key
 from tests.scenes_for_tests import paestum
 
 EVERYTHING = Capabilities(3, uses_mesh=True, statue_slips=True)

@@ -16,9 +16,8 @@ import pytest
 from harness.model.errors import InputError
 from harness.questions.study.file import load_study
 from harness.questions.study.study_run import run_study
-from harness.runs import dask_pool
-from harness.runs.dask_pool import DaskPool
-from harness.runs.runner import AHEAD, Hung, LocalPool
+from harness.runs import runner as dask_pool
+from harness.runs.runner import AHEAD, DaskPool, Hung, LocalPool
 from harness.runs.store import Packed, Store
 from tests.harness.questions.study.small_study import CONTACT, contents, written
 

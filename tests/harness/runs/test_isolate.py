@@ -12,7 +12,7 @@ import pytest
 from harness.accuracy.simulation import RunTarget
 from harness.engines.pymunk import Munk2D
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.runs.runner import Crash, Hung
 from harness.runs.task import call, simulate_isolated
 from tests.scenes_for_tests import paestum

@@ -10,7 +10,7 @@ import pytest
 
 from harness import engines
 from harness.input.mesh_statue import statue_of
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.model.scene import Wall
 from harness.statics.plan import HULL_EXCESS_LIMIT, plan, shape_needed
 from meshes import decomposition

@@ -10,10 +10,9 @@ import pytest
 from analytic.excitation import Harmonic, SampledAcceleration
 from harness import engines
 from harness.accuracy.simulation import simulate
-from harness.model.options import SKIPS, RunOptions
+from harness.model.run import SKIPS, RunOptions
 from harness.model.scene import BaseExcitation
-from harness.statics.plan import plan
-from harness.statics.rest import LimitsOfRest, first_motion_s, limit_of_rest_m_s2
+from harness.statics.plan import LimitsOfRest, first_motion_s, limit_of_rest_m_s2, plan
 from tests.budgets import LIMIT_ROUNDING
 from tests.scenes_for_tests import paestum
 

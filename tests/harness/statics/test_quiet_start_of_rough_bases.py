@@ -7,8 +7,8 @@ import pytest
 
 from analytic.excitation import SampledAcceleration
 from harness.accuracy.simulation import simulate
-from harness.model.options import SKIPS, RunOptions
-from harness.statics.rest import first_motion_s, limit_of_rest_m_s2, resting_polygon_m
+from harness.model.run import SKIPS, RunOptions
+from harness.statics.plan import first_motion_s, limit_of_rest_m_s2, resting_polygon_m
 from tests.budgets import LIMIT_ROUNDING
 from tests.measures.profiles import BASES, scene, statue
 

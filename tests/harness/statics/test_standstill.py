@@ -11,8 +11,7 @@ import harness
 from analytic.excitation import SampledAcceleration
 from harness.questions.scene.scene_run import run_scene
 from harness.records.scene import motion_of
-from harness.statics.push import push_of
-from harness.statics.standstill import STILL_RAD, motion_sized, standstill
+from harness.statics.standstill import STILL_RAD, motion_sized, push_of, standstill
 from tests import scenes_for_tests as blocks
 from tests.engines_for_tests import ready
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from reports.charts.map_figures import map_axes
 from reports.charts.study_figures import curve_figures
-from reports.text.study_rows import Condition
+from reports.text.wording import Condition
 from tests.reports.charts.parts import part
 from tests.reports.invented_study import case_row, case_run
 

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reports.charts.histories import drawn_stretches
-from reports.charts.samples import shown_samples
+from reports.charts.histories import drawn_stretches, shown_samples
 
 
 @settings(max_examples=60, deadline=None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from reports.charts.study_figures import best_designs, design_figures
 from reports.messages import ENGLISH
-from reports.text.study_rows import Condition
+from reports.text.wording import Condition
 from tests.reports.charts.parts import kind_at, part
 from tests.reports.invented_study import case_row, case_run
 

@@ -12,10 +12,8 @@ import numpy as np
 import pytest
 
 from reports.charts.drawn import rows, sized, still, svg
-from reports.charts.figure import across, axis, cells, figure, level, marks, named
-from reports.charts.histories import histories_figure
-from reports.charts.palette import Look
-from reports.charts.samples import numbers
+from reports.charts.figure import Look, across, axis, cells, figure, level, marks, named
+from reports.charts.histories import histories_figure, numbers
 from reports.drawing.shapes import nice_ticks
 from reports.pages.assets import pack_text, packed_chart
 from reports.source import run_source

@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 
 from harness.questions.study import case_selection as selection
+from reports.charts.figure import DARK, SURFACES
 from reports.charts.map_figures import LINES, map_figures
-from reports.charts.palette import DARK, SURFACES
 from reports.messages import ENGLISH
-from reports.text.study_rows import Condition
+from reports.text.wording import Condition
 from tests.budgets_reports import LEAST_OF_LINES
 from tests.reports.charts.parts import kind_at, part
 from tests.reports.invented_study import case_row, case_run

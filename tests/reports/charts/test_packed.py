@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from reports.charts.samples import LEVELS, numbers, packed_array
+from reports.charts.histories import LEVELS, numbers, packed_array
 
 
 @pytest.mark.parametrize("seed", range(20))

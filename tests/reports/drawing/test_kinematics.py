@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from harness.model.history import History
-from harness.model.in_space import SOLID_COLUMNS
-from harness.model.scene import Pedestal
+from harness.model.scene import SOLID_COLUMNS, Pedestal
 from harness.records.scene import SceneRecord
 from reports.drawing.kinematics import Section, posed_in_space_m, posed_pedestal_m, poses
 from tests.budgets_reports import POSE_M

@@ -12,7 +12,7 @@ import pytest
 from harness.input.uncertain import ASSUMPTIONS
 from harness.model.finding import Answer, Finding, caution, changes_answer, info, texted, weighed
 from harness.model.history import Outcome
-from harness.model.options import SKIPS
+from harness.model.run import SKIPS
 from harness.questions.assess.options import PAIRS
 from harness.records.scores import Verdict
 from reports.messages import FIELD, FORMATS, LANGUAGES, OPTIONAL, language

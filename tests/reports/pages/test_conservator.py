@@ -31,13 +31,13 @@ from reports.text.giving_way import (
     compass,
     levels,
     order_words,
+    pedestal_effect,
     slips,
     support_of,
     weakest_pushes,
     weakest_words,
 )
-from reports.text.pedestal_effect import pedestal_effect
-from reports.text.study_rows import conditions
+from reports.text.wording import conditions
 from tests.budgets_reports import PUSH, SHADOW_SHARE
 from tests.reports.invented_run import write_invented
 from tests.reports.invented_study import study, write_map_study, write_table_study

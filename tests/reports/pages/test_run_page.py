@@ -21,7 +21,7 @@ from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.base import plain
 from harness.records.kinds import read_result
 from harness.records.run import HorizonRecord
-from reports.charts.samples import numbers
+from reports.charts.histories import numbers
 from reports.drawing.display_mesh import MOST_FACES
 from reports.messages import ENGLISH
 from reports.pages.conservator import of_run

@@ -7,9 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.input.motions.orientation import Orientation, parse_orientation
-from harness.input.motions.recordfile import Channel, RecordFile, unit_named
-from harness.input.motions.series import Floats
+from harness.input.motions.recordfile import Channel, Floats, Orientation, RecordFile, parse_orientation, unit_named
 from harness.input.motions.text import Header, fixed_width, fortran_format, mistake
 from harness.model.finding import Finding, caution, info
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.input.motions.check import refuse_fillers
-from harness.input.motions.clock import clock_of
+from harness.input.motions.process import clock_of
 from harness.input.motions.readers.table import LABEL, NO_COMPONENT, heading, likely_unit
 from harness.input.motions.recordfile import UNIT_NAMES, Channel, RecordFile, unit_named
 from harness.input.motions.text import mistake

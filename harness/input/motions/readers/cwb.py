@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 
-from harness.input.motions.clock import clock_of
-from harness.input.motions.orientation import parse_orientation
-from harness.input.motions.recordfile import Channel, RecordFile, unit_named
+from harness.input.motions.process import clock_of
+from harness.input.motions.recordfile import Channel, RecordFile, parse_orientation, unit_named
 from harness.input.motions.text import Header, columns, mistake
 
 

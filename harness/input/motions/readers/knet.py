@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from harness.input.motions.orientation import Orientation
-from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, UNITS_M_S2, Channel, RecordFile
+from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, UNITS_M_S2, Channel, Orientation, RecordFile
 from harness.input.motions.text import Header, free_format, header_number, mistake
 from harness.model.finding import info
 

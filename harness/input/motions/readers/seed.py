@@ -7,8 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.input.motions.orientation import Orientation, parse_orientation
-from harness.input.motions.recordfile import UNIT_NAMES, Channel, RecordFile
+from harness.input.motions.recordfile import UNIT_NAMES, Channel, Orientation, RecordFile, parse_orientation
 from harness.input.motions.text import mistake
 
 _SAC_VERSION, _SAC_HEADER = slice(304, 308), 632

@@ -7,10 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from harness.input.motions.clock import clock_of
-from harness.input.motions.orientation import Orientation, parse_orientation
-from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.series import Floats
+from harness.input.motions.process import clock_of
+from harness.input.motions.recordfile import Channel, Floats, Orientation, RecordFile, parse_orientation
 from harness.input.motions.text import Header, fixed_width, mistake
 from harness.model.finding import Finding, caution
 

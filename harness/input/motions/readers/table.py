@@ -11,19 +11,20 @@ from typing import Final
 import numpy as np
 
 from harness.input.motions.check import check, refuse_fillers
-from harness.input.motions.clock import clock_of
-from harness.input.motions.orientation import Orientation, parse_orientation
+from harness.input.motions.process import clock_of
 from harness.input.motions.recordfile import (
     STANDARD_GRAVITY_M_S2,
     UNIT_NAMES,
     UNITS_M_S2,
     WHOLE,
     Channel,
+    Floats,
     Layout,
+    Orientation,
     RecordFile,
+    parse_orientation,
     unit_named,
 )
-from harness.input.motions.series import Floats
 from harness.input.motions.text import free_format, mistake
 from harness.input.text_file import fortran, numbers_at_once
 from harness.model.errors import InputError

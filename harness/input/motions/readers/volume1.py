@@ -12,9 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.input.motions.clock import clock_of
-from harness.input.motions.orientation import Orientation, parse_orientation
-from harness.input.motions.recordfile import Channel, RecordFile
+from harness.input.motions.process import clock_of
+from harness.input.motions.recordfile import Channel, Orientation, RecordFile, parse_orientation
 from harness.input.motions.text import (
     NOT_NUMBERS,
     NUMERIC,

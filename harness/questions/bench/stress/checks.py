@@ -13,7 +13,7 @@ from harness.comparison.scores.pointwise import error_rad as difference_rad
 from harness.model.history import Array
 from harness.model.run import Run, number
 from harness.model.scene import Scene
-from harness.records.stress import Measure
+from harness.records.bench import Measure
 
 AGREES_RAD: Final = 1e-3
 """Error that is allowed of any scene: the accuracy that a run aims at unless told otherwise."""

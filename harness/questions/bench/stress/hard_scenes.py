@@ -10,14 +10,13 @@ from typing import Final
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.engines.base import Engine, EngineFailure, Settings
-from harness.model.options import SKIPS, RunOptions
-from harness.model.run import Run, number
+from harness.model.run import SKIPS, Run, RunOptions, number
 from harness.model.scene import Scene
 from harness.questions.bench import programs
 from harness.questions.bench.standard_scenes import scene_of
 from harness.questions.bench.stress import checks
 from harness.questions.bench.stress.catalogue import Hard, catalogue
-from harness.records.stress import Cell, HardRow, KnownFailure, Measure
+from harness.records.bench import Cell, HardRow, KnownFailure, Measure
 from harness.runs.parts import Row
 
 # Why a cell of a stability map is not stable: the setting of the same row that is, or nothing.

@@ -10,15 +10,14 @@ from typing import Final
 
 from harness import engines
 from harness.engines.base import Engine, EngineFailure, Settings
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.bench import programs
 from harness.questions.bench.standard_scenes import COLUMN, EQUAL, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.questions.bench.stress import checks
 from harness.questions.bench.stress.catalogue import SHAKEN, body, leaning
 from harness.questions.bench.stress.hard_scenes import converged, explained, solution
-from harness.records.stress import Cell, Measure
+from harness.records.bench import Cell, Measure
 from harness.runs.parts import Row
 
 STEPS_S: Final = (1.0 / 60.0, 1.0 / 240.0, 1e-3, 2.5e-4, 1e-4, 1e-5)

@@ -16,7 +16,7 @@ from harness.questions.bench.stress import hard_scenes as scenes
 from harness.questions.bench.stress import stability
 from harness.questions.bench.stress.catalogue import ALL
 from harness.records.base import part
-from harness.records.stress import Cell, HardRow, Harm, Mutated, StressRecord, answer_of, findings_of
+from harness.records.bench import Cell, HardRow, Harm, Mutated, StressRecord, answer_of, findings_of
 from harness.runs import parts
 from harness.runs.parts import Measured, Measurement, Part, Row
 

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 import harness
 from harness.comparison.comparator import compare
-from harness.comparison.scores.against_measured import COVERAGE, Measured
+from harness.comparison.scores.pointwise import COVERAGE, Measured
 from harness.model.errors import InputError
 from harness.model.history import History
 from reports.cli import app

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from harness import InputError, compare
-from harness.comparison.scores import iso
+from harness.comparison.scores import pointwise as iso
 from harness.model.history import pair
 from tests import doubles
 

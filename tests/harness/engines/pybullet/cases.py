@@ -10,8 +10,7 @@ import numpy as np
 
 from harness.engines import load
 from harness.engines.pybullet.settings import BulletSettings
-from harness.model.options import SKIPS, RunOptions
-from harness.model.run import Run
+from harness.model.run import SKIPS, Run, RunOptions
 from harness.model.scene import Scene
 
 NOTHING_SKIPPED = RunOptions(skips=frozenset())

@@ -11,7 +11,7 @@ import pytest
 from analytic.closed_form import frequency_parameter_rad_s, quarter_period_s
 from analytic.excitation import Harmonic, Pulse
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.model.scene import BaseExcitation, Pedestal, Wall
 from harness.questions.bench.standard_scenes import standard_set
 from tests import budgets_bullet as budget

@@ -14,12 +14,12 @@ from analytic.closed_form import rolling_cylinder
 from analytic.excitation import Harmonic
 from harness.engines import load
 from harness.engines.pybullet import feet, pose, run_phases, shapes
-from harness.engines.pybullet.edge import EdgeWatch
+from harness.engines.pybullet.feet import EdgeWatch
 from harness.engines.stepping.frame import matrices
-from harness.engines.stepping.rows import Body
+from harness.engines.stepping.step_log import Body
 from harness.input.mesh_statue import statue_of
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.model.scene import Scene, Statue
 from meshes.solid import Solid, solid_from_mesh
 from tests import budgets_bullet as budget

@@ -13,8 +13,7 @@ import pytest
 from analytic.excitation import Harmonic
 from harness.engines.base import EngineFailure
 from harness.engines.pybullet import world
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, WHOLE, bullet
 from tests.scenes_for_tests import paestum

@@ -16,15 +16,15 @@ from scipy.spatial import ConvexHull
 from analytic.excitation import Harmonic
 from harness.engines import load
 from harness.engines.pybullet import feet, pose, run_phases, writing
-from harness.engines.pybullet.edge import DEPTH_M, Crossing
+from harness.engines.pybullet.feet import DEPTH_M, Crossing
 from harness.engines.pybullet.full import HULL_VERTICES, full_shape
 from harness.engines.pybullet.shapes import HULL_INSET_M, MARGIN_M
 from harness.engines.pybullet.world import World
-from harness.engines.stepping.rows import Body
+from harness.engines.stepping.step_log import Body
 from harness.input.mesh_statue import statue_of
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
-from harness.model.options import SKIPS, RunOptions
+from harness.model.run import SKIPS, RunOptions
 from harness.model.scene import Pedestal, Scene, Statue, Wall
 from meshes import decomposition, load_solid
 from meshes.solid import solid_from_mesh

@@ -8,13 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from analytic.block import rotation_matrices
 from analytic.excitation import Harmonic
-from analytic.rotation import rotation_matrices
 from harness.accuracy.refinement import run_to_accuracy
 from harness.engines import load
-from harness.engines.pybullet.heading import Heading
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.engines.pybullet.world import Heading
+from harness.model.run import Run, RunOptions
 from harness.model.scene import BaseExcitation, Initial, Pose, Scene, Wall
 from tests import budgets_bullet as budget
 from tests import doubles

@@ -11,8 +11,7 @@ import pytest
 
 from harness.engines.analytic import TwoBlock
 from harness.engines.pymunk import Munk2D
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import PEDESTAL, TWO
 from harness.questions.study.cases import Base

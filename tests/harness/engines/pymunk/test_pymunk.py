@@ -15,10 +15,9 @@ from harness.engines.base import EngineFailure
 from harness.engines.pymunk import Munk2D
 from harness.engines.pymunk.plain import PlainMunk2D
 from harness.engines.pymunk.settings import MunkSettings
-from harness.engines.stepping.impact import IMPOSED_LABEL
+from harness.engines.stepping.loop import IMPOSED_LABEL
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Wall
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready

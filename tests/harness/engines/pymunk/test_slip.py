@@ -13,8 +13,7 @@ from analytic.excitation import Harmonic, Pulse
 from harness.comparison.scores.pointwise import errors
 from harness.engines.analytic import TwoBlock
 from harness.engines.pymunk import Munk2D
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Pedestal, Scene
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import GRAVITY_M_S2, paestum, rectangle, scene

@@ -16,7 +16,7 @@ from harness import engines
 from harness.engines.stepping import settings
 from harness.engines.stepping.settings import EventSettings
 from harness.model.history import History
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import PAESTUM, harmonic, scene_of
 from tests.engines_for_tests import ready
@@ -27,12 +27,12 @@ STEP_S = 1e-3
 FIFTH = 0.2
 MODULES = {
     "pymunk": ("pymunk", "pymunk.backend", "pymunk.support"),
-    "pybullet": ("pybullet.backend", "pybullet.solver"),
-    "pymunk:plain": ("pymunk.plain", "stepping.friction"),
-    "pybullet:plain": ("pybullet.plain", "stepping.friction"),
+    "pybullet": ("pybullet.backend", "pybullet.world"),
+    "pymunk:plain": ("pymunk.plain", "stepping.coulomb"),
+    "pybullet:plain": ("pybullet.plain", "stepping.coulomb"),
 }
-IN_SPACE = ("pybullet.heading", "pybullet.gyroscopic")
-"""Rooms of pybullet that only what leaves the plane passes."""
+IN_SPACE = ("pybullet.backend", "pybullet.world")
+"""Rooms of pybullet that hold what only a motion out of the plane passes, too."""
 LOCATING = ("pymunk", "pybullet")
 """Engines in which events are located."""
 NUMBERS = tuple(item.name for item in fields(EventSettings) if item.type == "float")

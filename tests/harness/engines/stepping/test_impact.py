@@ -11,8 +11,8 @@ import pytest
 
 from harness.accuracy.simulation import simulate
 from harness.comparison.scores.pointwise import error_rad
-from harness.engines.stepping.impact import Impact, impact
-from harness.model.options import RunOptions
+from harness.engines.stepping.loop import Impact, impact
+from harness.model.run import RunOptions
 from harness.model.scene import Form, Pedestal, Scene
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready

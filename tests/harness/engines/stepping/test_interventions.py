@@ -12,9 +12,8 @@ import pytest
 from harness import engines
 from harness.engines.base import LayerFault
 from harness.engines.stepping.step_log import Ledger
-from harness.engines.stepping.stepper import RowWriter
-from harness.model.options import RunOptions
-from harness.model.run import EngineRunRecord
+from harness.engines.stepping.step_state import RowWriter
+from harness.model.run import EngineRunRecord, RunOptions
 from harness.model.scene import Scene
 from harness.records import base
 from tests import budgets_engines as budget

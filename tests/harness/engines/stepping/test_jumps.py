@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 import pytest
 
-from analytic.constants import GRAVITY_M_S2 as G
+from analytic.block import GRAVITY_M_S2 as G
 from analytic.excitation import Excitation, Harmonic, Pulse, Record
 from harness.accuracy.simulation import simulate
 from harness.engines.stepping.schedule import Schedule

@@ -15,12 +15,10 @@ from harness.engines import load
 from harness.engines.base import LayerFault
 from harness.engines.stepping import forces, frame, reduce
 from harness.engines.stepping.columns import Trajectory
-from harness.engines.stepping.falling import last_outward
-from harness.engines.stepping.reduce import Report, reduce_trajectory, rocking
+from harness.engines.stepping.reduce import Report, last_outward, reduce_trajectory, rocking
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import OVERTURN_RAD, BaseExcitation, Scene, Wall
 from tests import budgets_engines as budget
 from tests.measures.seeded_scenes import wide_scene

@@ -6,7 +6,7 @@ import pytest
 
 from harness.accuracy.simulation import simulate
 from harness.engines.base import LayerFault
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.model.scene import Scene
 from tests.engines_for_tests import ready
 from tests.measures.mechanisms import changed

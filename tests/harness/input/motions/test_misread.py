@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from harness.input.motions.check import USUAL_STEPS_S
-from harness.input.motions.orientation import parse_orientation
 from harness.input.motions.readers import read_record
+from harness.input.motions.recordfile import parse_orientation
 from harness.input.motions.records import channel_named
 from harness.model.errors import InputError
 from tests.doubles import codes

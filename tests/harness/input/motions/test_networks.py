@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.input.motions.orientation import Orientation
 from harness.input.motions.readers import read_file, read_record
+from harness.input.motions.recordfile import Orientation
 from harness.input.motions.text import NUMERIC
 from harness.model.errors import InputError
 from tests.budgets_motions import CLOCK_S, COUNTS_M_S2, GAL_3, GAL_6, TENTH_G_3

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from harness.input.motions import process
-from harness.input.motions.measures import measures, peak_velocity_m_s
 from harness.input.motions.process import ProcessError
-from harness.input.motions.series import Series, displacement_m, velocity_m_s
+from harness.input.motions.recordfile import Series, displacement_m, velocity_m_s
+from harness.input.motions.spectra import measures, peak_velocity_m_s
 from tests.budgets_motions import FILTER_PASS, FILTER_STOP, RETURN_TO_REST_M, RETURN_TO_REST_M_S, SAME_MOTION
 from tests.harness.input.motions.writers import GRAVITY, wave
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.input.motions.orientation import Orientation, parse_orientation
 from harness.input.motions.readers import FORMATS, read_record
+from harness.input.motions.recordfile import Orientation, parse_orientation
 from harness.input.motions.records import aligned, channel_named, turned
 from harness.input.motions.text import fixed_width, free_format
 from harness.model.errors import InputError

@@ -12,7 +12,7 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from harness.input.motions import SceneMotion, compatible, oscillator, prepare
-from harness.input.motions.series import Series, displacement_m, velocity_m_s
+from harness.input.motions.recordfile import Series, displacement_m, velocity_m_s
 from harness.input.motions.spec import Component, SpectrumSpec, Target
 from harness.input.motions.spectra import DesignSpectrum, design_spectrum
 from harness.model.errors import InputError

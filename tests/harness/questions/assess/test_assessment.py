@@ -13,16 +13,14 @@ from analytic import Harmonic, Pulse
 from harness import engines
 from harness.comparison.statistics.distributions import wilson
 from harness.input.scene_file import load_scene
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.model.scene import BaseExcitation, Pedestal, Scene, Wall
 from harness.questions.assess import by_model
 from harness.questions.assess.answer import answer_of, findings_of, probability
 from harness.questions.assess.assessment import assess
 from harness.questions.assess.by_model import assess_models, probability_of
-from harness.questions.assess.inputs import draw, row, uncertain_inputs
-from harness.questions.assess.model_draws import ModelDraws, draws_of, model_draws
+from harness.questions.assess.model_draws import ModelDraws, draw, draws_of, model_draws, row, uncertain_inputs, varied
 from harness.questions.assess.stratified import jeffreys
-from harness.questions.assess.variation import varied
 from harness.records.assess import AssessRecord, NotAssessed
 from reports.text.wording import tone_of_answers, worse_tone
 from tests import budgets_assess as budget

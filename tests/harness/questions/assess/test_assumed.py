@@ -13,9 +13,7 @@ from harness.input.scene_file import load_scene
 from harness.input.uncertain import ASSUMPTIONS, assumption
 from harness.model.errors import InputError
 from harness.model.scene import BaseExcitation
-from harness.questions.assess.inputs import draw, uncertain_inputs
-from harness.questions.assess.model_draws import model_draws, sweepable
-from harness.questions.assess.variation import varied
+from harness.questions.assess.model_draws import draw, model_draws, sweepable, uncertain_inputs, varied
 from reports.messages import ENGLISH
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import PAESTUM, paestum, scene

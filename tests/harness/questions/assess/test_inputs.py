@@ -13,11 +13,19 @@ from scipy.stats import spearmanr
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.scene import Contact, Scene, Uncertain
-from harness.questions.assess.compared import option_draws
-from harness.questions.assess.inputs import draw, groups, row, uncertain_inputs
-from harness.questions.assess.model_draws import model_draws, sweepable
-from harness.questions.assess.options import options_of
-from harness.questions.assess.variation import IMPACT, KINETIC, STATIC, varied
+from harness.questions.assess.model_draws import (
+    IMPACT,
+    KINETIC,
+    STATIC,
+    draw,
+    groups,
+    model_draws,
+    row,
+    sweepable,
+    uncertain_inputs,
+    varied,
+)
+from harness.questions.assess.options import option_draws, options_of
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import paestum
 

@@ -16,12 +16,10 @@ from harness.model.scene import BaseExcitation, Pedestal, Scene, Uncertain, Wall
 from harness.questions.assess import options as made
 from harness.questions.assess.answer import best_option, of_options
 from harness.questions.assess.assessment import assess
-from harness.questions.assess.compared import Answered, common, compare, option_draws, paired_difference
-from harness.questions.assess.inputs import draw, uncertain_inputs
-from harness.questions.assess.model_draws import draws_of, model_draws
-from harness.questions.assess.options import PAIRS
+from harness.questions.assess.model_draws import draw, draws_of, model_draws, uncertain_inputs
+from harness.questions.assess.options import PAIRS, Answered, common, compare, option_draws, paired_difference
 from harness.records.assess import OptionsRecord
-from harness.statics.bodies import as_one, sliding, turned_block
+from harness.statics.plan import as_one, sliding, turned_block
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import paestum, rectangle, scene
 

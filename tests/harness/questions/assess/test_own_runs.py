@@ -9,8 +9,7 @@ import pytest
 
 from harness.questions.assess.assessment import assess
 from harness.questions.assess.engine_runs import DrawnRun, overturns
-from harness.questions.assess.inputs import draw, row, uncertain_inputs
-from harness.questions.assess.variation import varied
+from harness.questions.assess.model_draws import draw, row, uncertain_inputs, varied
 from tests import budgets_assess as budget
 from tests.engines_for_tests import ready
 from tests.harness.questions.assess.measure_own_runs import ENGINES, RUNS, SEED, own_runs, scene_of_runs

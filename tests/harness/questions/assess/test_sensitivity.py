@@ -12,8 +12,7 @@ import pytest
 from harness.input.scene_file import load_scene
 from harness.model.scene import Uncertain
 from harness.questions.assess.answer import reserve
-from harness.questions.assess.inputs import draw, uncertain_inputs
-from harness.questions.assess.model_draws import model_draws, sweepable
+from harness.questions.assess.model_draws import draw, model_draws, sweepable, uncertain_inputs
 from harness.questions.assess.sensitivity import LEAST_DRAWS, fragility, fragility_of, indices, indices_of_draws
 from tests import budgets_assess as budget
 from tests.harness.questions.assess.measure_own_runs import SCENE

@@ -12,12 +12,11 @@ from analytic import Pulse
 from harness.input.scene_file import load_scene
 from harness.model.scene import BaseExcitation, Scene
 from harness.questions.assess.assessment import assess
-from harness.questions.assess.compared import Answered, difference_of
 from harness.questions.assess.in_space import ends_in_space
-from harness.questions.assess.inputs import draw, uncertain_inputs
-from harness.questions.assess.model_draws import ModelDraws
-from harness.questions.assess.options import AS_IT_IS, TURNED, options_of
+from harness.questions.assess.model_draws import ModelDraws, draw, uncertain_inputs
+from harness.questions.assess.options import AS_IT_IS, Answered, difference_of, options_of
 from harness.questions.assess.space_studies import OPTION_STEPS
+from harness.records.assess import TURNED
 from tests.scenes_for_tests import block, scene
 
 DRAWS = 24

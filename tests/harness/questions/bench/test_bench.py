@@ -16,7 +16,7 @@ from harness import engines
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import EngineFailure
 from harness.model.history import History
-from harness.model.options import SKIPS, RunOptions
+from harness.model.run import SKIPS, RunOptions
 from harness.questions.bench import findings, other_integrators, precision, scaling, skip_savings, skips
 from harness.questions.bench.programs import children_cpu_s, cost, costs, largest_child_mb
 from harness.questions.bench.standard_scenes import COLUMN, Standard, resolved, scene_of, standard_set

@@ -8,7 +8,7 @@ import pytest
 
 import harness
 from harness.model.scene import Scene
-from harness.questions.effects3d.conditions import with_solid
+from harness.questions.effects3d.search import with_solid
 from meshes import solid_from_mesh
 from tests.meshes.shapes import box
 

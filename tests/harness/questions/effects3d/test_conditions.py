@@ -7,7 +7,7 @@ import pytest
 
 from harness.model.scene import Scene
 from harness.questions.effects3d import BASELINE
-from harness.questions.effects3d.conditions import CONDITIONS, changed_scene, turned
+from harness.questions.effects3d.search import CONDITIONS, changed_scene, turned
 from meshes import footprint
 
 

@@ -10,8 +10,15 @@ import pytest
 import harness
 from harness.model.scene import Scene
 from harness.questions.effects3d import BASELINE, Search, find
-from harness.questions.effects3d.conditions import amplified, changed_scene
-from harness.questions.effects3d.search import SpaceOutcomes, first_crossing, nearest_crossing, peak_g, start_factor
+from harness.questions.effects3d.search import (
+    SpaceOutcomes,
+    amplified,
+    changed_scene,
+    first_crossing,
+    nearest_crossing,
+    peak_g,
+    start_factor,
+)
 
 SEARCH = Search(most_g=1.0, resolution=0.02)
 

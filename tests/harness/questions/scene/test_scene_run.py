@@ -19,8 +19,7 @@ from harness.accuracy.simulation import RunTarget, check_target, simulate
 from harness.engines.base import Engine, EngineFailure, Settings, own_failures
 from harness.model.errors import InputError
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.scene import scene_run as run
 from harness.questions.scene import witness as confirm

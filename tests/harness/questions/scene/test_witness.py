@@ -10,7 +10,7 @@ import pytest
 from harness import engines
 from harness.accuracy.simulation import simulate
 from harness.input.scene_file import load_scene
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.model.scene import Scene
 from harness.questions.scene import floor_impact, witness
 from harness.questions.scene.floor_impact import decided_by

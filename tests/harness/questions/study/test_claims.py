@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from harness.engines.stepping.impact import IMPOSED_LABEL
+from harness.engines.stepping.loop import IMPOSED_LABEL
 from harness.model.errors import InputError
 from harness.model.history import Outcome
 from harness.questions.study import claims

@@ -9,8 +9,8 @@ import pytest
 
 from harness.model.history import History, Outcome
 from harness.model.run import to_plain
+from harness.questions.study.case_blocks import KeyedRow
 from harness.questions.study.ensembles import score_sets
-from harness.questions.study.rows import KeyedRow
 from harness.records.scores import Verdict
 from harness.records.study import CaseRun
 from tests import doubles

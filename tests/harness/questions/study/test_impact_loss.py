@@ -9,7 +9,7 @@ import pytest
 
 from harness.engines import load
 from harness.model.history import History
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.questions.study.claims import energy_lost_j, last_impact_s
 from tests import budgets
 from tests.scenes_for_tests import paestum

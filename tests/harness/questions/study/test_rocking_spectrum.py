@@ -17,7 +17,7 @@ from harness.input.tables import read_model
 from harness.model.errors import InputError
 from harness.questions.study.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of
 from harness.records.kinds import read_result
-from harness.records.rocking_spectrum import RockingSpectrumRecord
+from harness.records.study import RockingSpectrumRecord
 from reports.cli import app
 from reports.pages.rocking_spectrum_page import verdict
 from tests import budgets_assess as budget

@@ -14,10 +14,10 @@ from harness.model.run import to_plain
 from harness.model.scene import Scene
 from harness.questions.study import case_selection as selection
 from harness.questions.study import estimate
+from harness.questions.study.case_blocks import study_rows
 from harness.questions.study.case_selection import recheck
 from harness.questions.study.cases import Base, base_of, expand
 from harness.questions.study.file import load_study
-from harness.questions.study.rows import study_rows
 from harness.questions.study.study_run import Summary, run_study, study_name
 from harness.records.study import impacts
 from harness.runs.runner import Done, InlinePool, LocalPool, Work

@@ -27,8 +27,7 @@ from harness.accuracy.horizon import parted_s
 from harness.accuracy.simulation import simulate
 from harness.engines import analytic as twoblock
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.validate.scenes import Variant, scene_of
 from harness.questions.validate.table import read_table

@@ -11,7 +11,7 @@ import pytest
 from analytic.excitation import SampledAcceleration, ZeroExcitation
 from harness.accuracy.simulation import simulate
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.questions.validate.jobs import Drawn, asked_of, lost_draws, parse_model
 from harness.questions.validate.motions import SHIFT_M, thinned
 from harness.questions.validate.scenes import Variant, motion_of, scene_of

@@ -15,9 +15,9 @@ from harness.accuracy.simulation import simulate
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.scene import Contact, Scene
-from harness.questions.validate import drops, impact_ratios
-from harness.questions.validate.drop_run import validate_drops
-from harness.questions.validate.drops import (
+from harness.questions.validate import drop_run as drops
+from harness.questions.validate import impact_ratios
+from harness.questions.validate.drop_run import (
     TURNS,
     Drop,
     DropTask,
@@ -28,6 +28,7 @@ from harness.questions.validate.drops import (
     log_scores,
     read_drops,
     scene_of,
+    validate_drops,
 )
 from harness.questions.validate.impact_ratios import read_ratios, repeats_sd, validate_ratios
 from harness.questions.validate.jobs import parse_model

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from harness.accuracy.simulation import simulate
 from harness.comparison.statistics.outcomes import FELL
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.questions.validate.scenes import scene_of
 from harness.questions.validate.table import read_table
 from reports.pages.page import write_report

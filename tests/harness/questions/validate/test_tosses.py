@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from analytic.rotation import rotation_matrices
+from analytic.block import rotation_matrices
 from harness.accuracy.simulation import simulate
 from harness.engines.stepping.frame import statue_columns
 from harness.input.scene_file import load_scene
@@ -19,9 +19,9 @@ from harness.model.errors import InputError
 from harness.model.history import History
 from harness.model.scene import Pose, Scene
 from harness.questions.validate.jobs import parse_model
-from harness.questions.validate.toss_run import FRICTIONS, validate_tosses
-from harness.questions.validate.toss_scores import (
+from harness.questions.validate.toss_run import (
     AFTER_IMPACT,
+    FRICTIONS,
     STEPS_A_FRAME,
     Coefficients,
     Errors,
@@ -30,6 +30,7 @@ from harness.questions.validate.toss_scores import (
     poses,
     scene_of,
     scored,
+    validate_tosses,
 )
 from harness.questions.validate.tosses import COLUMNS, Toss, nearest_flight, read_tosses
 from reports.pages.page import write_report
@@ -220,7 +221,7 @@ def test_a_run_whose_start_did_not_take_is_refused(
     toss = read_tosses(written(tmp_path, {"a": flying()}), cube.statue, cube.gravity_m_s2)[0][0]
     task = TossTask(cube, toss, parse_model("spatial"), (Coefficients(0.2),))
     assert isinstance(scored(task)[0], Errors)
-    monkeypatch.setattr("harness.questions.validate.toss_scores.scene_of", lambda base, toss, item: base)
+    monkeypatch.setattr("harness.questions.validate.toss_run.scene_of", lambda base, toss, item: base)
     refused = scored(task)[0]
     assert isinstance(refused, str)
     assert "its start did not take" in refused

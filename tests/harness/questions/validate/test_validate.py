@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 from harness.accuracy.simulation import simulate
 from harness.comparison.statistics.outcomes import FELL
 from harness.model.errors import InputError
-from harness.model.options import RunOptions
+from harness.model.run import RunOptions
 from harness.questions.validate import validation_run as run
 from harness.questions.validate.jobs import parse_model
 from harness.questions.validate.scenes import intensity_of, scene_of

@@ -12,8 +12,7 @@ import pytest
 from harness import engines
 from harness.engines.base import Settings
 from harness.model.history import History, Outcome
-from harness.model.options import RunOptions
-from harness.model.run import Run
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.questions.bench.stress import checks, hard_scenes, stability, stress_run
@@ -21,8 +20,7 @@ from harness.questions.bench.stress import hard_scenes as scenes
 from harness.questions.bench.stress.catalogue import catalogue, leaning
 from harness.questions.bench.stress.hard_scenes import converged
 from harness.records.base import part
-from harness.records.bench import PartRow
-from harness.records.stress import Cell, HardRow, Harm, Measure, Mutated, StressRecord, findings_of
+from harness.records.bench import Cell, HardRow, Harm, Measure, Mutated, PartRow, StressRecord, findings_of
 from tests.measures import invariance_checks as invariance
 from tests.measures.whole import STRESS
 
