@@ -254,8 +254,8 @@ def _run(scene: Scene, settings: TwoBlockSettings, solution: Solution, wall_s: f
         end_s=solution.end_s,
         overturn_time_s=solution.overturn_time_s,
         no_return_time_s=solution.no_return_time_s,
-        impact_times_s=tuple(float(t) for t in solution.impact_times_s),
-        uplift_times_s=tuple(float(t) for t in solution.uplift_times_s),
+        impact_times_s=tuple(solution.impact_times_s.tolist()),
+        uplift_times_s=tuple(solution.uplift_times_s.tolist()),
         peak_slip_m=solution.peak_slip_m,
         residual_slip_m=solution.final_slip_m,
         patterns=tuple(

@@ -138,6 +138,7 @@ def run_scene(
     assess: bool = False,
     witness: bool = False,
     stored: Mapping[str, Run] | None = None,
+    stored_horizons: Mapping[str, HorizonRecord] | None = None,
 ) -> Result:
     """Run a scene with the named engines and score every pair; `on_progress` hears which engine is at work.
 
@@ -151,8 +152,8 @@ def run_scene(
     their own where they take longer than its start (the caller's script must be importable, as `multiprocessing` wants it); the
     results are the same. With `assess` the analytic model's probability of overturning is found from what the scene does not
     know. With `witness` unmodified engines are run beside those that locate events
-    (`harness.questions.scene.witness`). `stored` are runs of this very scene and target that are there already. An
-    interrupt after one of the engines has finished raises `Ended` with the result so far.
+    (`harness.questions.scene.witness`). `stored` are runs of this very scene and target, `stored_horizons` horizons of this
+    very scene, that are there already. An interrupt after one of the engines has finished raises `Ended` with the result so far.
     """
     check_target(accuracy_rad, dt_s)
     options = options or RunOptions()
@@ -161,7 +162,7 @@ def run_scene(
     start = time.perf_counter()
     target = RunTarget(accuracy_rad, dt_s, options)
     runs, refined = dict(stored or {}), list[str]()
-    horizons, scores = dict[str, HorizonRecord](), dict[str, Scores]()
+    horizons, scores = dict(stored_horizons or {}), dict[str, Scores]()
     assessment, witness_answers = dict[str, Assessment](), dict[str, Witness]()
 
     def known() -> dict[str, Run]:
@@ -175,7 +176,7 @@ def run_scene(
 
     try:
         _run_engines(scene, loaded, target, runs, on_progress, apart=apart)
-        horizons |= _horizons(scene, answers_of(known()), on_progress, every=horizon)
+        horizons |= _horizons(scene, answers_of(known()), horizons, on_progress, every=horizon)
         scores |= _scores(scene, known(), horizons, iso)
         taken = TakenAway(scene)
         if target.dt_s is None:
@@ -311,14 +312,20 @@ def _scores(
 
 
 def _horizons(
-    scene: Scene, runs: Sequence[Run], on_progress: Callable[[str], None], *, every: bool
+    scene: Scene,
+    runs: Sequence[Run],
+    found: Mapping[str, HorizonRecord],
+    on_progress: Callable[[str], None],
+    *,
+    every: bool,
 ) -> dict[str, HorizonRecord]:
+    """Horizons of these runs but those that are `found`."""
     from harness.accuracy.horizon import horizon_beside
 
     horizons = {}
     for run in runs if len(runs) > 1 or every else ():
         engine = engines.load(run.engine)
-        if not (every or engine.capabilities.certifies):
+        if run.engine in found or not (every or engine.capabilities.certifies):
             continue
         if every:
             on_progress(f"{run.engine}, horizon")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import permutations
 from typing import Any, Final
 
@@ -30,8 +30,8 @@ from harness.records.trust import Rotation, TrustClass
 from harness.runs.task import Answer
 
 MODEL: Final = "analytic"
-DRAWS: Final = 500
-"""Draws of a probability: ± 4 % at a half."""
+DRAWS: Final = {False: 500, True: 200}
+"""Draws of a probability, of a whole and of a coarse map: ± 4 and 7 % at a half."""
 PAIRED: Final = 40
 """Of them at most are also run by an engine, where it is asked."""
 HALF_WIDTH: Final = 0.1
@@ -98,18 +98,28 @@ class Kept:
 
 @dataclass(frozen=True)
 class Question:
-    """A point's scene, and who is asked: one engine states its horizon, several are compared; what a climb may take."""
+    """A point's scene, and who is asked: one engine states its horizon, several are compared; what a climb may take, how many
+    draws a probability, and horizons that are known already.
+    """
 
     scene: Scene
     engines: tuple[str, ...]
     most_times: float = MOST_TIMES
+    draws: int = DRAWS[False]
+    horizons: Mapping[str, HorizonRecord] = field(default_factory=dict)
 
 
 def run_point(question: Question) -> Answer:
     """What a worker does for a point's class; its cost is the processor time, s, that it took."""
     begin = time.process_time()
     options = RunOptions(most_times=question.most_times)
-    result = run_scene(question.scene, question.engines, options=options, horizon=len(question.engines) == 1)
+    result = run_scene(
+        question.scene,
+        question.engines,
+        options=options,
+        horizon=len(question.engines) == 1,
+        stored_horizons=question.horizons,
+    )
     paths = {name: path_of(run.history) for name, run in result.runs.items() if run.history is not None}
     kept = Kept(result.runs, result.scores, result.horizons, paths)
     return Answer("point", plain(kept), time.process_time() - begin)
@@ -127,14 +137,15 @@ def path_of(history: History) -> Rotation:
 def assess_point(question: Question) -> Answer:
     """What a worker does for a point's probability: the model's, or that of an engine from few draws that both have run."""
     begin, (name, *_), scene = time.process_time(), question.engines, question.scene
-    found = assess_models(scene, DRAWS).get(MODEL) if name == MODEL else _paired(scene, name)
+    found = assess_models(scene, question.draws).get(MODEL) if name == MODEL else _paired(question, name)
     told = [] if found is None else [found.probability_overturned, found.low, found.high, found.level]
     return Answer("probability", {"interval": to_plain(told)}, time.process_time() - begin)
 
 
-def _paired(scene: Scene, name: str) -> Assessment:
+def _paired(question: Question, name: str) -> Assessment:
     """An engine's probability: the model's on all draws, corrected by its runs of some (`stratified`)."""
-    values = draws_of(scene, uncertain_inputs(scene), DRAWS, 0)
+    scene = question.scene
+    values = draws_of(scene, uncertain_inputs(scene), question.draws, 0)
 
     def fell(numbers: Sequence[int]) -> list[bool | None]:
         drawn = [DrawnRun(name, varied(scene, row(values, number))) for number in numbers]

@@ -39,6 +39,7 @@ from harness.questions.trust.point import (
 )
 from harness.records.base import Plain, part
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
+from harness.records.run import HorizonRecord
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval
 from harness.records.trust import (
@@ -79,8 +80,8 @@ POINT_S: Final = 0.15
 ASKED: Final = {2: 0.55, 3: 0.25}
 """Share of the points at which an engine in the plane, and one in space, is asked: 0.41 to 0.57, and 0.2 to 0.26, of the shipped
 statue's maps."""
-COARSE_TIMES: Final = 12.0
-"""What a climb of a coarse map may take: a third less time, and here and there a whole motion is not confirmed to its end."""
+COARSE_TIMES: Final = 8.0
+"""What a climb of a coarse map may take: half of the time, and here and there a whole motion is not confirmed to its end."""
 CHANCE_S: Final = 6.0
 """Of an engine's probability, at one point of each frequency of a whole map."""
 TRIALS: Final = 16
@@ -89,31 +90,50 @@ TRIALS: Final = 16
 
 @dataclass
 class Points:
-    """Asks what the store does not hold; `most_times` is what an engine's climb may take (`RunOptions`)."""
+    """Asks what the store does not hold; `most_times` is what an engine's climb may take (`RunOptions`), `draws` how many draws a
+    probability has.
+    """
 
     store: Store
     campaign: Campaign
     most_times: float = MOST_TIMES
+    draws: int = DRAWS[False]
 
-    def kept(self, plane: Plane, points: Iterable[Point], names: tuple[str, ...]) -> dict[Point, Kept | None]:
-        """What the runs of these models are at each point; None where the process died."""
-        found = self._ask(run_point, plane, points, names)
+    def kept(
+        self,
+        plane: Plane,
+        points: Iterable[Point],
+        names: tuple[str, ...],
+        horizons: Mapping[Point, Mapping[str, HorizonRecord]] | None = None,
+    ) -> dict[Point, Kept | None]:
+        """What the runs of these models are at each point; None where the process died. `horizons` are known already."""
+        found = self._ask(run_point, plane, points, names, horizons or {})
         return {point: None if each is None else part(Kept, each, self.store.path) for point, each in found.items()}
 
     def chances(self, plane: Plane, points: Iterable[Point], name: str) -> dict[Point, Interval]:
         """The probability of a fall by one model, where it has any."""
-        found = self._ask(assess_point, plane, points, (name,))
+        found = self._ask(assess_point, plane, points, (name,), {})
         return {point: known for point, each in found.items() if (known := interval_of(each)) is not None}
 
     def _ask(
-        self, work: Callable[[Question], Told], plane: Plane, points: Iterable[Point], names: tuple[str, ...]
+        self,
+        work: Callable[[Question], Told],
+        plane: Plane,
+        points: Iterable[Point],
+        names: tuple[str, ...],
+        horizons: Mapping[Point, Mapping[str, HorizonRecord]],
     ) -> dict[Point, Plain | None]:
-        asked = "trust", work.__name__, names, DRAWS, STRETCHES, DEFAULT_ACCURACY_RAD, self.most_times
+        asked = "trust", work.__name__, names, self.draws, STRETCHES, DEFAULT_ACCURACY_RAD, self.most_times
         group = MODEL if names == (MODEL,) else ""
         scenes = {point: plane.at(point) for point in points}
         tasks = [
-            Task(request_key(scene, None, *asked), work, Question(scene, names, self.most_times), group)
-            for scene in scenes.values()
+            Task(
+                request_key(scene, None, *asked),
+                work,
+                Question(scene, names, self.most_times, self.draws, horizons.get(point, {})),
+                group,
+            )
+            for point, scene in scenes.items()
         ]
         return dict(zip(scenes, self.campaign.ask(tasks), strict=True))
 
@@ -135,6 +155,7 @@ class Map:
     checks: set[Point] = field(default_factory=set)
     changed: set[Point] = field(default_factory=set)
     paths: dict[Point, Mapping[str, Rotation]] = field(default_factory=dict)
+    horizons: Mapping[Point, Mapping[str, HorizonRecord]] = field(default_factory=dict)
 
     @property
     def quick(self) -> tuple[str, ...]:
@@ -270,7 +291,8 @@ def run_trust(
         ):
             campaign = Campaign(store, workers, on_progress, {MODEL: BATCH}, free=(MODEL,))
             times = COARSE_TIMES if coarse else MOST_TIMES
-            record = trust_map(plane, chosen, Points(store, campaign, times), coarse=coarse, seed=seed)
+            points = Points(store, campaign, times, DRAWS[coarse])
+            record = trust_map(plane, chosen, points, coarse=coarse, seed=seed)
     finally:
         if own is not None:
             own.close()
@@ -362,14 +384,15 @@ def explored(plane: Plane, names: tuple[str, ...], points: Points, seed: int) ->
     model = {at: _died((MODEL,)) if kept is None else kept.said(plane.at(at), (MODEL,)) for at, kept in alone.items()}
     rest = {point for point in every if model[point].still and plane.at_rest(point)}
     paths = {at: kept.paths for at, kept in alone.items() if kept is not None}
-    found = Map(plane, names, model, rest, paths=paths)
+    horizons = {at: kept.horizons for at, kept in alone.items() if kept is not None}
+    found = Map(plane, names, model, rest, paths=paths, horizons=horizons)
     _refine(found, points)
     stream = np.random.default_rng(seed)
     for _ in range(MOST_CHECKS):
         left = [point for point in every if point not in found.ran]
         chosen = stream.permutation(len(left))[: round(CHECKED * len(left))]
         checks, before = sorted(left[k] for k in chosen.tolist()), len(found.changed)
-        found.check(checks, points.kept(plane, checks, names))
+        found.check(checks, points.kept(plane, checks, names, found.horizons))
         _refine(found, points)
         if len(found.changed) == before:
             break
@@ -381,7 +404,7 @@ def _refine(found: Map, points: Points) -> None:
     tiers = dict.fromkeys((found.names, found.quick))
     while wanted := {names: asked for names in tiers if (asked := found.unasked(names))}:
         for names, asked in wanted.items():
-            found.take(names, points.kept(found.plane, sorted(asked), names))
+            found.take(names, points.kept(found.plane, sorted(asked), names, found.horizons))
 
 
 def map_of(found: Map, points: Points, *, coarse: bool) -> TrustMap:
