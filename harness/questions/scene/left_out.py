@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -11,7 +11,8 @@ import numpy as np
 
 from analytic.excitation import ZeroExcitation
 from harness import engines
-from harness.comparison.comparator import CODES
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
+from harness.comparison.comparator import CODES, compare
 from harness.comparison.scores.pointwise import errors
 from harness.engines.base import EngineFailure
 from harness.model import history
@@ -25,6 +26,8 @@ LEAST: Final = 1e-9
 REMAINDER: Final = 0.25
 """Share of a difference that may stay without its cause, where it first passes its limit (of the shipped statue 2 to 14 % do).
 What stays grows on from there, by itself and by the step of one run, whose error no second one bounds. And"""
+TOGETHER: Final = "together"
+"""The cause where several are taken away at once."""
 LITTLE: Final = 0.1
 """what of it is as good as none."""
 
@@ -69,7 +72,9 @@ class TakenAway:
     """The runs of 3D engines again, without each thing that the scene has of what the plane leaves out; each is made once."""
 
     scene: Scene
+    accuracy_rad: float = DEFAULT_ACCURACY_RAD
     made: dict[int, dict[str, Run]] = field(default_factory=dict)
+    bounded: dict[tuple[int, float], Run | None] = field(default_factory=dict)
 
     def runs(self, space: Run) -> dict[str, Run]:
         """The runs beside that of a 3D engine."""
@@ -77,35 +82,68 @@ class TakenAway:
             self.made[id(space)] = _without_each(self.scene, space)
         return self.made[id(space)]
 
+    def without_all(self, space: Run, until_s: float) -> Run | None:
+        """That engine's run until then without any of it, its error stated; None where the scene has none of it."""
+        key = id(space), until_s
+        if key not in self.bounded:
+            self.bounded[key] = _without_all(self.scene, space.engine, self.accuracy_rad, until_s)
+        return self.bounded[key]
+
 
 def explained(runs: Mapping[str, Run], scores: Mapping[str, Scores], taken: TakenAway) -> set[str]:
-    """The pairs whose robust difference goes, all or most of it, with one of `TAKEN_AWAY`."""
+    """The pairs whose robust difference goes with what is taken away."""
     return {
         pair
         for pair, (plane, space) in _planar_and_spatial(runs, scores).items()
-        if _caused(_reason(plane, space, taken.runs(space), scores[pair].evidence))
+        if _judged(plane, space, scores[pair].evidence, taken)[0] is not Verdict.MODEL
     }
 
 
 def with_reasons(runs: Mapping[str, Run], scores: Mapping[str, Scores], taken: TakenAway) -> dict[str, Scores]:
     """The scores of pairs; of each planar and 3D answer that differ robustly, found which of `TAKEN_AWAY` is why.
 
-    Where one is, it is no longer two models that differ, but what one of them leaves out.
+    Where one is, it is no longer two models that differ, but what one of them leaves out. They differ by their models where they
+    do so by more than their errors in the scene without any of it, too.
     """
     judged = dict(scores)
     for pair, (plane, space) in _planar_and_spatial(runs, scores).items():
         each = scores[pair]
-        reasons = _reason(plane, space, taken.runs(space), each.evidence)
+        verdict, reasons = _judged(plane, space, each.evidence, taken)
         found = [*each.findings, *(reason.of(pair) for reason in reasons)]
+        if verdict is Verdict.PLANE:
+            found[0] = replace(found[0], code=CODES[verdict].code)
+        elif verdict is Verdict.UNBOUNDED:
+            found[0] = caution("pair_cause_not_shown", **found[0].values, space=space.engine).of(pair)
+        if verdict is not Verdict.MODEL:
+            each = replace(each, verdict=verdict)
         judged[pair] = replace(each, findings=found)
-        if _caused(reasons):
-            found[0] = replace(found[0], code=CODES[Verdict.PLANE].code)
-            judged[pair] = replace(judged[pair], verdict=Verdict.PLANE)
     return judged
 
 
-def _caused(reasons: Sequence[Finding]) -> bool:
-    return any(each.code == "plane_cause" for each in reasons)
+def _judged(plane: Run, space: Run, evidence: Evidence, taken: TakenAway) -> tuple[Verdict, list[Finding]]:
+    """Why a planar and a 3D run differ robustly, and what shows it.
+
+    A single run's error may hide what the plane leaves out: where no cause is found by runs of the same step, the engine states
+    its error in the scene without any of it.
+    """
+    reasons = _reason(plane, space, taken.runs(space), evidence)
+    if any(each.code == "plane_cause" for each in reasons):
+        return Verdict.PLANE, reasons
+    if plane.numerical_uncertainty_rad is None or space.numerical_uncertainty_rad is None:
+        return Verdict.MODEL, reasons
+    until_s = _parted_s(plane, space, evidence)
+    again = taken.without_all(space, until_s)
+    if again is None:
+        return Verdict.MODEL, reasons
+    alone = compare(plane, again)
+    parted_s = alone.evidence.exceeded_s
+    if parted_s is not None and parted_s <= until_s and alone.verdict in ROBUST:
+        return Verdict.MODEL, reasons
+    if _end_s(again) < until_s:
+        return Verdict.UNBOUNDED, reasons
+    every = [what for what, take in TAKEN_AWAY.items() if take(taken.scene) is not None]
+    cause = every[0] if len(every) == 1 else TOGETHER
+    return Verdict.PLANE, _reason(plane, space, {cause: again}, evidence, most=math.inf)
 
 
 def _planar_and_spatial(runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, tuple[Run, Run]]:
@@ -125,15 +163,34 @@ def _without_each(scene: Scene, space: Run) -> dict[str, Run]:
     return {what: run for what, run in again.items() if run is not None}
 
 
+def _without_all(scene: Scene, engine: str, accuracy_rad: float, until_s: float) -> Run | None:
+    """The run of a 3D engine to an accuracy, without any of what the plane leaves out."""
+    bare = scene
+    for take in TAKEN_AWAY.values():
+        bare = take(bare) or bare
+    if bare is scene:
+        return None
+    run = simulate(replace(bare, duration_s=until_s), engine, accuracy_rad=accuracy_rad)
+    return None if run.outcome.failed else run
+
+
 def _end_s(run: Run) -> float:
     return min(run.bounded_until_s, run.end_s)
 
 
-def _reason(plane: Run, space: Run, again: Mapping[str, Run], evidence: Evidence) -> list[Finding]:
-    """The cause without which the two are nearest, if what is left of the difference is little; how far apart without each."""
+def _parted_s(plane: Run, space: Run, evidence: Evidence) -> float:
+    """When two that differ robustly first do so, or the end of what is known of both."""
     slips = evidence.differs_in == "slip"
     limit = evidence.slip_limit_m if slips else evidence.limit_rad
-    until_s = min(_end_s(plane), _end_s(space), _seen_s(plane, space, limit, slips=slips))
+    return min(_end_s(plane), _end_s(space), _seen_s(plane, space, limit, slips=slips))
+
+
+def _reason(
+    plane: Run, space: Run, again: Mapping[str, Run], evidence: Evidence, most: float = REMAINDER
+) -> list[Finding]:
+    """The cause without which the two are nearest, if at most a share of the difference is left; how far apart without each."""
+    slips = evidence.differs_in == "slip"
+    until_s = _parted_s(plane, space, evidence)
 
     def apart(run: Run) -> float:
         return errors(plane, run, until_s)[1 if slips else 0]
@@ -144,7 +201,7 @@ def _reason(plane: Run, space: Run, again: Mapping[str, Run], evidence: Evidence
         return []
     least = min(known, key=lambda what: known[what])
     shares = {what: value / with_all for what, value in known.items()}
-    if known[least] > REMAINDER * with_all:
+    if known[least] > most * with_all:
         return [caution("plane_several_causes", until_s=until_s, share_without=shares)]
     return [caution("plane_cause", cause=least, whole=shares[least] <= LITTLE, until_s=until_s, share_without=shares)]
 

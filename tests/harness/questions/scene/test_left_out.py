@@ -8,7 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.comparison.comparator import compare
 from harness.input.scene_file import load_scene
+from harness.model.run import Run
+from harness.model.scene import Scene
 from harness.questions.scene import left_out
 from harness.questions.scene.left_out import TAKEN_AWAY, TakenAway, explained, with_reasons
 from harness.questions.scene.scene_run import run_scene
@@ -58,6 +61,58 @@ def test_a_cause_is_named_by_what_stays_without_it(
     assert (told.code, told.values.get("whole")) == (code, whole)
     assert told.values["share_without"]["products_of_inertia"] == pytest.approx(left_rad / 0.02, rel=1e-6)
     assert judged.verdict is (Verdict.MODEL if whole is None else Verdict.PLANE)
+
+
+@pytest.mark.parametrize(
+    ("left_rad", "known_s", "verdict", "code"),
+    [
+        (1e-4, 1.0, Verdict.PLANE, "plane_cause"),
+        (0.01, 1.0, Verdict.MODEL, "plane_several_causes"),
+        (1e-4, 0.2, Verdict.UNBOUNDED, "plane_several_causes"),
+    ],
+)
+def test_models_differ_where_they_do_without_all_that_the_plane_leaves_out(
+    left_rad: float, known_s: float, verdict: Verdict, code: str, root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    "A single run at the same step leaves half of the difference, by its own error; one that states its error decides."
+    stated = {"numerical_uncertainty_rad": 2.5e-4, "slip_uncertainty_m": 1e-4}
+    scene, still = load_scene(root / "scenes" / "paestum_pedestal.toml"), rest(1.0)
+    runs = {
+        "pymunk": run_of(still, "pymunk", **stated),
+        "pybullet": run_of(replace(still, theta_rad=0.02 * still.t_s), "pybullet", **stated),
+    }
+    asked = []
+
+    def bounded(bare: Scene, engine: str, *, accuracy_rad: float) -> Run:
+        asked.append((TAKEN_AWAY["products_of_inertia"](bare), engine, accuracy_rad, bare.duration_s))
+        apart = replace(still, theta_rad=2.0 * left_rad * still.t_s)
+        return run_of(apart, "pybullet", reliable_until_s=known_s, **stated)
+
+    half = run_of(replace(still, theta_rad=0.01 * still.t_s), "pybullet")
+    monkeypatch.setattr(left_out, "_again", lambda *given: half)
+    monkeypatch.setattr(left_out, "simulate", bounded)
+    scores = compare(runs["pymunk"], runs["pybullet"])
+    limit_s = scores.evidence.limit_rad / 0.02
+    evidence = replace(scores.evidence, limit_rad=20.0 * scores.evidence.limit_rad)
+    taken = TakenAway(scene, 5e-4)
+    judged = with_reasons(runs, {"pair": replace(scores, evidence=evidence)}, taken)["pair"]
+    assert (judged.verdict, judged.findings[-1].code) == (verdict, code)
+    assert explained(runs, {"pair": replace(scores, evidence=evidence)}, taken) == (
+        set() if verdict is Verdict.MODEL else {"pair"}
+    )
+    assert asked == [(None, "pybullet", 5e-4, pytest.approx(20.0 * limit_s, abs=2e-3))]
+    assert ("pair_cause_not_shown" in codes(judged.findings)) is (verdict is Verdict.UNBOUNDED)
+
+
+def test_of_runs_that_state_no_error_no_other_is_asked(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An expert's own step: whether their models differ is not known, and `pair_differs_unstated` says so."""
+    scene, still = load_scene(root / "scenes" / "paestum_pedestal.toml"), rest(1.0)
+    apart = run_of(replace(still, theta_rad=0.02 * still.t_s), "pybullet")
+    runs = {"pymunk": run_of(still, "pymunk"), "pybullet": apart}
+    monkeypatch.setattr(left_out, "_again", lambda *given: apart)
+    monkeypatch.delattr(left_out, "simulate")
+    scores = {"pair": compare(runs["pymunk"], runs["pybullet"])}
+    assert with_reasons(runs, scores, TakenAway(scene))["pair"].verdict is scores["pair"].verdict
 
 
 @pytest.mark.parametrize(("late_s", "verdict"), [(0.5, Verdict.PLANE), (0.0, Verdict.MODEL)])
