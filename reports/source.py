@@ -77,7 +77,13 @@ def source_of(folder: Path, record: RunRecord) -> RunSource:
     if changed:
         wanted = "the file that result.json lists"
         raise InputError([Mistake(str(path), "", wanted, "another content", REWRITE) for path in changed])
-    histories = {name: read_history(path) for name, path in paths.items() if path.is_file()}
+    # What has its checksum is as it was written; of older records it is read as another's file is.
+    listed = record.files or {}
+    histories = {
+        name: History.read_csv(path) if path.name in listed else read_history(path)
+        for name, path in paths.items()
+        if path.is_file()
+    }
     return RunSource(folder, record, histories, mesh)
 
 

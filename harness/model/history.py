@@ -316,6 +316,19 @@ class History(Shown):
             for first in range(0, len(rows), ROWS_AT_ONCE):
                 file.write("".join(row % tuple(each) for each in rows[first : first + ROWS_AT_ONCE].tolist()))
 
+    @classmethod
+    def read_csv(cls, path: Path) -> History:
+        """A history as `write_csv` writes it, bit for bit: without the looks of `harness.read_history` at another's file.
+
+        Raises `ValueError` for anything else.
+        """
+        with path.open(encoding="utf-8") as file:
+            names = file.readline().strip().split(",")
+            columns = dict(zip(names, np.loadtxt(file, delimiter=",", ndmin=2).T, strict=True))
+        if names[: len(COLUMNS)] != list(COLUMNS):
+            raise ValueError(f"columns {', '.join(COLUMNS)} first, got {', '.join(names)}")
+        return cls(**{name: columns.pop(name) for name in COLUMNS}, extra=columns)
+
 
 def hermite(t_s: Array, knots_s: Array, values: Array, rates: Array) -> Array:
     """Cubic Hermite interpolation of `values` with slopes `rates` at `knots_s` (increasing), held beyond the ends."""

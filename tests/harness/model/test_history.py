@@ -30,9 +30,19 @@ def test_csv_round_trip_is_bit_for_bit(tmp_path: Path) -> None:
     history = wave()
     history.write_csv(tmp_path / "h.csv")
     assert (tmp_path / "h.csv").read_text().splitlines()[0] == ",".join((*COLUMNS, "yaw_rad"))
-    back = read_history(tmp_path / "h.csv")
-    for name, values in history.columns().items():
-        assert np.array_equal(values, back.columns()[name]), name
+    for back in (read_history(tmp_path / "h.csv"), History.read_csv(tmp_path / "h.csv")):
+        assert list(back.columns()) == list(history.columns())
+        for name, values in history.columns().items():
+            assert np.array_equal(values, back.columns()[name]), name
+
+
+@pytest.mark.parametrize(
+    "text", ["theta_rad,t_s\n0,0\n", f"{','.join(COLUMNS)}\n0,0,0,0\n", f"{','.join(COLUMNS)}\n0,0,0,0,nan\n"]
+)
+def test_only_a_file_as_it_is_written_is_read_at_once(text: str, tmp_path: Path) -> None:
+    (tmp_path / "h.csv").write_text(text)
+    with pytest.raises(ValueError, match=r".+"):
+        History.read_csv(tmp_path / "h.csv")
 
 
 def test_a_history_travels_between_processes() -> None:
