@@ -11,8 +11,8 @@ from harness.model.history import Outcome
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.assess import Assessment
-from harness.records.run import HorizonRecord, has_answer
-from harness.records.scores import Scores, Verdict
+from harness.records.run import HorizonRecord, has_answer, outside_domain
+from harness.records.scores import ROBUST, Scores, Verdict
 
 Code = Literal[
     "agree",
@@ -40,16 +40,27 @@ def answer_of(
 ) -> Answer:
     """The headline, in the order in which a validation asks; `decided`: laws whose choice decides the outcome."""
     known = {name: run for name, run in runs.items() if has_answer(run)}
-    judged = [each for each in scores.values() if each.a in known and each.b in known]
+    judged = [*counted(runs, scores).values()]
     code = _code(known, judged)
     parts = [
-        _what(scene, known, len(runs)),
+        _what(scene, known, runs),
         *_chance(assessment),
         *_until(known, judged, code),
         *_decides(scores),
         *decided,
     ]
     return Answer(code, [*parts, *_unpredictable(horizons, known)])
+
+
+def counted(runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, Scores]:
+    """The pairs that an answer rests on: of models that tell what becomes of the statue, and those that differ robustly while one
+    of them still did.
+    """
+    return {
+        pair: each
+        for pair, each in scores.items()
+        if each.verdict in ROBUST or (has_answer(runs[each.a]) and has_answer(runs[each.b]))
+    }
 
 
 def _chance(assessment: Mapping[str, Assessment]) -> list[Finding]:
@@ -67,23 +78,25 @@ def outcome_family(outcome: Outcome) -> str:
 
 
 def _code(known: Mapping[str, Run], scores: Sequence[Scores]) -> Code:
-    if len(known) < 2:
-        return "one_model" if known else "no_answer"
     verdicts = {each.verdict for each in scores}
+    if not known:
+        return "no_answer"
     if Verdict.MODEL in verdicts:
         return "differ_by_model"
     if Verdict.PLANE in verdicts:
         return "plane_left_out"
+    if len(known) < 2:
+        return "one_model"
     if len({outcome_family(run.outcome) for run in known.values()}) > 1:
         flips = all(each.verdict in LATE or each.evidence.outcome_flips_within_uncertainty for each in scores)
         return "unpredictable" if flips else "outcome_differs"
     return "agree_until" if verdicts & set(LATE) else "agree"
 
 
-def _what(scene: Scene, known: Mapping[str, Run], asked: int) -> Finding:
+def _what(scene: Scene, known: Mapping[str, Run], runs: Mapping[str, Run]) -> Finding:
     """What happens as given, and who says so."""
     if not known:
-        return changes_answer("no_answer", asked=asked)
+        return changes_answer("no_answer", asked=len(runs))
     groups: dict[str, list[str]] = {}
     for name, run in known.items():
         groups.setdefault(outcome_family(run.outcome), []).append(name)
@@ -94,8 +107,12 @@ def _what(scene: Scene, known: Mapping[str, Run], asked: int) -> Finding:
     still = family == "stands" and max(lean["lean_rad"]) < STILL_RAD
     values = {
         "models": list(known),
-        "asked": asked,
-        "silent": asked - len(known),
+        "asked": len(runs),
+        "silent": {
+            name: "left_domain" if outside_domain(run) else run.outcome.value
+            for name, run in runs.items()
+            if name not in known
+        },
         "outcome": "still" if still else family,
         **lean,
     }
@@ -123,7 +140,7 @@ def _side(run: Run) -> int:
 
 def _until(known: Mapping[str, Run], scores: Sequence[Scores], code: Code) -> list[Finding]:
     """Until when the histories agree, and why not longer."""
-    if len(known) < 2:
+    if not scores:
         return []
     parted = [each for each in scores if each.verdict is not Verdict.AGREE]
     if not parted:

@@ -20,7 +20,7 @@ from harness.questions.assess.by_model import assess_models
 from harness.questions.assess.engine_runs import DrawnRun, overturns
 from harness.questions.assess.model_draws import draws_of, model_draws, row, uncertain_inputs, varied
 from harness.questions.assess.stratified import estimate
-from harness.questions.scene.answer import STILL_RAD, outcome_family
+from harness.questions.scene.answer import STILL_RAD, counted, outcome_family
 from harness.questions.scene.scene_run import Result, run_scene
 from harness.records.assess import Assessment
 from harness.records.base import Plain, plain, same_fields
@@ -190,7 +190,7 @@ def class_of(result: Result, code: str, others: Sequence[str]) -> tuple[TrustCla
     `others`: the outcomes that the smallest changes have, where it is more than one.
     """
     known = {name: run for name, run in result.runs.items() if has_answer(run)}
-    judged = {name: each for name, each in result.scores.items() if each.a in known and each.b in known}
+    judged = counted(result.runs, result.scores)
 
     def pairs(verdict: Verdict) -> list[str]:
         return [name for name, each in judged.items() if each.verdict is verdict]

@@ -70,6 +70,20 @@ def test_what_the_plane_leaves_out_is_no_difference_of_models() -> None:
     assert told(flat, run("space", motion_axes=("x", "y")))[0] == "plane_left_out"
 
 
+@pytest.mark.parametrize(("axes", "code"), [(("x", "y"), "plane_left_out"), (("x",), "differ_by_model")])
+def test_a_run_that_tells_no_outcome_counts_where_its_history_differs(axes: tuple[str, ...], code: str) -> None:
+    """It still rocks at the end, eight times as far: the others' histories do not "agree throughout"."""
+    rocks = run("space", doubles.scaled(doubles.rocking(), 8.0), outcome=Outcome.UNDECIDED, motion_axes=axes)
+    found, said = told(run("a", motion_axes=("x",)), run("b", motion_axes=("x",)), rocks)
+    assert found == code
+    assert said["models_agree"].values["silent"] == {"space": "undecided"}
+    assert "histories_agree" not in said
+    assert told(run("a", motion_axes=("x",)), rocks)[0] == code
+    still = run("space", outcome=Outcome.UNDECIDED)
+    assert told(run("a"), run("b"), still)[0] == "agree"
+    assert told(run("a"), still)[0] == "one_model"
+
+
 def test_outcomes_that_numerical_error_flips_are_unpredictable_others_differ() -> None:
     fell = {"outcome": Outcome.OVERTURNED_LEFT, "no_return_time_s": 8.0}
     parted = doubles.parted(doubles.rocking(), 6.0, 0.01)
