@@ -203,7 +203,12 @@ def _may_fall(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> boo
     """Whether a fall is to be reckoned with: in a run, among the draws, or because neither tells."""
     chances = (source.record.assessment or {}).values()
     falls = any(run.outcome.overturned for run in answered.values())
-    return falls or not (answered and chances) or any(item.high >= NEXT_TO_NONE for item in chances)
+    return (
+        falls
+        or bool(_leaning(source))
+        or not (answered and chances)
+        or any(item.high >= NEXT_TO_NONE for item in chances)
+    )
 
 
 def _answer(source: RunSource, nominal: str, say: Language) -> tuple[str, list[str]]:
@@ -235,6 +240,7 @@ def _falls(item: Assessment, say: Language) -> str:
     share, low, high = (f"{100.0 * value:.0f}" for value in (item.probability_overturned, item.low, item.high))
     wide = item.high - item.low > WIDE or item.probability_overturned < NEXT_TO_NONE
     sure = "rarely" if item.high < NEXT_TO_NONE else "mostly" if item.low > 1.0 - NEXT_TO_NONE else ""
+    sure = "rarely_in_plane" if sure == "rarely" and item.plane_only else sure
     return say(f"chance.{sure or ('between' if wide else 'falls')}", share=share, low=low, high=high)
 
 
@@ -243,8 +249,9 @@ def _share(value: float, say: Language) -> str:
 
 
 def _nominal(source: RunSource, answered: Mapping[str, EngineRunRecord], say: Language) -> str:
-    """What happens with the values as given."""
-    ends = dict.fromkeys(end_words(run.outcome, say) for run in answered.values())
+    """What happens with the values as given; one that leans past its balance when its run ends is not taken to stay upright."""
+    leaning = [source.runs[name].outcome for name in _leaning(source)]
+    ends = dict.fromkeys(end_words(outcome, say) for outcome in [*(run.outcome for run in answered.values()), *leaning])
     if not ends:
         return say("run.none")
     key = "one_end" if len(ends) == 1 else "may_fall" if say("end.falls") in ends else "disagree"
@@ -291,6 +298,16 @@ def _standing(source: RunSource) -> list[str]:
     return [name for name in _answering(source) if source.runs[name].outcome == Outcome.STANDS]
 
 
+def _leaning(source: RunSource) -> list[str]:
+    """The models whose statue leans past the angle at which it balances when their run ends."""
+    found = []
+    for name, history in source.histories.items():
+        last_rad = float(history.theta_rad[-1])
+        past = abs(last_rad) > source.scene.statue.slenderness_rad(1 if last_rad > 0.0 else -1)
+        found += [name] if past and source.runs[name].outcome is Outcome.UNDECIDED else []
+    return found
+
+
 def _worst_lean(source: RunSource) -> tuple[float, float, int]:
     """The largest lean of the models in which it stands as a share of its side's balance angle, in rad, and the side."""
     leans = [(0.0, 0.0, 1)]
@@ -312,7 +329,7 @@ def _lean(source: RunSource, say: Language) -> list[str]:
     )
     back = "floor_back" if source.record.motion.accel_m_s2 else "swing_back"
     keys = ["no_rocking"] if lean_rad < STILL_RAD else ["leans"] if share < 1.0 else ["leans_past", back]
-    keys = keys if standing == _answering(source) else ["of_standing", *keys]
+    keys = keys if standing == _answering(source) and not _leaning(source) else ["of_standing", *keys]
     values = {"degrees": degrees, "balance": balance, "share": f"{100.0 * share:.0f}"}
     return [" ".join(say(f"run.{key}", **values) for key in keys)]
 

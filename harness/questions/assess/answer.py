@@ -83,6 +83,7 @@ def probability(answers: Mapping[str, Assessment]) -> Iterator[Finding]:
         "undecided": max(item.undecided - item.touches_wall, 0.0),
         "touches_wall": item.touches_wall,
         "model": name,
+        "planar": ["in_plane"] if item.plane_only else [],
         "sampled": item.sampled,
         "sampler": item.sampler,
     }
@@ -94,8 +95,6 @@ def probability(answers: Mapping[str, Assessment]) -> Iterator[Finding]:
         yield info("probability_extreme", none=item.probability_overturned == 0.0, **values)
     else:
         yield info("probability", **values)
-    if all(each.plane_only for each in answers.values()):
-        yield caution("probability_in_plane")
 
 
 def _other_commands(answers: Mapping[str, Assessment], file: str | None, *, pedestal: bool) -> Iterator[Finding]:

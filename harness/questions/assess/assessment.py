@@ -235,7 +235,7 @@ def _others(
     others, across = _Others({}, {}, {}, None), shaken_across(scene)
     if across:
         on_progress(f"{SPACE}: draws, then clearance")
-    space = assess_in_space(scene, values, SPACE_STEPS)
+    space = assess_in_space(scene, values, SPACE_STEPS) if across else None
     for name in names:
         engine = engines.load(name)
         if name == SPACE and space is not None:

@@ -50,8 +50,11 @@ TRIAL_SHARE: Final = 0.01
 """Of the draws are timed before all of them are run."""
 
 
-def assess_models(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> dict[str, Assessment]:
-    """The analytic model's own probability, and the exact body's where the scene is shaken across its rocking plane.
+def assess_models(
+    scene: Scene, draws: int = RUN_DRAWS, seed: int = 0, *, leaves_plane: bool = False
+) -> dict[str, Assessment]:
+    """The analytic model's own probability, and the exact body's where the scene is shaken across its rocking plane or a run has
+    shown that its statue leaves it.
 
     Empty where nothing of the scene is uncertain, or it begins from a pose in space.
     """
@@ -61,8 +64,9 @@ def assess_models(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> dict[s
     values = draws_of(scene, inputs, draws, seed)
     model = model_draws(scene, values)
     fell = sampled(model, lambda number: varied(scene, row(values, number)))
-    own = probability_of(model, SAMPLER, fell, plane_only=shaken_across(scene))
-    in_space = assess_in_space(scene, values)
+    leaves_plane |= shaken_across(scene)
+    own = probability_of(model, SAMPLER, fell, plane_only=leaves_plane)
+    in_space = assess_in_space(scene, values) if leaves_plane else None
     answers = {MODEL: own, SPACE: None if in_space is None else in_space.answer}
     return {name: answer for name, answer in answers.items() if answer is not None}
 

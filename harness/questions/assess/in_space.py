@@ -56,10 +56,10 @@ class SpaceDraws(NamedTuple):
 
 
 def assess_in_space(scene: Scene, values: Mapping[str, Array], most_steps: int = MOST_STEPS) -> SpaceDraws | None:
-    """The probability of overturning over as many of the draws (n,) as the steps allow; None where the planar model knows all
-    of the shaking, or the exact body does not know all of the scene (a pedestal, a wall, a prescribed impact, a moving table).
+    """The probability of overturning over as many of the draws (n,) as the steps allow; None where the exact body does not know
+    all of the scene (a pedestal, a wall, a prescribed impact, a moving table).
     """
-    ends = ends_in_space(scene, values, most_steps) if shaken_across(scene) else None
+    ends = ends_in_space(scene, values, most_steps)
     if ends is None:
         return None
     return SpaceDraws(_assessment(int((ends == "overturned").sum()), ends.size, without_end(ends)), ends)

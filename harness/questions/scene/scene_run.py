@@ -28,7 +28,7 @@ from harness.records.assess import Assessment
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.records.run import DecidedBy, HorizonRecord, RunRecord, Witness
 from harness.records.scene import SceneRecord, motion_of
-from harness.records.scores import Scores
+from harness.records.scores import Scores, Verdict
 from harness.statics.plan import Step, plan
 from harness.statics.standstill import standstill
 
@@ -192,7 +192,8 @@ def run_scene(
                 scores |= _scores(scene, known(), horizons, iso)
         scores |= with_reasons(known(), scores, taken)
         witness_answers |= _witnessed(scene, known(), options, on_progress) if witness else {}
-        assessment |= _assessed(scene, on_progress) if assess else {}
+        leaves_plane = any(each.verdict is Verdict.PLANE for each in scores.values())
+        assessment |= _assessed(scene, on_progress, leaves_plane=leaves_plane) if assess else {}
     except KeyboardInterrupt as ending:
         if not answers_of(runs):
             raise
@@ -282,13 +283,13 @@ def _witnessed(
     return witnesses(scene, runs, options)
 
 
-def _assessed(scene: Scene, on_progress: Callable[[str], None]) -> dict[str, Assessment]:
+def _assessed(scene: Scene, on_progress: Callable[[str], None], *, leaves_plane: bool) -> dict[str, Assessment]:
     from analytic import AnalyticInputError
     from harness.questions.assess.by_model import assess_models
 
     on_progress("probability")
     try:
-        return assess_models(scene)
+        return assess_models(scene, leaves_plane=leaves_plane)
     except AnalyticInputError:  # the model refuses this scene; its own run says why
         return {}
 

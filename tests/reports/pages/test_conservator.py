@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from analytic import Harmonic
+from harness.model.history import Outcome
 from harness.model.scene import Pedestal
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.assess import Assessment
@@ -319,7 +320,7 @@ def test_next_to_none_and_next_to_all_have_no_digits(tmp_path: Path) -> None:
 def test_shaking_that_the_plane_leaves_out_is_told_only_of_a_number_without_it(tmp_path: Path) -> None:
     source = run_source(write_invented(tmp_path))
     plane, space = (Assessment(0.0, 0.0, 0.01, 0.9, 10_000, 10_000, plane_only=only) for only in (True, False))
-    missing, how = "from the statue's other side is not in this number", "how to compute it"
+    missing, how = "to its other sides is not in this number", "how to compute it"
     for answers, said in (
         ({"analytic": plane}, (True, True)),
         ({"analytic": plane, "spatial": space}, (False, False)),
@@ -327,6 +328,25 @@ def test_shaking_that_the_plane_leaves_out_is_told_only_of_a_number_without_it(t
     ):
         text = spoken(of_run(replace(source, record=replace(source.record, assessment=answers))))
         assert (missing in text, how in text) == said
+    few = replace(plane, high=0.005)
+    for item, key in ((few, "rarely_in_plane"), (replace(few, plane_only=False), "rarely")):
+        page = of_run(replace(source, record=replace(source.record, assessment={"analytic": item})))
+        assert answer(page).headline == ENGLISH(f"chance.{key}")
+
+
+def test_one_that_leans_past_its_balance_at_the_end_is_not_said_to_stay_upright(tmp_path: Path) -> None:
+    """Its run decided no outcome; the others' leans are those of the models in which it stays upright."""
+    source = run_source(write_invented(tmp_path))
+    name = next(iter(source.histories))
+    over_rad = 1.1 * source.scene.statue.slenderness_rad(1)
+    ends = {each: replace(run, outcome=Outcome.STANDS) for each, run in source.record.runs.items()}
+    ends[name] = replace(ends[name], outcome=Outcome.UNDECIDED)
+    for lean_rad, said in ((over_rad, True), (0.5 * over_rad, False)):
+        end = replace(source.histories[name], theta_rad=np.linspace(0.0, lean_rad, source.histories[name].t_s.size))
+        record = replace(source.record, runs=ends, assessment=None)
+        text = spoken(of_run(replace(source, record=record, histories=source.histories | {name: end})))
+        assert (ENGLISH("run.disagree") in text) is said
+        assert (ENGLISH("run.of_standing") in text) is said
 
 
 def test_a_pedestal_that_one_model_lets_tip_is_not_said_to_stay_put(tmp_path: Path) -> None:

@@ -139,7 +139,7 @@ def test_a_probability_of_a_run_is_about_and_undecided_draws_widen_it() -> None:
     mostly = Assessment(0.1, 0.09, 0.91, 0.9, 10_000, 10_000, undecided=0.8, plane_only=True)
     _, said = told(run("a"), run("b"), assessment={"analytic": mostly})
     assert "probability_open" in said
-    assert "probability_in_plane" in said
+    assert said["probability_open"].values["planar"] == ["in_plane"]
 
 
 def test_perturbed_runs_that_end_otherwise_make_the_outcome_unpredictable() -> None:
