@@ -241,3 +241,8 @@ class AssessRecord(Record):
     def plane_only(self) -> bool:
         """Whether the analytic model, and so all that it alone answers, leaves a part of the shaking out."""
         return any(item.plane_only for item in self.answers.values())
+
+    @property
+    def contradicted(self) -> bool:
+        """Whether another model's probability differs from the analytic one's, so that what it alone answers is its own."""
+        return any(item.low > 0.0 or item.high < 0.0 for item in self.difference_from_model.values())

@@ -39,8 +39,9 @@ def answer_of(record: AssessRecord) -> Answer:
     """The headline: the probability, the reserve, the most effective option, the clearance."""
     found = list(probability(record.answers)) or [changes_answer("no_answer", asked=len(record.assessment))]
     code = found[0].code
-    found += [] if record.fragility is None else [reserve(record.fragility, plane_only=record.plane_only)]
-    found += [] if record.options is None else [best_option(record.options)]
+    alone = "plane" if record.plane_only else "alone" if record.contradicted else ""
+    found += [] if record.fragility is None else [reserve(record.fragility, alone)]
+    found += [] if record.options is None else [best_option(record.options, contradicted=record.contradicted)]
     return Answer(code, found + ([] if record.clearance is None else [clearance(record.clearance)]))
 
 
@@ -53,7 +54,7 @@ def findings_of(record: AssessRecord) -> list[Finding]:
     ]
     found += _other_commands(record.answers, record.scene.file, pedestal=record.scene.pedestal is not None)
     found += [_difference(name, item) for name, item in record.difference_from_model.items()]
-    found += [] if record.options is None else of_options(record.options)
+    found += [] if record.options is None else of_options(record.options, contradicted=record.contradicted)
     found += [] if record.clearance is None else without_clearance(record.clearance)
     key, most = max((record.indices or {}).items(), key=lambda item: item[1].most, default=("", Index(0.0, 0.0)))
     if most.most >= max(MATTERS, most.half_width):
@@ -109,11 +110,17 @@ def _difference(name: str, item: ProbabilityDifference) -> Finding:
     values = {"model": name, "difference": item.value, "low": item.low, "high": item.high}
     if item.low <= 0.0 <= item.high:
         return info("probability_difference", shown="none", **values)
-    return caution("probability_difference", shown="over" if item.low > 0.0 else "under", **values)
+    if item.low > 0.0:
+        return caution("probability_difference", shown="over", **values)
+    less = {"difference": -item.value, "low": -item.high, "high": -item.low}
+    return caution("probability_difference", shown="under", **values | less)
 
 
-def reserve(item: FragilityRecord, *, plane_only: bool = False) -> Finding:
-    """How much stronger than today's the shaking may be until a fall is as probable as 5, 16 and 50 %, by the model."""
+def reserve(item: FragilityRecord, alone: str = "") -> Finding:
+    """How much stronger than today's the shaking may be until a fall is as probable as 5, 16 and 50 %, by the model.
+
+    `alone`: the analytic model's is none, as it leaves a part of the shaking out ("plane") or others contradict it ("alone").
+    """
     soonest, latest = ({**item.factor_at, **at} for at in (item.soonest_at, item.latest_at))
     factors = {share: [soonest[share], at, latest[share]] for share, at in item.factor_at.items() if at is not None}
     kind = "none" if (item.factor_at[FIRST] or math.inf) <= 1.0 else "some"
@@ -125,8 +132,8 @@ def reserve(item: FragilityRecord, *, plane_only: bool = False) -> Finding:
         "soonest": None if factors else soonest[FIRST],
         "undecided": max(item.undecided, default=0.0),
     }
-    if plane_only and item.model == MODEL:
-        return caution("reserve", kind="plane", **values)
+    if alone and item.model == MODEL:
+        return caution("reserve", kind=alone, **values)
     return info("reserve", kind=kind, **values) if kind == "some" else caution("reserve", kind=kind, **values)
 
 
@@ -154,7 +161,7 @@ def without_clearance(item: ClearanceRecord) -> Iterator[Finding]:
             yield caution("clearance_undecided", undecided=each.undecided, draws=each.draws).of(name)
 
 
-def best_option(record: OptionsRecord) -> Finding:
+def best_option(record: OptionsRecord, *, contradicted: bool = False) -> Finding:
     """The option with the least probable fall, of those shown to help: the less slip first; what is turned comes last, as its
     weak side is one that no draw shakes.
     """
@@ -163,7 +170,7 @@ def best_option(record: OptionsRecord) -> Finding:
     )
     now = record.as_it_is
     if not helping:
-        needed = record.plane_only or now.high >= NEGLIGIBLE
+        needed = record.plane_only or contradicted or now.high >= NEGLIGIBLE
         return info("no_option_helps", needed=needed)
     best, *others = helping
     return info(
@@ -176,10 +183,12 @@ def best_option(record: OptionsRecord) -> Finding:
     )
 
 
-def of_options(record: OptionsRecord) -> Iterator[Finding]:
+def of_options(record: OptionsRecord, *, contradicted: bool = False) -> Iterator[Finding]:
     """What would harm, and the paper's claim: whether a pedestal that slides protects, answered by this statue on the floor."""
     if record.plane_only:
         yield caution("options_in_plane")
+    elif contradicted and record.model == MODEL:
+        yield caution("options_contradicted")
     if record.harming:
         yield caution("options_harm", options=[item.name for item in record.harming])
     floor = next((item for item in record.options if item.name == FLOOR), None)

@@ -56,6 +56,25 @@ def test_the_most_probable_fall_decides_the_colour() -> None:
     assert assess_verdict(replace(record, answer=answer_told).texted(ENGLISH.say)).tone == "differ"
     (difference,) = (each for each in findings_of(record) if each.code == "probability_difference")
     assert (difference.severity, difference.values["shown"]) == (Severity.CAUTION, "under")
+    assert [difference.values[key] for key in ("low", "difference", "high")] == [0.24, 0.29, 0.34]
+
+
+def test_what_the_model_alone_answers_is_its_own_where_another_contradicts_it() -> None:
+    """Of a statue that pybullet says to fall in 29 of 100 draws more nothing is "a reserve", and options are the model's."""
+    record = assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200).record
+    assert record.options is not None
+    options = replace(record.options, options=[replace(each, high=0.0) for each in record.options.options])
+    for apart, kind in ((ProbabilityDifference(-0.29, -0.34, -0.24, 0.9), "alone"), (None, "some")):
+        differences = {} if apart is None else {"pybullet": apart}
+        reserved = (
+            None
+            if record.fragility is None
+            else replace(record.fragility, factor_at={"0.05": 2.0}, soonest_at={"0.05": 2.0})
+        )
+        mine = replace(record, difference_from_model=differences, options=options, fragility=reserved)
+        told = {each.code: each.values for each in (*answer_of(mine).findings, *findings_of(mine))}
+        assert told["reserve"]["kind"] == kind
+        assert ("options_contradicted" in told) is (apart is not None)
 
 
 def test_answer_and_findings_name_what_helps_what_room_it_needs_and_what_decides() -> None:

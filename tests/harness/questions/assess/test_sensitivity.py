@@ -113,7 +113,7 @@ def test_draws_without_an_end_stand_at_one_edge_of_the_fragility_and_fall_at_the
     assert told["factors"]["0.05"] == [decided.soonest_at["0.05"], at, decided.latest_at["0.05"]]
     told = reserve(some_open).values
     assert (told["kind"], told["undecided"]) == ("open", 0.3), "at today's strength a fifth of the draws may fall"
-    assert reserve(decided, plane_only=True).values["kind"] == "plane"
+    assert reserve(decided, "plane").values["kind"] == "plane"
 
 
 def test_what_no_strength_decides_is_no_reserve() -> None:
