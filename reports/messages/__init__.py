@@ -207,6 +207,7 @@ FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
     "classes": _classes,
     "hz": lambda say, value: f"{say.digits(value, 3)}\u00a0Hz",
     "points": _points,
+    "of_points": lambda say, share: _points(say, abs(share)).removeprefix("+"),
     "pairs": lambda say, value: say.listed(f"{say.word(name)}: {say.word(each)}" for name, each in value.items()),
     "rate": lambda say, value: "{:.0f}\u00a0% ({:.0f}–{:.0f}\u00a0%)".format(*(100.0 * each for each in value)),
     "settings": _settings,

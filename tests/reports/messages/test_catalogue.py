@@ -26,7 +26,7 @@ SAMPLES = {
     "choices": {"kinetic": "stands", "static": "overturned_right"},
     "groups": {"stands": ["analytic"], "overturned": ["pymunk"]}, "without": {"products_of_inertia": 0.03},
     "change": -0.02, "adjusted": {"centroid": 0.03},
-    "factors": {"0.05": [1.02, 1.1, None]}, "key": "contact.floor", "points": 0.012,
+    "factors": {"0.05": [1.02, 1.1, None]}, "key": "contact.floor", "points": 0.012, "of_points": 0.012,
     "classes": {"confirmed": 0.3, "refuted": 0.01}, "hz": 2.5,
     "counts": {"statue_tips": 3}, "parts": {"rocking": [2, 5]}, "interval": [1.0, 0.9, 1.1],
     "changes": {"planed flat": -0.03}, "rate": [0.8, 0.7, 0.9], "speeds": [0.3, 0.4],
