@@ -26,6 +26,9 @@ LEAST: Final = 1e-9
 REMAINDER: Final = 0.25
 """Share of a difference that may stay without its cause, where it first passes its limit (of the shipped statue 2 to 14 % do).
 What stays grows on from there, by itself and by the step of one run, whose error no second one bounds. And"""
+MOSTLY: Final = 0.5
+"""Share of a difference that may stay where the engine states its error without all that the plane leaves out, and still differs:
+what stays is then less than the error that it stated with it."""
 TOGETHER: Final = "together"
 """The cause where several are taken away at once."""
 LITTLE: Final = 0.1
@@ -135,14 +138,16 @@ def _judged(plane: Run, space: Run, evidence: Evidence, taken: TakenAway) -> tup
     again = taken.without_all(space, until_s)
     if again is None:
         return Verdict.MODEL, reasons
+    every = [what for what, take in TAKEN_AWAY.items() if take(taken.scene) is not None]
+    cause = every[0] if len(every) == 1 else TOGETHER
     alone = compare(plane, again)
     parted_s = alone.evidence.exceeded_s
     if parted_s is not None and parted_s <= until_s and alone.verdict in ROBUST:
-        return Verdict.MODEL, reasons
+        mostly = _reason(plane, space, {cause: again}, evidence, most=MOSTLY)
+        due = [each for each in mostly if each.code == "plane_cause"]
+        return (Verdict.PLANE, due) if due else (Verdict.MODEL, reasons)
     if _end_s(again) < until_s:
         return Verdict.UNBOUNDED, reasons
-    every = [what for what, take in TAKEN_AWAY.items() if take(taken.scene) is not None]
-    cause = every[0] if len(every) == 1 else TOGETHER
     return Verdict.PLANE, _reason(plane, space, {cause: again}, evidence, most=math.inf)
 
 

@@ -81,6 +81,8 @@ def test_a_cause_is_named_by_what_stays_without_it(
     ("left_rad", "known_s", "verdict", "code"),
     [
         (1e-4, 1.0, Verdict.PLANE, "plane_cause"),
+        (0.004, 1.0, Verdict.PLANE, "plane_cause"),
+        (0.006, 1.0, Verdict.MODEL, "plane_several_causes"),
         (0.01, 1.0, Verdict.MODEL, "plane_several_causes"),
         (1e-4, 0.2, Verdict.UNBOUNDED, "plane_several_causes"),
     ],
