@@ -1,4 +1,6 @@
-"""What is to be computed (`Problem`) and how (`Options`), each stated once for one run, its certificate and an ensemble."""
+"""What is to be computed (`Problem`) and how (`Options`), each stated once for one run, its certificate and an ensemble;
+encoded.
+"""
 
 from __future__ import annotations
 

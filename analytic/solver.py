@@ -1,4 +1,4 @@
-"""One run of the two-block model: a problem in, a frozen solution out; between them the memory of its task."""
+"""One run of the two-block model: a problem in, a frozen solution out; between them the memory of its task; its certificate."""
 
 from __future__ import annotations
 

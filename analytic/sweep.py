@@ -1,4 +1,4 @@
-"""Many parameter sets in parallel, in compiled code: overturning maps, fragilities, sensitivities."""
+"""Many parameter sets in parallel, in compiled code: overturning maps, fragilities, sensitivities; certified rows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""The written log of a preparation: every change, its extent, and what it did to volume, centroid and inertia."""
+"""How the triangles of a mesh hang together, and the written log of a preparation: every change, its extent, and what it did to
+volume, centroid and inertia.
+"""
 
 from __future__ import annotations
 

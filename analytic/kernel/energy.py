@@ -1,4 +1,5 @@
-"""The outcome from energy alone once the motion has ended (docs/model.md, section 7).
+"""What is not integrated: a quiet start and rest; the outcome from energy alone once the motion has ended (docs/model.md,
+section 7).
 
 With the floor at rest and the pedestal stuck, E = ½ J θ̇² + m g Z is constant between impacts, and each impact gives the next
 rate: no step is needed to know which barrier is passed. Wherever a bound below cannot be shown, the run is integrated instead.

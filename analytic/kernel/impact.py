@@ -1,4 +1,4 @@
-"""The impact at a change of pivot (docs/model.md, section 3), for corners of any height.
+"""The impact at a change of pivot (docs/model.md, section 3), for corners of any height, and landing on a facet.
 
 All impulses act at the new corner, so the statue keeps its angular momentum about it (or the prescribed ratio replaces that law);
 the whole keeps its horizontal momentum but for the floor's friction, and X of either corner has its own sign.

@@ -1,4 +1,4 @@
-"""The event-driven run: one Taylor step after another, each cut at its first event or at a break of the motion."""
+"""The event-driven run: one Taylor step after another, each cut at its first event or at a break of the motion; its entries."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""What is kept of a run: output samples, peaks, the crossing of the balance point, and the table of events."""
+"""What is kept of a run: output samples, peaks, the crossing of the balance point, the table of events, and how far it stays
+inside the model.
+"""
 
 from __future__ import annotations
 

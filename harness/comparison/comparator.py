@@ -1,4 +1,4 @@
-"""Two answers to one scene, scored; knows no engine."""
+"""Two answers to one scene: scored, by how much and from when they differ, and why; knows no engine."""
 
 from __future__ import annotations
 

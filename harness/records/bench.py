@@ -1,4 +1,4 @@
-"""The record of a bench: run time against error, what a target takes, what skips gain, how cost grows, other solvers."""
+"""The records of a bench (run time against error, what a target takes, what skips gain, how cost grows) and of a stress run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""The record of a study: one row for each case and engine, how the models compare over them, and what was not run."""
+"""The records of a rocking spectrum and of a study: one row for each case and engine, how the models compare over them, and what
+was not run.
+"""
 
 from __future__ import annotations
 

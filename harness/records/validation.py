@@ -1,4 +1,4 @@
-"""The record of a validation: models and a bare threshold on PGV scored on measured tests."""
+"""The records of measured sets and of a validation: models and a bare threshold on PGV scored on measured tests."""
 
 from __future__ import annotations
 

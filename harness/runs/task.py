@@ -1,4 +1,6 @@
-"""A keyed task: what names its result, what computes it, and what it gives back; and one run in a process of its own."""
+"""A keyed task: what names its result, what computes it, and what it gives back; the key of a scene; and one run in a process of
+its own.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a scene needs and what may be left out, decided before anything runs; printed by `--explain`."""
+"""What a scene rests on, needs and may leave out, decided before anything runs; printed by `--explain`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""What a scene in which nothing moves can be told: how far its motion is from moving it, and from which size on it does."""
+"""The push of a motion, and what a scene in which nothing moves can be told: how far its motion is from moving it, and from
+which size on it does.
+"""
 
 from __future__ import annotations
 

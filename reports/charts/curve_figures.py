@@ -1,4 +1,4 @@
-"""Charts of curves that one page each shows: comparisons, assessments, benches."""
+"""Charts of curves that one page each shows: comparisons, assessments, benches, validations."""
 
 from __future__ import annotations
 

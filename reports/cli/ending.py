@@ -1,4 +1,4 @@
-"""How a command ends: exit codes, a user's mistake told without a traceback, an interrupt."""
+"""How a command ends: exit codes, a user's mistake told without a traceback, an interrupt; where its result goes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The questions over many runs: assess, study, trust, validate."""
+"""The commands over many runs (assess, study, trust, validate, bench, stress) and finished records (report, figures, gif)."""
 
 from __future__ import annotations
 

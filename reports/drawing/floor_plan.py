@@ -1,4 +1,6 @@
-"""The statue on a floor plan: its outline at rest, every position that it takes while it rocks, the room that this needs."""
+"""The statue on a floor plan: its outline at rest, every position that it takes while it rocks, the room that this needs; and
+the scene from the side.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures for papers: the charts of a record's page at print sizes, `rockcheck figures DIR`."""
+"""Figures for papers: the charts of a record's page at print sizes, `rockcheck figures DIR`; a page as PDF."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""What gives way first under a growing push: what the statue stands on, the pushes that move it, and what their order means."""
+"""What gives way first under a growing push: what the statue stands on, the pushes that move it, what their order means, and
+what the pedestal does.
+"""
 
 from __future__ import annotations
 

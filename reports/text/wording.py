@@ -1,4 +1,6 @@
-"""What a run says beside its findings: verdict and colour, how far it moves, scores of pairs, limits met, what was left out."""
+"""What a run says beside its findings: verdict and colour, how far it moves, scores of pairs, limits met, what was left out; a
+study's rows in words.
+"""
 
 from __future__ import annotations
 

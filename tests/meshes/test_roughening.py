@@ -7,8 +7,8 @@ import pytest
 
 from meshes import MeshError, Solid
 from meshes.footprint import corner_m, reach_m, sides
-from meshes.inspection import ragged
 from meshes.processing_log import EdgeCount
+from meshes.roughening import ragged
 
 
 def test_ragged_is_a_closed_surface_of_the_same_body(statue: Solid) -> None:

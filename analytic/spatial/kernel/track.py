@@ -1,4 +1,4 @@
-"""What a run leaves behind: samples, events, intervals of one mode, and the balance of energy."""
+"""What a run leaves behind: samples, events, intervals of one mode, the balance of energy; and what watches for events."""
 
 from __future__ import annotations
 

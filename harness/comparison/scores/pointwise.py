@@ -1,4 +1,6 @@
-"""Scores taken sample by sample: differences, peaks, residuals, and how long two histories stay together."""
+"""Scores taken sample by sample: differences, peaks, residuals, how long two histories stay together; by ISO/TS 18571; against a
+measurement.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""The world of one run: a fresh client, every parameter sent, bodies in a fixed order, closed at the end."""
+"""The world of one run: a fresh client, every parameter sent, its solver, bodies in a fixed order and along its axes, closed at
+the end.
+"""
 
 from __future__ import annotations
 

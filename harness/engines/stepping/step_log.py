@@ -1,4 +1,4 @@
-"""What the loop saw: the samples of a run as it goes on."""
+"""Rows of numbers, and what the loop saw: the samples of a run as it goes on."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["Prepared", "SceneMotion", "prepare"]
 
 MOST_PERIODS: Final = 150_000
-"""Periods of a floor's stiffest mode in its motion: ten million samples (`check.POINTS_PER_PERIOD`), ten seconds and 1 GB."""
+"""Periods of a floor's stiffest mode in its motion: ten million samples (`process.POINTS_PER_PERIOD`), ten seconds and 1 GB."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +123,7 @@ def _compatible(component: SpectrumSpec, motion: SceneMotion) -> Prepared:
 
 
 def _on_floor(ground: Prepared, modes: tuple[Oscillator, ...], motion: SceneMotion) -> Prepared:
-    from harness.input.motions.check import floor_motion, ring_down_s
+    from harness.input.motions.process import floor_motion, ring_down_s
 
     where, key, duration_s = motion.where, motion.key, motion.duration_s
     end = ground.excitation.end_s

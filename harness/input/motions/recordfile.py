@@ -1,4 +1,6 @@
-"""What a record file holds, whatever its format: channels on their own clocks, in m/s²; and what a user says of a text."""
+"""What a record file holds, whatever its format: channels on their own clocks and with their directions, in m/s²; and what a
+user says of a text.
+"""
 
 from __future__ import annotations
 

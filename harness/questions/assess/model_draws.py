@@ -1,4 +1,4 @@
-"""The analytic model over many draws, for the outcome alone."""
+"""What a scene does not know, drawn, and the analytic model over many draws, for the outcome alone."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""What might be done for a statue: each option is its scene, changed; the user's own come from a file."""
+"""What might be done for a statue: each option is its scene, changed; the user's own come from a file; compared with common
+random numbers.
+"""
 
 from __future__ import annotations
 

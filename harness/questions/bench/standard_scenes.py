@@ -13,7 +13,7 @@ from harness.model.scene import Scene
 from harness.questions.effects3d.search import RAGGED_M, RAGGED_SEED, RAGGED_SPACING_M, with_solid
 from harness.questions.study.cases import Base
 from harness.records.base import Table
-from meshes.inspection import ragged
+from meshes.roughening import ragged
 
 PAESTUM: Final = {
     "mass_kg": 707.0, "centroid_height_m": 0.774, "corner_left_m": 0.3585, "corner_right_m": 0.0682,

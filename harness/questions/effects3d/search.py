@@ -1,4 +1,6 @@
-"""The least amplitude that overturns: looked for on a grid and halved, or followed from a neighbour; by the exact model too."""
+"""The least amplitude that overturns: looked for on a grid and halved, or followed from a neighbour, under what is changed of
+the scene; by the exact model too.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,7 @@ from harness.records.effects3d import BASELINE, Amplitude, Departure, Doubt, Gro
 from harness.statics.plan import limit_of_rest_m_s2
 from meshes import MeshError, Solid
 from meshes.footprint import reach_m
-from meshes.inspection import ragged
+from meshes.roughening import ragged
 from meshes.survey import adjusted
 
 # What is changed of a scene, one thing at a time: components of the motion, base, inertia, survey,

@@ -1,4 +1,4 @@
-"""The record of a study: what its page shows, taken from the store."""
+"""The record of a study: what its page shows, taken from the store, and its answer."""
 
 from __future__ import annotations
 

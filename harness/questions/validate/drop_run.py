@@ -1,4 +1,4 @@
-"""Models against measured planar drops: what is fitted on a third, how probable what was seen is on the others."""
+"""Measured planar drops, and models against them: what is fitted on a third, how probable what was seen is on the others."""
 
 from __future__ import annotations
 
