@@ -138,6 +138,8 @@ def _judged(plane: Run, space: Run, evidence: Evidence, taken: TakenAway) -> tup
     again = taken.without_all(space, until_s)
     if again is None:
         return Verdict.MODEL, reasons
+    if again.outcome.failed:
+        return Verdict.UNBOUNDED, reasons
     every = [what for what, take in TAKEN_AWAY.items() if take(taken.scene) is not None]
     cause = every[0] if len(every) == 1 else TOGETHER
     alone = compare(plane, again)
@@ -175,8 +177,7 @@ def _without_all(scene: Scene, engine: str, accuracy_rad: float, until_s: float)
         bare = take(bare) or bare
     if bare is scene:
         return None
-    run = simulate(replace(bare, duration_s=until_s), engine, accuracy_rad=accuracy_rad)
-    return None if run.outcome.failed else run
+    return simulate(replace(bare, duration_s=until_s), engine, accuracy_rad=accuracy_rad)
 
 
 def _end_s(run: Run) -> float:

@@ -10,6 +10,7 @@ import pytest
 
 from harness.comparison.comparator import compare
 from harness.input.scene_file import load_scene
+from harness.model.history import Outcome
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.questions.scene import left_out
@@ -118,6 +119,20 @@ def test_models_differ_where_they_do_without_all_that_the_plane_leaves_out(
     )
     assert asked == [(None, "pybullet", 5e-4, pytest.approx(20.0 * limit_s, abs=2e-3))]
     assert ("pair_cause_not_shown" in codes(judged.findings)) is (verdict is Verdict.UNBOUNDED)
+
+
+def test_an_engine_that_fails_without_it_shows_no_difference_of_models(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stated = {"numerical_uncertainty_rad": 2.5e-4, "slip_uncertainty_m": 1e-4}
+    scene, still = load_scene(root / "scenes" / "paestum_pedestal.toml"), rest(1.0)
+    apart = run_of(replace(still, theta_rad=0.02 * still.t_s), "pybullet", **stated)
+    runs = {"pymunk": run_of(still, "pymunk", **stated), "pybullet": apart}
+    monkeypatch.setattr(left_out, "_again", lambda *given: None)
+    monkeypatch.setattr(left_out, "simulate", lambda *given, **named: run_of(None, "pybullet", outcome=Outcome.CRASHED))
+    scores = {"pair": compare(runs["pymunk"], runs["pybullet"])}
+    judged = with_reasons(runs, scores, TakenAway(scene))["pair"]
+    assert (scores["pair"].verdict, judged.verdict) == (Verdict.MODEL, Verdict.UNBOUNDED)
 
 
 def test_of_runs_that_state_no_error_no_other_is_asked(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
