@@ -283,7 +283,7 @@ def trust() -> TrustRecord:
     saved = saved_by(["analytic", "pymunk"], maps)
     return TrustRecord(
         title="An invented map",
-        answer=answer_of(whole, maps, saved),
+        answer=answer_of(whole, ("analytic", "pymunk"), maps, saved),
         findings=findings_of(maps, saved, summary, 0),
         scene=SceneRecord.of(scene),
         motion="sine",

@@ -361,7 +361,7 @@ def trust_map(plane: Plane, names: tuple[str, ...], points: Points, *, coarse: b
     saved = saved_by(names, maps)
     return TrustRecord(
         title=plane.scene.title,
-        answer=answer_of(plane, maps, saved),
+        answer=answer_of(plane, names, maps, saved),
         findings=[*findings_of(maps, saved, summary, seed), *alone, *plane.scene.findings],
         scene=SceneRecord.of(plane.scene),
         motion=plane.motion,
@@ -503,8 +503,10 @@ def falls(cell: TrustCell, name: str) -> bool | None:
     return None if end not in ("overturned", "stands") else end == "overturned"
 
 
-def answer_of(plane: Plane, maps: Sequence[TrustMap], saved: Mapping[str, Saved]) -> Answer:
-    """The headline: up to which strength the model holds, the shares of the plane, and what the pedestal saves by the model."""
+def answer_of(plane: Plane, names: Sequence[str], maps: Sequence[TrustMap], saved: Mapping[str, Saved]) -> Answer:
+    """The headline: up to which strength the model holds, whether space was asked of a scan, the shares of the plane,
+    and what the pedestal saves by the model.
+    """
     frequencies = [each for each in plane.frequencies_hz if each is not None]
     over = {"from_g": plane.amplitudes_g[0], "to_g": plane.amplitudes_g[-1]}
     if frequencies:
@@ -517,8 +519,10 @@ def answer_of(plane: Plane, maps: Sequence[TrustMap], saved: Mapping[str, Saved]
         told.append(
             info("trust_shares", where=where, shares={k: share for k, share in each.shares.items() if share}, **over)
         )
+    planar = all(engines.load(name).capabilities.dimensions == PLANAR for name in names)
+    alone = [caution("trust_in_plane")] if planar and not plane.scene.planar else []
     pedestal = [info("pedestal_saves", model=MODEL, **vars(saved[MODEL]))] if MODEL in saved else []
-    return Answer("refuted" if refuted else "trust_map", [*refuted[:1], *held, *pedestal, *told])
+    return Answer("refuted" if refuted else "trust_map", [*refuted[:1], *held, *alone, *pedestal, *told])
 
 
 def findings_of(

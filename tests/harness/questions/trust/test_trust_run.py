@@ -26,7 +26,7 @@ from harness.model.scene import Scene
 from harness.questions.trust import plane, trust_run
 from harness.questions.trust.plane import Plane, Point
 from harness.questions.trust.point import Said
-from harness.questions.trust.trust_run import Map, confirmed_up_to_g, crossing, doubtful, engines_of, falls
+from harness.questions.trust.trust_run import Map, answer_of, confirmed_up_to_g, crossing, doubtful, engines_of, falls
 from harness.records.kinds import read_result
 from harness.records.scores import Interval
 from harness.records.trust import CLASSES, CONTOURS, Rotation, TrustRecord
@@ -181,6 +181,20 @@ class Told:
 def checked(known: Map, point: Point, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Plane, "at", lambda plane, point: None)
     known.check([point], {point: Told({known.names: kind, known.quick: kind})})  # type: ignore[dict-item]
+
+
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [(("analytic", "pymunk"), True), (("analytic", "pymunk", "pybullet"), False), (("analytic", "spatial"), False)],
+)
+def test_a_map_of_a_scan_that_no_engine_in_space_was_asked_for_says_so(
+    names: tuple[str, ...], said: bool, root: Path
+) -> None:
+    maps = invented_records.trust().maps
+    scan, block = (load_scene(root / "scenes" / f"paestum_{name}.toml") for name in ("pedestal", "block"))
+    for scene, told in ((scan, said), (block, False)):
+        answer = answer_of(Plane.of(scene, "sine", coarse=True), names, maps, {})
+        assert ("trust_in_plane" in {each.code for each in answer.findings}) is told
 
 
 def test_between_points_that_agree_the_class_is_theirs() -> None:
