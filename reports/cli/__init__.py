@@ -9,14 +9,12 @@ from io import TextIOWrapper
 # Each adds its commands, which the help lists in this order.
 # isort: off
 from reports.cli import scenes, questions, inputs
-from reports.cli import questions as pages
-from reports.cli import questions as measures
 # isort: on
 
 from reports.cli.app import app
 from reports.cli.ending import guarded
 
-__all__ = ["app", "inputs", "main", "measures", "pages", "questions", "scenes"]
+__all__ = ["app", "inputs", "main", "questions", "scenes"]
 
 
 def main() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -77,7 +77,7 @@ class TakenAway:
     scene: Scene
     accuracy_rad: float = DEFAULT_ACCURACY_RAD
     made: dict[int, dict[str, Run]] = field(default_factory=dict)
-    bounded: dict[tuple[int, float], Run | None] = field(default_factory=dict)
+    bounded: dict[tuple[int, float], Run] = field(default_factory=dict)
 
     def runs(self, space: Run) -> dict[str, Run]:
         """The runs beside that of a 3D engine."""
@@ -85,8 +85,8 @@ class TakenAway:
             self.made[id(space)] = _without_each(self.scene, space)
         return self.made[id(space)]
 
-    def without_all(self, space: Run, until_s: float) -> Run | None:
-        """That engine's run until then without any of it, its error stated; None where the scene has none of it."""
+    def without_all(self, space: Run, until_s: float) -> Run:
+        """That engine's run until then without any of it, its error stated."""
         key = id(space), until_s
         if key not in self.bounded:
             self.bounded[key] = _without_all(self.scene, space.engine, self.accuracy_rad, until_s)
@@ -130,27 +130,27 @@ def _judged(plane: Run, space: Run, evidence: Evidence, taken: TakenAway) -> tup
     its error in the scene without any of it.
     """
     reasons = _reason(plane, space, taken.runs(space), evidence)
-    if any(each.code == "plane_cause" for each in reasons):
+    if _caused(reasons):
         return Verdict.PLANE, reasons
-    if plane.numerical_uncertainty_rad is None or space.numerical_uncertainty_rad is None:
+    every = [what for what, take in TAKEN_AWAY.items() if take(taken.scene) is not None]
+    if not every or plane.numerical_uncertainty_rad is None or space.numerical_uncertainty_rad is None:
         return Verdict.MODEL, reasons
     until_s = _parted_s(plane, space, evidence)
     again = taken.without_all(space, until_s)
-    if again is None:
-        return Verdict.MODEL, reasons
     if again.outcome.failed:
         return Verdict.UNBOUNDED, reasons
-    every = [what for what, take in TAKEN_AWAY.items() if take(taken.scene) is not None]
-    cause = every[0] if len(every) == 1 else TOGETHER
     alone = compare(plane, again)
     parted_s = alone.evidence.exceeded_s
-    if parted_s is not None and parted_s <= until_s and alone.verdict in ROBUST:
-        mostly = _reason(plane, space, {cause: again}, evidence, most=MOSTLY)
-        due = [each for each in mostly if each.code == "plane_cause"]
-        return (Verdict.PLANE, due) if due else (Verdict.MODEL, reasons)
-    if _end_s(again) < until_s:
+    differ = parted_s is not None and parted_s <= until_s and alone.verdict in ROBUST
+    if not differ and _end_s(again) < until_s:
         return Verdict.UNBOUNDED, reasons
-    return Verdict.PLANE, _reason(plane, space, {cause: again}, evidence, most=math.inf)
+    cause = every[0] if len(every) == 1 else TOGETHER
+    due = _reason(plane, space, {cause: again}, evidence, most=MOSTLY if differ else math.inf)
+    return (Verdict.PLANE, due) if _caused(due) or not differ else (Verdict.MODEL, reasons)
+
+
+def _caused(reasons: Sequence[Finding]) -> bool:
+    return any(each.code == "plane_cause" for each in reasons)
 
 
 def _planar_and_spatial(runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, tuple[Run, Run]]:
@@ -170,13 +170,11 @@ def _without_each(scene: Scene, space: Run) -> dict[str, Run]:
     return {what: run for what, run in again.items() if run is not None}
 
 
-def _without_all(scene: Scene, engine: str, accuracy_rad: float, until_s: float) -> Run | None:
+def _without_all(scene: Scene, engine: str, accuracy_rad: float, until_s: float) -> Run:
     """The run of a 3D engine to an accuracy, without any of what the plane leaves out."""
     bare = scene
     for take in TAKEN_AWAY.values():
         bare = take(bare) or bare
-    if bare is scene:
-        return None
     return simulate(replace(bare, duration_s=until_s), engine, accuracy_rad=accuracy_rad)
 
 

@@ -6,13 +6,12 @@ from pathlib import Path
 from typing import Final
 
 from harness.model.errors import InputError, Mistake
-from harness.questions.validate import drop_run as drops
-from harness.questions.validate import impact_ratios, tosses
+from harness.questions.validate import drop_run, impact_ratios, tosses
 from harness.questions.validate.number_table import header
 
 MEASURED: Final = {
     tosses.COLUMNS[0]: ("tosses", ("body", "engine")),
-    drops.COLUMNS[0]: ("drops", ("body", "engine", "samples")),
+    drop_run.COLUMNS[0]: ("drops", ("body", "engine", "samples")),
     impact_ratios.COLUMNS[0]: ("impact_ratios", ()),
 }
 """By the first column's name: the kind, and the options that it takes beside those of every table."""
