@@ -16,7 +16,8 @@ from harness.model.run import EngineRunRecord, to_plain
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import AssessRecord
 from harness.records.base import Record
-from harness.records.run import RunRecord, outside_domain
+from harness.records.run import RunRecord, outside_domain, statue_slip_m
+from harness.records.scene import SceneRecord
 from harness.records.scores import Interval, Scores, Verdict
 from harness.statics.plan import Step
 from reports.blocks import Table
@@ -195,10 +196,11 @@ def table(rows: Sequence[Sequence[str]]) -> list[str]:
 
 def _engine_rows(record: RunRecord) -> list[list[str]]:
     heading = ["engine", "outcome", "peak lean", "slip", "numerical error", "time"]
-    return [heading, *([name, *_engine_cells(run)] for name, run in record.runs.items())]
+    return [heading, *([name, *_engine_cells(run, record.scene)] for name, run in record.runs.items())]
 
 
-def _engine_cells(run: EngineRunRecord) -> list[str]:
+def _engine_cells(run: EngineRunRecord, scene: SceneRecord) -> list[str]:
+    """Of a statue on the floor the slip is its own, which the analytic model does not have."""
     outcome = ENGLISH.strings[f"short.{run.outcome.value}"]
     if run.outcome.failed:
         return [outcome, "–", "–", "–", f"{digits(run.wall_s, 2)} s"]
@@ -215,7 +217,8 @@ def _engine_cells(run: EngineRunRecord) -> list[str]:
     if run.numerical_uncertainty_rad is not None and run.reliable_until_s is not None:
         until = min(run.reliable_until_s, run.end_s)
         known = f"{run.numerical_uncertainty_rad:.0e} rad to {digits(until, 3)} s"
-    slip = length(run.peak_slip_m).replace("\u00a0", " ")
+    slip_m = statue_slip_m(run) if scene.pedestal is None else run.peak_slip_m
+    slip = "–" if slip_m is None else length(slip_m).replace("\u00a0", " ")
     return [outcome, peak, slip, known, f"{digits(run.wall_s, 2)} s"]
 
 

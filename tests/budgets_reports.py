@@ -25,6 +25,8 @@ STILL_PX: Final = 0.06
 ROUNDED_INCH: Final = 5e-4
 """Sizes on paper are written to a hundredth of a millimetre and of a point."""
 
+SAMPLED_M: Final = 1e-4
+"""What samples of 1 ms miss of a place: at 0.3 g less than 1e-6 m, and a step of a contact engine some 1e-5."""
 PUSH: Final = 1e-12
 """Pushes are quotients of lengths in double precision."""
 

@@ -67,6 +67,12 @@ def tips_s(run: EngineRunRecord) -> float | None:
     return left_s if isinstance(left_s, float) and run.validity.get("left_domain_by") == "pedestal_tips" else None
 
 
+def statue_slip_m(run: EngineRunRecord) -> float | None:
+    """How far a statue that stands slid on its support at most, m; None where its model holds it there, or it fell."""
+    slid_m = run.validity.get("statue_slip_m")
+    return slid_m if isinstance(slid_m, float) and run.outcome is Outcome.STANDS else None
+
+
 UNKNOWN: Final = (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX, Outcome.UNDECIDED)
 """Outcomes that say what became of the run, not of the statue."""
 

@@ -14,7 +14,7 @@ from jinja2 import Template
 from markupsafe import Markup
 
 from harness.model.history import History
-from harness.model.scene import SOLID_COLUMNS, support_m
+from harness.model.scene import SOLID_COLUMNS, base_shift_m
 from harness.records.assess import ClearanceRecord
 from harness.records.scene import SceneRecord
 from meshes.footprint import convex_hull, lower_chain
@@ -94,7 +94,7 @@ def _body(source: RunSource) -> Array:
 
 def _in_plane(source: RunSource, body: Array, history: History) -> Array:
     """Each corner moves along one line: the ends of its way are all that the outline needs."""
-    moved_m = support_m(source.scene.pedestal, history.slip_m, history.extra)
+    moved_m = base_shift_m(source.scene.pedestal, history.slip_m, history.extra)
     chosen = _chosen([history.theta_rad, moved_m])
     x = section(source.scene).posed_m(body[:, [0, 2]], history.theta_rad[chosen], moved_m[chosen])[:, :, 0]
     return np.column_stack([np.concatenate([x.min(axis=0), x.max(axis=0)]), np.tile(body[:, 1], 2)])

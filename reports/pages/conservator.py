@@ -12,10 +12,10 @@ import numpy as np
 
 from harness.model.history import Outcome
 from harness.model.run import EngineRunRecord
-from harness.model.scene import support_m
+from harness.model.scene import base_shift_m
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import MOSTLY, Assessment, worst
-from harness.records.run import RunRecord, has_answer, tips_s
+from harness.records.run import RunRecord, has_answer, statue_slip_m, tips_s
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import SupportRecord
 from reports.blocks import Block, Drawing, Section, Text, Verdict
@@ -331,7 +331,9 @@ def _lean(source: RunSource, say: Language) -> list[str]:
     keys = ["no_rocking"] if lean_rad < STILL_RAD else ["leans"] if share < 1.0 else ["leans_past", back]
     keys = keys if standing == _answering(source) and not _leaning(source) else ["of_standing", *keys]
     values = {"degrees": degrees, "balance": balance, "share": f"{100.0 * share:.0f}"}
-    return [" ".join(say(f"run.{key}", **values) for key in keys)]
+    slid_m = max((statue_slip_m(source.runs[name]) or 0.0 for name in standing), default=0.0)
+    slides = [say("run.statue_slides", length=say.length(slid_m))] if slid_m > VISIBLE_M else []
+    return [" ".join([*(say(f"run.{key}", **values) for key in keys), *slides])]
 
 
 def _pedestal_slip(source: RunSource, answered: Mapping[str, EngineRunRecord], say: Language) -> list[str]:
@@ -358,7 +360,7 @@ def _extremes(source: RunSource) -> list[tuple[float, float]]:
     """Rotation and the support's displacement at the top's farthest shifts to each side, over the models in which it stands."""
     shape, stone = section(source.scene), source.scene.pedestal
     standing = [source.histories[name] for name in _standing(source)]
-    poses = [(item.theta_rad, support_m(stone, item.slip_m, item.extra)) for item in standing]
+    poses = [(item.theta_rad, base_shift_m(stone, item.slip_m, item.extra)) for item in standing]
     extremes = []
     for side in (-1.0, 1.0):
         tops = [(side * shape.top_displacement_m(*pose), *pose) for pose in poses]

@@ -13,7 +13,7 @@ import numpy as np
 from harness.model.finding import Finding, info
 from harness.model.history import Array, History, Outcome
 from harness.model.run import EngineRunRecord, Intervention
-from harness.model.scene import support_m
+from harness.model.scene import base_shift_m
 from harness.records.assess import Assessment
 from harness.records.base import Table
 from harness.records.run import RunRecord, has_answer
@@ -200,7 +200,7 @@ def _reach(source: RunSource) -> list[Finding]:
     shape, wall, found = section(source.scene), source.scene.wall, []
 
     def moved(item: History) -> Array:
-        return support_m(source.scene.pedestal, item.slip_m, item.extra)
+        return base_shift_m(source.scene.pedestal, item.slip_m, item.extra)
 
     tops = {
         name: float(np.abs(shape.top_displacement_m(item.theta_rad, moved(item))).max())

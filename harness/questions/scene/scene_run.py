@@ -26,7 +26,7 @@ from harness.questions.scene.left_out import TakenAway, explained, with_reasons
 from harness.questions.scene.witness import doubted, findings_of, finer_rad, finer_runs
 from harness.records.assess import Assessment
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
-from harness.records.run import DecidedBy, HorizonRecord, RunRecord, Witness
+from harness.records.run import DecidedBy, HorizonRecord, RunRecord, Witness, statue_slip_m
 from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores, Verdict
 from harness.statics.plan import Step, plan
@@ -34,6 +34,8 @@ from harness.statics.standstill import standstill
 
 ENDED: Final = "the run was ended before this engine had finished"
 """Why an engine has no answer in the result of a run that the user ended."""
+SLIDES_M: Final = 1e-3
+"""A statue that slides less on its support creeps, as contact engines let it while it rocks."""
 KILLED_S: Final = 0.05
 """Between two looks whether a process that was killed is gone."""
 
@@ -87,6 +89,7 @@ class Result:
             [
                 *self.scene.findings,
                 *silent,
+                *_slides(self.runs),
                 *of_runs,
                 *of_pairs,
                 *findings_of(self.witness),
@@ -230,6 +233,13 @@ def _run_engines(
 def answers_of(runs: Mapping[str, Run]) -> list[Run]:
     """The runs that did not fail."""
     return [run for run in runs.values() if not run.outcome.failed]
+
+
+def _slides(runs: Mapping[str, Run]) -> list[Finding]:
+    """By which models the statue slides on its support, which the pedestal's slip does not tell."""
+    slid_m = {name: slip for name, run in runs.items() if (slip := statue_slip_m(run) or 0.0) > SLIDES_M}
+    values = sorted(slid_m.values())
+    return [caution("statue_slides", models=list(slid_m), slip_m=[values[0], values[-1]])] if values else []
 
 
 def _findings(scene: Scene, runs: Mapping[str, Run], refined: Sequence[str], target: RunTarget) -> list[Finding]:

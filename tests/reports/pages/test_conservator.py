@@ -39,7 +39,7 @@ from reports.text.giving_way import (
     weakest_words,
 )
 from reports.text.wording import conditions
-from tests.budgets_reports import PUSH, SHADOW_SHARE
+from tests.budgets_reports import PUSH, SAMPLED_M, SHADOW_SHARE
 from tests.reports.invented_run import write_invented
 from tests.reports.invented_study import study, write_map_study, write_table_study
 from tests.reports.page_parts import answer, lines, pictures, spoken
@@ -347,6 +347,29 @@ def test_one_that_leans_past_its_balance_at_the_end_is_not_said_to_stay_upright(
         text = spoken(of_run(replace(source, record=record, histories=source.histories | {name: end})))
         assert (ENGLISH("run.disagree") in text) is said
         assert (ENGLISH("run.of_standing") in text) is said
+
+
+@pytest.mark.parametrize("pedestal", [None, Pedestal(80.0, 0.6, 0.6, 0.3)])
+def test_a_statue_that_slides_on_its_support_is_not_said_to_keep_still(
+    tmp_path: Path, pedestal: Pedestal | None
+) -> None:
+    """The model's slip is the pedestal's alone: the statue's own is a finding, a sentence, and room in picture and plan."""
+    motion = Harmonic(0.28 * GRAVITY_M_S2, 1.1)
+    smooth = scene(rectangle(0.3, 0.6), motion, pedestal=pedestal, mu=0.6, mu_statue=0.1, duration_s=1.5)
+    result = run_scene(smooth, ["analytic", "pymunk"])
+    history = result.runs["pymunk"].history
+    assert history is not None
+    (found,) = [each for each in result.findings() if each.code == "statue_slides"]
+    slid_m, _ = found.values["slip_m"]
+    assert found.values["models"] == ["pymunk"]
+    assert slid_m == pytest.approx(float(np.abs(history.extra["statue_slip_m"]).max()), abs=SAMPLED_M)
+    assert slid_m > 0.05
+    write_result(result, tmp_path / "run")
+    source = run_source(tmp_path / "run")
+    text = spoken(of_run(source))
+    assert ENGLISH("run.statue_slides", length=ENGLISH.length(slid_m)) in text
+    assert ENGLISH("reach.still") not in text
+    assert max(floor_plan(source, ["pymunk"]).room_m.values()) == pytest.approx(slid_m, abs=SAMPLED_M)
 
 
 def test_a_pedestal_that_one_model_lets_tip_is_not_said_to_stay_put(tmp_path: Path) -> None:
