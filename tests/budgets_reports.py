@@ -52,8 +52,8 @@ CALLS_TO_A_VERIFYING_STEP: Final = 14
 CALLS_AROUND_AN_EVENT: Final = 19
 """Where an event is sought between two whole steps: what is due, its search, a step's two clocks and its friction are between."""
 
-PIXEL: Final = 1e-6
-"""Places in a drawn picture are sums of a few doubles of size 640: 1e-13 each; a millionth of a pixel shows nowhere."""
+WRITTEN_PX: Final = 0.15
+"""A picture's places are written with one decimal, so a difference of two of them is off by up to 0.1 along x and along y."""
 
 SENTENCE_WORDS_MEAN: Final = 12.0
 """Plain-language guides (Cutts; the European Commission's) ask for 15 to 20 words a sentence on average; here less."""

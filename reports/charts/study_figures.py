@@ -309,7 +309,7 @@ def rose_picture(models: Sequence[str], conditions: Sequence[Condition], say: La
             if run.outcome.overturned:
                 least[angle] = size_of if known is None else min(known, size_of)
         if sum(value is not None for value in least.values()) >= LEAST_DIRECTIONS:
-            drawn.append(Curve(model, sorted(least.items()), style.colour, style.dash, style.width + 0.4))
+            drawn.append(Curve(model, dict(sorted(least.items())), style))
     if not drawn:
         return None
     most = max(float(item.varied[size]) for item in conditions)

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from markupsafe import Markup
 
 from harness.records.scene import MotionRecord, SceneRecord
-from reports.charts.figure import FLOOR_COLOUR, INK, PEDESTAL_COLOUR
+from reports.charts.figure import FLOOR_COLOUR, HAIRLINE, INK, MUTED, PEDESTAL_COLOUR
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import Plan
-from reports.drawing.kinematics import Array, section
-from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, box, line, nice_ticks
+from reports.drawing.kinematics import Array, pedestal_sides_m, section, wall_m
+from reports.drawing.shapes import Picture, box, disc, path, plane, rings, text
 from reports.messages import Language
 from reports.source import RunSource
 from reports.text.giving_way import Level, bearing
@@ -28,6 +28,11 @@ GAUGE_ENDS: Final = 1.2
 """The bar of a lean ends at this many times the lean at which the statue balances."""
 SAFE: Final = "#0b6e4f"
 SHAKING: Final = "#c2185b"
+WALL: Final = "#8a94a3"
+STATUE: Final = {"fill": "#dfd8cb", "stroke": "#6d6353", "width": 1.5}
+"""The statue where it stands."""
+FARTHEST: Final = {"stroke": SHAKING, "width": 1.6, "dash": "5 4"}
+"""How far it moves."""
 
 
 def reach_svg(
@@ -44,75 +49,61 @@ def reach_svg(
     """
     scene, shape = source.scene, section(source.scene)
     outline = silhouette_m(scene, source.mesh)
-    pedestal, wall = scene.pedestal, scene.wall
-    lift = 0.0 if pedestal is None else pedestal.height_m
+    lift = 0.0 if scene.pedestal is None else scene.pedestal.height_m
     leans = [shape.posed_m(outline, theta, slip)[0] for theta, slip in extremes]
     balances = [shape.posed_m(outline, theta, 0.0)[0] for theta in balance_rad]
-    centre = 0.5 * (shape.corner_right_m - shape.corner_left_m)
-    xs = [*outline[:, 0], *(x for lean in [*leans, *balances] for x in lean[:, 0])]
-    half = 0.0 if pedestal is None else 0.5 * pedestal.width_m
-    stand = (centre + (0.0 if pedestal is None else pedestal.offset_m) - half, 2 * half)
-    at_wall = None
-    if wall is not None:
-        right = wall.side == "right"
-        at_wall = (shape.corner_right_m if right else -shape.corner_left_m) + (1 if right else -1) * wall.distance_m
-        xs.append(at_wall)
-    low, high = min(*xs, stand[0]), max(*xs, stand[0] + stand[1])
-    top = lift + max(float(each[:, 1].max()) for each in (outline, *leans, *balances))
-    scale = min((SIDE - 2 * MARGIN) / (high - low), (SIDE - 2 * MARGIN) / top)
-
-    def place(points: Array) -> Array:
-        x = SIDE / 2 + scale * (points[:, 0] - 0.5 * (low + high))
-        return np.column_stack([x, SIDE - MARGIN - scale * (lift + points[:, 1])])
-
-    ground = SIDE - MARGIN
-    shapes: list[Shape] = [line([(14, ground), (SIDE - 14, ground)], INK, 2.0)]
-    if pedestal is not None:
-        x, y = place(np.array([[stand[0], 0.0]]))[0].tolist()
-        shapes.append(box(x, y, scale * stand[1], scale * lift, "#c3c8cf", stroke="#59636f"))
-    shapes.append(area(place(outline), "#dfd8cb", "#6d6353", 1.5))
-    shapes += [Path(place(lean), INK, 1.6, "2 4", closed=True) for lean in balances]
-    shapes += [Path(place(lean), SHAKING, 1.6, "5 4", closed=True) for lean in leans]
+    sides, wall = pedestal_sides_m(scene), wall_m(scene)
+    reached = np.vstack([outline, *leans, *balances])
+    xs = [*reached[:, 0], *sides, *([] if wall is None else [wall])]
+    room, wide, high = SIDE - 2 * MARGIN, max(xs) - min(xs), lift + float(reached[:, 1].max())
+    ground, scale = SIDE - MARGIN, min(room / wide, room / high)
+    place = plane(scale, (0.5 * (min(xs) + max(xs)), -lift), (SIDE / 2, ground))
+    shapes = [path([(14, ground), (SIDE - 14, ground)], stroke=INK, width=2)]
+    if sides:
+        left, right = place([(side, 0.0) for side in sides])[:, 0].tolist()
+        shapes.append(box(left, ground - scale * lift, right - left, scale * lift, fill="#c3c8cf", stroke="#59636f"))
+    shapes.append(path(place(outline), closed=True, **STATUE))
+    shapes += [path(place(lean), closed=True, stroke=INK, width=1.6, dash="2 4") for lean in balances]
+    shapes += [path(place(lean), closed=True, **FARTHEST) for lean in leans]
     if gauge_rad is not None:
         shapes += _gauge(*gauge_rad, say)
-    if at_wall is not None and wall is not None:
-        x = float(place(np.array([[at_wall, 0.0]]))[0, 0])
-        inwards = 0.0 if wall.side == "right" else -12.0
-        shapes += [box(x + inwards, 20, 12, ground - 20, "#8a94a3"), Text(x, 14, say("reach.wall"), colour=INK)]
-    return _picture([*shapes, *_top_shift(outline, leans, place, say)]).svg(title, "plain")
+    if wall is not None:
+        x = float(place((wall, 0.0))[0, 0])
+        shapes.append(box(x if wall > 0.0 else x - 12.0, 20, 12, ground - 20, fill=WALL))
+        shapes.append(text(x, 14, say("reach.wall"), colour=INK))
+    peak = int(np.argmax(outline[:, 1]))
+    shapes += _top_shift(
+        place(outline[peak])[0], [(place(lean[peak])[0, 0], lean[peak, 0] - outline[peak, 0]) for lean in leans], say
+    )
+    return _svg(shapes, title)
 
 
-def _gauge(lean_rad: float, balance_rad: float, say: Language) -> list[Shape]:
+def _gauge(lean_rad: float, balance_rad: float, say: Language) -> list[str]:
     """A bar as long as the lean, in a frame on which a line marks the lean at which the statue balances."""
     left, whole, y = 150.0, 140.0, SIDE - 28.0
     lean, balance = (f"{say.digits(math.degrees(value), 2)}°" for value in (lean_rad, balance_rad))
     end = left + whole
     return [
-        box(left, y, GAUGE_ENDS * whole, 12, "none", stroke="#8a94a3"),
-        box(left, y, min(lean_rad / balance_rad, GAUGE_ENDS) * whole, 12, SHAKING),
-        line([(end, y - 6), (end, y + 18)], INK, 2.0, "2 2"),
-        Text(left - 8, y + 11, say("reach.lean", degrees=lean), "end", SHAKING),
-        Text(left + GAUGE_ENDS * whole + 8, y + 11, say("reach.of", degrees=balance), "start", INK),
+        box(left, y, GAUGE_ENDS * whole, 12, stroke=WALL),
+        box(left, y, min(lean_rad / balance_rad, GAUGE_ENDS) * whole, 12, fill=SHAKING),
+        path([(end, y - 6), (end, y + 18)], stroke=INK, width=2, dash="2 2"),
+        text(left - 8, y + 11, say("reach.lean", degrees=lean), "end", SHAKING),
+        text(left + GAUGE_ENDS * whole + 8, y + 11, say("reach.of", degrees=balance), "start", INK),
     ]
 
 
-def _picture(shapes: Sequence[Shape], height: float = SIDE) -> Picture:
-    return Picture(SIDE, height, shapes, type_px=15.0)
+def _svg(shapes: Sequence[str], title: str, height: float = SIDE) -> Markup:
+    return Picture(SIDE, height, shapes).svg(title, "plain")
 
 
-def _top_shift(outline: Array, leans: Sequence[Array], place: Any, say: Language) -> list[Shape]:
-    """How far the outline's highest point moves to each side, written above it."""
-    peak = int(np.argmax(outline[:, 1]))
-    rest = place(outline[peak : peak + 1])[0]
-    shapes: list[Shape] = [line([rest, (rest[0], 24)], "#8a94a3", dash="2 3")]
-    for lean in leans:
-        moved = float(lean[peak, 0] - outline[peak, 0])
-        x = float(place(lean[peak : peak + 1])[0, 0])
-        anchor, beside = ("start", 6) if moved > 0 else ("end", -6)
-        shapes += [
-            line([(rest[0], 30), (x, 30)], SHAKING, 3.0),
-            Text(x + beside, 34, say.length(abs(moved)), anchor, SHAKING),
-        ]
+def _top_shift(rest_px: Array, moves: Sequence[tuple[float, float]], say: Language) -> list[str]:
+    """How far the outline's highest point moves to each side (to which pixel, by how many m), written above it."""
+    x, y = rest_px.tolist()
+    shapes = [path([(x, y), (x, 24)], stroke=WALL, dash="2 3")]
+    for end, moved_m in moves:
+        anchor, beside = ("start", 6) if moved_m > 0 else ("end", -6)
+        shapes.append(path([(x, 30), (end, 30)], stroke=SHAKING, width=3))
+        shapes.append(text(end + beside, 34, say.length(abs(moved_m)), anchor, SHAKING))
     return shapes
 
 
@@ -133,81 +124,66 @@ def push_svg(
     safe = bearing(scene)
     shaking = _shaking(motion, scene.gravity_m_s2)
     stood = np.zeros((0, 2)) if borne is None else borne
-    reached = [float(np.abs(points).max(initial=0.0)) for points in (safe, shaking, stood)]
-    most = max(*reached, *slips, 0.0)
-    scale = (SIDE / 2 - MARGIN) / most
-    middle = SIDE / 2
-
-    def place(pushes: Array) -> Array:
-        return np.column_stack([middle + scale * pushes[:, 0], middle - scale * pushes[:, 1]])
-
-    rings = nice_ticks(0.0, most, MOST_RINGS)[1:]
-    shapes: list[Shape] = [Disc(middle, middle, scale * ring, stroke="#d5dbe3") for ring in rings]
-    for end in ((SIDE - MARGIN, middle), (middle, SIDE - MARGIN)):
-        shapes.append(line([(SIDE - end[0], SIDE - end[1]), end], "#d5dbe3"))
-    shapes += [area(place(safe), SAFE, opacity=0.22), Path(place(safe), SAFE, 2.0, closed=True)]
-    shapes += [Disc(middle, middle, scale * slip, "", PEDESTAL_COLOUR, 2.0, "7 4") for slip in slips]
+    most = max(*(float(np.abs(points).max(initial=0.0)) for points in (safe, shaking, stood)), *slips)
+    reach, middle = SIDE / 2 - MARGIN, SIDE / 2
+    scale = reach / most
+    place = plane(scale, (0.0, 0.0), (middle, middle))
+    shares = rings(most, MOST_RINGS)
+    shapes = [disc(middle, middle, scale * share, stroke=HAIRLINE) for share in shares]
+    shapes += [path(place(most * np.outer((-1, 1), along)), stroke=HAIRLINE) for along in np.eye(2)]
+    shapes.append(path(place(safe), closed=True, fill=SAFE, opacity=0.22))
+    shapes.append(path(place(safe), closed=True, stroke=SAFE, width=2))
+    shapes += [disc(middle, middle, scale * slip, stroke=PEDESTAL_COLOUR, width=2, dash="7 4") for slip in slips]
     if len(stood):
-        shapes.append(Path(place(stood), FLOOR_COLOUR, 2.5, closed=True))
-        shapes += [Disc(x, y, 4.0, FLOOR_COLOUR) for x, y in place(stood).tolist()]
+        shapes.append(path(place(stood), closed=True, stroke=FLOOR_COLOUR, width=2.5))
+        shapes += [disc(x, y, 4, fill=FLOOR_COLOUR) for x, y in place(stood).tolist()]
     if len(shaking):
-        shapes.append(line(place(shaking), SHAKING, 1.2))
-    diagonal = middle - 0.7071 * scale * np.array(rings)
-    shapes += [
-        Text(float(at), float(at) + 4, say.percent(ring), colour="#566070")
-        for at, ring in zip(diagonal, rings, strict=True)
-    ]
-    shapes += _compass(say)
-    return _picture(shapes).svg(title, "plain")
+        shapes.append(path(place(shaking), stroke=SHAKING, width=1.2))
+    for share in shares:
+        diagonal = middle - 0.7071 * scale * share
+        shapes.append(text(diagonal, diagonal + 4, say.percent(share), colour=MUTED))
+    return _svg([*shapes, *_compass(say)], title)
 
 
-def _compass(say: Language) -> list[Shape]:
+def _compass(say: Language) -> list[str]:
     """The names of the four sides around a picture seen from above, left and right in its corners: no circle reaches there."""
-    middle = SIDE / 2
+    middle, low = SIDE / 2, SIDE - 8
     return [
-        Text(SIDE - 4, SIDE - 8, say("side.right"), "end", INK),
-        Text(4, SIDE - 8, say("side.left"), "start", INK),
-        Text(middle, 16, say("side.back"), colour=INK),
-        Text(middle, SIDE - 8, say("side.front"), colour=INK),
+        text(SIDE - 4, low, say("side.right"), "end", INK),
+        text(4, low, say("side.left"), "start", INK),
+        text(middle, 16, say("side.back"), colour=INK),
+        text(middle, low, say("side.front"), colour=INK),
     ]
 
 
 def plan_svg(scene: SceneRecord, plan: Plan, title: str, say: Language) -> Markup:
     """Seen from above: the outline at rest, what holds every position of it, the pedestal, the wall; the room by side."""
-    stone, wall = scene.pedestal, scene.wall
+    stone, wall = scene.pedestal, wall_m(scene)
     corners = [plan.rest_m, plan.moved_m]
     if stone is not None:
-        half = 0.5 * np.array([stone.width_m, stone.depth_m])
-        centre = [0.5 * (scene.statue.corner_right_m - scene.statue.corner_left_m) + stone.offset_m, 0.0]
-        corners.append(centre + half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]))
+        left, right = pedestal_sides_m(scene)
+        half = 0.5 * stone.depth_m
+        corners.append(np.array([[left, -half], [right, -half], [right, half], [left, half]]))
     low, high = np.vstack(corners).min(axis=0), np.vstack(corners).max(axis=0)
-    scale = (SIDE - 4 * MARGIN) / float((high - low).max())
-
-    def place(points: Array) -> Array:
-        seen = scale * (points - 0.5 * (low + high))
-        return np.column_stack([SIDE / 2 + seen[:, 0], SIDE / 2 - seen[:, 1]])
-
-    shapes: list[Shape] = [] if stone is None else [Path(place(corners[2]), "#59636f", 1.2, closed=True)]
-    shapes.append(area(place(plan.rest_m), "#dfd8cb", "#6d6353", 1.5))
+    scale, middle = (SIDE - 4 * MARGIN) / float((high - low).max()), SIDE / 2
+    place = plane(scale, 0.5 * (low + high), (middle, middle))
+    shapes = [path(place(stone_m), closed=True, stroke="#59636f", width=1.2) for stone_m in corners[2:]]
+    shapes.append(path(place(plan.rest_m), closed=True, **STATUE))
     if plan.room_m:
-        shapes.append(Path(place(plan.moved_m), SHAKING, 1.6, "5 4", closed=True))
-    if wall is not None:
-        side = 1.0 if wall.side == "right" else -1.0
-        edge = scene.statue.corner_right_m if side > 0 else scene.statue.corner_left_m
-        x = float(place(np.array([[side * (edge + wall.distance_m), 0.0]]))[0, 0])
-        # A wall farther away than the picture reaches is not drawn; its distance stands in words.
-        if 0.0 < x < SIDE:
-            shapes.append(box(x if side > 0 else x - 8, 20, 8, SIDE - 40, "#8a94a3"))
-    ends = place(np.array([plan.moved_m.min(axis=0), plan.moved_m.max(axis=0)]))
+        shapes.append(path(place(plan.moved_m), closed=True, **FARTHEST))
+    x = -1.0 if wall is None else float(place((wall, 0.0))[0, 0])
+    # A wall farther away than the picture reaches is not drawn; its distance stands in words.
+    if wall is not None and 0.0 < x < SIDE:
+        shapes.append(box(x if wall > 0.0 else x - 8, 20, 8, SIDE - 40, fill=WALL))
+    (left, bottom), (right, top) = place([plan.moved_m.min(axis=0), plan.moved_m.max(axis=0)]).tolist()
     at = {
-        "left": (ends[0, 0] - 6, SIDE / 2 + 16, "end"), "right": (ends[1, 0] + 6, SIDE / 2 + 16, "start"),
-        "front": (SIDE / 2, ends[0, 1] + 18, "middle"), "back": (SIDE / 2, ends[1, 1] - 8, "middle"),
+        "left": (left - 6, middle + 16, "end"), "right": (right + 6, middle + 16, "start"),
+        "front": (middle, bottom + 18, "middle"), "back": (middle, top - 8, "middle"),
     }  # fmt: skip
-    shapes += [
-        Text(float(at[side][0]), float(at[side][1]), f"+{say.length(room)}", at[side][2], SHAKING)
-        for side, room in plan.room_m.items()
-    ]
-    return _picture([*shapes, *_compass(say)]).svg(title, "plain")
+    for side, room in plan.room_m.items():
+        x, y, anchor = at[side]
+        shapes.append(text(x, y, f"+{say.length(room)}", anchor, SHAKING))
+    return _svg([*shapes, *_compass(say)], title)
 
 
 def _shaking(motion: MotionRecord | None, gravity_m_s2: float) -> Array:
@@ -226,15 +202,15 @@ def order_svg(levels: Sequence[Level], peak: float | None, title: str, say: Lang
     most = max([level.push for level in levels] + ([peak] if peak is not None else []))
     wide, row = SIDE - 84.0, 74.0
     height = 64 + row * len(levels)
-    shapes: list[Shape] = []
+    shapes: list[str] = []
     for k, level in enumerate(levels):
         y, size = 52 + row * k, wide * level.push / most
         colour = PEDESTAL_COLOUR if level.cause == "pedestal_slides" else FLOOR_COLOUR
-        shapes += [Text(10, y, level.words, "start", INK), box(10, y + 8, size, 26, colour)]
-        shapes.append(Text(16 + size, y + 26, say.percent(level.push), "start", INK))
+        shapes += [text(10, y, level.words, "start", INK), box(10, y + 8, size, 26, fill=colour)]
+        shapes.append(text(16 + size, y + 26, say.percent(level.push), "start", INK))
     if peak is not None:
         x = 10 + wide * peak / most
-        shapes.append(line([(x, 24), (x, height - 8)], SHAKING, 2.0, "6 4"))
+        shapes.append(path([(x, 24), (x, height - 8)], stroke=SHAKING, width=2, dash="6 4"))
         anchor = "end" if x > SIDE / 2 else "start"
-        shapes.append(Text(x, 18, say("order.this_shaking", push=say.percent(peak, 3)), anchor, SHAKING))
-    return _picture(shapes, height).svg(title, "plain")
+        shapes.append(text(x, 18, say("order.this_shaking", push=say.percent(peak, 3)), anchor, SHAKING))
+    return _svg(shapes, title, height)

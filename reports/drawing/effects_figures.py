@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from markupsafe import Markup
 
-from harness.records.effects3d import BASELINE, Band, EffectsRecord
+from harness.model.scene import rotations
+from harness.records.effects3d import BASELINE, EffectsRecord
 from reports.charts import Json
 from reports.charts.figure import (
     HAIRLINE,
@@ -18,6 +19,7 @@ from reports.charts.figure import (
     INK,
     MUTED,
     WIDTH,
+    Look,
     across,
     axis,
     figure,
@@ -27,13 +29,14 @@ from reports.charts.figure import (
     named,
     span,
 )
-from reports.drawing.display_mesh import read_mesh
-from reports.drawing.scan_picture import Figure, directions_picture
-from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, line, nice_ticks
+from reports.drawing.display_mesh import Faces, read_mesh
+from reports.drawing.scan_picture import directions_picture
+from reports.drawing.shapes import Array, Picture, disc, path, plane, rings, text
 from reports.messages import ENGLISH, Language
 from reports.source import RunSource
 
 SIZE: Final = 640.0
+CENTRE: Final = (SIZE / 2.0, SIZE / 2.0)
 RADIUS: Final = 275.0
 ROW: Final = 46.0
 """Height of a condition."""
@@ -43,111 +46,101 @@ KEY_ROW: Final = 20.0
 """Height of a name in a rose's key."""
 SIDES_COLOUR: Final = "#8a6d00"
 
-Point = tuple[float, float | None]
-
 
 @dataclass(frozen=True)
 class Curve:
-    """One curve of a rose: (azimuth in degrees, peak in g; None: it does not overturn up to the most tried)."""
+    """One curve of a rose: the peak in g by azimuth in degrees (None: it does not overturn up to the most tried)."""
 
     name: str
-    points: Sequence[Point]
-    colour: str
-    dash: str
-    width: float
+    peaks: Mapping[float, float | None]
+    look: Look
 
 
 def curves(record: EffectsRecord, say: Language = ENGLISH) -> list[Curve]:
     """The curves of a record: every engine's, and the planar model asked at the base's sides."""
-    engines = record.engines
-    drawn = []
-    for name in engines[::-1]:
-        points = [(row.azimuth_deg, row.peak_g) for row in record.amplitudes(name, BASELINE)]
-        style = look(name, engines)
-        drawn.append(Curve(name, points, style.colour, style.dash, style.width + 0.4))
-    sides = [(row.azimuth_deg, row.projected_g) for row in record.static]
-    return [*drawn, Curve(say("chart.at_sides"), sides, SIDES_COLOUR, "1.5 4", 2.6)]
+    drawn = [
+        Curve(
+            name, {row.azimuth_deg: row.peak_g for row in record.amplitudes(name, BASELINE)}, look(name, record.engines)
+        )
+        for name in record.engines[::-1]
+    ]
+    sides = {row.azimuth_deg: row.projected_g for row in record.static}
+    return [*drawn, Curve(say("chart.at_sides"), sides, Look(SIDES_COLOUR, "1.5 4", 2.2))]
 
 
 def rose(record: EffectsRecord, say: Language = ENGLISH) -> Picture:
-    """The least peak that overturns by direction; curves end on the rim where it does not overturn up to the most tried."""
+    """The least peak that overturns by direction; curves end on the rim where it does not overturn up to the most tried.
+
+    Under them the base, not to the scale of the rings, from which peak on it lifts, and at each direction a bar from the
+    5 % to the 95 % quantile of the drawn statues.
+    """
     most = record.study.search.most_g
-    lifts = [_place(row.azimuth_deg, row.lifts_g, most) for row in record.static]
-    under = [*_base(record), *_band(record.bands, most), area(lifts, "#cdd3da", opacity=0.55)]
+    outline = np.asarray(record.scene.statue.footprint_m, dtype=np.float64)[:, :2]
+    base = plane(0.26 * RADIUS / float(np.abs(outline).max()), (0.0, 0.0), CENTRE)
+    lifts = _places({row.azimuth_deg: row.lifts_g for row in record.static}, most)
+    under = [path(base(outline), closed=True, stroke="#6d6353", width=1.2), disc(*CENTRE, 2.5, fill=INK)]
+    for row in record.bands:
+        if row.low_g is not None:
+            ends = [_places({row.azimuth_deg: value}, most)[0] for value in (row.low_g, row.high_g)]
+            under.append(path(ends, stroke=INK, width=9, opacity=0.28))
+    under.append(path(lifts, closed=True, fill="#cdd3da", opacity=0.55))
     return rose_of(curves(record, say), most, " g", under, say)
 
 
 def rose_of(
-    drawn: Sequence[Curve], most: float, unit: str, under: Sequence[Shape] = (), say: Language = ENGLISH
+    drawn: Sequence[Curve], most: float, unit: str, under: Sequence[str] = (), say: Language = ENGLISH
 ) -> Picture:
     """Curves by direction of shaking out to `most`, over the shapes `under` them, with a key below.
 
     Each joins neighbouring directions of all that were asked: what lies between others is not known.
     """
-    shapes = [*_rings(most, unit), *under]
-    asked = sorted({azimuth for curve in drawn for azimuth, _ in curve.points})
+    shapes = [*_grid(most, unit), *under]
+    asked = sorted({azimuth for curve in drawn for azimuth in curve.peaks})
     for curve in drawn:
         shapes += _curve(curve, asked, most, unit, say)
     for k, curve in enumerate(drawn):
         y = SIZE + 12.0 + KEY_ROW * k
-        shapes.append(line([(40.0, y), (72.0, y)], curve.colour, curve.width, curve.dash))
-        shapes.append(Text(80.0, y + 4.0, curve.name, "start"))
+        shapes.append(path([(40.0, y), (72.0, y)], **_style(curve)))
+        shapes.append(text(80.0, y + 4.0, curve.name, "start"))
     return Picture(SIZE, SIZE + KEY_ROW * len(drawn) + 8.0, shapes)
 
 
-def _place(azimuth_deg: float, peak_g: float, most_g: float) -> tuple[float, float]:
-    """Where a peak lies in the picture: x to the right, y of the statue's frame upwards."""
-    r, angle = RADIUS * min(peak_g / most_g, 1.0), math.radians(azimuth_deg)
-    return SIZE / 2.0 + r * math.cos(angle), SIZE / 2.0 - r * math.sin(angle)
+def _places(peaks: Mapping[float, float | None], most: float) -> Array:
+    """Where peaks by azimuth lie in the picture: x to the right, y of the statue's frame upwards; the largest on the rim."""
+    angles = np.radians(list(peaks))
+    reach = [most if peak is None else min(peak, most) for peak in peaks.values()]
+    points = np.column_stack([reach * np.cos(angles), reach * np.sin(angles)])
+    return plane(RADIUS / most, (0.0, 0.0), CENTRE)(points)
 
 
-def _rings(most_g: float, unit: str) -> list[Shape]:
-    centre = SIZE / 2.0
-    values = nice_ticks(0.0, most_g, RINGS)[1:]
-    shapes: list[Shape] = [Disc(centre, centre, RADIUS * value / most_g, stroke=HAIRLINE) for value in values]
+def _style(curve: Curve) -> dict[str, Any]:
+    return {"stroke": curve.look.colour, "width": curve.look.width + 0.4, "dash": curve.look.dash}
+
+
+def _grid(most: float, unit: str) -> list[str]:
+    """Rings at round values, and a line every 30 degrees."""
+    values = rings(most, RINGS)
+    shapes = [disc(*CENTRE, RADIUS * value / most, stroke=HAIRLINE) for value in values]
     for azimuth in range(0, 360, 30):
-        x, y = _place(azimuth, most_g, most_g)
-        shapes.append(line([(centre, centre), (x, y)], HAIRLINE))
-        out = (x - centre) * 0.085, (y - centre) * 0.085
-        shapes.append(Text(x + out[0], y + out[1] + 4.0, f"{azimuth}°", colour=MUTED))
+        end = _places({azimuth: most}, most)[0]
+        shapes.append(path([CENTRE, end], stroke=HAIRLINE))
+        x, y = (end + 0.085 * (end - CENTRE)).tolist()
+        shapes.append(text(x, y + 4.0, f"{azimuth}°", colour=MUTED))
     for value in values:
-        x, y = _place(75.0, value, most_g)
-        shapes.append(Text(x, y + 4.0, f"{value:g}{unit}", colour=MUTED, halo=True))
+        x, y = _places({75.0: value}, most)[0].tolist()
+        shapes.append(text(x, y + 4.0, f"{value:g}{unit}", colour=MUTED, halo=True))
     return shapes
 
 
-def _base(record: EffectsRecord) -> list[Shape]:
-    """The footprint seen from above, not to the scale of the rings: which side is which."""
-    outline = np.asarray(record.scene.statue.footprint_m, dtype=np.float64)[:, :2]
-    scale = 0.26 * RADIUS / float(np.abs(outline).max())
-    points = SIZE / 2.0 + scale * outline * [1.0, -1.0]
-    return [area(points, "", "#6d6353", 1.2), Disc(SIZE / 2, SIZE / 2, 2.5, INK)]
-
-
-def _band(bands: Sequence[Band], most_g: float) -> list[Shape]:
-    """At each direction a bar from the 5 % to the 95 % quantile of the drawn statues."""
-    return [
-        line(
-            [
-                _place(row.azimuth_deg, value if value is not None else most_g, most_g)
-                for value in (row.low_g, row.high_g)
-            ],
-            INK, 9.0, opacity=0.28,
-        )
-        for row in bands
-        if row.low_g is not None
-    ]  # fmt: skip
-
-
-def _curve(curve: Curve, asked: Sequence[float], most_g: float, unit: str, say: Language) -> list[Shape]:
-    places = {azimuth: _place(azimuth, most_g if peak is None else peak, most_g) for azimuth, peak in curve.points}
+def _curve(curve: Curve, asked: Sequence[float], most: float, unit: str, say: Language) -> list[str]:
+    places = {azimuth: (x, y) for azimuth, (x, y) in zip(curve.peaks, _places(curve.peaks, most).tolist(), strict=True)}
     whole = len(places) == len(asked)
     around = [places.get(azimuth, (math.nan, math.nan)) for azimuth in [*asked, *([] if whole else asked[:1])]]
-    shapes: list[Shape] = [Path(np.array(around), curve.colour, curve.width, curve.dash, closed=whole)]
-    for azimuth, peak in curve.points:
-        x, y = places[azimuth]
+    shapes = [path(around, closed=whole, **_style(curve))]
+    for azimuth, peak in curve.peaks.items():
         tip = f"{curve.name}, {azimuth:g}°: " + (say("ends.stands") if peak is None else f"{peak:.3f}{unit}")
-        shapes.append(Disc(x, y, 3.0, "#fff" if peak is None else curve.colour, curve.colour, title=tip))
+        colour = curve.look.colour
+        shapes.append(disc(*places[azimuth], 3.0, fill="#fff" if peak is None else colour, stroke=colour, title=tip))
     return shapes
 
 
@@ -199,27 +192,22 @@ def changes(record: EffectsRecord, say: Language = ENGLISH) -> Json:
     return figure(layers, ROW * len(conditions), data, x, y)
 
 
-def scan_figure(record: EffectsRecord, source: RunSource) -> Figure | None:
-    """The scan turned back from the replay to the study's directions; None without a mesh, or where nothing overturns."""
-    peaks = {
-        row.azimuth_deg: row.peak_g
-        for row in record.amplitudes(record.solid_engine, BASELINE)
-        if row.peak_g is not None
-    }
+def turned_scan(record: EffectsRecord, source: RunSource) -> tuple[Array, Faces, Array, float] | None:
+    """The scan turned back from the replay to the study's directions: vertices, faces, base, and the direction that falls first.
+
+    None without a mesh, or where nothing overturns.
+    """
+    rows = record.amplitudes(record.solid_engine, BASELINE)
+    peaks = {row.azimuth_deg: row.peak_g for row in rows if row.peak_g is not None}
     if source.mesh is None or record.replay is None or not peaks:
         return None
-    # A fifth of a second that every other page would pay for.
-    from scipy.spatial.transform import Rotation
-
-    turn = Rotation.from_euler("z", record.replay.azimuth_deg, degrees=True)
+    turn = rotations({"pitch_rad": 0.0, "roll_rad": 0.0, "yaw_rad": math.radians(record.replay.azimuth_deg)})
     vertices, faces = read_mesh(source.mesh)
-    footprint = turn.apply(np.asarray(source.scene.statue.footprint_m))
-    return Figure(turn.apply(vertices), faces, footprint, min(peaks, key=lambda azimuth: peaks[azimuth]))
+    footprint = np.asarray(source.scene.statue.footprint_m)
+    return vertices @ turn.T, faces, footprint @ turn.T, min(peaks, key=lambda azimuth: peaks[azimuth])
 
 
 def directions(record: EffectsRecord, source: RunSource, say: Language) -> Markup | None:
-    """The scan with the rose's directions on the floor around it."""
-    figure = scan_figure(record, source)
-    if figure is None:
-        return None
-    return directions_picture(figure).svg(say("scan.directions", towards=f"{figure.weakest_deg:g}"))
+    """The scan with the rose's directions on the floor around it; None without one."""
+    scan = turned_scan(record, source)
+    return None if scan is None else directions_picture(*scan).svg(say("scan.directions", towards=f"{scan[-1]:g}"))

@@ -20,7 +20,7 @@ from harness.records.scene import SceneRecord
 from meshes.footprint import convex_hull, lower_chain
 from reports.charts.histories import shown_samples
 from reports.drawing.display_mesh import read_mesh, silhouette_m
-from reports.drawing.kinematics import Array, posed_in_space_m, section
+from reports.drawing.kinematics import Array, pedestal_sides_m, posed_in_space_m, section, wall_m
 from reports.messages import Language
 from reports.pages.assets import environment
 from reports.source import RunSource
@@ -137,22 +137,11 @@ def scene_svg(scene: SceneRecord, say: Language, axes: Collection[str] = (), mes
     The floor moves along `axes`; `mesh` gives the statue's true outline.
     """
     template: Template = environment().get_template("scene.svg.j2")
-    shape = section(scene)
     outline = silhouette_m(scene, mesh)
-    pedestal, wall = scene.pedestal, scene.wall
+    pedestal, sides, wall_x = scene.pedestal, pedestal_sides_m(scene), wall_m(scene)
     lift = 0.0 if pedestal is None else pedestal.height_m
-    left, right = float(outline[:, 0].min()), float(outline[:, 0].max())
-    boxes = {}
-    if pedestal is not None:
-        centre = 0.5 * (shape.corner_right_m - shape.corner_left_m) + pedestal.offset_m
-        half = 0.5 * pedestal.width_m
-        boxes = {"left": centre - half, "right": centre + half}
-        left, right = min(left, centre - half), max(right, centre + half)
-    wall_x = None
-    if wall is not None:
-        beyond = wall.distance_m
-        wall_x = shape.corner_right_m + beyond if wall.side == "right" else -shape.corner_left_m - beyond
-        left, right = min(left, wall_x), max(right, wall_x)
+    xs = [*outline[:, 0].tolist(), *sides, *([] if wall_x is None else [wall_x])]
+    left, right = float(min(xs)), float(max(xs))
     top = lift + float(outline[:, 1].max())
     scale = min(
         (WIDTH - MARGIN["left"] - MARGIN["right"]) / (right - left), (HEIGHT - MARGIN["top"] - MARGIN["bottom"]) / top
@@ -167,6 +156,6 @@ def scene_svg(scene: SceneRecord, say: Language, axes: Collection[str] = (), mes
 
     drawn = template.render(
         width=WIDTH, height=HEIGHT, x=x, z=z, outline=outline.tolist(), lift=lift, top=top, left=left, right=right,
-        statue=scene.statue, pedestal=pedestal, box=boxes, wall=wall, wall_x=wall_x, axes=axes, say=say,
+        statue=scene.statue, pedestal=pedestal, sides=sides, wall=scene.wall, wall_x=wall_x, axes=axes, say=say,
     )  # fmt: skip
     return Markup(drawn)

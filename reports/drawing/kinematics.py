@@ -58,6 +58,25 @@ def section(scene: SceneRecord) -> Section:
     return Section(outline, statue.corner_left_m, statue.corner_right_m)
 
 
+def pedestal_sides_m(scene: SceneRecord) -> list[float]:
+    """x of the pedestal's left and right side at rest, in the statue frame; none without a pedestal."""
+    statue, pedestal = scene.statue, scene.pedestal
+    if pedestal is None:
+        return []
+    middle = 0.5 * (statue.corner_right_m - statue.corner_left_m) + pedestal.offset_m
+    return [middle + side * pedestal.width_m for side in (-0.5, 0.5)]
+
+
+def wall_m(scene: SceneRecord) -> float | None:
+    """x of the wall in the statue frame; None without one."""
+    statue, wall = scene.statue, scene.wall
+    if wall is None:
+        return None
+    if wall.side == "right":
+        return statue.corner_right_m + wall.distance_m
+    return -statue.corner_left_m - wall.distance_m
+
+
 MOVING: Final = (
     *SOLID_COLUMNS,
     "theta_rad",
@@ -87,7 +106,7 @@ def poses(scene: SceneRecord, history: History, t_s: ArrayLike) -> dict[str, Arr
     pivot = shape.pivot_m(theta - lean)
     x, z = pivot + slip + at["statue_slip_m"], np.zeros(len(times))
     if pedestal is not None:
-        middle, half = 0.5 * (shape.corner_right_m - shape.corner_left_m) + pedestal.offset_m, 0.5 * pedestal.height_m
+        middle, half = float(np.mean(pedestal_sides_m(scene))), 0.5 * pedestal.height_m
         centre = middle + slip + centroid_shift_m(pedestal, lean)
         up = 0.5 * (pedestal.height_m * c + pedestal.width_m * np.abs(s))
         # Along the top from its middle, which turns about the centroid.

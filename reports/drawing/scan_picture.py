@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshes.footprint import slenderness_rose_rad, weakest_azimuth_deg
 from meshes.solid import Solid
 from reports.charts.figure import MUTED
-from reports.drawing.display_mesh import Array, decimated, facing
-from reports.drawing.shapes import Path, Picture, Shape, Text, area, line, moved
+from reports.drawing.display_mesh import Array, Faces, decimated, facing
+from reports.drawing.shapes import Picture, path, plane, text
 from reports.messages import ENGLISH, Language
 
 SIDE: Final = 640.0
@@ -34,73 +31,69 @@ LIGHT: Final = np.array([-0.4, 0.5, 0.77])
 """Where the light comes from, seen by the eye: to the right, upwards, towards it."""
 
 
-@dataclass(frozen=True, eq=False)
-class Figure:
-    """What is drawn: vertices (n, 3), faces (m, 3), corners of the base (k, 2 or 3), the direction that the arrow takes."""
-
-    vertices_m: Array
-    faces: NDArray[np.int64]
-    footprint_m: Array
-    weakest_deg: float
-
-
 def scan_picture(solid: Solid, rotation: Array, name: str, say: Language = ENGLISH) -> Picture:
     """The solid with its base and weakest direction; `rotation` (3, 3) is from the axes of the file `name` to the solid's."""
     weakest = weakest_azimuth_deg(solid.footprint_m)
     balance = float(np.rad2deg(slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, weakest)[0]))
     words = say("scan.weakest_towards", towards=f"{weakest:.0f}", balance=f"{balance:.1f}")
-    shapes: list[Shape] = [Text(0.5 * SIDE, 46.0, words, colour=WEAKEST)]
-    shapes += _standing(Figure(np.asarray(solid.vertices_m), np.asarray(solid.faces), solid.footprint_m, weakest))
+    standing, _ = _standing(np.asarray(solid.vertices_m), np.asarray(solid.faces), solid.footprint_m, weakest)
     view = _view(weakest + FROM_WEAKEST_DEG)
-    shapes += _axes(view, rotation, MARGIN, say("scan.axes_file"))
-    shapes += _axes(view, np.eye(3), SIDE - MARGIN, say("scan.axes_scene"))
     title = say("scan.stands", name=name, height=say.length(solid.height_m), corners=len(solid.footprint_m))
-    shapes.append(Text(0.5 * SIDE, 24.0, title))
+    shapes = [
+        text(0.5 * SIDE, 46.0, words, colour=WEAKEST),
+        *standing,
+        *_axes(view, rotation, MARGIN, say("scan.axes_file")),
+        *_axes(view, np.eye(3), SIDE - MARGIN, say("scan.axes_scene")),
+        text(0.5 * SIDE, 24.0, title),
+    ]
     return Picture(SIDE, SIDE, shapes)
 
 
-def directions_picture(figure: Figure) -> Picture:
+def directions_picture(vertices_m: Array, faces: Faces, footprint_m: Array, weakest_deg: float) -> Picture:
     """The statue on a floor on which the directions stand by their angles, no higher than it needs to be."""
-    shapes = _standing(figure)
-    heights = np.concatenate([shape.points_px[:, 1] for shape in shapes if isinstance(shape, Path)])
+    shapes, heights = _standing(vertices_m, faces, footprint_m, weakest_deg)
     top, bottom = float(heights.min()) - MARGIN / 3.0, float(heights.max()) + MARGIN / 3.0
-    return Picture(SIDE, bottom - top, moved(shapes, 0.0, -top))
+    return Picture(SIDE, bottom - top, shapes, top_px=top)
 
 
-def _standing(figure: Figure) -> list[Shape]:
-    """The floor's directions, the body, its base and the arrow, seen from beside the arrow."""
-    vertices, faces = figure.vertices_m, figure.faces
-    view = _view(figure.weakest_deg + FROM_WEAKEST_DEG)
+def _standing(vertices: Array, faces: Faces, footprint: Array, weakest_deg: float) -> tuple[list[str], Array]:
+    """The floor's directions, the body, its base and the arrow, seen from beside the arrow; heights in pixels."""
+    view = _view(weakest_deg + FROM_WEAKEST_DEG)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     around = CLEAR * float(np.linalg.norm(vertices[:, :2], axis=1).max())
     size = max(float(np.linalg.norm(high - low)), 2.0 * around)
-    scale, centre = (SIDE - 2 * MARGIN) / size, 0.5 * (low + high)
+    scale = (SIDE - 2 * MARGIN) / size
+    seen = plane(scale, 0.5 * (low + high) @ view[:2].T, (0.5 * SIDE, 0.5 * SIDE))
 
     def place(points: Array) -> Array:
-        seen = scale * (np.atleast_2d(points) - centre) @ view.T
-        return np.column_stack([0.5 * SIDE + seen[:, 0], 0.5 * SIDE - seen[:, 1]])
+        return seen(points @ view[:2].T)
 
     def level(azimuth_deg: Array | float) -> Array:
         turns = np.atleast_1d(np.deg2rad(azimuth_deg))
         return np.column_stack([np.cos(turns), np.sin(turns), np.zeros(len(turns))])
 
-    shapes: list[Shape] = [line(place(around * level(np.arange(0.0, 361.0, 3.0))), MUTED)]
-    shapes += [line(place(np.outer([0.93, 1.0], around * level(azimuth))), MUTED) for azimuth in range(0, 360, 15)]
-    apart = (np.arange(0, 360, NAMED_DEG) - figure.weakest_deg + 180.0) % 360.0 - 180.0
+    ring = place(around * level(np.arange(0.0, 361.0, 3.0)))
+    shapes = [path(ring, stroke=MUTED)]
+    shapes += [
+        path(place(np.outer([0.93, 1.0], around * level(azimuth))), stroke=MUTED) for azimuth in range(0, 360, 15)
+    ]
+    apart = (np.arange(0, 360, NAMED_DEG) - weakest_deg + 180.0) % 360.0 - 180.0
     for azimuth in np.arange(0, 360, NAMED_DEG)[np.abs(apart) > COVERED_DEG]:
         x, y = place((around + 18.0 / scale) * level(azimuth))[0].tolist()
-        shapes.append(Text(x, y + 4.0, f"{azimuth}°", colour=MUTED))
-    towards = level(figure.weakest_deg)[0]
-    reach = float(np.max(figure.footprint_m[:, :2] @ towards[:2]))
-    (x, y), start = place((reach + 0.3 * size) * towards)[0], place(np.zeros(3))[0]
-    back = (start - np.array([x, y])) / np.linalg.norm(start - np.array([x, y]))
+        shapes.append(text(x, y + 4.0, f"{azimuth}°", colour=MUTED))
+    towards = level(weakest_deg)
+    reach = float(np.max(footprint[:, :2] @ towards[0, :2]))
+    start, tip = place(np.vstack([np.zeros(3), (reach + 0.3 * size) * towards]))
+    back = (start - tip) / np.linalg.norm(start - tip)
     across = np.array([-back[1], back[0]])
-    head = np.array([x, y]) + 14.0 * np.array([[0.0, 0.0], back + 0.45 * across, back - 0.45 * across])
-    footprint = place(np.column_stack([figure.footprint_m[:, :2], np.zeros(len(figure.footprint_m))]))
+    head = tip + 14.0 * np.array([[0.0, 0.0], back + 0.45 * across, back - 0.45 * across])
     if len(faces) > MOST_FACES:
         vertices, faces = decimated(vertices, faces, MOST_FACES)
-    shapes += _faces(vertices, faces, view, place)
-    return [*shapes, area(footprint, BASE, BASE, 2.0, 0.35), line([start, (x, y)], WEAKEST, 3.0), area(head, WEAKEST)]
+    shapes += _faces(vertices, faces, view, place(vertices))
+    shapes.append(path(place(footprint * [1.0, 1.0, 0.0]), closed=True, fill=BASE, stroke=BASE, width=2, opacity=0.35))
+    shapes.append(path([start, tip], stroke=WEAKEST, width=3))
+    shapes.append(path(head, closed=True, fill=WEAKEST))
+    return shapes, np.concatenate([ring[:, 1], place(vertices)[:, 1], [tip[1]]])
 
 
 def _view(azimuth_deg: float) -> Array:
@@ -111,23 +104,22 @@ def _view(azimuth_deg: float) -> Array:
     return np.stack([right, np.cross(eye, right), eye])
 
 
-def _faces(vertices: Array, faces: NDArray[np.int64], view: Array, place: Callable[[Array], Array]) -> list[Shape]:
+def _faces(vertices: Array, faces: Faces, view: Array, placed: Array) -> list[str]:
     """The faces that look at the eye, the farthest first, the lighter the more they face the light."""
     order, normals = facing(vertices, faces, view[2])
     grey = np.round(120.0 + 110.0 * np.clip(normals @ (LIGHT @ view), 0.0, 1.0)).astype(int)
-    placed = place(vertices)[faces]
     colours = [f"#{value:02x}{value:02x}{value - 8:02x}" for value in grey]
     # A rim of its own colour closes the hairlines between faces.
-    return [area(placed[k], colours[k], colours[k], 0.6) for k in order]
+    return [path(placed[faces[k]], closed=True, fill=colours[k], stroke=colours[k], width=0.6) for k in order]
 
 
-def _axes(view: Array, rotation: Array, x: float, words: str) -> list[Shape]:
+def _axes(view: Array, rotation: Array, x: float, words: str) -> list[str]:
     """A triad at the picture's foot; the columns of `rotation` are its axes."""
     foot = np.array([x, SIDE - MARGIN])
-    shapes: list[Shape] = [Text(x, SIDE - 12.0, words, size_px=11.0)]
+    shapes = [text(x, SIDE - 12.0, words, size_px="11")]
     for name, axis in zip("xyz", rotation.T, strict=True):
         along = view[:2] @ axis * np.array([1.0, -1.0])
-        shapes.append(line([foot, foot + 34.0 * along], MUTED, 2.0))
+        shapes.append(path([foot, foot + 34.0 * along], stroke=MUTED, width=2))
         x_name, y_name = (foot + 46.0 * along).tolist()
-        shapes.append(Text(x_name, y_name + 4.0, name))
+        shapes.append(text(x_name, y_name + 4.0, name))
     return shapes

@@ -1,15 +1,15 @@
-"""A picture as lines, areas, discs and texts in pixels from its upper left corner; every still picture is made of them.
+"""A picture as SVG in pixels from its upper left corner, made of lines, areas, discs and texts; every still picture is one.
 
-A page carries it as SVG, written here, and `reports.export.figures` prints that.
+A page carries it as it is written here, and `reports.export.figures` prints it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from html import escape
-from typing import Final
+from typing import Any
 
 import numpy as np
 from markupsafe import Markup
@@ -17,150 +17,95 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-LETTER: Final = 7.2
-"""Width of a letter of the pictures' type in pixels, on average."""
+
+def element(name: str, attributes: Mapping[str, str], inside: str = "") -> str:
+    """An element of SVG; attributes that are empty are left out."""
+    said = "".join(f' {key}="{value}"' for key, value in attributes.items() if value)
+    return f"<{name}{said}>{inside}</{name}>" if inside else f"<{name}{said}/>"
 
 
-@dataclass(frozen=True, eq=False)
-class Path:
-    """Straight lines through `points_px` (n, 2), drawn where `stroke` is a colour, filled where `fill` is one.
+def shape(
+    name: str,
+    places: Mapping[str, str],
+    *,
+    fill: str = "none",
+    stroke: str = "",
+    width: float = 1.0,
+    dash: str = "",
+    opacity: float = 1.0,
+    title: str = "",
+) -> str:
+    """An element that is filled with one colour and drawn in another; a pointer over it is told its `title`.
 
-    A point that is not a number parts one line from the next.
+    `dash` holds lengths in pixels with blanks between them; empty: unbroken.
     """
-
-    points_px: Array
-    stroke: str = ""
-    width: float = 1.0
-    dash: str = ""
-    """Lengths in pixels with blanks between them; empty: unbroken."""
-    fill: str = ""
-    opacity: float = 1.0
-    closed: bool = False
-    title: str = ""
-    """What a pointer over it is told."""
-
-    def svg(self) -> str:
-        """As SVG; a fill is said only where lines enclose an area."""
-        places = self.points_px.tolist()
-        known = [math.isfinite(x) and math.isfinite(y) for x, y in places]
-        starts = zip(places, known, [False, *known], strict=False)
-        points = "".join(f"{'L' if after else 'M'}{x:.1f} {y:.1f}" for (x, y), there, after in starts if there)
-        style = f' fill="{self.fill or "none"}"' if self.fill or len(self.points_px) > 2 else ""
-        if self.stroke:
-            style += f' stroke="{self.stroke}" stroke-width="{self.width:g}"'
-        style += f' stroke-dasharray="{self.dash}"' if self.dash else ""
-        style += f' opacity="{self.opacity:g}"' if self.opacity < 1.0 else ""
-        return _titled("path", f' d="{points}{"Z" if self.closed else ""}"{style}', self.title)
+    style = {"fill": fill, "stroke": stroke, "stroke-width": f"{width:g}" if stroke else "", "stroke-dasharray": dash}
+    faint = {"opacity": f"{opacity:g}" if opacity < 1.0 else ""}
+    return element(name, {**places, **style, **faint}, element("title", {}, escape(title)) if title else "")
 
 
-@dataclass(frozen=True)
-class Disc:
-    """A disc; `stroke` is the colour of its rim."""
-
-    x: float
-    y: float
-    radius: float
-    fill: str = ""
-    stroke: str = ""
-    width: float = 1.0
-    dash: str = ""
-    opacity: float = 1.0
-    title: str = ""
-
-    def svg(self) -> str:
-        """As SVG."""
-        style = f' fill="{self.fill or "none"}"' + (f' stroke="{self.stroke}"' if self.stroke else "")
-        style += f' stroke-width="{self.width:g}"' if self.stroke and self.width != 1.0 else ""
-        style += f' stroke-dasharray="{self.dash}"' if self.dash else ""
-        style += f' fill-opacity="{self.opacity:g}"' if self.opacity < 1.0 else ""
-        return _titled("circle", f' cx="{self.x:.1f}" cy="{self.y:.1f}" r="{self.radius:.1f}"{style}', self.title)
+def path(points_px: ArrayLike, *, closed: bool = False, **style: Any) -> str:
+    """Straight lines through points (n, 2), in a style of `shape`; one that is not a number parts a line from the next."""
+    places = np.asarray(points_px).tolist()
+    known = [math.isfinite(x) and math.isfinite(y) for x, y in places]
+    starts = zip(places, known, [False, *known], strict=False)
+    points = "".join(f"{'L' if after else 'M'}{x:.1f} {y:.1f}" for (x, y), there, after in starts if there)
+    return shape("path", {"d": points + "Z" * closed}, **style)
 
 
-@dataclass(frozen=True)
-class Text:
-    """A line of text on its base line; without `colour` and `size_px` it takes the picture's."""
-
-    x: float
-    y: float
-    text: str
-    anchor: str = "middle"
-    colour: str = ""
-    size_px: float | None = None
-    turned: bool = False
-    """Whether it runs upwards."""
-    halo: bool = False
-    """Whether a white rim keeps it legible over lines."""
-
-    def svg(self) -> str:
-        """As SVG."""
-        place = f' x="{self.x:.1f}" y="{self.y:.1f}"'
-        if self.turned:
-            place = f' x="0.0" y="0.0" transform="translate({self.x:g} {self.y:.1f}) rotate(-90)"'
-        style = f' fill="{self.colour}"' if self.colour else ""
-        style += f' font-size="{self.size_px:g}"' if self.size_px else ""
-        style += ' stroke="#fff" stroke-width="3" paint-order="stroke"' if self.halo else ""
-        return f'<text{place} text-anchor="{self.anchor}"{style}>{escape(self.text)}</text>'
+def disc(x: float, y: float, radius: float, **style: Any) -> str:
+    """A disc, in a style of `shape`."""
+    return shape("circle", {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": f"{radius:.1f}"}, **style)
 
 
-Shape = Path | Disc | Text
+def box(left: float, top: float, width: float, height: float, **style: Any) -> str:
+    """A rectangle with level sides, in a style of `shape`."""
+    sizes = {"x": left, "y": top, "width": width, "height": height}
+    return shape("rect", {name: f"{value:.1f}" for name, value in sizes.items()}, **style)
+
+
+def text(
+    x: float, y: float, words: str, anchor: str = "middle", colour: str = "", size_px: str = "", halo: bool = False
+) -> str:
+    """A line of text on its base line, without `colour` and `size_px` as the picture's; a `halo` keeps it legible over lines."""
+    style = {"text-anchor": anchor, "fill": colour, "font-size": size_px}
+    rim = {"stroke": "#fff", "stroke-width": "3", "paint-order": "stroke"} if halo else {}
+    return element("text", {"x": f"{x:.1f}", "y": f"{y:.1f}", **style, **rim}, escape(words))
+
+
+def plane(scale: float, origin: ArrayLike, at_px: tuple[float, float]) -> Callable[[ArrayLike], Array]:
+    """What places points (n, 2) of a plane in a picture: its `origin` at `at_px`, so many pixels to a unit, y upwards."""
+
+    def place(points: ArrayLike) -> Array:
+        return np.asarray(at_px + scale * (np.atleast_2d(points) - origin) * [1.0, -1.0])
+
+    return place
 
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """Shapes, in the order in which they are drawn, in a picture of that size; texts are `type_px` high unless they say."""
+    """Shapes, in the order in which they are drawn, in a picture of that size from `top_px` on.
+
+    Texts are `type_px` high unless they say.
+    """
 
     width: float
     height: float
-    shapes: Sequence[Shape]
+    shapes: Sequence[str]
     type_px: float = 13.0
+    top_px: float = 0.0
 
-    def svg(self, words: str = "", css: str = "still", style: str = "") -> Markup:
+    def svg(self, words: str = "", css: str = "still") -> Markup:
         """As an inline SVG of that class; `words` describe it to those who cannot see it, none where its surroundings do."""
         said = f'role="img" aria-label="{escape(words)}"' if words else 'aria-hidden="true"'
-        box = f'viewBox="0 0 {self.width:g} {self.height:g}" {said}' + (f' style="{style}"' if style else "")
-        drawn = "".join(shape.svg() for shape in self.shapes)
+        box = f'viewBox="0 {self.top_px:g} {self.width:g} {self.height:g}" {said}'
+        drawn = "".join(self.shapes)
         return Markup(f'<svg class="{css}" {box} xmlns="http://www.w3.org/2000/svg">{drawn}</svg>')
 
 
-def _titled(name: str, attributes: str, title: str) -> str:
-    return f"<{name}{attributes}>" + f"<title>{escape(title)}</title></{name}>" if title else f"<{name}{attributes}/>"
-
-
-def line(points: ArrayLike, stroke: str, width: float = 1.0, dash: str = "", opacity: float = 1.0) -> Path:
-    """An open line through points (n, 2)."""
-    return Path(np.asarray(points, dtype=np.float64), stroke, width, dash, opacity=opacity)
-
-
-def area(points: ArrayLike, fill: str, stroke: str = "", width: float = 1.0, opacity: float = 1.0) -> Path:
-    """The area that points (n, 2) enclose."""
-    return Path(np.asarray(points, dtype=np.float64), stroke, width, fill=fill, opacity=opacity, closed=True)
-
-
-def box(
-    left: float, top: float, width: float, height: float, fill: str, opacity: float = 1.0, stroke: str = ""
-) -> Path:
-    """A rectangle with level sides."""
-    right, bottom = left + width, top + height
-    return area([(left, top), (right, top), (right, bottom), (left, bottom)], fill, stroke, opacity=opacity)
-
-
-def moved(shapes: Iterable[Shape], dx: float, dy: float) -> list[Shape]:
-    """Shapes shifted by that many pixels to the right and down."""
-    return [
-        replace(shape, points_px=shape.points_px + np.array([dx, dy]))
-        if isinstance(shape, Path)
-        else replace(shape, x=shape.x + dx, y=shape.y + dy)
-        for shape in shapes
-    ]
-
-
-def nice_ticks(low: float, high: float, most: int) -> list[float]:
-    """Round values within [low, high] at equal steps, two at least: as many as make no more than `most` (≥ 2) intervals."""
-    power = 10.0 ** (math.floor(math.log10((high - low) / most)) - 1)
-    ends = []
-    for step in (power * factor * 10.0**k for k in range(4) for factor in (1.0, 2.0, 5.0)):
-        first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-        if last > first:
-            ends.append((max(last - first - most, 0), first - last, first, last, step))
-    _, _, first, last, step = min(ends)
-    return [round(k * step, 12) for k in range(first, last + 1)]
+def rings(most: float, count: int) -> list[float]:
+    """Round values up to `most` at equal steps, as many as make no more than `count` (≥ 2)."""
+    power = 10.0 ** (math.floor(math.log10(most / count)) - 1)
+    steps = (power * factor * 10.0**k for k in range(4) for factor in (1.0, 2.0, 5.0))
+    step = next(each for each in steps if most / each < count + 1 - 1e-9)
+    return [round(k * step, 12) for k in range(1, math.floor(most / step + 1e-9) + 1)]

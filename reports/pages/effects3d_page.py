@@ -41,7 +41,7 @@ def blocks(folder: Path, record: EffectsRecord, say: Language) -> list[Block]:
     colours = [(look(name, engines).colour, name) for name in engines if name in asked]
     left = "; ".join(f"{say.word(name)} ({say.word(why)})" for name, why in record.left_out.items())
     keys = [
-        *((each.colour, each.name) for each in curves(record, say)),
+        *((each.look.colour, each.name) for each in curves(record, say)),
         ("#cdd3da", say("text.lifts")),
         ("#c3c6ca", say("text.band")),
     ]

@@ -24,7 +24,6 @@ from harness.records.validation import SetScores, ValidationRecord
 from reports.blocks import Cell, Chart, Group, Section, Table, Text
 from reports.charts.curve_figures import on_front, precision_figure, scaling_figure
 from reports.charts.study_figures import rose_picture
-from reports.drawing.shapes import Disc
 from reports.messages import ENGLISH
 from reports.pages import conservator_study
 from reports.pages.bench_page import bench_verdict
@@ -36,6 +35,7 @@ from tests.reports import invented_records, invented_study
 from tests.reports.charts.parts import part
 from tests.reports.page_parts import every, lines, rows
 from tests.reports.pages.test_run_page import without_data
+from tests.reports.svg_parts import elements
 
 
 def shown(folder: Path) -> str:
@@ -88,7 +88,7 @@ def test_a_rose_gives_the_least_overturning_amplitude(tmp_path: Path) -> None:
     record = invented_study.study(invented_study.write_rose_study(tmp_path))
     drawn = rose_picture(*conditions(record.rows))
     assert drawn is not None
-    told = [shape.title for shape in drawn.shapes if isinstance(shape, Disc) and shape.title]
+    told = [str(each.text) for each in elements(drawn, "title")]
     assert [text.partition(", ")[2] for text in told if ", 0°" in text or ", 180°" in text] == [
         "0°: 0.600 g",
         "180°: 0.200 g",

@@ -15,9 +15,8 @@ from meshes.solid import Solid, solid_from_mesh
 from reports.cli import app
 from reports.cli.ending import WRONG_INPUT, guarded
 from reports.drawing.scan_picture import BASE, SIDE, WEAKEST, scan_picture
-from reports.drawing.shapes import Path as Line
-from reports.drawing.shapes import Text
-from tests.budgets_reports import PIXEL
+from tests.budgets_reports import WRITTEN_PX
+from tests.reports.svg_parts import elements, points_px
 
 
 @pytest.fixture(scope="module")
@@ -28,27 +27,27 @@ def box() -> Solid:
 
 
 def test_the_arrow_points_from_under_the_centroid_along_the_weakest_direction(box: Solid) -> None:
-    shapes = scan_picture(box, np.eye(3), "box.ply").shapes
-    base = next(shape for shape in shapes if isinstance(shape, Line) and shape.fill == BASE)
-    arrow = next(shape for shape in shapes if isinstance(shape, Line) and shape.stroke == WEAKEST)
-    assert len(base.points_px) == 4
-    np.testing.assert_allclose(arrow.points_px[0], base.points_px.mean(axis=0), atol=PIXEL)
+    picture = scan_picture(box, np.eye(3), "box.ply")
+    paths = elements(picture, "path")
+    base = points_px(next(each for each in paths if each.get("fill") == BASE))
+    arrow = points_px(next(each for each in paths if each.get("stroke") == WEAKEST))
+    assert len(base) == 4
+    np.testing.assert_allclose(arrow[0], base.mean(axis=0), atol=WRITTEN_PX)
     # Corners come counter-clockwise from the least x: an edge along x is parallel to the arrow.
-    edges = np.diff(np.vstack([base.points_px, base.points_px[:1]]), axis=0)
-    towards = arrow.points_px[1] - arrow.points_px[0]
-    sines = np.abs(edges[:, 0] * towards[1] - edges[:, 1] * towards[0])
-    lengths = np.hypot(*edges.T) * np.hypot(*towards)
-    assert np.count_nonzero(sines < PIXEL * np.hypot(*towards)) == 2, sines / lengths
-    words = [shape.text for shape in shapes if isinstance(shape, Text)]
-    assert any("balances at 11.3°" in text for text in words)  # atan(0.2 / 1)
+    edges = np.diff(np.vstack([base, base[:1]]), axis=0)
+    towards = arrow[1] - arrow[0]
+    crossed = np.abs(edges[:, 0] * towards[1] - edges[:, 1] * towards[0])
+    lengths = np.hypot(*edges.T) + np.hypot(*towards)
+    assert np.count_nonzero(crossed < WRITTEN_PX * lengths) == 2, crossed / lengths
+    assert any("balances at 11.3°" in str(each.text) for each in elements(picture, "text"))  # atan(0.2 / 1)
 
 
 def test_everything_stays_inside_the_picture(box: Solid) -> None:
-    shapes = scan_picture(box, turn_axis("y"), "box.ply").shapes
-    for shape in shapes:
-        points = shape.points_px if isinstance(shape, Line) else np.array([[shape.x, shape.y]])
-        assert points.min() > 0.0
-        assert points.max() < SIDE
+    picture = scan_picture(box, turn_axis("y"), "box.ply")
+    texts = [[float(each.attrib["x"]), float(each.attrib["y"])] for each in elements(picture, "text")]
+    points = np.vstack([*map(points_px, elements(picture, "path")), texts])
+    assert points.min() > 0.0
+    assert points.max() < SIDE
 
 
 def test_the_files_axes_are_turned_as_the_scan_was(box: Solid, tmp_path: Path) -> None:
@@ -58,9 +57,9 @@ def test_the_files_axes_are_turned_as_the_scan_was(box: Solid, tmp_path: Path) -
     np.testing.assert_array_equal(prepared.rotation, turn_axis("y"))
     letters = {
         name: [
-            (shape.x, shape.y)
-            for shape in scan_picture(box, rotation, "b").shapes
-            if isinstance(shape, Text) and shape.text in "xyz"
+            (float(each.attrib["x"]), float(each.attrib["y"]))
+            for each in elements(scan_picture(box, rotation, "b"), "text")
+            if each.text in ("x", "y", "z")
         ][:3]
         for name, rotation in (("turned", prepared.rotation), ("as it is", np.eye(3)))
     }

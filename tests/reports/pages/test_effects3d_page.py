@@ -16,13 +16,14 @@ from harness.questions.effects3d.answer import answer_of, findings_of
 from harness.records.base import as_file
 from harness.records.effects3d import EffectsRecord
 from harness.records.kinds import read_result
-from reports.drawing import shapes
-from reports.drawing.effects_figures import Curve, changes, rose, rose_of, scan_figure
+from reports.charts.figure import Look
+from reports.drawing.effects_figures import Curve, changes, rose, rose_of, turned_scan
 from reports.pages.effects3d_page import effects_verdict
 from reports.pages.page import write_report
 from reports.source import run_source
 from tests.budgets_reports import BASE_M
 from tests.reports.invented_effects import SOLID_G, answered, effects_record, write_effects
+from tests.reports.svg_parts import elements
 
 
 @pytest.fixture(scope="module")
@@ -84,26 +85,25 @@ def test_the_page_is_written_and_says_what_was_left_out(record: EffectsRecord, t
 
 
 def test_a_rose_joins_only_directions_asked_one_after_another() -> None:
-    whole = Curve("spatial", [(azimuth, 1.0) for azimuth in (0.0, 90.0, 180.0, 270.0)], "#000", "solid", 2.0)
-    some = Curve("pybullet", [(0.0, 0.9), (180.0, 0.8), (270.0, None)], "#d50", "solid", 2.0)
-    paths = [shape for shape in rose_of([whole, some], 1.2, " g").shapes if isinstance(shape, shapes.Path)]
-    there = {path.stroke: np.isfinite(path.points_px[:, 0]).tolist() for path in paths[::-1]}  # the key comes last
-    assert there["#000"] == [True] * 4
-    assert there["#d50"] == [True, False, True, True, True]
+    whole = Curve("spatial", dict.fromkeys((0.0, 90.0, 180.0, 270.0), 1.0), Look("#000"))
+    some = Curve("pybullet", {0.0: 0.9, 180.0: 0.8, 270.0: None}, Look("#d50"))
+    paths = elements(rose_of([whole, some], 1.2, " g"), "path")
+    steps = {path.get("stroke"): re.sub(r"[\d. ]", "", path.attrib["d"]) for path in paths[::-1]}  # the key comes last
+    assert steps["#000"] == "MLLLZ"
+    assert steps["#d50"] == "MMLL"
 
 
 def test_the_scan_is_turned_back_from_the_replay_to_the_roses_directions(record: EffectsRecord, tmp_path: Path) -> None:
     source = run_source(write_effects(tmp_path / "study") / "replay")
     replayed = read_result(tmp_path / "study")
     assert isinstance(replayed, EffectsRecord)
-    figure = scan_figure(replayed, source)
-    assert figure is not None
-    own, drawn = np.asarray(record.scene.statue.footprint_m)[:, :2], figure.footprint_m[:, :2]
+    scan = turned_scan(replayed, source)
+    assert scan is not None
+    vertices, _, footprint, weakest_deg = scan
+    own, drawn = np.asarray(record.scene.statue.footprint_m)[:, :2], footprint[:, :2]
     apart = np.linalg.norm(own[:, None] - drawn[None], axis=2)
     assert apart.min(axis=0).max() < BASE_M
     assert apart.min(axis=1).max() < BASE_M
-    np.testing.assert_allclose(
-        figure.vertices_m[figure.vertices_m[:, 2] < BASE_M].max(axis=0)[:2], own.max(axis=0), atol=BASE_M
-    )
-    assert figure.weakest_deg == min((a for a, peak in SOLID_G.items() if peak), key=lambda a: SOLID_G[a] or np.inf)
-    assert scan_figure(record, source) is None, "without a replay it is not known how the mesh was turned"
+    np.testing.assert_allclose(vertices[vertices[:, 2] < BASE_M].max(axis=0)[:2], own.max(axis=0), atol=BASE_M)
+    assert weakest_deg == min((a for a, peak in SOLID_G.items() if peak), key=lambda a: SOLID_G[a] or np.inf)
+    assert turned_scan(record, source) is None, "without a replay it is not known how the mesh was turned"
