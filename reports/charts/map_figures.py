@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.questions.study.case_selection import SAME_CELL, Answer, Place, filled
+from harness.questions.study.case_selection import SAME_CELL, Place, filled
 from harness.questions.trust.point import MODEL
 from harness.records.bench import Cell
 from harness.records.study import CaseRun
@@ -132,10 +132,10 @@ def _grid(
         return None
     codes = np.zeros((len(ys), len(xs)), dtype=np.int64)
     tips = [[say("text.not_sent")] * len(xs) for _ in ys]
-    known: dict[Place, Answer] = {}
+    known: dict[Place, str] = {}
     for place, runs in samples.items():
         most, count = Counter(run.outcome for run in runs).most_common(1)[0]
-        known[place] = Answer(family(most), 0.0)
+        known[place] = family(most)
         codes[place] = CODES.index(family(most))
         words, peak = symbol(most, say)[1], max(float(run.peak_theta_rad) for run in runs)
         key = "chart.peak" if len(runs) == 1 else "chart.in_some"

@@ -191,7 +191,8 @@ class SweptRuns:
     def add(self, place: int, setting: Mapping[str, Value]) -> None:
         """Gather a case by the keys that it sets, or run it. Raises `InputError` for a case that is no scene."""
         try:
-            shaken = Shaken(place, self._scenes.still(setting), self._scenes.motion(setting))
+            still = self._scenes.still(setting)
+            shaken = Shaken(place, still, self._scenes.motion(setting, still.scene))
         except AnalyticInputError:
             self._run_single(place, setting)
             return

@@ -6,7 +6,7 @@ from __future__ import annotations
 import itertools
 import random
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -50,13 +50,8 @@ def wanted(study: StudyFile, places: Sequence[Place], engine: str, variant: str,
         return dict.fromkeys(places, EVERY)
     if study.ask.cases == "boundary":
         return near_boundary(answers.get((REFERENCE, variant), {}), study.ask.margin, study.ask.audit, study.seed)
-    axes = map_axes(study)
-    return refined(places, answers.get((engine, variant), {}), axes) | rechecked(places, study.ask.audit, study.seed)
-
-
-def left_out(study: StudyFile) -> str:
-    """Why the others are not asked."""
-    return SAME_CELL if study.ask.cases == "adaptive" else NOT_SENT
+    known = {place: answer.outcome for place, answer in answers.get((engine, variant), {}).items()}
+    return refined(places, known, map_axes(study)) | rechecked(places, study.ask.audit, study.seed)
 
 
 def map_axes(study: StudyFile) -> tuple[int, int]:
@@ -94,67 +89,56 @@ def neighbours(place: Place) -> list[Place]:
 
 def refined(
     places: Sequence[Place],
-    known: Mapping[Place, Answer],
+    known: Mapping[Place, str],
     axes: tuple[int, int],
     strides: tuple[int, int] = (COARSEST, COARSEST),
 ) -> dict[Place, str]:
     """The map's places to compute: a coarse grid first, then the halves of every cell whose known corners differ."""
     reasons: dict[Place, str] = {}
-    for fixed, plane in slices(places, axes).items():
-        for cell in _coarse(plane, axes, strides):
-            _refine(cell, fixed, axes, known, reasons, COARSE)
+    for _, corners, reason in _cells(places, known, axes, strides):
+        for corner in corners:
+            reasons.setdefault(corner, reason)
     return reasons
 
 
 def filled(
     places: Sequence[Place],
-    known: Mapping[Place, Answer],
+    known: Mapping[Place, str],
     axes: tuple[int, int],
     strides: tuple[int, int] = (COARSEST, COARSEST),
 ) -> dict[Place, str]:
     """The outcome of a refined map's places: their own where computed, else that of their cell, whose corners agree."""
-    outcome = {place: answer.outcome for place, answer in known.items()}
-    for fixed, plane in slices(places, axes).items():
-        cells = _coarse(plane, axes, strides)
-        while cells:
-            cell = cells.pop()
-            said = {known[corner].outcome if corner in known else None for corner in _corners(cell, fixed, axes)}
-            if len(said) > 1:
-                cells += _parts(cell)
-            elif (agreed := said.pop()) is not None:
-                for pair in itertools.product(*(range(low, high + 1) for low, high in cell)):
-                    outcome.setdefault(_placed(fixed, axes, pair), agreed)
+    outcome = dict(known)
+    for cell, corners, _ in _cells(places, known, axes, strides):
+        said = {known.get(corner) for corner in corners}
+        if len(said) == 1 and (agreed := said.pop()) is not None:
+            for pair in itertools.product(*(range(low, high + 1) for low, high in cell)):
+                outcome.setdefault(_placed(corners[0], axes, pair), agreed)
     return outcome
 
 
-def _refine(
-    cell: Cell,
-    fixed: Place,
-    axes: tuple[int, int],
-    known: Mapping[Place, Answer],
-    reasons: dict[Place, str],
-    reason: str,
-) -> None:
-    corners = _corners(cell, fixed, axes)
-    for corner in corners:
-        reasons.setdefault(corner, reason)
-    outcomes = {known[corner].outcome for corner in corners if corner in known}
-    unknown = any(corner not in known for corner in corners)
-    # A cell is cut when its corners are all known and disagree; an unknown corner waits for the next call.
-    if unknown or len(outcomes) == 1:
-        return
-    for part in _parts(cell):
-        _refine(part, fixed, axes, known, reasons, REFINED)
+def _cells(
+    places: Sequence[Place], known: Mapping[Place, str], axes: tuple[int, int], strides: tuple[int, int]
+) -> Iterator[tuple[Cell, list[Place], str]]:
+    """The cells of every map with their corners and why these are computed; the halves of one whose corners differ follow it.
+
+    A cell is cut when its corners are all known and disagree; an unknown corner waits for the next call.
+    """
+    for fixed, plane in slices(places, axes).items():
+        cells = [(cell, COARSE) for cell in _coarse(plane, axes, strides)]
+        while cells:
+            cell, reason = cells.pop()
+            corners = [_placed(fixed, axes, pair) for pair in itertools.product(*cell)]
+            yield cell, corners, reason
+            said = {known.get(corner) for corner in corners}
+            if len(said) > 1 and None not in said:
+                cells += [(part, REFINED) for part in _parts(cell)]
 
 
 def _coarse(plane: Sequence[Place], axes: tuple[int, int], strides: tuple[int, int]) -> list[Cell]:
     """The cells of a map's first grid."""
     lines = [_line(max(place[axis] for place in plane), stride) for axis, stride in zip(axes, strides, strict=True)]
     return list(itertools.product(itertools.pairwise(lines[0]), itertools.pairwise(lines[1])))
-
-
-def _corners(cell: Cell, fixed: Place, axes: tuple[int, int]) -> list[Place]:
-    return [_placed(fixed, axes, pair) for pair in itertools.product(*cell)]
 
 
 def _parts(cell: Cell) -> list[Cell]:
@@ -191,45 +175,35 @@ def recheck(study: StudyFile, rows: Sequence[StudyRow]) -> RecheckRecord | None:
     """
     if study.ask.cases == "all":
         return None
-    expected = _of_reference(rows) if study.ask.cases == "boundary" else _of_cells(study, rows)
-    asked = [(row, row.run) for row in rows if row.run is not None and _place(row) in expected]
-    differ = sum(run.outcome != expected[_place(row)] for row, run in asked)
-    return RecheckRecord(len(asked), differ, "analytic" if study.ask.cases == "boundary" else "map")
-
-
-def _place(row: StudyRow) -> tuple[int, str]:
-    return row.number, row.engine
+    near = study.ask.cases == "boundary"
+    expected = _of_reference(rows) if near else _of_cells(study, rows)
+    asked = [(row.run.outcome, expected.get((row.number, row.engine))) for row in rows if row.run is not None]
+    told = [(outcome, taken) for outcome, taken in asked if taken is not None]
+    differ = sum(outcome != taken for outcome, taken in told)
+    return RecheckRecord(len(told), differ, "analytic" if near else "map")
 
 
 def _of_reference(rows: Sequence[StudyRow]) -> dict[tuple[int, str], str]:
     """The analytic outcome of every rechecked case, by the case and the engine that was asked."""
     known = {row.number: str(row.run.outcome) for row in rows if row.engine == REFERENCE and row.run is not None}
     asked = [row for row in rows if row.reason == RECHECK and row.engine != REFERENCE]
-    return {_place(row): known[row.number] for row in asked if row.number in known}
+    return {(row.number, row.engine): known[row.number] for row in asked if row.number in known}
 
 
 def _of_cells(study: StudyFile, rows: Sequence[StudyRow]) -> dict[tuple[int, str], str]:
     """What a map refined without the rechecks says of every rechecked case, by case and engine."""
-    index: dict[str, dict[str, int]] = {}
-    for item in study.vary:
-        values = {row.varied[item.key] for row in rows}
-        # Numbers by size, so that the neighbours of a grid are neighbours; anything else by its text.
-        numbers = all(isinstance(value, (int, float)) for value in values)
-        ordered = sorted(values) if numbers else sorted(values, key=repr)
-        index[item.key] = {repr(value): k for k, value in enumerate(ordered)}
     axes = map_axes(study)
-    groups: dict[tuple[str, str], list[tuple[Place, StudyRow]]] = defaultdict(list)
+    groups: dict[tuple[str, int], dict[Place, StudyRow]] = defaultdict(dict)
     for row in rows:
         if row.engine != REFERENCE:
-            place = tuple(index[item.key][repr(row.varied[item.key])] for item in study.vary)
-            groups[row.engine, str(row.varied["variant"])].append((place, row))
+            place = study.place(row.number)
+            groups[row.engine, place[-1]][place[:-1]] = row
     expected: dict[tuple[int, str], str] = {}
     for members in groups.values():
-        places = [place for place, _ in members]
-        known = {p: Answer(str(row.run.outcome), 0.0) for p, row in members if row.run is not None}
-        needed = refined(places, known, axes)
-        taken = filled(places, {place: known[place] for place in needed if place in known}, axes)
-        for place, row in members:
+        known = {place: str(row.run.outcome) for place, row in members.items() if row.run is not None}
+        needed = refined([*members], known, axes)
+        taken = filled([*members], {place: known[place] for place in needed if place in known}, axes)
+        for place, row in members.items():
             if row.reason == RECHECK and place not in needed and place in taken:
-                expected[_place(row)] = taken[place]
+                expected[row.number, row.engine] = taken[place]
     return expected

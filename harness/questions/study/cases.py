@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-import copy
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final, NamedTuple, TypeGuard, cast
+from typing import Any, Final, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import JsonValue, ValidationError
 
-from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
+from analytic.excitation import Excitation, SampledAcceleration, ZeroExcitation
 from analytic.problem import Keywords, stated
 from analytic.sweep import Body, body_of
 from harness.engines import analytic as twoblock
 from harness.input import overrides, tables
 from harness.input import scene_file as load
 from harness.input.mistakes import mistakes_of
+from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import Motion
 from harness.input.tables import SceneFile
 from harness.model.errors import InputError, Mistake
@@ -54,11 +54,17 @@ class Base:
         """Sent to a worker as it was read, without the statues that were resolved here."""
         return Base, (self.path, self.content)
 
-    def scene(self, setting: Mapping[str, Value]) -> Scene:
-        """The base scene with some keys set. Raises `InputError` that names the keys."""
+    def with_keys(self, setting: Mapping[str, Value]) -> dict[str, JsonValue]:
+        """The content with some keys set (`"keep"` leaves one, `"none"` removes it). Raises `InputError` where a path is no table."""
         content = _copied(self.content)
         for key, value in setting.items():
-            put(content, key, value)
+            if value != "keep":
+                overrides.put(content, "study", key, value)
+        return content
+
+    def scene(self, setting: Mapping[str, Value]) -> Scene:
+        """The base scene with some keys set. Raises `InputError` that names the keys."""
+        content = self.with_keys(setting)
         said = ", ".join(f"{key} = {value}" for key, value in setting.items()) or "nothing set"
         where = f"{self.path or load.UNNAMED} with {said}"
         try:
@@ -84,21 +90,14 @@ def _copied(table: Mapping[str, JsonValue]) -> dict[str, JsonValue]:
     return {key: _copied(value) if isinstance(value, dict) else value for key, value in table.items()}
 
 
-def put(content: dict[str, JsonValue], key: str, value: Value) -> None:
-    """Set one dotted key; `"keep"` leaves it, `"none"` removes it. Raises `InputError` where the path is no table."""
-    if value != "keep":
-        overrides.put(content, "study", key, value)
-
-
-def expand(study: StudyFile, base: Base, numbers: range | None = None) -> Iterator[Case]:
+def expand(study: StudyFile, base: Base, numbers: Iterable[int] | None = None) -> Iterator[Case]:
     """The cases of a study in a fixed order: axes in the file's order, samples innermost, variants last; or some by number."""
-    axes = [_values(item) for item in study.vary]
+    axes = [item.points for item in study.vary]
     # Each key has a stream of its own, so that adding one changes no other.
     streams = {item.key: np.random.default_rng([study.seed, *item.key.encode()]) for item in study.scatter}
     draws = {item.key: _drawn(item, base, streams[item.key], study.samples) for item in study.scatter}
-    sizes = [*study.sizes, len(study.variant)]
-    for number in range(math.prod(sizes)) if numbers is None else numbers:
-        *indices, sample, of_variant = (int(index) for index in np.unravel_index(number, sizes))
+    for number in range(study.points * len(study.variant)) if numbers is None else numbers:
+        *indices, sample, of_variant = study.place(number)
         point = {item.key: values[i] for item, values, i in zip(study.vary, axes, indices, strict=True)}
         varied = {**point, **{key: float(values[sample]) for key, values in draws.items()}}
         variant = study.variant[of_variant]
@@ -116,16 +115,6 @@ def _also(axes: Sequence[Vary], varied: Mapping[str, Value]) -> dict[str, float]
                 raise InputError(Mistake("study", f"vary {item.key}.also", "numbers to multiply", repr(value)))
             further[key] = factor * value
     return further
-
-
-def _values(item: Vary) -> Sequence[Value]:
-    if item.values is not None:
-        return item.values
-    if item.start is None or item.stop is None or item.count is None:
-        raise InputError(Mistake("study", f"vary {item.key}", "start, stop and count", "not all of them"))
-    space = np.geomspace if item.spacing == "log" else np.linspace
-    # Twelve digits: a grid's value reads the same in a table as in the store.
-    return [float(f"{value:.12g}") for value in space(item.start, item.stop, item.count)]
 
 
 def _drawn(item: Scatter, base: Base, stream: np.random.Generator, samples: int) -> NDArray[np.float64]:
@@ -150,8 +139,6 @@ def _drawn(item: Scatter, base: Base, stream: np.random.Generator, samples: int)
 
 Setting = Mapping[str, Value]
 SCALE: Final = "motion.scale"
-DIRECT: Final = {"amplitude_g": (Harmonic, Pulse), "frequency_hz": (Harmonic,)}
-"""Keys of a formula's axis that change one number of it, and the formulas of which they do."""
 OF_MOTION: Final = ("gravity_m_s2", "duration_s")
 """Keys outside `[motion]` that its formulas and filters take from the scene."""
 MOST_REMEMBERED: Final = 4096
@@ -167,13 +154,6 @@ class Still(NamedTuple):
 
     scene: Scene
     body: Body
-
-
-class Moving(NamedTuple):
-    """A scene with a motion of scale 1, and that motion by axis."""
-
-    gravity_m_s2: float
-    axes: Mapping[str, Excitation]
 
 
 class CaseScenes:
@@ -192,9 +172,8 @@ class CaseScenes:
         self._without_motion = replace(base, content={**still, "uncertainty": of_bodies})
         self._uncertain = bool(inputs)
         self._stills: dict[Own, Still] = {}
-        self._movings: dict[Own, Moving] = {}
+        self._unscaled: dict[Own, BaseExcitation] = {}
         self._motions: dict[Own, BaseExcitation] = {}
-        self._allowed: set[Own] = set()
 
     def still(self, setting: Setting) -> Still:
         """The case's scene without its motion. Raises `InputError` for a case that is no scene."""
@@ -211,84 +190,43 @@ class CaseScenes:
             self._stills[own] = Still(scene, body_of(problem, self._accuracy_rad))
         return self._stills[own]
 
-    def motion(self, setting: Setting) -> BaseExcitation:
-        """The case's motion. Raises `InputError` for a case that is no scene."""
+    def motion(self, setting: Setting, still: Scene) -> BaseExcitation:
+        """The case's motion in its scene without one. Raises `InputError` for a case that is no scene."""
         own = tuple((key, value) for key, value in setting.items() if _of_motion(key) or key in OF_MOTION)
         if own not in self._motions:
-            made = self._made(dict(own), setting)
+            try:
+                made = self._made(own, still)
+            except (InputError, ValidationError):
+                self._base.scene(setting)
+                raise
+            if self._uncertain:
+                self._base.scene(setting)
             samples = sum(item.t_s.size for item in (made.x, made.y, made.z) if isinstance(item, SampledAcceleration))
             _make_room(self._motions, MOST_SAMPLES // samples if samples else MOST_REMEMBERED)
             self._motions[own] = made
         return self._motions[own]
 
-    def _made(self, own: dict[str, Value], setting: Setting) -> BaseExcitation:
-        factors = {key: own.pop(key) for key in (SCALE,) if _is_number(own.get(key))}
-        direct = {key: own.pop(key) for key in list(own) if _is_direct(key) and _is_number(own[key])}
-        moving = self._moving(own, direct, setting)
-        if not all(isinstance(moving.axes[key.split(".")[1]], DIRECT[key.split(".")[2]]) for key in direct):
-            moving, direct = self._moving({**own, **direct}, {}, setting), {}
-        self._check(tuple({**factors, **direct}.items()), setting)
-        axes = dict(moving.axes)
-        for key, value in direct.items():
-            _, axis, name = key.split(".")
-            number = float(value)
-            changed = {"amplitude_m_s2": number * moving.gravity_m_s2} if name == "amplitude_g" else {name: number}
-            axes[axis] = replace(cast(Harmonic, axes[axis]), **changed)
-        scale = float(factors[SCALE]) if factors else self._scale(own)
-        return BaseExcitation(**axes).scaled(scale)
-
-    def _moving(self, own: Setting, direct: Setting, setting: Setting) -> Moving:
-        """The motion of these keys, at scale 1; of those that are changed directly any value will do."""
-        name = tuple(own.items())
-        if name not in self._movings:
-            _make_room(self._movings, MOST_REMEMBERED)
-            try:
-                scene = self._base.scene({**own, **direct, SCALE: 1.0})
-            except InputError:
-                scene = self._base.scene({**setting, SCALE: 1.0})
-            given = scene.base_excitation
-            self._movings[name] = Moving(scene.gravity_m_s2, {"x": given.x, "y": given.y, "z": given.z})
-        return self._movings[name]
-
-    def _check(self, numbers: Own, setting: Setting) -> None:
-        """Refuse numbers that the scene's file would not take; each is looked at by itself, once."""
-        for number in numbers:
-            if (number,) in self._allowed:
-                continue
-            if self._uncertain:
-                self._base.scene(setting)
-            content: dict[str, JsonValue] = {"motion": copy.deepcopy(self._base.content.get("motion", {}))}
-            for key, value in {**setting, number[0]: number[1]}.items():
-                if _of_motion(key):
-                    put(content, key, value)
-            try:
-                Motion.model_validate(content["motion"])
-            except ValidationError:
-                self._base.scene(setting)
-                raise
-            _make_room(self._allowed, MOST_REMEMBERED)
-            self._allowed.add((number,))
-
-    def _scale(self, own: Setting) -> float:
-        """The scale of the base's own file, unless the case removes it."""
-        motion = self._base.content.get("motion")
-        scale = motion.get("scale") if isinstance(motion, Mapping) and own.get(SCALE) != "none" else None
-        return float(scale) if isinstance(scale, (int, float)) else 1.0
+    def _made(self, own: Own, still: Scene) -> BaseExcitation:
+        """The motion of these keys; cases that only scale one share it."""
+        table = Motion.model_validate(self._base.with_keys(dict(own)).get("motion", {}))
+        name = tuple(item for item in own if item[0] != SCALE)
+        if name not in self._unscaled:
+            _make_room(self._unscaled, MOST_REMEMBERED)
+            path, of_scene = self._base.path or load.UNNAMED, (still.duration_s, still.gravity_m_s2)
+            axes: dict[str, Excitation] = dict.fromkeys(("x", "y", "z"), ZeroExcitation())
+            for axis in axes:
+                component = getattr(table, axis)
+                if component is not None:
+                    motion = SceneMotion(component, path.parent, str(path), f"motion.{axis}", *of_scene)
+                    axes[axis] = prepare(motion).excitation
+            self._unscaled[name] = BaseExcitation(**axes)
+        return self._unscaled[name].scaled(table.scale)
 
 
 def _of_motion(key: str) -> bool:
     return key == "motion" or key.startswith("motion.")
 
 
-def _is_direct(key: str) -> bool:
-    parts = key.split(".")
-    return len(parts) == 3 and parts[0] == "motion" and parts[2] in DIRECT
-
-
-def _is_number(value: Value | None) -> TypeGuard[float]:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
-def _make_room(memory: dict[Any, Any] | set[Any], most: int) -> None:
+def _make_room(memory: dict[Any, Any], most: int) -> None:
     if len(memory) >= max(most, 1):
         memory.clear()

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from harness.input.mistakes import Contradiction, Table
@@ -48,6 +49,15 @@ class Vary(Table):
         if self.spacing == "log" and (self.start is None or self.stop is None or min(self.start, self.stop) <= 0.0):
             raise Contradiction("spacing", "positive start and stop for a logarithmic grid", "no such grid")
         return self
+
+    @property
+    def points(self) -> Sequence[Value]:
+        """The values of the list or the grid."""
+        if self.values is not None:
+            return self.values
+        space = np.geomspace if self.spacing == "log" else np.linspace
+        # Twelve digits: a grid's value reads the same in a table as in the store.
+        return [float(f"{value:.12g}") for value in space(self.start or 0.0, self.stop or 0.0, self.count or 1)]
 
 
 class Scatter(Table):
@@ -121,6 +131,10 @@ class StudyFile(Table):
     def points(self) -> int:
         """Combinations of what varies, samples included."""
         return math.prod(self.sizes)
+
+    def place(self, number: int) -> tuple[int, ...]:
+        """Where a case stands on each axis; its sample and its variant last."""
+        return tuple(int(index) for index in np.unravel_index(number, [*self.sizes, len(self.variant)]))
 
     @property
     def runs(self) -> int:

@@ -6,17 +6,15 @@ A plan of any size is made as it is run; what is finished is never lost.
 from __future__ import annotations
 
 import hashlib
-import itertools
 import random
 from collections import defaultdict
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Final
 
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD
-from harness.model.scene import Scene
 from harness.questions.study import case_selection as selection
 from harness.questions.study.case_blocks import block_tasks, in_columns
 from harness.questions.study.cases import Base, Case, base_of, expand
@@ -98,7 +96,7 @@ class Plan:
 
     def __init__(self, study: StudyFile, base: Base) -> None:
         self._study, self._base = study, base
-        self._scene: tuple[int, Scene] | None = None
+        self._cases = list(expand(study, base))
         self._known: dict[tuple[int, str], tuple[str | None, str]] = {}
         """Key and reason by case and engine."""
         self._answers: dict[tuple[str, str], dict[selection.Place, selection.Answer]] = {}
@@ -108,55 +106,28 @@ class Plan:
         self.free = (selection.REFERENCE,) if self._others else ()
         """What costs next to nothing beside the others."""
 
-    def rounds(self, stored: Container[str] = ()) -> Iterator[tuple[int, Iterator[Task]]]:
+    def rounds(self, stored: Container[str] = ()) -> Iterator[tuple[int, Iterable[Task]]]:
         """How many tasks that cost something, and the tasks; the next round rests on the answers of the last (see `learn`).
 
         Contact engines' are in a seeded order, what is `stored` first: the rate at which they finish tells the time that is left.
         """
-        if self._study.ask.cases == "all":
-            tasks = self._of_others()
-            yield (len(tasks) if self.free else self._study.runs), self._all(self._ordered(tasks, stored))
-            return
-        cases = list(expand(self._study, self._base))
-        for names in ([selection.REFERENCE], self._others):
-            while fresh := self._asked(cases, names):
-                counted = sum(task.group not in self.free for task in fresh)
-                yield counted, iter(fresh if names == [selection.REFERENCE] else self._ordered(fresh, stored))
+        of_reference = 0 if self.free else self._study.runs, self._asked([selection.REFERENCE])
+        rests_on_it = self._study.ask.cases != "all"
+        if rests_on_it:
+            yield of_reference
+        # What is the same by its physics is one task.
+        while tasks := {task.key: task for task in self._asked(self._others)}:
+            order = random.Random(self._study.seed).sample([*tasks.values()], len(tasks))
+            yield len(order), sorted(order, key=lambda task: task.key not in stored)
+        if not rests_on_it:
+            yield of_reference
 
-    def _of_others(self) -> list[Task]:
-        """Every case by contact engines, what is the same by its physics once."""
-        tasks = {}
-        for case in expand(self._study, self._base) if self._others else ():
-            for name in self._others:
-                if name in case.engines:
-                    task = self._planned(case, name, selection.EVERY)
-                    tasks[task.key] = task
-        return list(tasks.values())
-
-    def _ordered(self, tasks: Sequence[Task], stored: Container[str]) -> list[Task]:
-        """Tasks in a seeded order, those that are stored first."""
-        order = random.Random(self._study.seed).sample(tasks, len(tasks))
-        return sorted(order, key=lambda task: task.key not in stored)
-
-    def _all(self, tasks: Sequence[Task]) -> Iterator[Task]:
-        """Every case: those of contact engines, the others as they come."""
-        rest = self._of_reference()
-        # One of the compiled model's first: should it have to be compiled, the other workers need not wait for it.
-        yield from itertools.islice(rest, 1)
-        yield from tasks
-        yield from rest
-
-    def _of_reference(self) -> Iterator[Task]:
-        for case in expand(self._study, self._base):
-            if selection.REFERENCE in case.engines:
-                yield self._planned(case, selection.REFERENCE, selection.EVERY)
-
-    def _asked(self, cases: Sequence[Case], names: Sequence[str]) -> list[Task]:
+    def _asked(self, names: Sequence[str]) -> Iterator[Task]:
         """What these engines are asked now and were not asked before."""
         by_variant: dict[str, list[Case]] = defaultdict(list)
-        for case in cases:
+        for case in self._cases:
             by_variant[case.variant].append(case)
-        tasks = []
+        left_out = selection.SAME_CELL if self._study.ask.cases == "adaptive" else selection.NOT_SENT
         for name in names:
             for variant, members in by_variant.items():
                 if name not in members[0].engines:
@@ -164,22 +135,19 @@ class Plan:
                 places = [case.position for case in members]
                 reasons = selection.wanted(self._study, places, name, variant, self._answers)
                 for case in members:
-                    why, known = reasons.get(case.position), self._known.get((case.number, name))
-                    if why is None:
-                        self._known[case.number, name] = None, selection.left_out(self._study)
-                    elif known is None or known[0] is None:
-                        tasks.append(self._planned(case, name, why))
-                        self._fresh.append((case, name, tasks[-1].key))
-        return tasks
+                    planned = self._known.get((case.number, name), (None, ""))[0] is not None
+                    if not planned and case.position in reasons:
+                        yield self._planned(case, name, reasons[case.position])
+                    elif not planned:
+                        self._known[case.number, name] = None, left_out
 
     def _planned(self, case: Case, engine: str, why: str) -> Task:
-        # Each scene is resolved once here, for the names of its results.
-        if self._scene is None or self._scene[0] != case.number:
-            self._scene = case.number, self._base.scene(case.setting)
         accuracy = self._study.asked_rad.get(engine, DEFAULT_ACCURACY_RAD)
         made = partial(self._base.scene, case.setting)
-        task = RunRequest(made, engine, accuracy, history=self._study.ask.histories).task(self._scene[1])
+        task = RunRequest(made, engine, accuracy, history=self._study.ask.histories).task(made())
         self._known[case.number, engine] = task.key, why
+        if self._study.ask.cases != "all":
+            self._fresh.append((case, engine, task.key))
         return task
 
     def learn(self, store: Store) -> None:
@@ -196,7 +164,7 @@ class Plan:
 
     def rows(self) -> Iterator[PlanRow]:
         """All cases and engines in order: number, engine, key (None: not sent), reason, and what varies."""
-        for case in expand(self._study, self._base):
+        for case in self._cases:
             for engine in sorted(case.engines):
                 key, reason = self._known[case.number, engine]
                 yield case.number, engine, key, reason, {"variant": case.variant, **case.varied}

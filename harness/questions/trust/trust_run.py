@@ -23,7 +23,6 @@ from harness.model.finding import Answer, Finding, Say, caution, changes_answer,
 from harness.model.run import MOST_TIMES, machine, versions
 from harness.model.scene import Scene
 from harness.questions.scene.workload import check as check_work
-from harness.questions.study import case_selection as selection
 from harness.questions.study.case_selection import filled, refined
 from harness.questions.trust.plane import Plane, Point, below, to_ask
 from harness.questions.trust.point import (
@@ -193,16 +192,14 @@ class Map:
         fill = filled(self.plane.points, changes, (0, 1), self.plane.farthest)
         return {point: self._word(point, changes, fill.get(point, SAME)) for point in self.plane.points}
 
-    def _word(
-        self, point: Point, changes: Mapping[Point, selection.Answer], fill: str
-    ) -> tuple[TrustClass, Basis, Said]:
+    def _word(self, point: Point, changes: Mapping[Point, str], fill: str) -> tuple[TrustClass, Basis, Said]:
         """What is less known of the two counts: what those in the plane say, what an engine in space makes of it around."""
         if point in self.whole:
             return self.whole[point].kind, self._basis(point), self.whole[point]
         kind, basis, said = self._in_plane(point)
         if fill == SAME or _doubt(fill) < _doubt(kind):
             return kind, basis, said
-        alike = (each for each in self.whole if changes[each].outcome == fill)
+        alike = (each for each in self.whole if changes[each] == fill)
         nearest = self.whole[min(alike, key=lambda at: math.dist(at, point))]
         return nearest.kind, "between", nearest
 
@@ -228,15 +225,13 @@ class Map:
                 self.changed.add(point)
                 self.rest = {each for each in self.rest if each[0] != point[0]}
 
-    def _changes(self) -> dict[Point, selection.Answer]:
+    def _changes(self) -> dict[Point, str]:
         """Where all ran: which class they say instead of that of those in the plane. At rest nobody says another."""
         said = {
             point: all_of.kind if all_of.found != self.ran[point].found else SAME
             for point, all_of in self.whole.items()
         }
-        return {
-            point: selection.Answer(change, 0.0) for point, change in (dict.fromkeys(self.rest, SAME) | said).items()
-        }
+        return dict.fromkeys(self.rest, SAME) | said
 
     def _along(self, i: int) -> dict[int, tuple[object, ...]]:
         """What engines in the plane found along a frequency, by strength."""

@@ -27,9 +27,9 @@ def outcome(engine: str, y: int) -> str:
 def explored() -> set[selection.Place]:
     """The places that pybullet is asked on its way to the boundary."""
     places: list[selection.Place] = [(x, y) for x in range(SIZE) for y in range(SIZE)]
-    known: dict[selection.Place, selection.Answer] = {}
+    known: dict[selection.Place, str] = {}
     while new := selection.refined(places, known, (0, 1)).keys() - known.keys():
-        known |= {place: selection.Answer(outcome("pybullet", place[1]), 0.0) for place in new}
+        known |= {place: outcome("pybullet", place[1]) for place in new}
     return set(known)
 
 

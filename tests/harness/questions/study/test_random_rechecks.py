@@ -32,9 +32,9 @@ def outcome(x: int, y: int, island: bool) -> str:
 def rows(island: bool) -> list[StudyRow]:
     """A map refined for pymunk, with an audit that hits every place off the coarse grid's cells' corners at x = 3."""
     places: list[selection.Place] = [(x, y) for x in range(SIZE) for y in range(SIZE)]
-    known: dict[selection.Place, selection.Answer] = {}
+    known: dict[selection.Place, str] = {}
     while new := selection.refined(places, known, (0, 1)).keys() - known.keys():
-        known |= {place: selection.Answer(outcome(place[0], place[1], island), 0.0) for place in new}
+        known |= {place: outcome(place[0], place[1], island) for place in new}
     found = []
     for number, (x, y) in enumerate(places):
         varied: dict[str, Value] = {"variant": "own", KEYS[0]: 1.0 + x, KEYS[1]: 1.0 + y}
