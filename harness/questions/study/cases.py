@@ -55,7 +55,7 @@ class Base:
         return Base, (self.path, self.content)
 
     def with_keys(self, setting: Mapping[str, Value]) -> dict[str, JsonValue]:
-        """The content with some keys set (`"keep"` leaves one, `"none"` removes it). Raises `InputError` where a path is no table."""
+        """The content with some keys set: `"keep"` leaves one, `"none"` removes it. Raises `InputError` for a key of no table."""
         content = _copied(self.content)
         for key, value in setting.items():
             if value != "keep":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice, pairwise
 from pathlib import Path
@@ -18,22 +18,21 @@ from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.files import writing
 from harness.model.finding import Answer, Finding, caution, info
-from harness.model.history import Array, Outcome
+from harness.model.history import Array, History, Outcome
 from harness.model.scene import Scene
 from harness.questions.study import claims
 from harness.questions.study.case_blocks import KeyedRow, coarser, every_row, study_rows, table
 from harness.questions.study.case_selection import recheck
-from harness.questions.study.cases import base_of
+from harness.questions.study.cases import Base, base_of, expand
 from harness.questions.study.claims import energy_lost_j, last_impact_s
 from harness.questions.study.ensembles import score_sets
-from harness.questions.study.file import StudyFile, Variant
+from harness.questions.study.file import StudyFile
 from harness.questions.study.study_run import Summary, study_name
 from harness.records.run import PLAIN
 from harness.records.scene import SceneRecord
 from harness.records.study import (
     Curve,
     Panel,
-    RecheckRecord,
     StudyRecord,
     StudyRow,
     StudyWitness,
@@ -70,7 +69,9 @@ def findings_of(record: StudyRecord) -> list[Finding]:
     """All that is to be known beside the headline."""
     found = [*_left_domain(record.rows), *_of_runs(record.rows)]
     found += [each for name, item in (record.scores or {}).items() for each in item.findings(name)]
-    found += [] if record.audit is None else [_recheck(record.audit)]
+    if record.audit is not None:
+        severity = caution if record.audit.differ else info
+        found.append(severity("rechecked", **vars(record.audit)))
     found += [] if record.table is None else [_columns(record.table)]
     found += [] if record.witness is None else _witness(record.witness)
     if record.usage is not None and record.usage.utilisation is not None:
@@ -126,11 +127,6 @@ def _medians(found: Sequence[Finding]) -> dict[str, Any]:
         if known:
             values[key] = float(np.median(known))
     return values | {"in_runs": len(found)}
-
-
-def _recheck(item: RecheckRecord) -> Finding:
-    values = {"audited": item.audited, "differ": item.differ, "against": item.against}
-    return caution("rechecked", **values) if item.differ else info("rechecked", **values)
 
 
 def _columns(item: TableRecord) -> Finding:
@@ -245,7 +241,7 @@ def study_record(
             item.key: sorted({row.varied[item.key] for row in rows}, key=lambda value: (isinstance(value, str), value))
             for item in study.vary
         },
-        supports=supports(study, scene, rows),
+        supports=supports(study, base, sorted({row.number for row in rows})),
         summary=summary.record(),
         usage=summary.usage,
         seconds=seconds,
@@ -264,7 +260,7 @@ def study_record(
     return replace(made, answer=answer_of(made), findings=[*findings_of(made), *made.findings])
 
 
-def top_displacement(scene: Scene) -> Any:
+def top_displacement(scene: Scene) -> Callable[[float], float]:
     """Horizontal displacement (m) of the silhouette's topmost point at a rotation about the wider side's corner."""
     section = scene.statue.section_m
     side = -1 if scene.statue.corner_left_m > scene.statue.corner_right_m else 1
@@ -279,34 +275,31 @@ def top_displacement(scene: Scene) -> Any:
     return displaced
 
 
+CONDITION: Final = ("contact.restitution", "motion.x.amplitude_g", "motion.x.frequency_hz")
+"""The keys of a condition of the paper's figures."""
+
+
 def panels(rows: Sequence[KeyedRow], store: Store) -> list[Panel]:
     """Curves in the arrangement of the paper's figures: for each condition, by model, without and with pedestal."""
     by_condition: dict[tuple[float, float, float], dict[str, dict[str, Curve]]] = {}
     drawn: dict[str, Curve] = {}
     for row in rows:
-        varied, key = row.varied, row.key
-        if row.run is None or key is None:
+        if row.key is None:
             continue
-        if key not in drawn:
-            history = store.history(key)
-            if history is None:
-                continue
-            drawn[key] = _curve(history.t_s, history.theta_rad, history.slip_m)
-        keys = "contact.restitution", "motion.x.amplitude_g", "motion.x.frequency_hz"
-        restitution, amplitude_g, frequency_hz = (float(varied[name]) for name in keys)
-        setting = "floor" if varied.get("pedestal") == "none" else "pedestal"
-        curves = by_condition.setdefault((restitution, amplitude_g, frequency_hz), {})
-        curves.setdefault(row.model, {})[setting] = drawn[key]
-    return [Panel(*place, by_condition[place]) for place in sorted(by_condition)]
+        if row.key not in drawn and (history := store.history(row.key)) is not None:
+            drawn[row.key] = _curve(history)
+        if row.key in drawn:
+            restitution, amplitude_g, frequency_hz = (float(row.varied[key]) for key in CONDITION)
+            condition = restitution, amplitude_g, frequency_hz
+            setting = "floor" if row.varied.get("pedestal") == "none" else "pedestal"
+            by_condition.setdefault(condition, {}).setdefault(row.model, {})[setting] = drawn[row.key]
+    return [Panel(*condition, by_condition[condition]) for condition in sorted(by_condition)]
 
 
-def _curve(t_s: Array, theta_rad: Array, slip_m: Array) -> Curve:
-    keep = decimated(theta_rad, slip_m, points=CURVE_POINTS)
-    return Curve(
-        [round(float(value), 4) for value in t_s[keep]],
-        [float(f"{value:.5g}") for value in theta_rad[keep]],
-        [float(f"{value:.5g}") for value in slip_m[keep]],
-    )
+def _curve(history: History) -> Curve:
+    keep = decimated(history.theta_rad, history.slip_m, points=CURVE_POINTS)
+    theta, slip = ([float(f"{value:.5g}") for value in each[keep]] for each in (history.theta_rad, history.slip_m))
+    return Curve([round(float(value), 4) for value in history.t_s[keep]], theta, slip)
 
 
 def decimated(*curves: Array, points: int) -> NDArray[np.int64]:
@@ -338,50 +331,26 @@ def _weighed(rows: Sequence[KeyedRow], store: Store, scene: Scene) -> list[Keyed
     return shown
 
 
-def supports(study: StudyFile, scene: Scene, rows: Sequence[StudyRow]) -> SupportRecord:
-    """Whether cases have a pedestal, least and greatest static frictions, and the keys of the statue that vary.
-
-    `scene` is the study's own; a variant's keys go before those that follow a varied one, and these before the varied.
-    """
+def supports(study: StudyFile, base: Base, numbers: Iterable[int]) -> SupportRecord:
+    """Of the cases of these numbers: whether they have a pedestal, least and greatest static frictions, keys of the statue."""
+    scene, settings = base.scene({}), [case.setting for case in expand(study, base, numbers)]
+    keys = {key for setting in settings for key in setting}
     # A pedestal that the scene lacks may be built of keys of its own.
-    there = scene.pedestal is not None or any(key.startswith("pedestal.") for key in _keys(study))
-    stones: set[bool] = set()
-    floor: set[float] = set()
-    statue: set[float] = set()
-    for variant in study.variant:
-        own = [row for row in rows if row.varied["variant"] == variant.name]
-        given = _values(study, variant, own, "pedestal") or {"keep"}
-        here = {value != "none" and there for value in given}
-        stones |= here
-        if True in here:
-            floor |= _frictions(study, variant, own, "floor_static", scene.contact.floor_static)
-        statue |= _frictions(study, variant, own, "statue", scene.contact.statue)
+    there = scene.pedestal is not None or any(key.startswith("pedestal.") for key in keys)
+    on_pedestal = [setting for setting in settings if there and setting.get("pedestal") != "none"]
+    floor = {_friction(setting, "floor_static", scene.contact.floor_static) for setting in on_pedestal}
+    statue = {_friction(setting, "statue", scene.contact.statue) for setting in settings}
     return SupportRecord(
-        pedestal=sorted(stones),
+        pedestal=sorted({there and setting.get("pedestal") != "none" for setting in settings}),
         floor_static=(min(floor), max(floor)) if floor else None,
         statue=(min(statue), max(statue)),
-        statue_keys=sorted(key for key in _keys(study) if key.startswith("statue.")),
+        statue_keys=sorted(key for key in keys if key.startswith("statue.")),
     )
 
 
-def _keys(study: StudyFile) -> set[str]:
-    """Every key that differs between cases."""
-    follow = {key for item in study.vary for key in item.also}
-    varied = {item.key for item in study.vary} | {item.key for item in study.scatter}
-    return varied | follow | {key for variant in study.variant for key in variant.set}
-
-
-def _values(study: StudyFile, variant: Variant, rows: Sequence[StudyRow], key: str) -> set[Any]:
-    """The values that the cases of a variant set a key to; none where nothing sets it."""
-    if key in variant.set:
-        return {variant.set[key]}
-    for item in study.vary:
-        if key in item.also:
-            return {item.also[key] * float(row.varied[item.key]) for row in rows}
-    return {row.varied[key] for row in rows if key in row.varied}
-
-
-def _frictions(study: StudyFile, variant: Variant, rows: Sequence[StudyRow], name: str, own: float) -> set[float]:
-    """The values of one friction; left as the scene has it, or taken away, which leaves the default of a scene file."""
-    words = {"keep": own, "none": float(ContactTable.model_fields[name].default)}
-    return {float(words.get(value, value)) for value in _values(study, variant, rows, f"contact.{name}") or {"keep"}}
+def _friction(setting: Mapping[str, Value], name: str, own: float) -> float:
+    """A case's coefficient; left as the scene has it, or taken away, which leaves the default of a scene file."""
+    value = setting.get(f"contact.{name}", "keep")
+    if value == "none":
+        value = ContactTable.model_fields[name].default
+    return own if value == "keep" else float(value)
