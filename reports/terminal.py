@@ -241,7 +241,8 @@ def _when(scores: Scores) -> str:
     seen = scores.evidence
     if scores.verdict is Verdict.AGREE:
         return f"within {seen.limit_rad:.0e} rad"
-    times = [time for time in (seen.exceeded_s, seen.horizon_s) if time is not None]
+    apart = seen.left_domain_s if scores.verdict is Verdict.DOMAIN and seen.exceeded_s is None else seen.exceeded_s
+    times = [time for time in (apart, seen.horizon_s) if time is not None]
     since = "until" if scores.verdict in (Verdict.HORIZON, Verdict.UNBOUNDED) else "from"
     return f"{since} {digits(min(times), 3)} s" if times else ""
 

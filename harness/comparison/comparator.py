@@ -21,6 +21,7 @@ from harness.model.finding import Finding, caution, changes_answer, info
 from harness.model.history import Array, History, Outcome, Pair, first_beyond_s, pair
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.run import SLIDES_M
 from harness.records.scores import Evidence, Outcomes, Peaks, Pointwise, Residuals, Scores, SpragueGeers, Verdict
 
 # By how much and from when two runs differ, and why, computed from the record.
@@ -97,13 +98,20 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judg
     return Judgement(verdict, _findings(verdict, evidence, a, b), evidence)
 
 
+SLIDES: Final = "statue_slides"
+"""By what a model left its domain that holds the statue on its support: rotations may agree while the statue slides."""
+
+
 def _decide(a: Side, b: Side, facts: Facts, flips: bool) -> tuple[Verdict, Side | None]:
     """The verdict, and the side that left its domain where that decides."""
     exits = [side for side in (a, b) if side.left_domain_s is not None]
     first = min(exits, key=lambda side: side.left_domain_s or 0.0, default=None)
     left_s = math.inf if first is None or first.left_domain_s is None else first.left_domain_s
     if facts.exceeded_s is None:
-        if not flips:
+        slides = (
+            first is not None and first.left_domain_by == SLIDES and max(a.statue_slip_m, b.statue_slip_m) > SLIDES_M
+        )
+        if not (flips or slides):
             return Verdict.AGREE, None
         if left_s < math.inf:
             return Verdict.DOMAIN, first

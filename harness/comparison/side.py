@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from harness.model.history import History, Outcome
 from harness.model.run import Run
+from harness.records.run import statue_slip_m
 
 if TYPE_CHECKING:
     from harness.records.study import CaseRun
@@ -26,6 +27,7 @@ class Side:
     left the rocking plane's balance across it: fell for good over its front or back, or ends leaning beyond it.
     `resolution_rad` and `resolution_m` are how far the digits of a file leave its history open. `floor_impact` is the coefficient
     of the floor that an engine takes at impacts, whatever the scene's choice; empty of one that takes the scene's.
+    `statue_slip_m` is how far a statue that stands slid on its support at most, which no slip that is compared tells.
     """
 
     name: str
@@ -41,6 +43,7 @@ class Side:
     resolution_rad: float = 0.0
     resolution_m: float = 0.0
     floor_impact: str = ""
+    statue_slip_m: float = 0.0
 
     @property
     def open_rad(self) -> float:
@@ -89,6 +92,7 @@ def side_of(
         None if answer.motion_axes is None else tuple(answer.motion_axes),
         _across_s(answer),
         floor_impact=str(answer.settings.get("floor_impact") or "") if isinstance(answer, Run) else "",
+        statue_slip_m=statue_slip_m(answer) or 0.0,
     )
 
 

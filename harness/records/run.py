@@ -10,7 +10,7 @@ from typing import Final, Literal
 from harness.input.mistakes import Contradiction
 from harness.model.finding import Finding, Say
 from harness.model.history import Outcome
-from harness.model.run import OMITTED, EngineRunRecord
+from harness.model.run import OMITTED, EngineRunRecord, RunRow
 from harness.records.assess import Assessment
 from harness.records.base import Record
 from harness.records.scene import MotionRecord, SceneRecord
@@ -67,7 +67,11 @@ def tips_s(run: EngineRunRecord) -> float | None:
     return left_s if isinstance(left_s, float) and run.validity.get("left_domain_by") == "pedestal_tips" else None
 
 
-def statue_slip_m(run: EngineRunRecord) -> float | None:
+SLIDES_M: Final = 1e-3
+"""A statue that slides less on its support creeps, as contact engines let it while it rocks."""
+
+
+def statue_slip_m(run: RunRow) -> float | None:
     """How far a statue that stands slid on its support at most, m; None where its model holds it there, or it fell."""
     slid_m = run.validity.get("statue_slip_m")
     return slid_m if isinstance(slid_m, float) and run.outcome is Outcome.STANDS else None

@@ -128,10 +128,11 @@ class Outside(NamedTuple):
         """Of the draws, where `fell` holds the engine's runs by number of the draw."""
         runs = [fell[number] for number in np.flatnonzero(model.left).tolist() if number in fell]
         ends = [each for each in runs if each is not None]
-        unknown = int((~model.decided).sum()) / model.decided.size
-        answered = float(model.left.mean()) * len(ends) / len(runs) if runs else 0.0
+        size, left, unknown = model.decided.size, int(model.left.sum()), int((~model.decided).sum())
+        answers = left * len(ends) / len(runs) if runs else 0.0
+        answered = answers / size
         falls, low, high = (answered * share for share in jeffreys(sum(ends), len(ends), level))
-        return cls(falls, low, high, max(unknown - answered, 0.0))
+        return cls(falls, low, high, max(unknown - answers, 0.0) / size)
 
 
 def probability_of(

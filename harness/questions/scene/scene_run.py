@@ -26,7 +26,7 @@ from harness.questions.scene.left_out import TakenAway, explained, with_reasons
 from harness.questions.scene.witness import doubted, findings_of, finer_rad, finer_runs
 from harness.records.assess import Assessment
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
-from harness.records.run import DecidedBy, HorizonRecord, RunRecord, Witness, statue_slip_m
+from harness.records.run import SLIDES_M, DecidedBy, HorizonRecord, RunRecord, Witness, statue_slip_m
 from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores, Verdict
 from harness.statics.plan import Step, plan
@@ -34,8 +34,6 @@ from harness.statics.standstill import standstill
 
 ENDED: Final = "the run was ended before this engine had finished"
 """Why an engine has no answer in the result of a run that the user ended."""
-SLIDES_M: Final = 1e-3
-"""A statue that slides less on its support creeps, as contact engines let it while it rocks."""
 KILLED_S: Final = 0.05
 """Between two looks whether a process that was killed is gone."""
 
