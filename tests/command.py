@@ -1,0 +1,31 @@
+"""The command as tests call it: in this process, with what it prints and how it ends."""
+
+from __future__ import annotations
+
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from dataclasses import dataclass
+from io import StringIO
+from pathlib import Path
+
+from reports.cli import app
+from reports.cli.ending import guarded
+
+
+@dataclass(frozen=True)
+class Done:
+    """How a call of the command ended."""
+
+    returncode: int
+    stdout: str
+    stderr: str
+
+
+def rockcheck(*words: str, cwd: Path) -> Done:
+    """Call the command in a folder. What only a process of its own shows is tested with one: what it imports, what it inherits."""
+    out, err = StringIO(), StringIO()
+    with chdir(cwd), redirect_stdout(out), redirect_stderr(err):
+        try:
+            code = guarded(lambda: app(list(words)))
+        except SystemExit as ending:
+            code = int(ending.code or 0)
+    return Done(code, out.getvalue(), err.getvalue())
