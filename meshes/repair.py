@@ -294,4 +294,4 @@ def _assembled(pieces: Sequence[Part], source: str) -> tuple[Part, dict[str, int
     return (
         np.asarray(mesh.vert_properties[:, :3], dtype=np.float64),
         np.asarray(mesh.tri_verts, dtype=np.int64),
-    ), Counter(kinds[1:])
+    ), dict(Counter(kinds[1:]))

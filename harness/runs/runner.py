@@ -291,6 +291,8 @@ def _end_with_parent() -> None:
 # Workers of a Dask cluster; needs the extra [dask].
 
 
+REACH_S: Final = 10.0
+"""Time in which a scheduler answers."""
 GONE_S: Final = 60.0
 """Time that a cluster without a worker is given to have one again."""
 
@@ -304,7 +306,7 @@ class DaskPool:
         except ImportError as error:
             raise InputError(Mistake("--dask", "", "the extra [dask]", "no distributed here")) from error
         try:
-            self._client = Client(address, timeout="10s")
+            self._client = Client(address, timeout=REACH_S)
         except (OSError, ValueError, TimeoutError) as error:
             raise InputError(
                 Mistake("--dask", "", "the address of a running Dask scheduler", address, str(error))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Final
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 
 from meshes.solid import Solid, solid_from_mesh
@@ -26,6 +28,11 @@ HEIGHT_M: Final = 0.6
 def build(density_kg_m3: float = 2500.0) -> Solid:
     """The solid, 0.6 m deep; its weight falls through the middle of its base."""
     return solid_from_mesh(*surface(), density_kg_m3=density_kg_m3)
+
+
+def write(path: Path) -> None:
+    """Write its mesh in metres, z up, in the format of the path's suffix: a scan that is looked through in no time."""
+    trimesh.Trimesh(*surface(), process=False).export(path)
 
 
 def surface() -> tuple[Array, Faces]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from types import FrameType
+from types import CodeType, FrameType
 from typing import Any
 
 import pytest
@@ -18,24 +18,24 @@ ROOT = Path(__file__).resolve().parents[2]
 ROOMS = tuple(f"{ROOT / room}/" for room in ("reports", "harness", "analytic", "meshes"))
 
 
-def calls(frame: FrameType | None) -> list[str]:
-    """The product's functions from the command's own, the first, to a frame."""
-    names: list[str] = []
-    while frame is not None:
-        file = frame.f_code.co_filename
-        if file.startswith(ROOMS):
-            names.insert(0, f"{Path(file).relative_to(ROOT)}:{frame.f_code.co_name}")
-        frame = frame.f_back
-    return names[names.index("reports/cli/scenes.py:run") :]
+def calls(stack: tuple[CodeType, ...]) -> tuple[str, ...]:
+    """The product's functions from the command's own, the first, to the innermost."""
+    product = (code for code in reversed(stack) if code.co_filename.startswith(ROOMS))
+    names = [f"{Path(code.co_filename).relative_to(ROOT)}:{code.co_name}" for code in product]
+    return tuple(names[names.index("reports/cli/scenes.py:run") :])
 
 
 def ways_to(steps: Callable[[FrameType, str, Any], bool], line: list[str]) -> set[tuple[str, ...]]:
     """Every way in which a command comes to a step."""
-    ways: set[tuple[str, ...]] = set()
+    stacks: set[tuple[CodeType, ...]] = set()
 
-    def hear(frame: FrameType, event: str, arg: Any) -> None:
-        if steps(frame, event, arg):
-            ways.add(tuple(calls(frame)))
+    def hear(frame: FrameType | None, event: str, arg: Any) -> None:
+        if frame is not None and steps(frame, event, arg):
+            stack = []
+            while frame is not None:
+                stack.append(frame.f_code)
+                frame = frame.f_back
+            stacks.add(tuple(stack))
 
     before = sys.getprofile()
     sys.setprofile(hear)
@@ -44,7 +44,7 @@ def ways_to(steps: Callable[[FrameType, str, Any], bool], line: list[str]) -> se
     finally:
         sys.setprofile(before)
     assert done.exit_code == 0, done.output
-    return ways
+    return {calls(stack) for stack in stacks}
 
 
 def of_pybullet(_frame: FrameType, event: str, arg: Any) -> bool:

@@ -7,7 +7,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+import trimesh
 from typer.main import get_command
 from typer.testing import CliRunner
 
@@ -15,19 +17,24 @@ from reports.cli import app
 from reports.cli.app import spread
 from reports.cli.options import EngineOptions, OutputOptions
 from reports.terminal import COLUMNS, LINES
-from tests.meshes import togatus
+from tests.meshes import toadstool
 
 COMMANDS = {
-    "inspect": ("mesh inspect statue.ply --unit m", ""),
-    "prepare": ("mesh prepare statue.ply --unit m --out new.ply", "new.ply"),
-    "new": ("new statue.ply --unit m --motion quake.csv --out new.toml", "new.toml"),
+    "inspect": ("mesh inspect statue.ply --unit m --up z", ""),
+    "prepare": ("mesh prepare statue.ply --unit m --up z --out new.ply", "new.ply"),
+    "new": ("new statue.ply --unit m --up z --motion quake.csv --out new.toml", "new.toml"),
 }
 
 
 @pytest.fixture(scope="module")
 def statue(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """A body of two parts whose surface passes through itself at one vertex: its parts are joined, and the vertex is told."""
     path = tmp_path_factory.mktemp("statue") / "statue.ply"
-    togatus.write(path)
+    body = trimesh.Trimesh(*toadstool.surface(), process=False).subdivide().subdivide()
+    through = np.argmin(np.linalg.norm(body.vertices - [0.5, 0.0, toadstool.HEIGHT_M], axis=1))
+    body.vertices[through, 2] = toadstool.UNDERSIDE_M - 0.05
+    part = trimesh.creation.box((0.2, 0.2, 0.2), trimesh.transformations.translation_matrix((-0.5, 0.0, 0.7)))
+    trimesh.util.concatenate([body, part]).export(path)
     return path.read_bytes()
 
 

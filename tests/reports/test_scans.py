@@ -15,14 +15,18 @@ from harness.model.errors import InputError
 from reports.cli.options import ScanOptions, SupportOptions
 from reports.cli.scans import MARBLE_KG_M3, inspect, new, prepare
 from tests.doubles import codes
-from tests.meshes import togatus
+from tests.meshes import toadstool
+
+
+MARBLE_MASS_KG = 0.32 * MARBLE_KG_M3
+"""Of the body's plinth, stem and cap: 0.072, 0.008 and 0.24 m³."""
 
 
 @pytest.fixture(scope="module")
 def scan(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The generated statue as a file without units."""
-    file = tmp_path_factory.mktemp("scan") / "togatus.obj"
-    togatus.write(file)
+    """A body of known boxes as a file without units."""
+    file = tmp_path_factory.mktemp("scan") / "toadstool.obj"
+    toadstool.write(file)
     return file
 
 
@@ -42,15 +46,15 @@ def test_inspect_says_what_the_statue_is(scan: Path) -> None:
     assert found.solid is not None
     assert found.solid.density_kg_m3 == MARBLE_KG_M3
     record = found.as_dict()
-    assert record["solid"]["corner_right_m"] == pytest.approx(0.0682, rel=1e-5)
+    assert record["solid"]["corner_right_m"] == pytest.approx(toadstool.PLINTH_M, rel=1e-5)
     assert len(record["rose"]) == 36
-    assert json.loads(json.dumps(record))["solid"]["mass_kg"] == pytest.approx(707.0, rel=1e-6)
+    assert json.loads(json.dumps(record))["solid"]["mass_kg"] == pytest.approx(MARBLE_MASS_KG, rel=1e-6)
 
 
 def test_a_weighed_mass_sets_the_density(scan: Path) -> None:
     found = inspect(scan, ScanOptions(unit="m", up="z", mass_kg=800.0))
     assert found.solid is not None
-    assert found.solid.density_kg_m3 == pytest.approx(2700.0 * 800.0 / 707.0, rel=1e-6)
+    assert found.solid.density_kg_m3 == pytest.approx(2700.0 * 800.0 / MARBLE_MASS_KG, rel=1e-6)
 
 
 def test_prepare_writes_the_mesh_and_its_account(scan: Path, tmp_path: Path) -> None:
@@ -64,7 +68,7 @@ def test_prepare_writes_the_mesh_and_its_account(scan: Path, tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("known", "said"),
     [
-        (ScanOptions(), "without units"),
+        (ScanOptions(up="z"), "without units"),
         (ScanOptions(unit="km"), "between"),
         (ScanOptions(unit="m", density_kg_m3=2700.0, mass_kg=700.0), "both"),
         (ScanOptions(unit="m", up="w"), "up axis"),
@@ -85,7 +89,7 @@ def test_a_refusal_reads_as_one_sentence(scan: Path) -> None:
     (found,) = caught.value.mistakes
     assert found.where == str(scan)
     assert found.wanted == "a scale"
-    assert found.got.startswith("a file without units, 1.46 units high")
+    assert found.got.startswith("a file without units, 0.6 units high")
     assert found.advice == "give the unit (--unit) or the true height (--height)"
 
 
@@ -103,8 +107,8 @@ def test_new_writes_a_scene_that_loads(scan: Path, motion: Path, tmp_path: Path)
     text = out.read_text()
     assert text.count("ASSUMED") >= 4
     scene = load_scene(out)
-    assert scene.statue.mass_kg == pytest.approx(707.0, rel=1e-6)
-    assert scene.statue.corner_right_m == pytest.approx(0.0682, rel=1e-5)
+    assert scene.statue.mass_kg == pytest.approx(MARBLE_MASS_KG, rel=1e-6)
+    assert scene.statue.corner_right_m == pytest.approx(toadstool.PLINTH_M, rel=1e-5)
     assert scene.base_excitation.x.peak_m_s2 == pytest.approx(3.0, rel=1e-3)
     assert scene.base_excitation.y.peak_m_s2 == pytest.approx(1.0, rel=1e-3)
     assert scene.base_excitation.z.peak_m_s2 == pytest.approx(0.5, rel=1e-3)
@@ -112,12 +116,12 @@ def test_new_writes_a_scene_that_loads(scan: Path, motion: Path, tmp_path: Path)
 
 
 def test_new_takes_pedestal_friction_and_scale(scan: Path, motion: Path, tmp_path: Path) -> None:
-    around = SupportOptions(pedestal="250,0.6,0.8,0.2", friction=0.35, scale=2.5)
+    around = SupportOptions(pedestal="250,0.7,0.8,0.2", friction=0.35, scale=2.5)
     out, _ = new(scan, motion, tmp_path / "second.toml", ScanOptions(unit="m", up="z", mass_kg=650.0), around)
     scene = load_scene(out)
     assert scene.pedestal is not None
     told = scene.pedestal.mass_kg, scene.pedestal.width_m, scene.pedestal.depth_m, scene.pedestal.height_m
-    assert told == (250.0, 0.6, 0.8, 0.2)
+    assert told == (250.0, 0.7, 0.8, 0.2)
     assert (scene.contact.statue, scene.contact.floor_static, scene.contact.floor_kinetic) == (0.35, 0.35, 0.35)
     assert scene.statue.mass_kg == pytest.approx(650.0)
     assert scene.base_excitation.x.peak_m_s2 == pytest.approx(2.5 * 3.0, rel=1e-3)

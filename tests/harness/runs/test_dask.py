@@ -140,6 +140,7 @@ def test_a_cluster_that_is_gone_is_told(cluster: Cluster, gone: str, monkeypatch
     pool.close()
 
 
-def test_an_address_without_a_scheduler_is_a_mistake(tmp_path: Path) -> None:
+def test_an_address_without_a_scheduler_is_a_mistake(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(dask_pool, "REACH_S", 0.5)
     with pytest.raises(InputError, match="running Dask scheduler"):
         DaskPool("tcp://127.0.0.1:1")

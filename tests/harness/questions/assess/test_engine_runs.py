@@ -96,7 +96,10 @@ def test_draws_are_written_with_every_outcome(tmp_path: Path) -> None:
     assert not (folder / "draws.csv").exists()
 
 
-def test_wrong_options_of_the_command_are_told_and_leave_nothing(tmp_path: Path) -> None:
+def test_wrong_options_of_the_command_are_told_and_leave_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("harness.runs.runner.REACH_S", 0.5)
     asked, folder = EngineOptions(["analytic"]), tmp_path / "out"
     wrong: list[dict[str, Any]] = [
         {"resume": True},

@@ -9,6 +9,9 @@ from harness.questions.bench.stress.stress_run import compute, died, stress, sum
 from tests.fuzz.fuzz_run import rows
 from tests.fuzz.originals import kinds
 
+FEW = 4
+"""Kinds that are read in a process of its own here; `tests/fuzz/test_fuzz.py` reads all."""
+
 
 def test_the_work_is_shared_out_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     pieces = tasks(WHOLE)
@@ -29,9 +32,9 @@ def test_the_work_is_shared_out_whole(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_stress_run_reads_mutated_files_in_a_process_of_its_own() -> None:
-    every = kinds()
-    found = compute("tests.fuzz", f"inputs 0 to {len(every) - 1}")
-    assert [(row["reader"], row["inputs"], row["found"]) for row in found] == [(kind.name, 1, []) for kind in every]
+    some = kinds()[:FEW]
+    found = compute("tests.fuzz", f"inputs 0 to {FEW - 1}")
+    assert [(row["reader"], row["inputs"], row["found"]) for row in found] == [(kind.name, 1, []) for kind in some]
     (row,) = compute("tests.fuzz", "inputs 0 to none")
     assert row["tracebacks"] == 1
     assert "ValueError" in row["found"][0]["what"]
