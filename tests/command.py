@@ -21,7 +21,7 @@ class Done:
 
 
 def rockcheck(*words: str, cwd: Path) -> Done:
-    """Call the command in a folder. What only a process of its own shows is tested with one: what it imports, what it inherits."""
+    """Call the command in a folder; what it imports and inherits only a process of its own shows."""
     out, err = StringIO(), StringIO()
     with chdir(cwd), redirect_stdout(out), redirect_stderr(err):
         try:

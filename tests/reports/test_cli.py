@@ -271,7 +271,6 @@ def test_damage_deep_inside_a_record_is_told_by_its_key_without_a_traceback(
 def every_command() -> list[tuple[str, Any]]:
     from typer.main import get_command
 
-
     def within(group: Any, words: str) -> Iterator[tuple[str, Any]]:
         for name, command in group.commands.items():
             yield from within(command, f"{words}{name} ") if hasattr(command, "commands") else [(words + name, command)]

@@ -17,7 +17,6 @@ from reports.cli.scans import MARBLE_KG_M3, inspect, new, prepare
 from tests.doubles import codes
 from tests.meshes import toadstool
 
-
 MARBLE_MASS_KG = 0.32 * MARBLE_KG_M3
 """Of the body's plinth, stem and cap: 0.072, 0.008 and 0.24 m³."""
 
