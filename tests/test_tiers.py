@@ -25,8 +25,6 @@ def test_the_fast_files_are_there(root: Path) -> None:
 )
 def test_a_file_is_of_one_tier(root: Path, request: pytest.FixtureRequest, tier: str, file: str) -> None:
     spec = importlib.util.spec_from_file_location("conftest_read", root / "tests" / "conftest.py")
-    assert spec is not None
-    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     assert module.tier_of(file) == tier

@@ -42,7 +42,6 @@ def test_the_newest_two_are_kept(sources: Path) -> None:
         old.mkdir(parents=True)
         os.utime(old, (1000.0 - age, 1000.0 - age))
     chosen = machine_code.folder(sources)
-    assert chosen is not None
     assert folders(home) == sorted(["compiled-0", chosen.name])
     (home / "compiled-other").mkdir()
     assert machine_code.folder(sources) == chosen
@@ -75,12 +74,10 @@ def test_read_only_sources_fall_back_to_the_user_s_cache_then_to_temporary_files
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr(machine_code.tempfile, "tempdir", str(tmp_path))
     chosen = machine_code.folder(sources)
-    assert chosen is not None
     assert chosen.parent == tmp_path / "cache" / "rockcheck"
     shutil.rmtree(tmp_path / "cache")
     (tmp_path / "cache").write_text("no folder either")
     last = machine_code.folder(sources)
-    assert last is not None
     assert last.parent.parent == tmp_path
 
 
@@ -139,10 +136,8 @@ def test_a_folder_that_can_be_replaced_is_not_used(
     (tmp_path / "cache").chmod(0o777)
     monkeypatch.setattr(machine_code.tempfile, "tempdir", str(tmp_path))
     chosen = machine_code.folder(sources)
-    assert chosen is not None
     assert chosen.parent == tmp_path / f"rockcheck-{os.getuid()}"
     (tmp_path / "cache").chmod(0o1777)
     chosen = machine_code.folder(sources)
-    assert chosen is not None
     assert chosen.parent.parent == tmp_path / "cache"
     assert chosen.stat().st_mode & 0o777 == 0o700

@@ -151,7 +151,6 @@ def test_newmark_rectangular_pulse() -> None:
 
 def test_newmark_first_excursion_of_a_harmonic_motion() -> None:
     slip = cf.harmonic_first_slip(3.0, 2.0, 0.25, 0.15)
-    assert slip is not None
     case = Case(1.0, 0.1, 2.0, 2.0, 1.0, 1.0, 0.25, 0.15, accel_x=harmonic(3.0, 2.0))
     path = reference_lagrange.solve(case, slip.stop_s + 1e-3, 1e-3)
     assert path.times("slip_backward")[0] == pytest.approx(slip.start_s, abs=budget.EVENT_TIME_S)

@@ -67,7 +67,6 @@ def compiled(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 def kept(entry: machine_code.Entry) -> Path:
     folder = home_of(entry._room)
-    assert folder is not None
     (path,) = folder.glob("powers-*.o")
     return path
 

@@ -380,7 +380,6 @@ def test_all_show_themselves_shortly_and_without_markup_of_their_own(scene: harn
 
 def test_tables_hold_what_the_result_holds(scene: harness.Scene, run: harness.Run) -> None:
     pytest.importorskip("pandas", reason="pandas (the extra [frames]) is not installed")
-    assert run.history is not None
     frame = run.to_dataframe()
     assert frame.index.name == "t_s"
     assert (frame["theta_rad"].to_numpy() == run.history.theta_rad).all()
@@ -420,7 +419,6 @@ def test_pictures_are_drawn_on_the_axes_given(scene: harness.Scene, run: harness
         assert ax.get_xlabel()
     ax = run.plot(Figure().subplots(), linestyle=":")
     assert ax.lines[0].get_label() == "analytic"
-    assert run.history is not None
     assert (ax.lines[0].get_ydata() == run.history.theta_rad).all()
     assert [line.get_label() for line in study().plot(Figure().subplots()).collections] == [
         "analytic does not overturn",

@@ -70,7 +70,6 @@ def compared(plane: Plane, names: tuple[str, ...], points: Points, count: int) -
     words = explored(plane, names, points, 0).words()
     for point in sorted(chosen):
         kept, frequency = grid[point], plane.frequencies_hz[point[0]]
-        assert kept is not None
         assert frequency is not None
         kind, basis, _ = words[point]
         said = kept.said(plane.at(point), names).kind

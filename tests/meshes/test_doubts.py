@@ -68,9 +68,7 @@ def test_a_floor_is_refused_with_the_cut_that_takes_it_off(
     with pytest.raises(MeshError, match="a floor or a plate scanned together with the statue") as caught:
         inspect(file, Wanted(unit="m", up="z"), density_kg_m3=2700.0)
     told = re.search(r"--cut-below ([0-9.]+) \(", str(caught.value))
-    assert told is not None
     found = inspect(file, Wanted(unit="m", up="z", cut_below_m=float(told.group(1))), density_kg_m3=2700.0)
-    assert found.solid is not None
     lost = 0.5 * SLAB_M if name == "on_a_slab" else SLAB_M
     assert found.solid.height_m == pytest.approx(statue.height_m - lost, abs=lost)
     assert found.solid.mass_kg == pytest.approx(statue.mass_kg, rel=CUT_VOLUME_REL)
@@ -91,7 +89,6 @@ def test_a_floor_that_is_the_statue_s_own_is_kept_when_told(on_a_slab: RawMesh) 
 
 def test_the_slab_is_wider_by_what_was_built(on_a_slab: RawMesh, statue: Solid) -> None:
     floor = attached_floor(on_a_slab.vertices, on_a_slab.faces)
-    assert floor is not None
     assert SLAB_M <= floor.cut_m <= 2.0 * SLAB_M
     assert floor.times >= FLOOR_M**2 / float(ConvexHull(statue.vertices_m[:, :2]).volume)
     # A plate of a little less than the limit is a plinth.
@@ -99,8 +96,7 @@ def test_the_slab_is_wider_by_what_was_built(on_a_slab: RawMesh, statue: Solid) 
     for times, seen in ((0.98 * WIDER, False), (1.02 * WIDER, True)):
         stepped = union([box, plate(times**0.5, -0.05, 0.05)])
         floor = attached_floor(*stepped)
-        assert floor is not None  # a wide plinth is said, and kept
-        assert floor.certain is seen
+        assert floor.certain is seen  # a wide plinth is said, and kept
 
 
 @pytest.mark.parametrize("times", [2.0, 2.4, 2.9])
@@ -113,7 +109,6 @@ def test_a_thin_floor_of_under_three_times_the_base_is_seen(times: float, statue
     square = union([body, plate(width, -0.5 * thick, 0.5 * thick)])
     floor = attached_floor(*square)
     assert width**2 > SHEET_WIDER * float(ConvexHull(statue.vertices_m[:, :2]).volume)
-    assert floor is not None
     assert floor.cut_m == pytest.approx(thick, abs=0.005 * statue.height_m)
 
 

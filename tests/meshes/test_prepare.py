@@ -43,7 +43,6 @@ def test_the_account_names_every_step_with_its_effect(noisy: Prepared) -> None:
     assert [change.step for change in log.changes] == ["debris", "up axis", "scale", "base", "decimation"]
     assert log.changes[0].count == COARSE.debris
     base = log.changes[3]
-    assert base.volume_rel is not None
     assert 0.0 < base.volume_rel < 0.01
     assert base.code == "prepared_base"
     assert base.centroid_m is not None

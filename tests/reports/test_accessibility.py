@@ -8,47 +8,23 @@ from typing import Any
 
 import pytest
 
-from reports.pages.page import CONSERVATOR_NAME, write_report
-from tests.reports import invented_records, invented_study
-from tests.reports.invented_effects import write_effects
-from tests.reports.invented_records import write_assessment, write_comparison
-from tests.reports.invented_run import write_invented
+from tests.reports.every_kind import WRITERS
 
 pytestmark = pytest.mark.browser
 
 BROKEN = Path(__file__).with_name("broken_rules.js").read_text(encoding="utf-8")
-WRITERS = {
-    "run": lambda folder: write_invented(folder, disagree=True, mesh=True),
-    "table": invented_study.write_table_study,
-    "map": invented_study.write_map_study,
-    "rose": invented_study.write_rose_study,
-    "effects": write_effects,
-    "assessment": write_assessment,
-    "comparison": write_comparison,
-    "validation": invented_records.write_validation,
-    "bench": invented_records.write_bench,
-    "stress": invented_records.write_stress,
-    "trust": invented_records.write_trust,
-}
 PLAIN = ("run", "table", "map")
 """Records with a conservator's page."""
 
 
 @pytest.fixture(scope="module")
-def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    base = tmp_path_factory.mktemp("pages")
-    found = {name: write_report(write(base / name)) for name, write in WRITERS.items()}
-    return found | {f"plain {name}": found[name].with_name(CONSERVATOR_NAME) for name in PLAIN}
-
-
-@pytest.fixture(scope="module")
-def opened(browser: Any, pages: dict[str, Path]) -> Iterator[Callable[[str, str], Any]]:
+def opened(browser: Any, page_of: Callable[[str], Path]) -> Iterator[Callable[[str, str], Any]]:
     """Opens a page on a screen of one scheme."""
     contexts = {scheme: browser.new_context(color_scheme=scheme) for scheme in ("light", "dark")}
 
     def visit(name: str, scheme: str) -> Any:
         page = contexts[scheme].new_page()
-        page.goto(pages[name].as_uri())
+        page.goto(page_of(name).as_uri())
         if not name.startswith("plain"):
             page.wait_for_selector("html[data-ready=yes]", timeout=60_000)
         return page

@@ -11,10 +11,7 @@ from typing import Any
 import pytest
 
 from reports.messages import ENGLISH
-from reports.pages.page import CONSERVATOR_NAME, write_report
 from tests.budgets_reports import FRAME_MS
-from tests.reports import invented_records, invented_study
-from tests.reports.invented_run import write_invented
 
 pytestmark = pytest.mark.browser
 
@@ -41,18 +38,7 @@ class Visit:
 
 
 @pytest.fixture(scope="module")
-def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    base = tmp_path_factory.mktemp("pages")
-    found = {"run": write_report(write_invented(base / "run", disagree=True, mesh=True))}
-    found["table"] = write_report(invented_study.write_table_study(base / "table"))
-    found["map"] = write_report(invented_study.write_map_study(base / "map"))
-    found["trust"] = write_report(invented_records.write_trust(base / "trust"))
-    plain = {f"plain {name}": found[name].with_name(CONSERVATOR_NAME) for name in ("run", "table", "map")}
-    return found | plain
-
-
-@pytest.fixture(scope="module")
-def visit(browser: Any, pages: dict[str, Path]) -> Iterator[Callable[[str, str], Visit]]:
+def visit(browser: Any, page_of: Callable[[str], Path]) -> Iterator[Callable[[str, str], Visit]]:
     """Opens a page once for all tests of one size, and brings it back to its beginning."""
     known: dict[tuple[str, str], Visit] = {}
 
@@ -63,7 +49,7 @@ def visit(browser: Any, pages: dict[str, Path]) -> Iterator[Callable[[str, str],
             found.page.on("console", lambda message: found.said.append(message.text))
             found.page.on("pageerror", lambda error: found.said.append(str(error)))
             found.page.on("request", lambda request: found.asked.append(request.url))
-            found.page.goto(pages[name].as_uri())
+            found.page.goto(page_of(name).as_uri())
             if not name.startswith("plain"):
                 found.page.wait_for_selector("html[data-ready=yes]", timeout=60_000)
         page = known[name, size].page
@@ -90,13 +76,13 @@ def errors(found: Visit) -> list[str]:
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("name", ["run", "table", "map", "plain run", "plain table", "plain map"])
 def test_it_opens_without_an_error_a_request_or_sideways_scrolling(
-    visit: Callable[[str, str], Visit], pages: dict[str, Path], name: str, size: str
+    visit: Callable[[str, str], Visit], page_of: Callable[[str], Path], name: str, size: str
 ) -> None:
     found = visit(name, size)
     found.page.evaluate("window.scrollTo(0, document.body.scrollHeight)")
     assert errors(found) == []
     local = [url for url in found.asked if url.startswith(("data:", "blob:"))]
-    assert [url for url in found.asked if url not in local] == [pages[name].as_uri()]
+    assert [url for url in found.asked if url not in local] == [page_of(name).as_uri()]
     assert found.page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
     assert found.page.locator(".wait").count() == 0
 
@@ -122,7 +108,6 @@ def test_answer_leans_and_replay_are_on_the_first_screen(visit: Callable[[str, s
     page.set_viewport_size({"width": 1280, "height": 800})
     for selector in ("#verdict-title", ".lean", "[data-replay=play]"):
         box = page.locator(selector).first.bounding_box()
-        assert box is not None
         assert box["y"] + box["height"] <= 800, selector
 
 
@@ -292,10 +277,10 @@ def test_the_papers_panels_change_with_group_and_model(visit: Callable[[str, str
 
 
 @pytest.mark.parametrize("name", ["run", "table", "map"])
-def test_without_scripts_the_charts_are_still_there(browser: Any, pages: dict[str, Path], name: str) -> None:
+def test_without_scripts_the_charts_are_still_there(browser: Any, page_of: Callable[[str], Path], name: str) -> None:
     context = browser.new_context(java_script_enabled=False)
     page = context.new_page()
-    page.goto(pages[name].as_uri())
+    page.goto(page_of(name).as_uri())
     assert page.locator("main noscript p").is_visible()
     stills = page.locator("svg.still")
     assert all(stills.nth(k).is_visible() for k in range(stills.count()))
@@ -306,11 +291,11 @@ def test_without_scripts_the_charts_are_still_there(browser: Any, pages: dict[st
     context.close()
 
 
-def test_a_page_opens_on_the_event(browser: Any, pages: dict[str, Path]) -> None:
+def test_a_page_opens_on_the_event(browser: Any, page_of: Callable[[str], Path]) -> None:
     """The first view and the replay begin shortly before anything moves; zooming leaves the rotation's scale alone."""
     context = browser.new_context(viewport={"width": 1280, "height": 800})
     page = context.new_page()
-    page.goto(pages["run"].as_uri())
+    page.goto(page_of("run").as_uri())
     page.wait_for_selector("html[data-ready=yes]", timeout=60_000)
     views = page.evaluate("rockcheck.charts.histories.views")
     assert page.evaluate("rockcheck.charts.histories.range()") == views["event_s"]

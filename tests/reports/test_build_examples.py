@@ -47,8 +47,6 @@ def test_what_a_study_has_stored_is_not_run_again(
     found = run_scene(scene, ["analytic", "pymunk"], stored=stored)
     assert plain(found.runs["pymunk"]) == plain(run)
     first, second = found.runs["pymunk"].history, run.history
-    assert first is not None
-    assert second is not None
     assert all((values == second.columns()[name]).all() for name, values in first.columns().items())
     assert "analytic_vs_pymunk" in found.scores
 

@@ -72,7 +72,6 @@ def test_vector_and_pixel_figures_have_one_size(folder: Path) -> None:
     png, svg, pdf = write_figures(folder, ("png", "svg", "pdf"), "column")
     wide, high = (float(mm) / 25.4 for mm in re.findall(r'="([\d.]+)mm"', svg.read_text(encoding="utf-8"))[:2])
     box = re.search(rb"MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", pdf.read_bytes())
-    assert box is not None
     assert [float(side) / 72.0 for side in box.groups()] == pytest.approx([wide, high], abs=ROUNDED_INCH)
     with Image.open(png) as image:
         assert [side / DPI for side in image.size] == pytest.approx([wide, high], abs=1.0 / DPI)

@@ -128,7 +128,6 @@ def test_the_supports_told_are_those_of_all_cases(study: tuple[Path, Path]) -> N
     scenes = [base.scene(case.setting) for case in expand(file, base)]
     floors = [scene.contact.floor_static for scene in scenes if scene.pedestal is not None]
     told = record.supports
-    assert told is not None
     assert told.floor_static == pytest.approx([min(floors), max(floors)])
     assert told.statue == (min(s.contact.statue for s in scenes), max(s.contact.statue for s in scenes))
     assert told.pedestal == sorted({scene.pedestal is not None for scene in scenes})

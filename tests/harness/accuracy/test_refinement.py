@@ -99,14 +99,12 @@ class Fake(Engine):
 
 
 def error_of(run: Run) -> float:
-    assert run.history is not None
     return float(np.max(np.abs(run.history.theta_rad - TRUTH)))
 
 
 @pytest.mark.parametrize("accuracy", [2e-2, 2e-3, 2e-4])
 def test_cheapest_level_that_meets_the_target(accuracy: float) -> None:
     run = run_to_accuracy(Fake(), paestum(), accuracy, RunOptions())
-    assert run.numerical_uncertainty_rad is not None
     assert error_of(run) <= run.numerical_uncertainty_rad <= accuracy
     assert run.reliable_until_s == 1.0
     assert run.work["runs"] == 4
@@ -115,10 +113,7 @@ def test_cheapest_level_that_meets_the_target(accuracy: float) -> None:
 
 def test_a_growing_error_gives_a_horizon() -> None:
     run = run_to_accuracy(Fake(growth=8.0), paestum(), 1e-3, RunOptions())
-    assert run.numerical_uncertainty_rad is not None
-    assert run.reliable_until_s is not None
     assert 0.0 < run.reliable_until_s < 0.9
-    assert run.history is not None
     until = run.history.t_s <= run.reliable_until_s
     assert np.max(np.abs(run.history.theta_rad - TRUTH)[until]) <= run.numerical_uncertainty_rad <= 1e-3
     assert doubles.codes(run.findings) == ["target_met_until"]
@@ -142,7 +137,6 @@ def test_an_error_that_one_event_makes_is_climbed_though_the_runs_part_at_the_sa
     run = run_to_accuracy(fake, paestum(), 1e-3, RunOptions())
     assert run.reliable_until_s == 1.0
     assert run.settings["dt_s"] <= 6e-5
-    assert run.numerical_uncertainty_rad is not None
     assert error_of(run) <= run.numerical_uncertainty_rad <= 1e-3
 
 
@@ -159,7 +153,6 @@ def test_two_runs_that_agree_by_chance_do_not_belie_the_comparison_before() -> N
 
     run = run_to_accuracy(Lucky(steps_s=(1e-3, 2.5e-4)), paestum(), 1e-3, RunOptions())
     assert run.work["runs"] == 4
-    assert run.numerical_uncertainty_rad is not None
     assert 5e-4 <= run.numerical_uncertainty_rad <= 1e-3
 
 
@@ -168,9 +161,7 @@ def test_a_slip_is_asked_to_the_accuracy_times_the_centroid_height(accuracy: flo
     scene = paestum()
     target_m = accuracy * scene.statue.centroid_height_m
     run = run_to_accuracy(Fake(slide=8.0), scene, accuracy, RunOptions())
-    assert run.history is not None
     assert run.slip_uncertainty_m is not None
-    assert run.numerical_uncertainty_rad is not None
     assert run.reliable_until_s == 1.0
     error_m = float(np.max(np.abs(run.history.slip_m)))
     assert error_m <= run.slip_uncertainty_m <= target_m == target_of(scene, accuracy).slip_m
@@ -191,7 +182,6 @@ class Chance(Fake):
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         run = super().simulate(scene, settings, options)
-        assert run.history is not None
         shift = run.history.theta_rad - TRUTH[: run.history.t_s.size]
         wrong = 3e-3 if settings.dt_s > 4e-4 else 0.0
         return replace(
@@ -202,17 +192,14 @@ class Chance(Fake):
 def test_two_runs_that_agree_by_chance_are_not_trusted_where_a_small_change_of_the_motion_moves_much() -> None:
     steps_s = (1e-3, 2.5e-4, 6e-5)
     blind = run_to_accuracy(Chance(steps_s=steps_s), paestum(), 1e-3, RunOptions())
-    assert blind.numerical_uncertainty_rad is not None
     assert error_of(blind) > blind.numerical_uncertainty_rad, "nothing in these runs tells that they are off"
     seen = run_to_accuracy(Chance(gain=4.0, steps_s=steps_s), paestum(), 1e-3, RunOptions())
-    assert seen.numerical_uncertainty_rad is not None
     assert seen.settings["dt_s"] < 4e-4
     assert error_of(seen) <= seen.numerical_uncertainty_rad <= 1e-3
 
 
 def test_what_a_stronger_motion_moves_is_stated_at_least() -> None:
     run = run_to_accuracy(Fake(gain=1.5), paestum(), 2e-3, RunOptions())
-    assert run.numerical_uncertainty_rad is not None
     assert run.numerical_uncertainty_rad >= 1.5 * run.settings["expected_error_rad"] * (1.0 - 1e-6)
 
 
@@ -250,7 +237,6 @@ def test_a_fall_is_not_climbed_for_its_own_path() -> None:
     steps_s = tuple(2e-4 / 4**k for k in range(8))  # fine enough to tell the whole path, at a price
     settled = run_to_accuracy(Fake(growth=8.0, no_return_s=0.15, steps_s=steps_s), paestum(), 1e-3, RunOptions())
     assert settled.work["runs"] == 4
-    assert settled.reliable_until_s is not None
     assert 0.15 <= settled.reliable_until_s < 0.5
     assert "target_met_until_fall" in doubles.codes(settled.findings)
     late = run_to_accuracy(Fake(growth=8.0, no_return_s=0.99, steps_s=steps_s), paestum(), 1e-3, RunOptions())
@@ -260,7 +246,6 @@ def test_a_fall_is_not_climbed_for_its_own_path() -> None:
 def test_a_run_that_only_confirms_ends_soon_after_the_two_part() -> None:
     run = run_to_accuracy(Fake(growth=60.0), paestum(), 1e-3, RunOptions())
     assert run.end_s == 1.0
-    assert run.reliable_until_s is not None
     assert run.reliable_until_s < 0.2
     whole = round(1.0 / run.settings["dt_s"])
     assert run.work["runs"] == 5
@@ -286,7 +271,6 @@ def test_an_event_whose_error_falls_with_the_step_is_no_reason_to_give_up() -> N
 def test_a_coarse_level_that_diverges_is_climbed_over() -> None:
     run = run_to_accuracy(Fake(diverges_above_s=7e-3), paestum(), 2e-2, RunOptions())
     assert run.outcome is Outcome.STANDS
-    assert run.numerical_uncertainty_rad is not None
     assert error_of(run) <= run.numerical_uncertainty_rad
 
 
@@ -298,7 +282,6 @@ def test_all_diverging_is_said() -> None:
 
 def test_spread_sees_an_overturn_that_only_one_run_has() -> None:
     stands = Fake().simulate(paestum(), Settings(1e-4, 1e-4), RunOptions())
-    assert stands.history is not None
     half = stands.history.t_s <= 0.5
     history = History(*(values[half] for values in list(stands.history.columns().values())[:5]))
     falls = replace(stands, outcome=Outcome.OVERTURNED_LEFT, history=history, end_s=0.5)
@@ -326,7 +309,6 @@ def test_pymunk_states_what_a_finer_run_confirms() -> None:
     assert len(missed) <= (1.0 - budget.STATED_SHARE) * len(rows) + 0.5
     assert sum(map(met_whole, rows)) >= len(rows) // 3
     for row in missed:
-        assert row.stated is not None
         assert row.stated.error_rad <= SAFETY * row.stated.stated_rad
 
 

@@ -110,7 +110,6 @@ def test_scores_after_the_horizon_are_distributions() -> None:
     scores = compare(a, b)
     after = scores.after_horizon
     peaks = [omega**2 / 8.0 for begin, _, _, omega in doubles.arcs(10.0, 0.1, 4.0, 0.9, 0.5) if begin > 2.0 - 1e-3]
-    assert after is not None
     assert after.excursions_b == len(peaks)
     # Every value larger by a fifth: the area between the distributions is a fifth of the mean.
     assert after.peaks.area_rad == pytest.approx(0.2 * float(np.mean(peaks)), rel=1e-2)
@@ -136,7 +135,6 @@ def test_what_differs_only_beyond_the_horizon_moves_no_score_of_instants() -> No
     assert max(scores.impact_times_a_s) <= 4.0
     assert (scores.residual_theta_difference_rad, scores.residual_slip_difference_m) == (None, None)
     assert scores.verdict is Verdict.UNBOUNDED
-    assert scores.after_horizon is not None
     assert scores.after_horizon.last_difference_rad == pytest.approx(0.05 * 6.0)
     assert scores.after_horizon.largest_a_rad > 0.2
 
@@ -158,8 +156,6 @@ def test_many_excursions_after_the_horizon_stand_beside_chance() -> None:
         compare(doubles.run_of(each, "a", **known), doubles.run_of(many, "b", **known)).after_horizon
         for each in (doubles.rocking(60.0, ratio=0.995, start_s=0.6), doubles.scaled(many, 1.5))
     )
-    assert same is not None
-    assert larger is not None
     assert same.peaks.area_rad < same.peaks.area_by_chance_rad
     assert after_horizon_values(same)["kind"] == "chance"
     assert larger.peaks.area_rad > larger.peaks.area_by_chance_rad

@@ -66,7 +66,6 @@ def run(folder: Path, body: str, engine: str, *, across: bool = False) -> Run:
 def test_what_lies_on_its_flank_has_overturned(tmp_path: Path, body: str, engine: str) -> None:
     """The shaking goes on to the end: what lies there is judged all the same."""
     found, model = run(tmp_path, body, engine), run(tmp_path, body, "analytic")
-    assert found.history is not None
     end = abs(float(found.history.theta_rad[-1]))
     assert 1.0 < end < OVERTURN_RAD
     assert found.outcome is model.outcome
@@ -76,7 +75,6 @@ def test_what_lies_on_its_flank_has_overturned(tmp_path: Path, body: str, engine
     # The boulder's foot is rough: each engine rests on other vertices of it at first.
     if body != "boulder":
         assert found.no_return_time_s == pytest.approx(model.no_return_time_s, abs=budget.TOPPLED_S)
-    assert found.overturn_time_s is not None
     assert found.no_return_time_s < found.overturn_time_s < found.end_s == 4.0
     tilt = np.arccos(np.cos(found.history.extra.get("out_of_plane_rad", 0.0)) * np.cos(found.history.theta_rad))
     assert np.interp(found.overturn_time_s, found.history.t_s, tilt) == pytest.approx(tilt[-1], abs=budget.LYING_RAD)
@@ -86,10 +84,7 @@ def test_what_lies_on_its_flank_has_overturned(tmp_path: Path, body: str, engine
 def test_a_fall_across_the_plane_is_no_stand(tmp_path: Path) -> None:
     """On its flank across the plane the planar rotation may be anything, zero too."""
     found = run(tmp_path, "vase", "pybullet", across=True)
-    assert found.history is not None
     across = float(found.history.extra["out_of_plane_rad"][-1])
     assert found.outcome is (Outcome.OVERTURNED_BACK if across > 0.0 else Outcome.OVERTURNED_FRONT)
     assert math.cos(across) * math.cos(float(found.history.theta_rad[-1])) > math.cos(OVERTURN_RAD)
-    assert found.no_return_time_s is not None
-    assert found.overturn_time_s is not None
     assert found.no_return_time_s < found.overturn_time_s < found.end_s

@@ -89,7 +89,6 @@ def test_a_block_that_lands_flat_turns_about_an_edge_that_sticks_above_the_limit
         pose = Pose((0.0, 0.0, height_m + 1e-3 * down), (1.0, 0.0, 0.0, 0.0), (1.0, 0.0, -down), (0.0, 0.0, 0.0))
         on = scene(rectangle(WIDTH_M, 2.0 * height_m), mu_statue=friction, duration_s=0.004, output_dt_s=5e-4)
         history = run(engines.load(name), replace(on, initial=Initial(pose=pose))).history
-        assert history is not None
         # From 1 to 2.5 ms after the landing the leading vertex stands, or goes on.
         column = "corner_right_x_m" if "corner_right_x_m" in history.extra else "statue_slip_m"
         edge = np.interp([0.002, 0.0035], history.t_s, history.extra[column])

@@ -63,7 +63,6 @@ def solution(scene: harness.Scene) -> tuple[float, object]:
     edge; the statue then turns on that edge: a double pendulum upside down.
     """
     statue, pedestal = scene.statue, scene.pedestal
-    assert pedestal is not None
     top = np.array([0.0, pedestal.height_m])
     on_top = np.array([0.5 * pedestal.width_m - scene.statue.base_centre_m, statue.centroid_height_m])
     middle = np.array([0.5 * pedestal.width_m, 0.5 * pedestal.height_m])
@@ -114,7 +113,6 @@ def test_a_statue_that_overhangs_turns_on_the_edge_of_its_pedestal(name: str) ->
     lifts_s, exact = solution(scene)
     engine = load(name)
     run = engine.simulate(scene, engine.settings_for_dt(scene, 2.5e-4), RunOptions())
-    assert run.history is not None
     t_s = run.history.t_s[run.history.t_s > lifts_s]
     tilt, lean, *_ = exact(t_s)  # type: ignore[operator]
     assert np.max(lean - tilt) > budget.EDGE_SEEN_RAD, "long enough that a millimetre would show"

@@ -51,7 +51,6 @@ def run(name: str, on: Scene, dt_s: float) -> Run:
 
 def turned(found: Run) -> Rotation:
     """The body's rotation at each sample."""
-    assert found.history is not None
     extra = found.history.extra
     return Rotation.from_euler("xyz", np.column_stack([extra[f"{name}_rad"] for name in ("roll", "pitch", "yaw")]))
 
@@ -69,7 +68,6 @@ def test_a_pose_is_begun_from_or_refused(name: str) -> None:
         assert "a pose out of the rocking plane" in found.message
         on = thrown(replace(pose, quaternion_wxyz=(math.cos(0.3), 0.0, math.sin(0.3), 0.0)), 0.05)
         history = run(name, on, 1e-3).history
-        assert history is not None
         assert history.theta_rad[0] == pytest.approx(0.6, abs=budget.INTEGRATED)
         return
     assert turned(found)[0].as_quat()[[3, 0, 1, 2]] == pytest.approx(pose.quaternion_wxyz, abs=budget.INTEGRATED)
@@ -96,7 +94,6 @@ def test_torque_free_flight_keeps_its_attitude(name: str) -> None:
 def exact(on: Scene) -> Rotation:
     """The reference's rotations at the output times."""
     pose, statue = on.initial.pose, on.statue
-    assert pose is not None
     mu = on.contact.statue
     case = Case(
         statue.mass_kg, statue.inertia_tensor_kg_m2, statue.outer_points_m, mu, mu, gravity_m_s2=on.gravity_m_s2
@@ -122,7 +119,6 @@ def test_a_block_that_lands_on_vertex_after_vertex_follows_the_reference(name: s
 def test_a_dropped_block_lands_when_it_must_and_stays(name: str) -> None:
     on = thrown(Pose((0.0, 0.0, 0.7)), 0.5)
     found = run(name, on, 2.5e-4)
-    assert found.history is not None
     height = found.history.extra["corner_right_z_m"]
     times = found.history.t_s
     falling = times < math.sqrt(2.0 * 0.1 / GRAVITY_M_S2)
@@ -137,12 +133,10 @@ def test_a_block_dropped_flat_bounces_by_its_coefficient_of_restitution() -> Non
     """To e² of its height, exactly in `spatial`; pybullet, which locates plastic impacts, refuses."""
     on = replace(thrown(Pose((0.0, 0.0, 0.7)), 0.3), contact=Contact(0.2, 0.15, 1.0, 0.5))
     found = run("pybullet:plain", on, 2.5e-4)
-    assert found.history is not None
     height = found.history.extra["corner_right_z_m"]
     after = found.history.t_s > math.sqrt(2.0 * 0.1 / GRAVITY_M_S2) + 0.02
     assert np.max(height[after]) == pytest.approx(0.25 * 0.1, rel=budget.BOUNCE_RELATIVE)
     exactly = run("spatial", replace(on, output_dt_s=1e-4), 0.01)
-    assert exactly.history is not None
     after = exactly.history.t_s > math.sqrt(2.0 * 0.1 / GRAVITY_M_S2)
     top = np.max(exactly.history.extra["corner_right_z_m"][after])
     # A sample at most half an output step from the top is lower by g dt²/8.
@@ -159,16 +153,12 @@ def test_a_square_thrown_in_the_plane_lands_as_the_exact_body_does() -> None:
     )
     on = replace(scene(block, duration_s=0.15), initial=Initial(pose=pose), contact=Contact(0.2, 0.2, 0.6))
     exactly, located = (run(name, on, 2.5e-4).history for name in ("spatial", "pymunk"))
-    assert exactly is not None
-    assert located is not None
     assert np.ptp(exactly.theta_rad) > 0.2
     at = np.interp(exactly.t_s, located.t_s, located.theta_rad)
     assert np.max(np.abs(at - exactly.theta_rad)) < budget.PLANE_LANDING_RAD
     bouncing = replace(on, contact=Contact(0.2, 0.2, 0.6, 0.5))
     assert "a coefficient of restitution is pymunk:plain's" in run("pymunk", bouncing, 2.5e-4).message
     exactly, plain = (run(name, bouncing, 1e-4).history for name in ("spatial", "pymunk:plain"))
-    assert exactly is not None
-    assert plain is not None
     at = np.interp(exactly.t_s, plain.t_s, plain.theta_rad)
     assert np.max(np.abs(at - exactly.theta_rad)) < budget.PLANE_BOUNCING_RAD
 
@@ -178,7 +168,6 @@ def test_a_body_that_begins_on_its_side_runs_to_the_end(name: str) -> None:
     on = thrown(Pose((0.0, 0.0, 0.5), (math.sqrt(0.5), 0.0, math.sqrt(0.5), 0.0)), 0.4)
     found = run(name, on, 1e-3)
     assert found.end_s == on.duration_s
-    assert found.history is not None
     assert found.history.t_s.size == 41
 
 

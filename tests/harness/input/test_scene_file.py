@@ -145,7 +145,6 @@ POSED = "[initial]\nposition_m = [0.0, 0.0, 0.6]\n"
 def test_a_pose_in_space_is_read_and_its_quaternion_made_exact(tmp_path: Path) -> None:
     turn = "quaternion_wxyz = [0.70711, 0.0, 0.70711, 0.0]\nangular_velocity_rad_s = [1.0, 2.0, 3.0]\n"
     pose = load_scene(written(tmp_path, GOOD + POSED + turn)).initial.pose
-    assert pose is not None
     assert pose.position_m == (0.0, 0.0, 0.6)
     assert sum(part * part for part in pose.quaternion_wxyz) == pytest.approx(1.0, rel=1e-15)
     assert pose.rotation[:, 2] == pytest.approx([1.0, 0.0, 0.0], abs=1e-15)

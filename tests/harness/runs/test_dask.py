@@ -42,7 +42,6 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
     ]
     processes = [subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=tmp_path)]
     stream = processes[0].stderr
-    assert stream is not None
     address = next(found[0] for line in stream if (found := re.search(r"tcp://127\.0\.0\.1:\d+", line)))
     workers = []
     for _ in range(2):

@@ -35,7 +35,6 @@ def test_rows_stand_in_the_order_of_the_requests_and_are_single_runs(scene: harn
     assert runs.table["a_g"].tolist() == [0.3, 0.3, 0.6, 0.6]
     for k, request in enumerate(wanted(scene, history=True)):
         alone = harness.simulate(request.made(), request.engine, accuracy_rad=1e-2)
-        assert alone.history is not None
         assert runs.table["peak_theta_rad"][k] == abs(alone.peak_theta_rad)
         assert (runs.table["steps"][k], runs.table["impacts"][k]) == (alone.steps, alone.impacts)
         np.testing.assert_array_equal(runs.history(k).theta_rad, alone.history.theta_rad)

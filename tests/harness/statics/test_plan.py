@@ -91,7 +91,6 @@ def test_rest_goes_on_until_the_next_sample_that_moves_the_statue_as_it_has_turn
         paestum(0.3, 2.0, pedestal=False), base_excitation=BaseExcitation(x=rising().scaled(-1.0)), duration_s=9.0
     )
     limits = LimitsOfRest.of(scene)
-    assert limits is not None
     assert [limits.until_s(t) for t in (0.0, 1.0, 3.0, 7.0, 8.0)] == [2.0, 2.0, 3.0, 7.0, 9.0]
     # Turned by half a turn the far corner is where the near one was: 0.463 g is never reached.
     assert limits.until_s(0.0, np.pi) == 9.0

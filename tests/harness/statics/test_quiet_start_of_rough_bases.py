@@ -29,7 +29,6 @@ def test_a_flat_base_waits_longer_than_rough_ones() -> None:
 
 def test_the_resting_polygon_is_that_of_the_lowest_vertices_under_the_centroid() -> None:
     polygon = resting_polygon_m(statue(BASES["bulging"]))
-    assert polygon is not None
     assert np.ptp(polygon[:, 0]) == pytest.approx(0.14, rel=LIMIT_ROUNDING)
     assert resting_polygon_m(statue(BASES["keeled"])) is None
 

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from reports.pages.page import CONSERVATOR_NAME, write_report
 from tests.budgets_reports import CONTRAST
-from tests.reports import invented_study
-from tests.reports.invented_run import write_invented
 
 pytestmark = pytest.mark.browser
 
@@ -54,15 +51,6 @@ WEAK_TEXT = """
 """
 
 
-@pytest.fixture(scope="module")
-def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    base = tmp_path_factory.mktemp("pages")
-    found = {"run": write_report(write_invented(base / "run", disagree=True))}
-    found["table"] = write_report(invented_study.write_table_study(base / "table"))
-    found["map"] = write_report(invented_study.write_map_study(base / "map"))
-    return found | {f"plain {name}": path.with_name(CONSERVATOR_NAME) for name, path in found.items()}
-
-
 @pytest.fixture(scope="module", params=["light", "dark"])
 def page(request: pytest.FixtureRequest, browser: Any) -> Iterator[Any]:
     """A page at a desk with its scripts off, so that the stills stay, on a light and on a dark screen."""
@@ -73,14 +61,14 @@ def page(request: pytest.FixtureRequest, browser: Any) -> Iterator[Any]:
 
 
 @pytest.mark.parametrize("name", ["run", "table", "map", "plain run", "plain table", "plain map"])
-def test_text_stands_out_from_what_lies_under_it(page: Any, pages: dict[str, Path], name: str) -> None:
-    page.goto(pages[name].as_uri())
+def test_text_stands_out_from_what_lies_under_it(page: Any, page_of: Callable[[str], Path], name: str) -> None:
+    page.goto(page_of(name).as_uri())
     assert page.evaluate(WEAK_TEXT, CONTRAST) == []
 
 
 @pytest.mark.parametrize("name", ["run", "plain run"])
-def test_the_check_sees_pale_words_and_pale_grounds(page: Any, pages: dict[str, Path], name: str) -> None:
-    page.goto(pages[name].as_uri())
+def test_the_check_sees_pale_words_and_pale_grounds(page: Any, page_of: Callable[[str], Path], name: str) -> None:
+    page.goto(page_of(name).as_uri())
     page.evaluate("document.querySelector('main h1').style.color = '#777'")
     page.evaluate("document.querySelector('main svg text').style.fill = '#777'")
     seen = page.evaluate(WEAK_TEXT, CONTRAST)

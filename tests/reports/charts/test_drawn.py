@@ -38,7 +38,6 @@ def curve(x: Any, y: Any, name: str = "a model", *more: dict[str, Any]) -> dict[
 def points(drawn: str) -> np.ndarray[Any, Any]:
     """The points of the one curve."""
     path = re.search(rf'd="M([^"]+)" stroke="{COLOUR}"', drawn.split("mark-line", 1)[1])
-    assert path is not None
     return np.array([[float(value) for value in point.split(",")] for point in path.group(1).split("L")])
 
 

@@ -62,7 +62,6 @@ def test_the_most_probable_fall_decides_the_colour() -> None:
 def test_what_the_model_alone_answers_is_its_own_where_another_contradicts_it() -> None:
     """Of a statue that pybullet says to fall in 29 of 100 draws more nothing is "a reserve", and options are the model's."""
     record = assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200).record
-    assert record.options is not None
     options = replace(record.options, options=[replace(each, high=0.0) for each in record.options.options])
     for apart, kind in ((ProbabilityDifference(-0.29, -0.34, -0.24, 0.9), "alone"), (None, "some")):
         differences = {} if apart is None else {"pybullet": apart}

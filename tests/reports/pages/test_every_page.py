@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from html import unescape
 from pathlib import Path
 
@@ -16,26 +16,8 @@ from reports.blocks import Block, Chart, Section, Table, walk
 from reports.charts.drawn import svg
 from reports.messages import ENGLISH, LANGUAGES, language
 from reports.pages.page import page_blocks, write_report
-from tests.reports import invented_records, invented_study
-from tests.reports.invented_effects import write_effects
-from tests.reports.invented_run import write_invented
+from tests.reports.every_kind import WRITERS
 from tests.reports.page_parts import answer, cell_text, every
-
-WRITERS: dict[str, Callable[[Path], Path]] = {
-    "run": lambda folder: write_invented(folder, disagree=True),
-    "table": invented_study.write_table_study,
-    "map": invented_study.write_map_study,
-    "rose": invented_study.write_rose_study,
-    "effects": write_effects,
-    "assessment": invented_records.write_assessment,
-    "comparison": invented_records.write_comparison,
-    "validation": invented_records.write_validation,
-    "bench": invented_records.write_bench,
-    "stress": invented_records.write_stress,
-    "trust": invented_records.write_trust,
-}
-"""A folder of every kind of record that has an invented one."""
-
 
 NAMES = ("own impact", "level", "own defaults", "slenderness")
 """What the records themselves name: a study's variants, a bench's settings, difficulties."""

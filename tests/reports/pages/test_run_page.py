@@ -52,7 +52,6 @@ def without_data(html: str) -> str:
 
 def figure_of(html: str) -> Any:
     found = re.search(r'data-chart="histories">(.*?)</script>', html, re.S)
-    assert found is not None
     return json.loads(unpacked(found[1]))
 
 
@@ -126,7 +125,6 @@ def test_uncertainty_bands_have_the_recorded_width(html: str) -> None:
 
 def test_the_replay_holds_the_mesh_and_every_models_motion(folder: Path, html: str) -> None:
     found = re.search(r'id="replay-data">(.*?)</script>', html, re.S)
-    assert found is not None
     payload = json.loads(unpacked(found[1]))
     assert payload["mesh"]["own"] is True
     assert payload["mesh"]["faces"] <= MOST_FACES < payload["mesh"]["source_faces"]
@@ -246,7 +244,6 @@ def test_a_pedestal_that_tips_is_not_said_to_slide(tmp_path: Path) -> None:
     source = run_source(tmp_path / "run")
     assert ENGLISH.say(info("pedestal_still")) in run_verdict(source).points
     tips = re.search(r"tips by up to (\S+)°", " ".join(run_verdict(source).points))
-    assert tips is not None
     history = source.histories["pymunk"]
     until_s = source.runs["pymunk"].no_return_time_s or history.t_s[-1]
     most_rad = np.max(np.abs(history.extra["pedestal_tilt_rad"][history.t_s <= until_s]))

@@ -35,7 +35,6 @@ def test_an_error_counts_beyond_twice_the_uncertainties_together(simulated_rad: 
         rocking(simulated_rad), rocking(0.1), uncertainties_rad=(3e-3, None), measured=Measured(4e-3, 3e-3)
     )
     found = scores.comparison_error
-    assert found is not None
     assert found.u_val_rad == pytest.approx(math.sqrt(3e-6 + 9e-6 + 16e-6), rel=ROUNDING_REL)
     assert found.error_rad == pytest.approx(simulated_rad - 0.1, rel=1e-9)
     said = scores.findings[-1]
@@ -46,7 +45,6 @@ def test_an_error_counts_beyond_twice_the_uncertainties_together(simulated_rad: 
 def test_the_share_of_the_time_is_that_beyond_twice_u_val() -> None:
     """Of E = 0.02 e⁻ᵗ cos 9t what exceeds 2 u_D = 0.01 lies in the first ln 2 seconds."""
     scores = compare(rocking(0.12), rocking(0.1), measured=Measured(5e-3))
-    assert scores.comparison_error is not None
     t = np.linspace(0.0, 4.0, 100_001)
     wanted = np.mean(np.abs(0.02 * np.exp(-t) * np.cos(9.0 * t)) > 0.01)
     assert scores.comparison_error.beyond_share == pytest.approx(wanted, abs=1e-3)

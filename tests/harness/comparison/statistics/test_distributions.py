@@ -46,19 +46,16 @@ def test_an_empty_or_broken_sample_is_refused(bad: list[float]) -> None:
 def test_wilson_by_hand() -> None:
     """8 of 10 with z = 1.96: the published interval is 0.490 to 0.943."""
     found = distributions.wilson(8, 10)
-    assert found is not None
     assert (found.value, round(found.low, 3), round(found.high, 3)) == (0.8, 0.490, 0.943)
     assert distributions.wilson(0, 0) is None
     for hits in (0, 10):
         edge = distributions.wilson(hits, 10)
-        assert edge is not None
         assert 0.0 <= edge.low <= edge.value <= edge.high <= 1.0
 
 
 def test_bootstrap_of_a_mean_has_its_standard_error() -> None:
     values = np.random.default_rng(7).normal(3.0, 2.0, 400)
     found = distributions.bootstrap(lambda index: float(values[index].mean()), values.size, seed=1)
-    assert found is not None
     half = 1.96 * values.std() / math.sqrt(values.size)
     # The 2.5 % quantile of 1000 resamples has a standard error of 0.0264 standard deviations… /φ(1.96)·√(0.025·0.975/1000).
     error = QUANTILE_SE * math.sqrt(0.025 * 0.975 / 1000) / stats.norm.pdf(1.96) * half / 1.96
@@ -108,7 +105,6 @@ def test_median_and_dispersion_of_peaks_cover_what_they_were_drawn_with() -> Non
         shared = 0.6 * rng.standard_normal(40)
         own = shared + math.log(truth) + 0.1 * rng.standard_normal(40)
         scores = distributions.compare_logarithms(np.exp(own), np.exp(shared), seed=seed, resamples=200)
-        assert scores is not None
         intervals = (scores.median_ratio, truth), (scores.dispersion_ratio, wide)
         covered += [interval.low <= value <= interval.high for interval, value in intervals]
         assert scores.dispersion == pytest.approx(float(np.std(own, ddof=1)))

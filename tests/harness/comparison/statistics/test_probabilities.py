@@ -13,7 +13,6 @@ from tests.budgets_compare import COUNTED
 def test_the_area_counts_pairs_in_the_right_order() -> None:
     """Of the four pairs of one that fell and one that stood three are in order, one of them a tie: 3.5 of 4 less a tie's half."""
     found = area_under_curve([0.9, 0.4, 0.4, 0.1], [True, True, False, False])
-    assert found is not None
     assert found.value == pytest.approx(3.5 / 4)
     assert found.low <= found.value <= found.high
 

@@ -41,8 +41,6 @@ def exact(scene: Scene) -> Run:
 
 def apart(a: Run, b: Run, column: str = "theta_rad", until_s: float = np.inf) -> float:
     """Largest difference of a column of two runs at their common times."""
-    assert a.history is not None
-    assert b.history is not None
     count = min(a.history.t_s.size, b.history.t_s.size)
     early = a.history.t_s[:count] <= until_s
     np.testing.assert_allclose(a.history.t_s[:count][early], b.history.t_s[:count][early], rtol=1e-12)
@@ -52,6 +50,5 @@ def apart(a: Run, b: Run, column: str = "theta_rad", until_s: float = np.inf) ->
 
 def worst(run: Run, column: str) -> float:
     """Largest change of a column from its start."""
-    assert run.history is not None
     values = run.history.columns()[column]
     return float(np.max(np.abs(values - values[0])))

@@ -148,7 +148,6 @@ def test_free_rocking() -> None:
         gravity_m_s2=GRAVITY_M_S2,
     )
     assert run.impact_times_s[0] == pytest.approx(quarter_period_s(0.5 * alpha, alpha, p), abs=budget.FREE_IMPACT_S)
-    assert run.history is not None
     rebound = run.history.theta_rad[run.history.t_s > run.impact_times_s[0] + 0.01]
     assert -float(np.min(rebound)) / alpha == pytest.approx(0.4222, rel=budget.FREE_PEAK_REL)
 
@@ -157,7 +156,6 @@ def test_initial_rate() -> None:
     case = scene(rectangle(0.4, 1.0), theta_rate_rad_s=-0.5, duration_s=0.3)
     run = bullet(case)
     assert apart(run, exact(case)) <= budget.FLOOR_RAD
-    assert run.history is not None
     assert run.history.theta_rad[40] < 0.0
 
 
@@ -172,7 +170,6 @@ def test_wall_is_touched_where_the_silhouette_meets_it() -> None:
     case = replace(paestum(0.429, 2.0, pedestal=False, duration_s=2.0), wall=Wall("right", 0.2))
     run = bullet(case, 5e-4)
     assert run.outcome is Outcome.TOUCHES_WALL
-    assert run.history is not None
     reach = case.wall_rotation_rad
     assert reach is not None
     touch = float(run.history.at(np.array([run.validity["wall_touch_time_s"]]))[0])

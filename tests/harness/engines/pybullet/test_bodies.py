@@ -113,7 +113,6 @@ def test_a_bent_base_starts_on_the_face_that_carries_it() -> None:
     assert rest.stable
     assert rest.lean_rad == pytest.approx(math.atan(lean), rel=1e-6)
     still = bullet(scene(statue, duration_s=0.2), 1e-3, NOTHING_SKIPPED)
-    assert still.history is not None
     np.testing.assert_allclose(still.history.theta_rad, math.atan(lean), atol=budget.PLANAR_RAD)
     assert "base_not_flat" in doubles.codes(still.findings)
 
@@ -249,7 +248,6 @@ def test_masses_all_changed_in_proportion_change_no_motion() -> None:
     """The solver's threshold is one of velocities, not of impulses: powers of two change no bit."""
     case = paestum(0.429, 3.0, duration_s=0.4)
     statue, pedestal = case.statue, case.pedestal
-    assert pedestal is not None
     light = replace(
         case,
         statue=replace(

@@ -32,7 +32,6 @@ def run(name: str) -> Run:
 
 
 def bits(result: Run) -> bytes:
-    assert result.history is not None
     return b"".join(np.ascontiguousarray(values).tobytes() for values in result.history.columns().values())
 
 

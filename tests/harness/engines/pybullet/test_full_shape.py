@@ -192,7 +192,6 @@ def test_a_flat_wall_meets_a_concave_statue_at_its_hulls_vertices(monkeypatch: p
     assert first == pytest.approx(math.atan2(rim[1], rim[0]) - math.acos(0.75 / math.hypot(*rim)), abs=1e-12)
     assert touching_from(case, "hull") == pytest.approx(first, abs=budget.WALL_RAD)
     run = bullet(case, 5e-4)
-    assert run.history is not None
     assert run.outcome is Outcome.TOUCHES_WALL
     assert run.history.theta_rad[-1] == pytest.approx(first, abs=budget.WALL_RAD)
     assert run.validity["full_shape"] is None
@@ -203,7 +202,6 @@ def test_a_scan_meets_a_wall_where_its_outline_does(data_dir: Path) -> None:
     case = scene(statue, wall=Wall("right", 0.05), theta_rate_rad_s=1.0, duration_s=0.2)
     run = bullet(case, 1e-3)
     assert run.outcome is Outcome.TOUCHES_WALL
-    assert run.history is not None
     assert run.history.theta_rad[-1] == pytest.approx(case.wall_rotation_rad, abs=budget.SCAN_WALL_RAD)
 
 

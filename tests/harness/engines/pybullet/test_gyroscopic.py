@@ -34,8 +34,6 @@ def flight(rate_rad_s: tuple[float, float, float]) -> Scene:
 
 def attitude_error_rad(scene: Scene, run: Run, exact: Run) -> float:
     """Angle between the two rotations at the end."""
-    assert run.history is not None
-    assert exact.history is not None
     here, there = (poses(scene.statue, item)[0][-1] for item in (run.history, exact.history))
     assert run.history.t_s[-1] == pytest.approx(exact.history.t_s[-1])
     return float(2.0 * np.arcsin(np.linalg.norm(here - there) / np.sqrt(8.0)))

@@ -42,7 +42,6 @@ def shaken_across(on: Scene) -> Scene:
 def test_turned_and_turned_back_a_row_is_the_same() -> None:
     row = tuple(np.random.default_rng(5).normal(size=26))
     heading = Heading.of(0.7)
-    assert heading is not None
     np.testing.assert_allclose(heading.back.row(heading.row(row)), row, rtol=0.0, atol=1e-15)
     # The rotation of the turned body is the turn after the body's own.
     unit = _unit(row)
@@ -94,7 +93,6 @@ def test_a_block_that_slides_askew_keeps_its_line_where_bullets_axes_follow_it(d
 
 
 def _off_line_rad(run: Run) -> float:
-    assert run.history is not None
     x, y = (run.history.columns()[f"corner_right_{axis}_m"] for axis in "xy")
     return abs(math.atan2(y[-1] - y[0], x[-1] - x[0]) - 0.5)
 

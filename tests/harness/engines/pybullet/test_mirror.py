@@ -26,8 +26,6 @@ def test_half_of_a_scene_tells_the_whole(pedestal: bool) -> None:
     assert apart(half, whole) <= budget.HALVED_RAD
     assert half.validity["out_of_plane_rad"] == half.validity["yaw_rad"] == half.validity["statue_across_m"] == 0.0
     for column in ("statue_force_z_n", "energy_j"):
-        assert half.history is not None
-        assert whole.history is not None
         one, other = half.history.columns()[column], whole.history.columns()[column]
         assert float(np.median(np.abs(one - other))) <= budget.HALVED_SHARE * float(np.max(np.abs(other))), column
 

@@ -33,8 +33,6 @@ def error(on: Scene, dt_s: float, **changes: int) -> float:
         ENGINE.simulate(on, settings, RunOptions()),
         MODEL.simulate(on, MODEL.refinement_levels(on)[1], RunOptions()),
     )
-    assert found.history is not None
-    assert exact.history is not None
     times = np.linspace(0.0, min(found.end_s, exact.end_s), 500)
     return float(np.max(np.abs(found.history.at(times) - exact.history.at(times))))
 

@@ -40,8 +40,6 @@ def exact(on: Scene) -> Run:
 
 def apart(a: Run, b: Run) -> tuple[float, float]:
     """Largest difference in rotation, rad, and in slip, m."""
-    assert a.history is not None
-    assert b.history is not None
     assert a.history.t_s.size == b.history.t_s.size
     theta = np.abs(a.history.theta_rad - b.history.theta_rad)
     slip = np.abs(a.history.slip_m - b.history.slip_m)
@@ -112,7 +110,6 @@ def test_free_rocking_known_answer() -> None:
     found = run(scene(block, theta_rad=0.5 * alpha, duration_s=1.0))
     assert found.impact_times_s[0] == pytest.approx(0.34709, abs=budget.FREE_ROCKING_TIME_S)
     assert found.validity["impact_ratios"][0] == pytest.approx(0.9423, abs=budget.FREE_ROCKING_RATIO * 5.0)
-    assert found.history is not None
     assert -np.min(found.history.theta_rad) / alpha == pytest.approx(0.4222, abs=budget.FREE_ROCKING_PEAK)
     assert found.history.theta_rad[0] == pytest.approx(0.5 * alpha, abs=1e-12)
 
@@ -129,7 +126,6 @@ def test_at_rest_nothing_moves() -> None:
     on = paestum(0.0, duration_s=60.0, output_dt_s=0.1)
     found = ENGINE.simulate(on, ENGINE.settings_for_dt(on, 1e-3), RunOptions(skips=frozenset()))
     assert found.steps == 60_000
-    assert found.history is not None
     settled = found.history.t_s > 1.0
     for values in (found.history.theta_rad, found.history.slip_m, found.history.extra["statue_slip_m"]):
         assert np.ptp(values[settled]) <= budget.CREEP
@@ -147,8 +143,6 @@ def test_a_mirrored_scene_gives_the_mirrored_history() -> None:
         on, statue=mirrored, base_excitation=replace(on.base_excitation, x=on.base_excitation.x.scaled(-1.0))
     )
     a, b = run(on).history, run(other).history
-    assert a is not None
-    assert b is not None
     np.testing.assert_allclose(b.theta_rad, -a.theta_rad, atol=budget.PEDESTAL_FINE_RAD)
 
 
@@ -175,7 +169,6 @@ def test_wall_stops_the_fall() -> None:
     assert fallen.outcome is Outcome.OVERTURNED_RIGHT
     assert stopped.outcome is Outcome.TOUCHES_WALL
     limit = walled.wall_rotation_rad
-    assert limit is not None
     assert limit < stopped.peak_theta_rad < min(limit + 0.05, OVERTURN_RAD)
 
 
@@ -202,7 +195,6 @@ def test_direct_calls_are_the_public_ones() -> None:
     settings = PLAIN.settings_for_dt(on, 1e-3)
     history = PLAIN.simulate(on, settings, RunOptions(skips=frozenset())).history
     angles = [-(row[2] + 1e-3 * row[5]) for row in baseline_loop(on, settings)[1]]
-    assert history is not None
     assert np.max(np.abs(history.theta_rad)) > 0.01
     np.testing.assert_allclose(history.theta_rad[1:], angles, rtol=0.0, atol=budget.ROUNDING_RAD)
 
@@ -240,7 +232,6 @@ def test_a_baseline_loop_makes_the_same_motion_in_as_many_steps() -> None:
     found = ENGINE.simulate(on, settings, RunOptions(skips=frozenset()))
     assert seconds > 0.0
     assert found.steps <= len(rows) * budget.BARE_LOOP_STEPS
-    assert found.history is not None
     angles = [-(row[2] + 1e-3 * row[5]) for row in rows]
     np.testing.assert_allclose(found.history.theta_rad[1:], angles, rtol=0.0, atol=budget.LAID_RAD)
 

@@ -145,7 +145,6 @@ def test_a_fifth_more_or_less_of_a_level_s_numbers_does_neither(name: str) -> No
         for change in (-FIFTH, FIFTH):
             other = replace(level, **{key: numbers[key] * (1.0 + change)})  # type: ignore[arg-type]
             history = engine.simulate(scene, other, RunOptions()).history
-            assert history is not None
             by_rad = np.max(np.abs(own.theta_rad - history.at(own.t_s)))
             assert by_rad <= level.expected_error_rad, (
                 f"{key} x {1.0 + change:g} moves the rotation by {by_rad:.1e} rad"
@@ -178,6 +177,4 @@ def test_a_verification_run_stays_around_events_for_another_time(name: str) -> N
         engine.simulate(scene, replace(level, event_share=share), RunOptions()).history  # type: ignore[call-arg]
         for share in shares
     )
-    assert own is not None
-    assert other is not None
     assert not np.array_equal(own.theta_rad, other.theta_rad)

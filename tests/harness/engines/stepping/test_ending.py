@@ -66,8 +66,6 @@ def test_a_run_ends_at_the_wall(name: str) -> None:
         model, found = run("analytic", on), run(name, on)
         assert model.outcome is found.outcome is Outcome.TOUCHES_WALL
         assert found.end_s == pytest.approx(model.end_s, abs=budget.WALL_S)
-        assert found.history is not None
-        assert model.history is not None
         assert found.history.t_s[-1] == found.end_s
         # Its last sample is of the way to the wall, not of what the wall did.
         assert found.history.theta_rad[-1] == pytest.approx(model.history.theta_rad[-1], abs=budget.WALL_RAD)

@@ -90,7 +90,6 @@ def test_overturning_ends_the_run_between_samples(sign: int, outcome: Outcome) -
     assert run.outcome is outcome
     assert run.overturn_time_s == pytest.approx(OVERTURN_RAD, abs=budget.EVENT_TIME_S)
     assert run.no_return_time_s == pytest.approx(PAESTUM.slenderness_rad(sign), abs=budget.EVENT_TIME_S)
-    assert run.history is not None
     assert run.history.t_s[-1] == run.end_s == run.overturn_time_s
     assert run.peak_theta_rad == OVERTURN_RAD
 
@@ -113,7 +112,6 @@ def test_numbers_that_are_not_finite_are_a_divergence() -> None:
 def test_the_wall_is_touched_where_its_rotation_says() -> None:
     on = replace(paestum(0.0, pedestal=False, duration_s=2.0), wall=Wall("right", 0.4))
     limit = on.wall_rotation_rad
-    assert limit is not None
     run = reduce_trajectory(on, standing(0.4 * TIMES, np.full_like(TIMES, 0.4)), REPORT)
     assert run.outcome is Outcome.TOUCHES_WALL
     assert run.validity["wall_touch_time_s"] == pytest.approx(limit / 0.4, abs=1.1e-3)
@@ -126,7 +124,6 @@ def test_a_statue_at_rest_is_carried_by_its_weight() -> None:
     weight = 707.0 * 9.81
     assert run.validity["statue_normal_least_n"] == pytest.approx(weight, rel=1e-9)
     assert run.validity["statue_friction_needed"] == pytest.approx(0.0, abs=1e-12)
-    assert run.history is not None
     np.testing.assert_allclose(run.history.extra["statue_force_z_n"], weight, rtol=1e-9)
 
 

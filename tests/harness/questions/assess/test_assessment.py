@@ -107,7 +107,6 @@ def test_a_push_across_the_plane_is_the_exact_bodys_to_answer_and_never_green() 
     record = assess(shaken, ["analytic"], draws=40).record
     assert set(record.answers) == {"analytic", "spatial"}
     assert record.difference_from_model["spatial"].high < -0.5
-    assert record.answer is not None
     assert record.answer.findings[0].values["model"] == "spatial"
     assert not any(each.values.get("needed") is False for each in record.answer.findings)
     assert "assess_in_space" not in codes(record), "the exact body answers the other"
@@ -166,7 +165,6 @@ def test_an_engine_answers_draws_outside_the_models_domain(monkeypatch: pytest.M
     assert found.undecided == 0.0
     assert found.tells
     own = wilson(0, 500, 0.9)
-    assert own is not None
     assert (found.low, found.high) == pytest.approx((0.0, np.hypot(own.high, found.left_domain * jeffreys(0, 12)[2])))
 
 
@@ -198,9 +196,6 @@ def test_the_interval_holds_open_draws_either_way() -> None:
     fell = dict(zip(range(70, 78), (True, True, True, False, False, False, False, None), strict=True))
     none, some = probability_of(model, "pymunk", {}), probability_of(model, "pymunk", fell)
     own, sample = wilson(10, 100, 0.9), jeffreys(3, 7)
-    assert none is not None
-    assert some is not None
-    assert own is not None
     assert (none.probability_overturned, none.undecided, none.sampled) == pytest.approx((0.1, 0.3, 0))
     assert (none.low, none.high) == pytest.approx((own.low, own.high + 0.3))
     answered = 0.2 * 7 / 8
@@ -218,7 +213,6 @@ def test_draws_that_an_engine_all_answers_leave_nothing_undecided() -> None:
     left = np.arange(10000) < 8433
     model = ModelDraws(~left, ~left, np.ones(10000), np.zeros(10000), left, np.zeros(10000, bool))
     found = probability_of(model, "pymunk", dict.fromkeys(range(50), False))
-    assert found is not None
     assert found.undecided == 0.0
 
 

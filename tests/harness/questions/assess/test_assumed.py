@@ -42,7 +42,6 @@ def test_a_meshs_place_centroid_and_base_may_be_uncertain(tmp_path: Path) -> Non
     inputs = uncertain_inputs(scene)
     for item in inputs:
         given = assumption(item.key)
-        assert given is not None
         assert (item.kind, item.width, item.value) == (given.kind, given.width, 0.0)
     values = draw(inputs, 6, seed=0)
     assert not sweepable(scene, values)

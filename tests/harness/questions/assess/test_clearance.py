@@ -128,7 +128,6 @@ def shaken_both_ways() -> Scene:
 def test_a_scene_in_space_has_its_room_all_round(engine: str) -> None:
     ready(engine)
     record = assess(shaken_both_ways(), [engine], draws=60, most_runs=30, more_options=None, pool=InlinePool()).record
-    assert record.clearance is not None
     answered = record.clearance.answered
     name = "spatial" if engine == "analytic" else engine
     assert next(iter(answered)) == name, "the model that knows all directions comes first"
@@ -139,7 +138,6 @@ def test_a_scene_in_space_has_its_room_all_round(engine: str) -> None:
     assert beyond[90.0] > 3.0 * beyond[0.0]
     assert answered["analytic"].at(0.95) == {0.0: 0.0, 180.0: 0.0}
     plan = probable_plan(record.clearance, 0.95)
-    assert plan is not None
     assert plan.moved_m[:, 1].max() == pytest.approx(0.25 + beyond[90.0], abs=budget.PLACE_M)
     assert plan.moved_m[:, 0].min() == pytest.approx(-0.3 - beyond[180.0], abs=budget.PLACE_M)
 
@@ -147,6 +145,5 @@ def test_a_scene_in_space_has_its_room_all_round(engine: str) -> None:
 def test_a_plane_s_plan_is_the_outline_moved_to_both_sides() -> None:
     answer = clearance([np.array([[0.2, 0.1], [0.0, 0.0], [0.0, 0.0]])] * 30, np.ones(30), 30)
     plan = probable_plan(ClearanceRecord(1.0, rest_outline_m(BLOCK).tolist(), {"analytic": answer}), 0.95)
-    assert plan is not None
     assert np.ptp(plan.moved_m, axis=0) == pytest.approx([0.4 + 0.3, 0.5], abs=budget.PLACE_M)
     assert set(plan.room_m) == {"left", "right"}

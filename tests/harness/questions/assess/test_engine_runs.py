@@ -31,13 +31,10 @@ def test_what_is_stored_is_not_run_again(tmp_path: Path) -> None:
     with Store(tmp_path / "store.sqlite") as store:
         again = assess(scene, ["pymunk"], store=store, pool=InlinePool(), **FEW)
         other = assess(scene, ["pymunk"], store=store, pool=InlinePool(), seed=1, **FEW)
-    assert first.record.runs is not None
     assert first.record.runs.computed == first.record.runs.wanted == len(first.fell["pymunk"]) > 0
-    assert again.record.runs is not None
     assert again.record.runs.computed == 0
     assert again.record.assessment == first.record.assessment
     assert again.fell == first.fell
-    assert other.record.runs is not None
     assert other.record.runs.computed == other.record.runs.wanted
 
 
@@ -57,7 +54,6 @@ def test_a_killed_assessment_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.undo()
     with Store(tmp_path / "store.sqlite") as store:
         record = assess(scene, ["pymunk"], store=store, pool=InlinePool(), **FEW).record
-    assert record.runs is not None
     assert record.runs.wanted - record.runs.computed == 9
 
 
@@ -85,13 +81,11 @@ def test_draws_are_written_with_every_outcome(tmp_path: Path) -> None:
     assert [row["draw"] for row in rows[:3]] == ["0", "1", "2"]
     share = sum(int(row["analytic_overturned"]) for row in rows) / 100
     assert share == record.answers["analytic"].probability_overturned
-    assert record.runs is not None
     undecided = record.answers["pymunk"].undecided * record.runs.wanted
     assert sum(row["pymunk_overturned"] != "" for row in rows) == pytest.approx(record.runs.wanted - undecided)
     assert all(float(row["contact.floor"]) > 0.0 for row in rows)
     # With the store of the first, a second call runs nothing, and takes away what it is not asked for.
     again = assessments.run(SCENE, folder, asked, SAMPLING, no_options=True, jobs=1, resume=True, quiet=True)
-    assert again.runs is not None
     assert again.runs.computed == 0
     assert not (folder / "draws.csv").exists()
 

@@ -74,8 +74,6 @@ def test_both_ways_to_an_index_agree_on_the_shipped_scene() -> None:
     assert set(ranked) == set(drawn)
     for key, index in ranked.items():
         for by_neighbours, twice in ((index.first, drawn[key].first), (index.total, drawn[key].total)):
-            assert by_neighbours is not None
-            assert twice is not None
             assert abs(by_neighbours - twice) <= 2.0 * math.hypot(index.half_width, drawn[key].half_width)
 
 
@@ -106,7 +104,6 @@ def test_draws_without_an_end_stand_at_one_edge_of_the_fragility_and_fall_at_the
     assert some_open.high[1] > 0.2 > decided.high[1]
     assert some_open.high[2] > 0.7
     for asked, soonest in some_open.soonest_at.items():
-        assert soonest is not None
         assert soonest < (decided.soonest_at[asked] or 0.0)
     told, at = reserve(decided).values, decided.factor_at["0.05"]
     assert (told["kind"], told["undecided"]) == ("some", 0.0)

@@ -64,9 +64,6 @@ def test_a_turned_statue_is_one_whose_shaking_is_turned(kind: str, tmp_path: Pat
     motion = given.base_excitation
     other_way = replace(given, base_excitation=BaseExcitation(x=motion.y, y=motion.x.scaled(-1.0)))
     expected, as_it_is = (ends_in_space(each, values, OPTION_STEPS) for each in (other_way, given))
-    assert ends is not None
-    assert expected is not None
-    assert as_it_is is not None
     assert ends.tolist() == expected.tolist()
     assert len(set(ends)) > 1, "the draws should be of both kinds"
     assert ends.tolist() != as_it_is.tolist()
@@ -74,8 +71,6 @@ def test_a_turned_statue_is_one_whose_shaking_is_turned(kind: str, tmp_path: Pat
 
 def test_options_and_fragility_of_a_scene_in_space_are_the_exact_bodys() -> None:
     record = assess(lopsided(), ["analytic"], draws=60).record
-    assert record.options is not None
-    assert record.fragility is not None
     assert record.options.model == record.fragility.model == "spatial"
     assert not record.options.plane_only
     assert [item.name for item in record.options.options] == [AS_IT_IS, "base_widened", TURNED]

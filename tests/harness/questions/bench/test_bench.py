@@ -93,7 +93,6 @@ def test_an_error_is_seen() -> None:
     engine = engines.load("analytic")
     run = engine.simulate(FREE.scene(), engine.refinement_levels(FREE.scene())[-1], RunOptions())
     h = run.history
-    assert h is not None
     assert error_rad(run, run) == 0.0
     shifted = History(h.t_s, h.theta_rad + 1e-5, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s)
     assert error_rad(replace(run, history=shifted), run) == pytest.approx(1e-5)

@@ -14,7 +14,6 @@ from meshes import footprint
 @pytest.mark.parametrize("azimuth", [0.0, 37.0, 180.0])
 def test_turned_towards_an_azimuth_shows_its_corners(scene: Scene, azimuth: float) -> None:
     statue = scene.statue
-    assert statue.solid is not None
     right, left = footprint.corner_m(statue.solid.footprint_m, [azimuth, azimuth + 180.0])
     across = [-np.sin(np.deg2rad(azimuth)), np.cos(np.deg2rad(azimuth)), 0.0]
     found = turned(scene, azimuth).statue
@@ -53,11 +52,8 @@ def _peaks(scene: Scene) -> list[float]:
 
 def test_ragged_base_and_no_products(scene: Scene) -> None:
     solid = scene.statue.solid
-    assert solid is not None
     rough = changed_scene(scene, "base ragged by 1 mm", 0.0).statue
     plain = changed_scene(scene, "products of inertia left out", 0.0).statue.solid
-    assert rough.solid is not None
-    assert plain is not None
     assert 0.0 < np.ptp(rough.solid.feet_m[:, 2]) <= 1e-3
     assert len(rough.solid.feet_m) > len(solid.feet_m)
     assert rough.inertia_kg_m2 == scene.statue.inertia_kg_m2

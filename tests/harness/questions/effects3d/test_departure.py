@@ -55,7 +55,6 @@ def test_the_same_plane_at_any_azimuth(block: Scene) -> None:
             "pybullet",
             dt_s=2.5e-4,
         )
-        assert run.history is not None
         histories.append(tilt_along(run.history.theta_rad, run.history.extra["out_of_plane_rad"], direction))
     assert np.abs(histories[0]).max() > 0.02
     for other in histories[1:]:
@@ -82,7 +81,6 @@ def test_the_quiet_start_of_oblique_shaking_ends_where_the_base_is_left(scene: S
     moved = harness.simulate(
         replace(oblique, duration_s=1.0), "pybullet", dt_s=1e-3, options=RunOptions(skips=frozenset())
     )
-    assert moved.history is not None
     first = moved.history.t_s[
         np.argmax(np.hypot(moved.history.theta_rad, moved.history.extra["out_of_plane_rad"]) > 1e-5)
     ]

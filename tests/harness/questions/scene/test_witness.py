@@ -36,8 +36,6 @@ def test_model_and_engine_are_confirmed_until_an_instant_within_what_the_run_bou
     assert seen.agrees
     assert 0.5 < seen.until_s <= (runs["pymunk"].reliable_until_s or 0.0)
     assert set(seen.runs) == set(NAMES)
-    assert seen.to_rad is not None
-    assert seen.uncertainty_rad is not None
     assert seen.uncertainty_rad <= seen.to_rad
     (told,) = findings_of({seen.engine: seen})
     assert (told.code, told.values["models"]) == ("witness_confirms", ["analytic", "pymunk"])
@@ -119,7 +117,6 @@ def test_with_two_coefficients_the_model_with_the_static_one_at_impacts_is_confi
     assert model.until_s > 0.9
     assert model.to_rad < TARGET_RAD
     choice = decided_by(scene, runs)
-    assert choice is not None
     assert (located.agrees, located.floor_impact) == (True, "")
     assert located.until_s == choice.at_s < model.until_s
     # By another coefficient than the scene's the model is another history: held so, it is not confirmed.
@@ -130,7 +127,6 @@ def test_with_two_coefficients_the_model_with_the_static_one_at_impacts_is_confi
 def test_what_decides_the_outcome_is_told_with_what_each_choice_gives(pedestal: Scene) -> None:
     """The shipped scene: it stands with the kinetic coefficient at impacts and falls with the static one."""
     found = decided_by(pedestal, {"analytic": simulate(pedestal, "analytic")})
-    assert found is not None
     assert (found.key, found.decides) == ("contact.floor_impact", True)
     assert {name: each.outcome.value for name, each in found.outcomes.items()} == {
         "kinetic": "stands",
@@ -140,7 +136,6 @@ def test_what_decides_the_outcome_is_told_with_what_each_choice_gives(pedestal: 
     assert found.at_s < found.outcomes["static"].end_s < found.outcomes["kinetic"].end_s
     static = replace(pedestal, contact=replace(pedestal.contact, floor_impact="static"))
     turned = decided_by(static, {"analytic": simulate(static, "analytic")})
-    assert turned is not None
     assert {name: each.outcome for name, each in turned.outcomes.items()} == {
         name: each.outcome for name, each in found.outcomes.items()
     }

@@ -168,11 +168,9 @@ def test_a_record_holds_a_coarser_grid_and_counts_all(tmp_path: Path) -> None:
         counted = table(store, name, len(shown))
     assert 3 <= len(shown) <= 12
     assert all(parts(row) == every[row.number] for row in shown)
-    assert counted is not None
     assert (counted.rows, sum(counted.outcomes.values()), counted.shown) == (60, 60, len(shown))
     record = studies.run(path, tmp_path / "out", pool=InlinePool(), quiet=True)
     assert isinstance(record, StudyRecord)
-    assert record.table is not None
     assert record.table.outcomes == counted.outcomes
 
 

@@ -49,7 +49,6 @@ def rows(island: bool) -> list[StudyRow]:
 @pytest.mark.parametrize(("island", "differ"), [(False, 0), (True, 1)])
 def test_an_audit_of_a_map_finds_what_its_cells_hide(island: bool, differ: int) -> None:
     found = recheck(study("adaptive"), rows(island))
-    assert found is not None
     assert found.audited > 5
     assert found.differ == differ
 
@@ -58,7 +57,6 @@ def test_near_a_boundary_the_audit_is_held_against_the_analytic_outcome() -> Non
     other = [replace(row, run=doubles.case_run()) if row.engine == "pymunk" else row for row in rows(False)]
     audited = [row for row in other if row.reason == selection.RECHECK]
     found = recheck(study("boundary"), other)
-    assert found is not None
     assert found.audited == len(audited)
     assert found.differ == sum(outcome(2, int(row.varied[KEYS[1]]) - 1, False) != "stands" for row in audited)
 

@@ -105,7 +105,6 @@ def test_the_command_writes_page_record_and_map(tmp_path: Path) -> None:
         shares = [[0.0] * 5] * 3 + [[0.0, fell / cases, 0.0, 0.0, 0.0]]
         green = verdict(replace(answered, probability_overturned=shares, cases=cases, undecided=0.0)).tone == "agree"
         interval = wilson(fell, cases, 0.9)
-        assert interval is not None
         assert green == (fell / cases <= 0.05 and interval.high < 0.10), (fell, cases)
 
 

@@ -49,7 +49,6 @@ def test_a_study_holds_a_tenth_of_its_scenes_against_plain_engines_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seen = ran(tmp_path, witness=True).witness
-    assert seen is not None
     assert (seen.scenes, seen.of) == (3, 24)
     count = seen.counts["pymunk:plain"]
     assert count.confirmed + count.differ + count.silent == 3
@@ -61,7 +60,6 @@ def test_a_study_holds_a_tenth_of_its_scenes_against_plain_engines_once(
 
     monkeypatch.setattr(witnessed, "simulate", nothing_is_computed)
     again = ran(tmp_path, witness=True, resume=True).witness
-    assert again is not None
     assert again.counts == seen.counts
 
 
@@ -81,7 +79,6 @@ def test_what_plain_engines_refuse_is_not_drawn(tmp_path: Path) -> None:
     )
     text = text.replace('"contact.restitution" = "momentum", ', "").replace("count = 8", "count = 2")
     seen = ran(tmp_path, text, witness=True).witness
-    assert seen is not None
     assert (seen.scenes, seen.of) == (1, 6)
     assert seen.counts["pymunk:plain"].silent == 0
 
@@ -98,7 +95,6 @@ def test_a_heavier_impact_in_the_study_s_engine_is_told(tmp_path: Path, monkeypa
     monkeypatch.setattr(witness, "BUDGET", 60.0)
     text = CONTACT.replace("pymunk = 1e-2", "pymunk = 1e-3").replace("start = 0.2", "start = 0.5")
     seen = ran(tmp_path, text, witness=True, pool=InlinePool()).witness
-    assert seen is not None
     assert seen.counts["pymunk:plain"].differ > 0
     assert {each.code for each in seen.differing} == {"witness_parts"}
     assert all(each.values["models"] == ["pymunk"] and "case" in each.values for each in seen.differing)

@@ -355,7 +355,6 @@ def test_a_map_s_picture_has_its_contours_and_where_the_statue_falls_without_the
     assert "more" not in trust_map(own)["datasets"]["tips"][0]
     # A point that is clicked opens its run in the chart of that name.
     figure = point_figure([own, floor])
-    assert figure is not None
     runs = {part["point"] for part in figure["datasets"]["runs"]}
     assert set(tips["point"][1:]) <= runs, "the first does not move"
     assert drawn["usermeta"]["opens"] == figure["params"][-1]["name"]
@@ -368,7 +367,6 @@ def test_a_map_of_every_class_fits_the_terminal_and_its_page_names_each(tmp_path
     lines = trust_lines(record)
     assert len(lines) < LINES
     assert max(map(len, lines)) <= COLUMNS
-    assert record.answer is not None
     assert record.answer.code == "refuted"
     assert record.answer.findings[0].severity is Severity.CHANGES_ANSWER
     html = write_report(invented_records.write_trust(tmp_path / "map")).read_text()

@@ -66,7 +66,6 @@ def drawn(count: int) -> tuple[list[Intensity], list[bool]]:
 def test_a_known_contour_is_recovered() -> None:
     """Where P = 1/2 the curve's error is that of c₀, c₁, c₂: some 1/√n over the slope's 3; four of them."""
     found = contour(*drawn(4000))
-    assert found is not None
     assert not found.separated
     ratios = np.array([0.08, 0.15, 0.25])
     expected = np.exp(-(8.0 + 3.0 * np.log(ratios)) / 3.0)
@@ -78,7 +77,6 @@ def test_separated_classes_have_a_line_between_them() -> None:
     shaken = [Intensity(a, a * GRAVITY_M_S2 * 0.1 * (1 + k % 3)) for k, a in enumerate(np.linspace(0.1, 1.0, 20))]
     fell = [each.pga_g > 0.5 for each in shaken]
     found = contour(shaken, fell)
-    assert found is not None
     assert found.separated
     above = [each.pga_g > found.pga_g(each.ratio_s) for each in shaken]
     assert above == fell

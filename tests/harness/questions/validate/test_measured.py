@@ -60,7 +60,6 @@ def thrown(square: Scene, seed: int, friction: float = FRICTION) -> np.ndarray:
     drop = Drop("", np.zeros((3, 2)), np.zeros((3, 2, 2)), 9.81, 0.8, 0, 0)
     contact = Contact(friction, friction, friction, RESTITUTION)
     run = simulate(scene_of(square, drop, start(seed), contact), "spatial", accuracy_rad=1e-3)
-    assert run.history is not None
     extra = run.history.extra
     theta = -np.unwrap(run.history.theta_rad)
     theta += start(seed)[2, 0] - theta[0]

@@ -219,7 +219,6 @@ def test_repeats_that_disagree_are_a_ceiling() -> None:
     tests = [trial(f"a{k}", k > 0, motion=Path("m0")) for k in range(4)]
     tests += [trial(f"b{k}", True, motion=Path("m1")) for k in range(2)] + [trial("c", False, motion=Path("m2"))]
     found = repeats_of(tests)
-    assert found is not None
     assert (found.tests, found.groups, found.disagreeing) == (6, 2, 1)
     assert found.best_accuracy == pytest.approx(6 / 7)
     # 3 of 4: 3 · 1/(4 · 3) is the mean of p (1 − p), for each of four tests.
@@ -284,22 +283,17 @@ def test_a_model_is_scored_whole() -> None:
         for one in choice.draws(each, 2):
             answers[each.name, one] = answer(k >= 6 or (k == 5 and one.sample == 1))
     found = score_model(trials, trials, Answered(parse_model("analytic"), choice, answers, 2), shaking)
-    assert found.outcomes.accuracy is not None
     assert found.outcomes.accuracy.value == pytest.approx(11 / 12)
     assert found.outcomes.confusion["stands"]["overturned_right"] == 1
     assert found.probability.brier == pytest.approx(0.25 / 12)
     # At P = 1/2 a fall is said: the same test is wrong. Above it all that fell, below it all that stood.
-    assert found.by_probability is not None
-    assert found.by_probability.accuracy is not None
     assert found.by_probability.accuracy.value == pytest.approx(11 / 12)
-    assert found.probability.area is not None
     assert found.probability.area.value == 1.0
     assert [(item.cases, item.fell.value) for item in found.probability.reliability] == [(5, 0.0), (1, 0.0), (6, 1.0)]
     (body,) = found.by_body
     assert (body.body, body.tests, body.fell, body.brier) == ("a", 12, 6, found.probability.brier)
     assert body.accuracy == found.outcomes.accuracy
     assert body.by_probability == found.by_probability.accuracy
-    assert found.fragility_pgv is not None
     assert found.fragility_pgv.separated
     assert found.contour is not None
     assert found.failed == 0
@@ -311,12 +305,10 @@ def test_the_baseline_is_fitted_on_its_share_or_on_the_others() -> None:
     shaking = {each.name: Intensity(0.1, 0.1 * (k + 1) - 0.01 * (k == 5)) for k, each in enumerate(trials)}
     apart = score_baseline(trials[::2], trials[1::2], shaking)
     assert apart.threshold_m_s == pytest.approx(0.6)
-    assert apart.outcomes.accuracy is not None
     assert apart.outcomes.accuracy.value == 1.0
     alone = score_baseline([], trials, shaking)
     assert "all tests but" in alone.fitted_on
     # Left out, the weakest that fell leaves a threshold halfway between 0.59 and 0.8, just below its 0.7.
-    assert alone.outcomes.accuracy is not None
     assert alone.outcomes.accuracy.value == 1.0
 
 
@@ -331,7 +323,6 @@ def test_each_body_has_its_own_threshold() -> None:
     shaking = {each.name: Intensity(0.1, strengths[int(each.name[1:])]) for each in trials}
     found = score_baseline([], trials, shaking)
     assert found.threshold_by_body_m_s == {"a": pytest.approx(0.25), "b": pytest.approx(0.75)}
-    assert found.outcomes.accuracy is not None
     # But for the two beside each threshold: without itself a test is predicted by the middle of its neighbours.
     assert found.outcomes.accuracy.value == pytest.approx(22 / 24)
     together = sum((shaking[each.name].pgv_m_s >= found.threshold_m_s) == each.fell for each in trials)
@@ -343,10 +334,8 @@ def test_no_test_helps_to_predict_itself() -> None:
     trials = [trial(f"t{k}", k in (0, 6, 7, 8)) for k in range(9)]
     shaking = {each.name: Intensity(0.1, 0.1 * (k + 1)) for k, each in enumerate(trials)}
     found = score_baseline([], trials, shaking)
-    assert found.outcomes.recall is not None
     assert found.outcomes.recall.value == pytest.approx(3 / 4)
     others = score_baseline(trials[1:], trials[:1], shaking)
-    assert others.probability.brier is not None
     assert others.probability.brier > 0.5
 
 

@@ -299,7 +299,6 @@ def test_a_measured_history_is_a_history_like_any_other(tmp_path: Path) -> None:
     path = write_experiments(tmp_path, [4.5], history="measured.csv")
     trial = replace(read_table(_with_history(tmp_path, path))[0])
     true = simulate(scene_of(trial, variant(trial)), "analytic")
-    assert true.history is not None
     louder = replace(true.history, theta_rad=1.1 * true.history.theta_rad)
     louder.write_csv(tmp_path / "measured.csv")
     with path.open(newline="") as stream:

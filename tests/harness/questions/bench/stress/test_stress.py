@@ -68,7 +68,6 @@ def test_a_hard_scene_with_another_outcome_or_another_motion_fails(monkeypatch: 
     def unmoved(*given: Any) -> Run:
         run = whole(*given)
         h = run.history
-        assert h is not None
         return spoiled(run, history=History(h.t_s, 0.0 * h.theta_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s))
 
     monkeypatch.setattr(scenes, "simulate", unmoved)
@@ -128,7 +127,6 @@ def test_an_error_is_held_to_a_share_of_the_peak(share: float, right: bool) -> N
     small = scene_of("small", leaning(COLUMN, 0.05, 0.6))
     exact = scenes.solution(small)
     h = exact.history
-    assert h is not None
     off = History(h.t_s, h.theta_rad + share * exact.peak_theta_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s)
     assert checks.allowed_rad(exact) == pytest.approx(0.05 * exact.peak_theta_rad)
     assert checks.all_hold(checks.agrees(small, spoiled(exact, history=off), exact)) is right
@@ -137,7 +135,6 @@ def test_an_error_is_held_to_a_share_of_the_peak(share: float, right: bool) -> N
 @pytest.mark.parametrize(("off_rad", "right"), [(9e-4, True), (1.1e-3, False)])
 def test_no_error_beyond_a_milliradian_is_allowed(scene: Scene, exact: Run, off_rad: float, right: bool) -> None:
     h = exact.history
-    assert h is not None
     assert checks.AGREES_SHARE * exact.peak_theta_rad > 2e-3
     off = History(h.t_s, h.theta_rad + off_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s)
     assert checks.all_hold(checks.agrees(scene, spoiled(exact, history=off), exact)) is right
@@ -149,7 +146,6 @@ def test_a_slip_that_is_not_the_exact_one_is_seen() -> None:
                              "motion": harmonic(0.429, 3.0)})  # fmt: skip
     exact = scenes.solution(sliding)
     h = exact.history
-    assert h is not None
     assert exact.peak_slip_m > 0.01
     assert holds(checks.agrees(sliding, exact, exact))
     held = History(h.t_s, h.theta_rad, h.theta_rate_rad_s, 0.9 * h.slip_m, h.slip_rate_m_s)
@@ -159,7 +155,6 @@ def test_a_slip_that_is_not_the_exact_one_is_seen() -> None:
 def test_an_error_counts_as_long_as_the_two_block_model_holds(scene: Scene, exact: Run) -> None:
     left = spoiled(exact, validity={**exact.validity, "left_domain_s": 0.2})
     h = exact.history
-    assert h is not None
     late = History(h.t_s, h.theta_rad + 0.1 * (h.t_s > 0.3), h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s)
     assert not holds(checks.agrees(scene, spoiled(exact, history=late), exact))
     (found,) = checks.agrees(scene, spoiled(exact, history=late), left)
@@ -169,7 +164,6 @@ def test_an_error_counts_as_long_as_the_two_block_model_holds(scene: Scene, exac
 
 def test_energy_from_out_of_the_plane_is_told_from_energy_of_contacts(scene: Scene, exact: Run) -> None:
     h = exact.history
-    assert h is not None
     zero = np.zeros_like(h.t_s)
     gained = {"energy_gained_j": 0.05 * checks.barrier_j(scene)}
     turning = {"yaw_rad": 2.0 * h.t_s, "roll_rad": zero, "statue_y_m": zero}
@@ -203,7 +197,6 @@ def test_creep_is_told_from_trembling(scene: Scene, exact: Run) -> None:
 
 def test_a_cell_is_judged_by_its_numbers(scene: Scene, exact: Run) -> None:
     h = exact.history
-    assert h is not None
     assert stability.judge(scene, exact, exact, False)[0] == "stable"
     wrong = History(h.t_s, 1.1 * h.theta_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s)
     assert stability.judge(scene, spoiled(exact, history=wrong), exact, False)[0] == "inaccurate"
@@ -278,7 +271,6 @@ def test_hard_questions(question: Any) -> None:
 
 def offset(run: Run, off_rad: float) -> Run:
     h = run.history
-    assert h is not None
     return spoiled(run, history=History(h.t_s, h.theta_rad + off_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s))
 
 
