@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import re
 from importlib import import_module
-from pathlib import Path
 
 import pytest
 
 from tests.engines_for_tests import ready
-from tests.measures import pages, paper_forms
-from tests.measures.pages import DOCS, END, begin, renew_tables, renewed, table
+from tests.measures import paper_forms
+from tests.measures.pages import DOCS, END, begin, renewed
 
 
 def test_only_what_stands_between_the_marks_is_renewed() -> None:
@@ -19,20 +18,6 @@ def test_only_what_stands_between_the_marks_is_renewed() -> None:
     assert renewed(page, "a.b c", "new") == page.replace("other", "new")
     with pytest.raises(ValueError, match="no marks"):
         renewed("a page", "a.b", "new")
-
-
-def test_a_table_is_markdown() -> None:
-    assert table(["a", "b"], [["1", "2"]]) == "| a | b |\n| --- | --- |\n| 1 | 2 |"
-
-
-def test_the_tables_that_are_wanted_are_measured_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pages, "DOCS", tmp_path)
-    path = tmp_path / "page.md"
-    path.write_text("".join(f"{begin(f'm {name}')}\nold\n{END}\n" for name in "ab"), encoding="utf-8")
-    renew_tables("page.md", "m", {"a": lambda: "first", "b": lambda: "second"}, ["b"])
-    assert path.read_text(encoding="utf-8").splitlines()[1::3] == ["old", "second"]
-    with pytest.raises(ValueError, match="has the tables a, b, not c"):
-        renew_tables("page.md", "m", {"a": lambda: "first", "b": lambda: "second"}, ["c"])
 
 
 def test_every_mark_of_the_documentation_names_a_command_and_its_table() -> None:

@@ -39,6 +39,9 @@ def put(value: Any, *path: str) -> Edit:
 
 
 DAMAGE: dict[str, tuple[Edit, str]] = {
+    "no title": (without("title"), "title"),
+    "a scene as a number": (put(3, "scene"), "scene"),
+    "no machine": (without("machine"), "machine"),
     "no runs": (without("runs"), "runs"),
     "runs as a list": (put([], "runs"), "runs"),
     "a run as a number": (put(3, "runs", "pymunk"), "runs.pymunk"),
