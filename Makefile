@@ -37,7 +37,7 @@ report: $(STAMP) ## run the main job and say where the report is
 test: $(STAMP) ## pass the tests
 	@# Compiled once here, not once in each of the processes below.
 	@$(COMPILE_PLANE) & plane=$$!; $(COMPILE_SPACE) && wait $$plane
-	@$(PY) -m pytest -q -n auto -m "not measures"
+	@$(PY) -m pytest -q -n auto --dist worksteal -m "not measures"
 
 fast: $(STAMP) ## pass the fast tests: no engine runs but single steps, under a minute
 	@$(PY) -m pytest -q -m fast $$(cat tests/fast.txt)

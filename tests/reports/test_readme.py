@@ -1,4 +1,4 @@
-"""The readme's commands run as printed: studies are only read, runs are cut to half a second, samples to one."""
+"""The readme's commands run as printed: studies are only read, runs are cut to half a second, draws to 200, samples to one."""
 
 from __future__ import annotations
 
@@ -41,6 +41,8 @@ def shortened(line: str) -> list[str]:
     words = shlex.split(line)[1:]
     if words[0] in ("run", "trust", "assess") and "--explain" not in words:
         words += ["--set", "duration_s=0.5"]
+    if words[0] == "assess":
+        words += ["--draws", "200"]
     if "--samples" in words:
         words[words.index("--samples") + 1] = "1"
     return words
