@@ -13,7 +13,7 @@ import numpy as np
 from harness.input.history_file import read_history
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History, history_file
-from harness.model.run import EngineRunRecord
+from harness.model.run import Run
 from harness.records.base import REWRITE
 from harness.records.kinds import read_result
 from harness.records.result_folder import RECORD, as_written
@@ -44,7 +44,7 @@ class RunSource:
         return self.record.scene
 
     @property
-    def runs(self) -> Mapping[str, EngineRunRecord]:
+    def runs(self) -> Mapping[str, Run]:
         """All engines' answers by name."""
         return self.record.runs
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 from harness.input.mesh_statue import findings_of
 from harness.model.errors import printable
 from harness.model.finding import Finding, Severity, texted, weighed
-from harness.model.run import EngineRunRecord, to_plain
+from harness.model.run import Run, to_plain
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import AssessRecord
 from harness.records.base import Record
@@ -199,7 +199,7 @@ def _engine_rows(record: RunRecord) -> list[list[str]]:
     return [heading, *([name, *_engine_cells(run, record.scene)] for name, run in record.runs.items())]
 
 
-def _engine_cells(run: EngineRunRecord, scene: SceneRecord) -> list[str]:
+def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
     """Of a statue on the floor the slip is its own, which the analytic model does not have."""
     outcome = ENGLISH.strings[f"short.{run.outcome.value}"]
     if run.outcome.failed:

@@ -12,7 +12,7 @@ from enum import Enum
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, NamedTuple
 
 from harness.model.errors import InputError, Mistake
 from harness.model.files import write_text
@@ -120,8 +120,8 @@ class Intervention:
 SCHEMA_VERSION: Final = 1
 OMITTED: Final = {"omitted": True}
 """The metadata of a dataclass's field that is absent from the JSON while it is None."""
-APART: Final = {"apart": True}
-"""The metadata of a field that is never in the JSON."""
+APART: Final = {"exclude": True}
+"""The metadata of a field that is never in the JSON, nor (by pydantic's own word) in its schema."""
 MANY: Final = 1000
 """A longer list in a record is a table: one line an item."""
 DISTRIBUTIONS: Final = ("rockcheck", "numpy", "scipy", "numba", "pybullet", "pymunk", "trimesh")
@@ -183,14 +183,18 @@ class RunRow:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class EngineRunRecord(RunRow):
-    """One engine's answer as a record holds it: all but its history.
+class Run(RunRow, Shown):
+    """One engine's answer to one scene; `history` is None when only the outcome was asked, and in no record.
 
     `work` counts by name (evaluations, iterations, ...). `skipped` is what was left out though the result is the same, by its
     name in `options.SKIPS`, with the time that it saved, s (None: no stretch of time). `interventions` is what the harness wrote
     to the engine's bodies, by kind; empty for an unmodified engine.
     """
 
+    __pydantic_config__: ClassVar[Mapping[str, bool]] = {
+        "strict": True, "allow_inf_nan": False, "arbitrary_types_allowed": True
+    }  # fmt: skip
+    """As of a record (`harness.records.base`); arrays are of the history, which no record holds."""
     settings: Mapping[str, Any] = field(metadata=said(single=False))
     wall_s: float = field(metadata=said("s"))
     impact_times_s: Sequence[float] = field(default=(), metadata=said("s", single=False))
@@ -200,28 +204,12 @@ class EngineRunRecord(RunRow):
     skipped: Mapping[str, float | None] = field(default_factory=dict, metadata=said(single=False))
     message: str = field(default="", metadata=said())
     interventions: Mapping[str, Intervention] = field(default_factory=dict, metadata=said(single=False))
+    history: History | None = field(default=None, metadata=APART)
 
     @property
     def impacts(self) -> int:
         """Number of impacts; a run for the outcome alone counts them and lists none."""
         return len(self.impact_times_s) or int(self.work.get("impacts", 0))
-
-
-RUN_FIELDS: Final = tuple(each.metadata["column"]._replace(name=each.name) for each in fields(EngineRunRecord))
-"""All that a run says beside its history: records, stores, tables and exports are made by it."""
-NUMBERS: Final = {
-    each.name: each.default if isinstance(each.default, float) else math.nan
-    for each in fields(RunRow)
-    if each.metadata["column"].unit
-}
-"""What a table tells of each run in numbers with a unit, beside its outcome and counts: what each is where nobody says it."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Run(EngineRunRecord, Shown):
-    """One engine's answer to one scene; `history` is None when only the outcome was asked."""
-
-    history: History | None = field(default=None, metadata=APART)
 
     @property
     def bounded_until_s(self) -> float:
@@ -262,6 +250,18 @@ class Run(EngineRunRecord, Shown):
         )
 
 
+RUN_FIELDS: Final = tuple(
+    each.metadata["column"]._replace(name=each.name) for each in fields(Run) if "column" in each.metadata
+)
+"""All that a run says beside its history: records, stores, tables and exports are made by it."""
+NUMBERS: Final = {
+    each.name: each.default if isinstance(each.default, float) else math.nan
+    for each in fields(RunRow)
+    if each.metadata["column"].unit
+}
+"""What a table tells of each run in numbers with a unit, beside its outcome and counts: what each is where nobody says it."""
+
+
 def number(table: Mapping[str, object], name: str, default: float | None = None) -> float:
     """A number of a run's settings or validity, `default` where there is none. Raises `TypeError` for what is not a number."""
     value = table.get(name)
@@ -293,7 +293,7 @@ def to_plain(value: Any) -> Any:
     if isinstance(value, Enum):
         return value.value
     if is_dataclass(value):
-        own = [(each, getattr(value, each.name)) for each in fields(value) if "apart" not in each.metadata]
+        own = [(each, getattr(value, each.name)) for each in fields(value) if "exclude" not in each.metadata]
         return {each.name: to_plain(item) for each, item in own if item is not None or "omitted" not in each.metadata}
     if hasattr(value, "tolist"):
         return to_plain(value.tolist())

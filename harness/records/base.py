@@ -121,15 +121,19 @@ def part(kind: type[T], values: Any, where: Path) -> T:
 
 def schema_of(kind: type[Record]) -> Plain:
     """The JSON Schema of a kind of record as it stands in a file: beside its fields the name of the schema, and the seal."""
-    shape = _adapter(kind).json_schema(schema_generator=_Untitled)
+    shape = _adapter(kind).json_schema(schema_generator=_Written)
     properties = shape.pop("properties")
     name = schema_name(properties["kind"]["const"])
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": name}
     return {**head, **shape, "properties": {"$schema": {"const": name}, **properties, "seal": SEAL}}
 
 
-class _Untitled(GenerateJsonSchema):
-    """A field's key says what it is: no title repeats it."""
+class _Written(GenerateJsonSchema):
+    """The schema of what is written: no field that is in no file; a field's key says what it is, no title repeats it."""
+
+    def field_is_present(self, field: Any) -> bool:
+        """Whether it is written."""
+        return not field.get("serialization_exclude")
 
     def field_title_should_be_set(self, schema: object) -> bool:
         """Never."""

@@ -10,7 +10,7 @@ from typing import Final, Literal
 from harness.input.mistakes import Contradiction
 from harness.model.finding import Finding, Say
 from harness.model.history import Outcome
-from harness.model.run import OMITTED, EngineRunRecord, RunRow
+from harness.model.run import OMITTED, Run, RunRow
 from harness.records.assess import Assessment
 from harness.records.base import Record
 from harness.records.scene import MotionRecord, SceneRecord
@@ -61,7 +61,7 @@ class Witness:
     floor_impact: str = ""
 
 
-def tips_s(run: EngineRunRecord) -> float | None:
+def tips_s(run: Run) -> float | None:
     """When a model that holds the pedestal upright says that it tips, s; None where it does not say so."""
     left_s = run.validity.get("left_domain_s")
     return left_s if isinstance(left_s, float) and run.validity.get("left_domain_by") == "pedestal_tips" else None
@@ -81,7 +81,7 @@ UNKNOWN: Final = (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX, Outcome.UNDECIDED)
 """Outcomes that say what became of the run, not of the statue."""
 
 
-def has_answer(run: EngineRunRecord) -> bool:
+def has_answer(run: Run) -> bool:
     """Whether a run tells what becomes of the statue: it ended, and held upright no pedestal that tips before that was decided.
 
     Every page and the terminal count by this the models that answered.
@@ -92,7 +92,7 @@ def has_answer(run: EngineRunRecord) -> bool:
     return left_s is None or left_s >= (math.inf if run.no_return_time_s is None else run.no_return_time_s)
 
 
-def outside_domain(run: EngineRunRecord) -> bool:
+def outside_domain(run: Run) -> bool:
     """Whether a run ended, but outside its model's domain, so that what it says of the statue does not count."""
     return not (has_answer(run) or run.outcome.failed or run.outcome in UNKNOWN)
 
@@ -153,7 +153,7 @@ class RunRecord(Record):
     kind: Literal["run"] = "run"
     scene: SceneRecord
     motion: MotionRecord
-    runs: Mapping[str, EngineRunRecord]
+    runs: Mapping[str, Run]
     histories: Sequence[str] | None = field(default=None, metadata=OMITTED)
     """The engines whose histories were kept; absent in records that do not say."""
     scores: Mapping[str, Scores]

@@ -55,7 +55,7 @@ ClaimAnswer = Literal["holds", "does not hold", "holds for some", "not tested"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CaseRun(RunRow):
-    """What a study keeps of one run (`harness.model.run.EngineRunRecord`); impacts are counted, and weighed for claims."""
+    """What a study keeps of one run (`harness.model.run.Run`); impacts are counted, and weighed for claims."""
 
     peak_time_s: float | None = None  # type: ignore[assignment]
     end_s: float | None = None  # type: ignore[assignment]
@@ -65,7 +65,7 @@ class CaseRun(RunRow):
 
     @classmethod
     def stored(cls, run: Mapping[str, Any]) -> CaseRun:
-        """From what a store holds of a run (`harness.model.run.EngineRunRecord`).
+        """From what a store holds of a run (`harness.model.run.Run`).
 
         Words that many runs share are one string, for there may be a million of them.
         """

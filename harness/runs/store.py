@@ -9,7 +9,7 @@ import sys
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -20,7 +20,7 @@ from harness import engines
 from harness.model.errors import InputError, Mistake
 from harness.model.files import NO_ROOM, writing
 from harness.model.history import COLUMNS, Array, History
-from harness.model.run import EngineRunRecord, Run, to_plain
+from harness.model.run import Run, to_plain
 from harness.model.scene import Scene
 from harness.records.base import Plain, part
 from harness.records.result_folder import STORE, STORE_KINDS, STORE_NUMBER, store_kind
@@ -327,8 +327,7 @@ class Store:
         record, history = self.get(key), self.history(key)
         if record is None or history is None:
             return None
-        found = part(EngineRunRecord, {**record, "wall_s": self.seconds(key) or 0.0}, self.path)
-        return Run(**vars(found), history=history)
+        return replace(part(Run, {**record, "wall_s": self.seconds(key) or 0.0}, self.path), history=history)
 
     def write_plan(self, study: str, rows: Iterable[tuple[int, str, str | None, str, Mapping[str, Value]]]) -> None:
         """Replace the plan of a study: (number, engine, key or None, reason, what varies) in one transaction."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.model.history import History
-from harness.model.run import EngineRunRecord
+from harness.model.run import Run
 from reports.charts import Json
 from reports.charts.figure import (
     CHOSEN,
@@ -201,7 +201,7 @@ def _leaves_the_plane(history: History) -> bool:
     return ACROSS in history.extra and float(np.abs(history.extra[ACROSS]).max()) > ACROSS_RAD
 
 
-def _falls(run: EngineRunRecord) -> bool:
+def _falls(run: Run) -> bool:
     return run.outcome.overturned and run.no_return_time_s is not None
 
 

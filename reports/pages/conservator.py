@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.history import Outcome
-from harness.model.run import EngineRunRecord
+from harness.model.run import Run
 from harness.model.scene import base_shift_m
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import MOSTLY, Assessment, worst
@@ -183,7 +183,7 @@ def _shaking(source: RunSource, say: Language) -> list[str]:
     return [say("shaking.of", push=say.percent(peak), ways=say.listed(ways), pace=pace, time=lasts)]
 
 
-def _todo(source: RunSource, answered: Mapping[str, EngineRunRecord], plan: Plan, say: Language) -> list[str]:
+def _todo(source: RunSource, answered: Mapping[str, Run], plan: Plan, say: Language) -> list[str]:
     """What the record gives reason to do: room to keep free, a fall to reckon with, remedies to have compared."""
     rooms, unsafe = _rooms(plan, say), tone(source) != "agree"
     slip_m = max((run.peak_slip_m for run in answered.values()), default=0.0)
@@ -199,7 +199,7 @@ def _todo(source: RunSource, answered: Mapping[str, EngineRunRecord], plan: Plan
     return said or [say("todo.nothing")]
 
 
-def _may_fall(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> bool:
+def _may_fall(source: RunSource, answered: Mapping[str, Run]) -> bool:
     """Whether a fall is to be reckoned with: in a run, among the draws, or because neither tells."""
     chances = (source.record.assessment or {}).values()
     falls = any(run.outcome.overturned for run in answered.values())
@@ -248,7 +248,7 @@ def _share(value: float, say: Language) -> str:
     return probability_text(value).replace(".", say.strings["decimal"])
 
 
-def _nominal(source: RunSource, answered: Mapping[str, EngineRunRecord], say: Language) -> str:
+def _nominal(source: RunSource, answered: Mapping[str, Run], say: Language) -> str:
     """What happens with the values as given; one that leans past its balance when its run ends is not taken to stay upright."""
     leaning = [source.runs[name].outcome for name in _leaning(source)]
     ends = dict.fromkeys(end_words(outcome, say) for outcome in [*(run.outcome for run in answered.values()), *leaning])
@@ -266,7 +266,7 @@ def _begins(source: RunSource, say: Language) -> str:
     return say(f"begin.{shaken}{kind}", lean=say.digits(math.degrees(abs(start.theta_rad)), 2))
 
 
-def _who(runs: Mapping[str, EngineRunRecord], answered: Mapping[str, EngineRunRecord], say: Language) -> list[str]:
+def _who(runs: Mapping[str, Run], answered: Mapping[str, Run], say: Language) -> list[str]:
     """How many models say what; which they are stands in the engineer's report."""
     silent, total = len(runs) - len(answered), say.count(len(answered))
     none = [say("run.silent_one" if silent == 1 else "run.silent", count=_begun(say.count(silent)))] if silent else []
@@ -336,7 +336,7 @@ def _lean(source: RunSource, say: Language) -> list[str]:
     return [" ".join([*(say(f"run.{key}", **values) for key in keys), *slides])]
 
 
-def _pedestal_slip(source: RunSource, answered: Mapping[str, EngineRunRecord], say: Language) -> list[str]:
+def _pedestal_slip(source: RunSource, answered: Mapping[str, Run], say: Language) -> list[str]:
     """How far its pedestal slides and tips; that it stays put only where no model says that it tips."""
     if source.scene.pedestal is None or not answered:
         return []

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from harness.model.run import MANY, RUN_FIELDS, EngineRunRecord
+from harness.model.run import MANY, RUN_FIELDS, Run
 from harness.records.run import RunRecord, outside_domain
 from reports.blocks import (
     Block,
@@ -142,7 +142,7 @@ def _pair(name: str) -> str:
     return name.replace("_vs_", " – ")
 
 
-def chip(name: str, names: list[str], run: EngineRunRecord | None, say: Language, share: float | None = None) -> Chip:
+def chip(name: str, names: list[str], run: Run | None, say: Language, share: float | None = None) -> Chip:
     """One model beside the verdict: its colour, and of its run outcome and largest lean, per cent of the balance angle."""
     colour = look(name, names).colour
     if run is None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.model.finding import Finding, info
 from harness.model.history import Array, History, Outcome
-from harness.model.run import EngineRunRecord, Intervention
+from harness.model.run import Intervention, Run
 from harness.model.scene import base_shift_m
 from harness.records.assess import Assessment
 from harness.records.base import Table
@@ -237,7 +237,7 @@ def _slip(source: RunSource) -> list[Finding]:
     return [info("pedestal_still") if slides is None else slides, *tips]
 
 
-def unlike_motions(runs: Iterable[EngineRunRecord]) -> bool:
+def unlike_motions(runs: Iterable[Run]) -> bool:
     """Whether not all models were given the same axes of the floor's motion."""
     return len({tuple(run.motion_axes) for run in runs if run.motion_axes is not None}) > 1
 
@@ -390,7 +390,7 @@ def interventions_row(
     return [(say("label.interventions"), say("text.interventions", kinds=kinds, again=again, beside=beside, **sums))]
 
 
-def before_fall(run: EngineRunRecord, history: History | None) -> dict[str, float]:
+def before_fall(run: Run, history: History | None) -> dict[str, float]:
     """Largest values, until the balance point is passed for good, of the limits that a fallen statue's history follows."""
     until = run.no_return_time_s
     if history is None or until is None:
@@ -405,7 +405,7 @@ def before_fall(run: EngineRunRecord, history: History | None) -> dict[str, floa
     return rows
 
 
-def tilt_rad(run: EngineRunRecord, history: History | None) -> float:
+def tilt_rad(run: Run, history: History | None) -> float:
     """The pedestal's largest tilt, of a statue that falls until it passes its balance point; 0 for a model that has none."""
     until, whole = before_fall(run, history), run.validity.get("pedestal_tilt_rad")
     return until.get("pedestal_tilt_rad", whole if isinstance(whole, float) else 0.0)

@@ -15,7 +15,7 @@ import pytest
 from analytic.excitation import ZeroExcitation
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
-from harness.model.run import EngineRunRecord
+from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.run import has_answer
@@ -44,7 +44,7 @@ class Told:
 
     @property
     def run(self) -> Mapping[str, Any]:
-        run: EngineRunRecord = self.source.runs["analytic"]
+        run: Run = self.source.runs["analytic"]
         return run
 
     @property

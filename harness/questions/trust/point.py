@@ -14,7 +14,7 @@ import numpy as np
 from harness import engines
 from harness.accuracy.horizon import TOLERANCE_RAD
 from harness.model.history import History, Outcome
-from harness.model.run import MOST_TIMES, EngineRunRecord, Run, RunOptions, to_plain
+from harness.model.run import MOST_TIMES, Run, RunOptions, to_plain
 from harness.model.scene import Scene
 from harness.questions.assess.by_model import assess_models
 from harness.questions.assess.engine_runs import DrawnRun, overturns
@@ -23,7 +23,7 @@ from harness.questions.assess.stratified import estimate
 from harness.questions.scene.answer import STILL_RAD, counted, outcome_family
 from harness.questions.scene.scene_run import Result, run_scene
 from harness.records.assess import Assessment
-from harness.records.base import Plain, plain, same_fields
+from harness.records.base import Plain, plain
 from harness.records.run import HorizonRecord, has_answer
 from harness.records.scores import Interval, Scores, Verdict
 from harness.records.trust import Rotation, TrustClass
@@ -84,14 +84,14 @@ class Kept:
     of it, and follows anew whenever it is read.
     """
 
-    runs: Mapping[str, EngineRunRecord]
+    runs: Mapping[str, Run]
     scores: Mapping[str, Scores]
     horizons: Mapping[str, HorizonRecord]
     paths: Mapping[str, Rotation]
 
     def said(self, scene: Scene, names: Sequence[str]) -> Said:
         """What those of these models that ran say of the point, whose scene that is."""
-        runs = {name: Run(**same_fields(Run, record)) for name, record in self.runs.items() if name in names}
+        runs = {name: run for name, run in self.runs.items() if name in names}
         scores = {pair: each for pair, each in self.scores.items() if each.a in runs and each.b in runs}
         return said(Result(scene, runs, scores | explained(runs, scores), [], 0.0, self.horizons))
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.model.run import MANY, EngineRunRecord, Pattern, write_json
+from harness.model.run import MANY, Pattern, Run, write_json
 from harness.records.base import part, plain
 from tests.harness.runs.test_store import run
 
@@ -34,7 +34,7 @@ def test_what_is_no_plain_value_becomes_one(tmp_path: Path) -> None:
 def test_a_run_comes_back_from_its_plain_values() -> None:
     whole = run()
     record = whole
-    again = part(EngineRunRecord, plain(record), Path("store"))
+    again = part(Run, plain(record), Path("store"))
     assert plain(again) == plain(record)
     assert again.outcome is whole.outcome
     assert all(isinstance(stretch, Pattern) for stretch in again.patterns)

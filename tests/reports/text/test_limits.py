@@ -10,7 +10,7 @@ import pytest
 
 from harness.model.finding import changes_answer, info, texted
 from harness.model.history import History, Outcome
-from harness.model.run import EngineRunRecord, Intervention
+from harness.model.run import Intervention, Run
 from harness.statics.plan import Step
 from reports.blocks import Details, Group, Text, notes
 from reports.messages import ENGLISH
@@ -22,7 +22,7 @@ VALIDITY = {"yaw_rad": 0.9, "statue_slip_m": 0.02, "energy_gained_j": 9.6, "touc
 
 
 @pytest.fixture
-def fallen() -> tuple[EngineRunRecord, History]:
+def fallen() -> tuple[Run, History]:
     """A run that falls; its turn and slip grow in the fall alone, and are small before."""
     history = invented_history(0.0, falls=True)
     run = invented_run("pybullet", history, Outcome.OVERTURNED_RIGHT, 1e-3)
@@ -33,7 +33,7 @@ def fallen() -> tuple[EngineRunRecord, History]:
     return run, replace(history, extra=extra)
 
 
-def test_before_the_fall_stands_what_the_history_says(fallen: tuple[EngineRunRecord, History]) -> None:
+def test_before_the_fall_stands_what_the_history_says(fallen: tuple[Run, History]) -> None:
     run, history = fallen
     assert before_fall(run, history) == pytest.approx({"yaw_rad": 0.003, "statue_slip_m": 0.001})
     assert before_fall(run, None) == {}
@@ -50,7 +50,7 @@ def test_only_models_that_fall_are_spoken_of(tmp_path: Path) -> None:
     assert "with the fall" not in str(limit_rows(falls)["pybullet"]), "its history follows none of its limits"
 
 
-def test_a_fall_is_told_beside_what_was_before(fallen: tuple[EngineRunRecord, History], tmp_path: Path) -> None:
+def test_a_fall_is_told_beside_what_was_before(fallen: tuple[Run, History], tmp_path: Path) -> None:
     run, history = fallen
     source = run_source(write_invented(tmp_path))
     fall = replace(

@@ -13,7 +13,7 @@ from harness import engines
 from harness.engines.base import LayerFault
 from harness.engines.stepping.step_log import Ledger
 from harness.engines.stepping.step_state import RowWriter
-from harness.model.run import EngineRunRecord, RunOptions
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.records import base
 from tests import budgets_engines as budget
@@ -81,7 +81,7 @@ def test_the_record_tells_what_was_written(name: str) -> None:
     scene = paestum(0.429, 3.0, mu=(0.20, 0.15), pedestal=engine.capabilities.pedestal)
     run = engine.simulate(scene, engine.settings_for_dt(scene, 1e-3), RunOptions())
     record = base.plain(run)
-    assert base.part(EngineRunRecord, record, Path("store")).interventions == run.interventions
+    assert base.part(Run, record, Path("store")).interventions == run.interventions
     if name in ("analytic", "spatial") or name.endswith(":plain"):
         assert not run.interventions
         return
