@@ -131,7 +131,7 @@ class Campaign:
     """The tasks of one call; `run` may be called again with what the results of the last call ask for.
 
     `sizes` are the tasks of a group that a worker takes at a time. `reused` are keys that the store held, with their runs.
-    `latest` is the task that finished last. `free` are groups that cost next to nothing beside the others: progress does not
+    `free` are groups that cost next to nothing beside the others: progress does not
     count them, so that its rate tells the time that is left.
     """
 
@@ -153,7 +153,6 @@ class Campaign:
         self._clock_s = time.perf_counter()
         self.reused: dict[str, int] = {}
         self.computed = self.failed = 0
-        self.latest: Task | None = None
         self._asked: dict[str, None] = {}
         self._busy_s = 0.0
         self._outside_s: list[float] = []
@@ -222,7 +221,6 @@ class Campaign:
         now_s = time.perf_counter()
         self._store.add(result.answers, now_s - self._clock_s)
         self._clock_s = now_s
-        self.latest = batch[-1]
         runs = sum(task.runs for task in batch)
         self.computed += runs
         self._told += runs * (batch[0].group not in self._free)

@@ -6,7 +6,7 @@ import hashlib
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar, cast
 
@@ -16,7 +16,7 @@ from harness.model.finding import Say
 from harness.records.bench import BenchRecord, PartRow, StressRecord
 from harness.records.result_folder import check_folder, full_kind, write_whole
 from harness.runs.execute import Campaign
-from harness.runs.runner import Crash, InlinePool, LocalPool
+from harness.runs.runner import Crash, InlinePool, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store
 from harness.runs.task import Answer, Task, key_of
 
@@ -40,30 +40,16 @@ class Part:
     died: Work | None = None
 
 
-@dataclass
-class Measured:
-    """What is known of a part: rows by task, processor seconds of its tasks and seconds by the clock, tasks not done."""
-
-    rows: dict[str, list[Row]] = field(default_factory=dict)
-    busy_s: float = 0.0
-    wall_s: float = 0.0
-    left: tuple[str, ...] = ()
-
-    def in_order(self, part: Part) -> list[Row]:
-        """All rows in the order of the part's tasks."""
-        return [row for task in part.tasks for row in self.rows.get(task, [])]
-
-
 @dataclass(frozen=True)
 class Measurement(Generic[R]):
-    """A command that measures: its parts, whole or `quick`, the record that they and its command line make.
+    """A command that measures: its parts, whole or `quick`, and its record, made of the rows of each part and of its `head`.
 
     `sources`: folders of code that computes beside the packages, from the folder that holds these.
     """
 
     name: str
     parts: Callable[[bool], list[Part]]
-    assembled: Callable[[Sequence[Part], Mapping[str, Measured], str], R]
+    assembled: Callable[[Mapping[str, list[Row]], Mapping[str, Any]], R]
     sources: tuple[str, ...] = ()
 
     def run(
@@ -81,8 +67,15 @@ class Measurement(Generic[R]):
         """
         listed, kind = self.parts(quick), full_kind(self.name, "--quick" if quick else "")
         check_folder(folder, (kind,))
-        measured = measure(folder, listed, only, stamp(quick, self.sources), on_progress, kind)
-        return write_whole(folder, self.assembled(listed, measured, command(self.name, quick, measured)).texted(say))
+        rows, spent = measure(folder, listed, only, stamp(quick, self.sources), on_progress, kind)
+        return write_whole(folder, self.assembled(rows, head(command(self.name, quick, spent), spent)).texted(say))
+
+
+def head(command: str, spent: Sequence[PartRow]) -> dict[str, Any]:
+    """What the record of every measurement says: how to repeat it, what it took, and where."""
+    seconds = sum(row.wall_s for row in spent)
+    place = {"versions": record.versions(), "machine": record.machine()}
+    return {"command": command, "parts": spent, "seconds": seconds, **place}
 
 
 def source(more: Sequence[str] = ()) -> str:
@@ -106,8 +99,10 @@ def measure(
     stamp: Mapping[str, object],
     on_progress: Callable[[str], None],
     kind: str = "bench",
-) -> dict[str, Measured]:
+) -> tuple[dict[str, list[Row]], list[PartRow]]:
     """Measure the parts (of them `only` these), keeping every finished task in the store of `folder`; the others as they are.
+
+    Gives the rows of each part in the order of its tasks, and what it took.
 
     A part that was interrupted goes on; one that is finished is measured anew, when asked by name or when all are finished.
     What was measured under another `stamp` (versions, options) is removed. Raises `InputError` for an unknown part.
@@ -124,22 +119,18 @@ def measure(
         for part in chosen:
             if not left[part.name] and (whole or only):
                 store.remove(keys[part.name].values())
-        _together([part for part in chosen if part.died is not None], keys, store, on_progress)
-        for part in chosen:
-            if part.died is None:
-                _alone(part, keys[part.name], store, on_progress)
-        return {part.name: _measured(part, keys[part.name], store) for part in parts}
+        # The longest should come first of what is computed side by side.
+        with closing(LocalPool()) as pool:
+            _compute([part for part in chosen if part.died is not None], keys, store, pool, on_progress)
+        _compute([part for part in chosen if part.died is None], keys, store, InlinePool(), on_progress)
+        measured = [_measured(part, keys[part.name], store) for part in parts]
+    return {spent.part: rows for rows, spent in measured}, [spent for _, spent in measured]
 
 
-def seconds(measured: Mapping[str, Measured]) -> list[PartRow]:
-    """What each part took: by the clock, and of the processor."""
-    return [PartRow(name, item.wall_s, len(item.rows), item.left, item.busy_s) for name, item in measured.items()]
-
-
-def command(name: str, quick: bool, measured: Mapping[str, Measured]) -> str:
+def command(name: str, quick: bool, spent: Sequence[PartRow]) -> str:
     """What measures again all that was measured: `rockcheck NAME` with the options that it takes."""
-    done = [part for part, item in measured.items() if item.rows or not item.left]
-    some = f" --parts {','.join(done)}" if 0 < len(done) < len(measured) else ""
+    done = [row.part for row in spent if row.tasks or not row.left]
+    some = f" --parts {','.join(done)}" if 0 < len(done) < len(spent) else ""
     return f"rockcheck {name}{' --quick' if quick else ''}{some}"
 
 
@@ -155,16 +146,18 @@ def _key(part: Part, task: str, stamp: Mapping[str, object]) -> str:
     return key_of(*record.to_plain([part.name, task, stamp]))
 
 
-def _measured(part: Part, keys: Mapping[str, str], store: Store) -> Measured:
-    measured = Measured()
+def _measured(part: Part, keys: Mapping[str, str], store: Store) -> tuple[list[Row], PartRow]:
+    rows: list[Row] = []
+    left = []
+    busy_s = wall_s = 0.0
     for task, key in keys.items():
         stored, timing = store.get(key), store.timing(key)
-        if stored is not None and timing is not None:
-            measured.rows[task] = cast("list[Row]", stored["rows"])
-            measured.busy_s += timing[0]
-            measured.wall_s += timing[1]
-    measured.left = tuple(task for task in part.tasks if task not in measured.rows)
-    return measured
+        if stored is None or timing is None:
+            left.append(task)
+            continue
+        rows += cast("list[Row]", stored["rows"])
+        busy_s, wall_s = busy_s + timing[0], wall_s + timing[1]
+    return rows, PartRow(part.name, wall_s, len(keys) - len(left), left, busy_s)
 
 
 def _rows(asked: tuple[Part, str]) -> Answer:
@@ -185,36 +178,26 @@ def _died(asked: tuple[Part, str], crash: Crash) -> Answer:
     return Answer(part.name, {"rows": record.to_plain((part.died or part.work)(task))}, 0.0)
 
 
-def _tasks(part: Part, keys: Mapping[str, str]) -> list[Task]:
-    return [Task(key, _rows, (replace(part, tasks=()), task), part.name, _died) for task, key in keys.items()]
-
-
-def _alone(part: Part, keys: Mapping[str, str], store: Store, on_progress: Callable[[str], None]) -> None:
-    stored = store.keys()
-    left = {task: key for task, key in keys.items() if key not in stored}
-
-    def announced() -> Iterator[Task]:
-        for number, task in enumerate(_tasks(part, left), 1):
-            on_progress(f"{part.name} {number} of {len(left)}: {task.argument[1]}")
-            yield task
-
-    Campaign(store, InlinePool()).run(announced(), len(left))
-
-
-def _together(
+def _compute(
     parts: Sequence[Part],
     keys: Mapping[str, Mapping[str, str]],
     store: Store,
+    pool: Pool,
     on_progress: Callable[[str], None],
 ) -> None:
-    """The tasks of all these parts on all cores, in the order given: the longest should come first."""
+    """The tasks of these parts that the store lacks, in the order given."""
+    stored = store.keys()
+    left = [
+        Task(key, _rows, (replace(part, tasks=()), task), part.name, _died)
+        for part in parts
+        for task, key in keys[part.name].items()
+        if key not in stored
+    ]
 
-    def on_count(done: int, total: int) -> None:
-        if campaign.latest is not None and done:
-            part, task = campaign.latest.argument
-            on_progress(f"{done} of {total} done: {part.name}, {task}")
+    def announced() -> Iterator[Task]:
+        for number, task in enumerate(left, 1):
+            part, name = task.argument
+            on_progress(f"{number} of {len(left)}: {part.name}, {name}")
+            yield task
 
-    tasks = [task for part in parts for task in _tasks(part, keys[part.name])]
-    with closing(LocalPool()) as pool:
-        campaign = Campaign(store, pool, on_count)
-        campaign.run(tasks, len(tasks))
+    Campaign(store, pool).run(announced(), len(left))

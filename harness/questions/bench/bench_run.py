@@ -6,12 +6,11 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from functools import partial
-from typing import Final
+from typing import Any, Final
 
 from harness import engines
 from harness.model.finding import Answer, caution
-from harness.model.run import machine, versions
-from harness.questions.bench import findings, other_integrators, precision, programs, scaling, skip_savings, skips
+from harness.questions.bench import findings, other_integrators, precision, programs, scaling, skips
 from harness.questions.bench.precision import TARGET_RAD
 from harness.questions.bench.standard_scenes import standard_set
 from harness.records.bench import (
@@ -27,8 +26,7 @@ from harness.records.bench import (
     Statement,
     of_parts,
 )
-from harness.runs import parts
-from harness.runs.parts import Measured, Measurement, Part, Row
+from harness.runs.parts import Measurement, Part, Row
 
 # Is the stated numerical uncertainty honest, and what does a target take? Seeded scenes, each against a much
 # finer run. Measured by a program that is given; its rows are kept and counted here.
@@ -116,8 +114,8 @@ def all_parts(given: programs.Programs, quick: bool) -> list[Part]:
     return [
         Part("precision", precision.tasks(quick), partial(precision.of, given.get(DEFAULTS), quick), precision.died),
         Part("coverage", seeded, partial(compute, given.get(COVERAGE, "")), died),
-        Part("skips", skips.tasks(quick), skips.compute, skips.died),
-        Part("alone", skip_savings.tasks(quick), skip_savings.compute, skip_savings.died),
+        Part("skips", skips.together_tasks(quick), skips.compute, skips.died),
+        Part("alone", skips.alone_tasks(quick), skips.compute, skips.died),
         Part("others", others, partial(other_integrators.compute, other, quick), _died),
         Part("scaling", scaling.tasks(quick), scaling.compute, _died),
         Part("speeds", speeds, partial(other_integrators.compute, other, quick)),
@@ -129,11 +127,8 @@ def _died(task: str) -> list[Row]:
     raise RuntimeError(f"{task}: its process died")
 
 
-def assembled(
-    given: programs.Programs, listed: Sequence[Part], measured: Mapping[str, Measured], command: str
-) -> BenchRecord:
+def assembled(given: programs.Programs, rows: Mapping[str, Sequence[Row]], head: Mapping[str, Any]) -> BenchRecord:
     """The record from the rows of all parts; what is not measured yet is left empty and said."""
-    rows = {part.name: measured[part.name].in_order(part) for part in listed}
     absent = {row["scene"]: row["absent"] for row in rows["precision"] if "absent" in row}
     absent |= programs.absent(given, (DEFAULTS, COVERAGE, OTHERS))
     order = [item.name for item in standard_set()]
@@ -142,29 +137,34 @@ def assembled(
     seeded = [read(row) for row in rows["coverage"]]
     together = skips.together([SkipRow(**row) for row in rows["skips"]])
     alone = [SkipRow(**row) for row in rows["alone"]]
-    grown = [ScalingRow(**row) for row in rows["scaling"] + rows["workers"]]
-    solvers = other_integrators.collected(rows["others"] + rows["speeds"])
-    target_rad, counts, spent = precision.TARGET_RAD, counted(seeded), parts.seconds(measured)
-    standard = findings.choice(timed, target_rad)
-    on_seeds = findings.choice(choice_rows(seeded), target_rad)
+    made = BenchRecord(
+        target_rad=TARGET_RAD,
+        clock=CLOCK,
+        rows=timed,
+        absent=absent,
+        choice=findings.choice(timed, TARGET_RAD),
+        seeded=findings.choice(choice_rows(seeded), TARGET_RAD),
+        coverage=counted(seeded),
+        coverage_rows=seeded,
+        skips=[*together, *alone],
+        scaling=[ScalingRow(**row) for row in (*rows["scaling"], *rows["workers"])],
+        **other_integrators.collected([*rows["others"], *rows["speeds"]]),
+        **head,
+    )
     found = [
-        *findings.takes(standard, target_rad, "standard"),
-        *findings.takes(on_seeds, target_rad, "seeded"),
-        *findings.coverage(counts),
-        *skips.findings(together),
+        *findings.takes(made.choice, TARGET_RAD, "standard"),
+        *findings.takes(made.seeded, TARGET_RAD, "seeded"),
+        *findings.coverage(made.coverage),
+        *skips.together_findings(together),
         *findings.defaults(timed),
-        *skip_savings.findings(alone),
-        *scaling.findings(grown),
-        *other_integrators.findings(solvers),
-        *of_parts(spent, absent),
+        *skips.alone_findings(alone),
+        *scaling.findings(made.scaling),
+        *other_integrators.findings(made),
+        *of_parts(made.parts, absent),
     ]
-    met = findings.speeds(timed, target_rad) or [caution("no_engine_timed")]
-    return BenchRecord(
-        command=command, target_rad=target_rad, clock=CLOCK, rows=timed, absent=absent, choice=standard, seeded=on_seeds,
-        coverage=counts, coverage_rows=seeded, skips=[*together, *alone], scaling=grown, **vars(solvers),
-        parts=spent, answer=Answer("met" if any(each.code == "meets_target" for each in met) else "not_met", met),
-        findings=found, seconds=sum(row.wall_s for row in spent), versions=versions(), machine=machine(),
-    )  # fmt: skip
+    met = findings.speeds(timed, TARGET_RAD) or [caution("no_engine_timed")]
+    answer = Answer("met" if any(each.code == "meets_target" for each in met) else "not_met", met)
+    return replace(made, answer=answer, findings=found)
 
 
 def bench(given: programs.Programs = programs.NONE, sources: Sequence[str] = ()) -> Measurement[BenchRecord]:

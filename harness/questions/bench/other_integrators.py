@@ -5,13 +5,12 @@ Measured by a program that is given; its rows are kept and told here.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Final
+from collections.abc import Iterator, Sequence
+from typing import Any, Final
 
 from harness.model.finding import Finding, info
 from harness.questions.bench import programs
-from harness.records.bench import SolverRow, Start, Throughput
+from harness.records.bench import BenchRecord, SolverRow, Start, Throughput
 from harness.runs.parts import Row
 
 COMPARED: Final = {
@@ -29,30 +28,17 @@ def compute(program: str, quick: bool, task: str) -> list[Row]:
     return programs.rows(program, task, *(["--quick"] if quick else []))
 
 
-@dataclass(frozen=True)
-class OtherSolvers:
-    """What was measured here; what was not yet is empty, or None."""
-
-    solvers: Sequence[SolverRow] = ()
-    throughput: Mapping[str, Throughput] = field(default_factory=dict)
-    startup: Start | None = None
-    overhead: Mapping[str, float] = field(default_factory=dict)
-    scans: Mapping[str, float] = field(default_factory=dict)
-
-
-def collected(rows: Sequence[Row]) -> OtherSolvers:
-    """All rows that were kept."""
+def collected(rows: Sequence[Row]) -> dict[str, Any]:
+    """Of a bench's record what these rows say; what was not measured yet is left out."""
     parts = {name: value for row in rows if "solver" not in row for name, value in row.items()}
-    return OtherSolvers(
-        [SolverRow(**row) for row in rows if "solver" in row],
-        {name: Throughput(**rate) for name, rate in parts.get("throughput", {}).items()},
-        Start(**parts["startup"]) if "startup" in parts else None,
-        parts.get("overhead", {}),
-        parts.get("scans", {}),
-    )
+    if "throughput" in parts:
+        parts["throughput"] = {name: Throughput(**rate) for name, rate in parts["throughput"].items()}
+    if "startup" in parts:
+        parts["startup"] = Start(**parts["startup"])
+    return {"solvers": [SolverRow(**row) for row in rows if "solver" in row], **parts}
 
 
-def findings(measured: OtherSolvers) -> list[Finding]:
+def findings(measured: BenchRecord) -> list[Finding]:
     """What these rows say."""
     found = [
         each

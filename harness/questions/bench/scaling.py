@@ -108,7 +108,7 @@ def _ensemble(runs: int) -> tuple[float, float, float]:
 
 
 def _workers(jobs: int) -> tuple[float, float, float]:
-    from harness.questions.bench.skip_savings import write_study
+    from harness.questions.bench.skips import write_study
     from harness.questions.study.file import load_study
     from harness.questions.study.study_run import run_study
     from harness.runs.runner import LocalPool

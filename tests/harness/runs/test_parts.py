@@ -14,7 +14,7 @@ import pytest
 
 from harness.model.errors import InputError
 from harness.records.bench import of_parts
-from harness.runs.parts import Part, command, measure, seconds
+from harness.runs.parts import Part, command, measure
 from harness.runs.store import STORE_NAME, Store
 
 STAMP = {"versions": {"rockcheck": "1"}, "quick": False}
@@ -46,10 +46,10 @@ def test_what_was_interrupted_goes_on_and_what_is_finished_is_kept(tmp_path: Pat
     with pytest.raises(KeyboardInterrupt):
         measure(tmp_path, parts(Counting("c")), None, STAMP, silent)
     again = Counting()
-    found = measure(tmp_path, parts(again), None, STAMP, silent)
+    rows, (_, second) = measure(tmp_path, parts(again), None, STAMP, silent)
     assert again.done == ["c", "d"]
-    assert [row["task"] for row in found["first"].in_order(parts(again)[0])] == ["a", "b", "c"]
-    assert not found["second"].left
+    assert [row["task"] for row in rows["first"]] == ["a", "b", "c"]
+    assert not second.left
 
 
 def test_a_whole_measurement_is_made_anew(tmp_path: Path) -> None:
@@ -62,23 +62,23 @@ def test_a_whole_measurement_is_made_anew(tmp_path: Path) -> None:
 def test_one_part_is_measured_anew_the_others_are_kept(tmp_path: Path) -> None:
     measure(tmp_path, parts(Counting()), None, STAMP, silent)
     again = Counting()
-    found = measure(tmp_path, parts(again), ["second"], STAMP, silent)
+    _, (first, _) = measure(tmp_path, parts(again), ["second"], STAMP, silent)
     assert again.done == ["d"]
-    assert not found["first"].left
+    assert not first.left
 
 
 def test_a_part_alone_leaves_the_others_to_do_and_says_so(tmp_path: Path) -> None:
-    found = measure(tmp_path, parts(Counting()), ["second"], STAMP, silent)
-    left, why, spent = of_parts(seconds(found), {"hull": "no program"})
+    _, found = measure(tmp_path, parts(Counting()), ["second"], STAMP, silent)
+    left, why, spent = of_parts(found, {"hull": "no program"})
     assert (left.code, left.values) == ("parts_left", {"parts": {"first": 3}})
     assert why.values == {"what": "hull", "reason": "no program"}
     assert list(spent.values["clock_s"]) == ["second"]
 
 
 def test_the_command_that_repeats_a_run_carries_its_options(tmp_path: Path) -> None:
-    part = measure(tmp_path, parts(Counting()), ["second"], STAMP, silent)
+    _, part = measure(tmp_path, parts(Counting()), ["second"], STAMP, silent)
     assert command("stress", True, part) == "rockcheck stress --quick --parts second"
-    whole = measure(tmp_path, [*parts(Counting()), Part("nothing to do", (), Counting())], None, STAMP, silent)
+    _, whole = measure(tmp_path, [*parts(Counting()), Part("nothing to do", (), Counting())], None, STAMP, silent)
     assert command("bench", False, whole) == "rockcheck bench"
 
 
@@ -100,7 +100,7 @@ def test_a_damaged_row_is_told_with_what_can_be_done(tmp_path: Path) -> None:
         measure(tmp_path, parts(Counting()), None, STAMP, silent)
     path.unlink()
     again = Counting()
-    assert not measure(tmp_path, parts(again), None, STAMP, silent)["first"].left
+    assert not measure(tmp_path, parts(again), None, STAMP, silent)[1][0].left
     assert again.done == ["a", "b", "c", "d"]
 
 
@@ -144,8 +144,8 @@ def died(task: str) -> list[dict[str, Any]]:
 
 def test_workers_compute_side_by_side_and_a_death_is_a_row(tmp_path: Path) -> None:
     part = Part("squares", ("1", "2", "3", "4"), partial(squared, 100), died)
-    found = measure(tmp_path, [part], None, STAMP, silent)
-    assert [row["value"] for row in found["squares"].in_order(part)] == [101, 104, -1, 116]
+    found, _ = measure(tmp_path, [part], None, STAMP, silent)
+    assert [row["value"] for row in found["squares"]] == [101, 104, -1, 116]
 
 
 def test_the_source_is_part_of_what_a_row_was_measured_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

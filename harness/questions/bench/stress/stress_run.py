@@ -7,18 +7,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from harness import engines
-from harness.model.run import machine, versions
 from harness.questions.bench import programs
 from harness.questions.bench.stress import hard_scenes as scenes
 from harness.questions.bench.stress import stability
 from harness.questions.bench.stress.catalogue import ALL
 from harness.records.base import part
 from harness.records.bench import Cell, HardRow, Harm, Mutated, StressRecord, answer_of, findings_of
-from harness.runs import parts
-from harness.runs.parts import Measured, Measurement, Part, Row
+from harness.runs.parts import Measurement, Part, Row
 
 # Mutated input files: a fuzz that is given, run in processes of its own; its rows summed by kind.
 
@@ -78,24 +76,16 @@ ROWS: Final = Path("stress")
 """Where the rows of parts come from, should one not be as it was written."""
 
 
-def assembled(
-    given: programs.Programs, listed: Sequence[Part], measured: Mapping[str, Measured], command: str
-) -> StressRecord:
+def assembled(given: programs.Programs, rows: Mapping[str, Sequence[Row]], head: Mapping[str, Any]) -> StressRecord:
     """The record from the rows of all parts."""
-    rows = {part.name: measured[part.name].in_order(part) for part in listed}
     order = {row.name: place for place, row in enumerate(stability.difficulties())}
     cells = [part(Cell, row, ROWS) for row in rows["maps"]]
-    spent = parts.seconds(measured)
     made = StressRecord(
-        command=command,
         absent=absent(given),
         scenes=[part(HardRow, row, ROWS) for row in (*rows["scenes"], *rows["questions"])],
         cells=sorted(cells, key=lambda cell: (stability.ENGINES.index(cell.engine), order[cell.difficulty])),
         fuzz=summed(rows["fuzz"]),
-        parts=spent,
-        seconds=sum(row.wall_s for row in spent),
-        versions=versions(),
-        machine=machine(),
+        **head,
     )
     return replace(made, answer=answer_of(made), findings=findings_of(made))
 

@@ -15,13 +15,15 @@ import pytest
 from harness import engines
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import EngineFailure
+from harness.model.finding import Finding
 from harness.model.history import History
 from harness.model.run import SKIPS, RunOptions
-from harness.questions.bench import findings, other_integrators, precision, scaling, skip_savings, skips
+from harness.questions.bench import findings, other_integrators, precision, scaling, skips
 from harness.questions.bench.programs import children_cpu_s, cost, costs, largest_child_mb
 from harness.questions.bench.standard_scenes import COLUMN, Standard, resolved, scene_of, standard_set
 from harness.records.base import plain, validated
-from harness.records.bench import BenchRecord, Covered, PrecisionRow, ScalingRow, SkipRow, Start, Throughput
+from harness.records.bench import BenchRecord, Covered, PartRow, PrecisionRow, ScalingRow, SkipRow, Start, Throughput
+from harness.runs.parts import head
 from tests.engines_for_tests import ready
 from tests.measures import engine_defaults
 
@@ -83,9 +85,9 @@ def test_findings_follow_the_rows() -> None:
     (error,) = findings.defaults([*ROWS, own, replace(own, scene="hard", error_rad=0.2)])
     assert error.values == {"setting": "own defaults", "error_rad": 0.2, "scene": "hard"}
     together = SkipRow("all together", "pymunk", 6, 1.0, 1.5)
-    (gain,) = skips.findings([together])
+    (gain,) = skips.together_findings([together])
     assert (gain.code, gain.values["gain"]) == ("skips_gain", 1.5)
-    (change,) = skips.findings([replace(together, changed=("a: b",))])
+    (change,) = skips.together_findings([replace(together, changed=("a: b",))])
     assert (change.code, change.values["changed"]) == ("skips_change", ["a: b"])
 
 
@@ -139,10 +141,10 @@ def test_scenes_without_their_files_are_named(monkeypatch: pytest.MonkeyPatch) -
     found, absent = resolved(standard_set())
     assert {item.name for item, _ in found} | set(absent) == {item.name for item in standard_set()}
     assert len(absent) == 5
-    (row,) = skips.compute("analytic: block, elcentro1940")
+    (row,) = skips.compute("all together: analytic: block, elcentro1940")
     assert "elcentro1940" in row["failed"]
     assert skips.together([SkipRow(**row)])[0].failed == row["failed"]
-    assert "elcentro1940" in skip_savings.compute("no_history: analytic")[0]["failed"]
+    assert "elcentro1940" in skips.compute("no_history: analytic")[0]["failed"]
     assert precision.of(None, True, next(iter(absent)))[0]["absent"] == absent[next(iter(absent))]
 
 
@@ -173,8 +175,8 @@ def test_a_scene_of_the_set_is_a_scene_file() -> None:
 
 def test_every_skip_of_every_engine_is_measured_alone() -> None:
     declared = {(skip, name) for name in engines.REGISTRY for skip in engines.load(name).capabilities.skips}
-    assert {(skip, name) for skip, named in skip_savings.CASES.items() for name in named} == declared
-    measured = {task.partition(": ")[0] for task in skip_savings.tasks(False)}
+    assert {(skip, name) for skip, named in skips.CASES.items() for name in named} == declared
+    measured = {task.partition(": ")[0] for task in skips.alone_tasks(False)}
     assert measured == set(SKIPS), "what no engine declares is measured too"
 
 
@@ -184,11 +186,11 @@ def test_skips_that_gain_nothing_or_move_a_rotation_are_told() -> None:
         plain, replace(plain, skip="no_history", off_s=1.01), replace(plain, skip="mirror", apart_rad=2e-3),
         replace(plain, skip="cached", changed=("computed again",)), SkipRow("planar", "*", failed="no record"),
     ]  # fmt: skip
-    alone, parts, changes = skip_savings.findings(rows)
+    alone, parts, changes = skips.alone_findings(rows)
     assert alone.values == {"gaining": 3, "measured": 4, "idle": ["no_history (pymunk)"]}
     assert (changes.engine, changes.values) == ("pymunk", {"skip": "cached", "changed": ["computed again"]})
     assert parts.values == {"skip": "mirror", "apart_rad": 2e-3, "own_rad": 1e-3}
-    assert skip_savings.findings([]) == []
+    assert skips.alone_findings([]) == []
 
 
 def test_the_rows_of_a_study_are_summed_by_engine() -> None:
@@ -205,10 +207,10 @@ def test_the_rows_of_a_study_are_summed_by_engine() -> None:
 
 def test_the_own_error_of_a_run_is_what_its_finer_settings_change() -> None:
     engine, scene = engines.load("pymunk"), FREE.scene()
-    run = skips.simulate(engine, scene, skips.NONE, skip_savings.RESOLVED_RAD)
-    (verification,) = engine.verification_settings(scene, skips.level(engine, scene, skip_savings.RESOLVED_RAD))
+    run = skips.simulate(engine, scene, skips.NONE, skips.RESOLVED_RAD)
+    (verification,) = engine.verification_settings(scene, skips.level(engine, scene, skips.RESOLVED_RAD))
     finer = engine.simulate(scene, verification, skips.NONE)
-    assert skip_savings.own_error_rad(engine, scene, skips.NONE, run) == skips.difference(run, finer) > 0.0
+    assert skips.own_error_rad(engine, scene, skips.NONE, run) == skips.difference(run, finer) > 0.0
 
 
 def test_how_time_grows_is_told_from_the_largest_two() -> None:
@@ -231,6 +233,12 @@ def test_the_memory_of_workers_is_counted() -> None:
     assert children_cpu_s() > 0.0
 
 
+def told(rows: list[dict[str, Any]]) -> list[Finding]:
+    """What a bench says of other solvers by these rows."""
+    measured = other_integrators.collected(rows)
+    return other_integrators.findings(BenchRecord(target_rad=1e-3, **measured, **head("rockcheck bench", [])))
+
+
 def test_other_solvers_are_compared_at_equal_error() -> None:
     def solver(name: str, error_rad: float, seconds: float, case: str = "block") -> dict[str, Any]:
         return {"case": case, "solver": name, "tolerance": 1e-6, "error_rad": error_rad, "seconds": seconds}
@@ -243,8 +251,8 @@ def test_other_solvers_are_compared_at_equal_error() -> None:
         *solvers, {"throughput": {"two_block": rate, "map": rate}}, {"startup": asdict(Start(1.0, 1.0, 1.2, 2.5))},
         {"overhead": {"no_pedestal_ratio": 0.5, "pedestal_ratio": 1.2}},
     ]  # fmt: skip
-    assert other_integrators.findings(other_integrators.collected([])) == []
-    found = other_integrators.findings(other_integrators.collected(rows))
+    assert told([]) == []
+    found = told(rows)
     assert [each.code for each in found] == [
         "solver_faster", "solver_short", "solver_absent", "throughput", "throughput", "start_cost", "over_baseline",
     ]  # fmt: skip
@@ -260,20 +268,20 @@ def test_other_solvers_are_compared_at_equal_error() -> None:
 def test_an_error_that_is_not_reached_is_told_with_the_smallest_one(theirs_rad: float, times: float | None) -> None:
     ours = {"case": "block", "solver": "analytic", "tolerance": 1e-4, "error_rad": 1e-4, "seconds": 1.0}
     theirs = ours | {"solver": "scipy DOP853", "error_rad": theirs_rad, "seconds": 0.2}
-    found = other_integrators.findings(other_integrators.collected([ours, theirs]))[0]
+    found = told([ours, theirs])[0]
     assert (found.code, found.values["short"], found.values["least_rad"]) == ("solver_short", "analytic", 1e-4)
     assert found.values["times"] == times
 
 
 def test_a_bench_with_parts_missing_is_a_record_that_says_so() -> None:
-    from harness.runs.parts import Measured
     from tests.measures.whole import BENCH
 
     listed = BENCH.parts(False)
-    rows = {"free rocking": [asdict(row("pymunk", "free rocking", "coarse", 1e-4, 0.001))], "one sine pulse": []}
-    measured = {part.name: Measured(left=tuple(part.tasks)) for part in listed}
-    measured["precision"] = Measured(rows=rows, busy_s=2.0, wall_s=1.0)
-    found = BENCH.assembled(listed, measured, "rockcheck bench")
+    spent = [PartRow(part.name, 0.0, 0, part.tasks) for part in listed]
+    spent[0] = PartRow("precision", 1.0, 2, (), 2.0)
+    rows = dict.fromkeys([part.name for part in listed], ())
+    timed = {"precision": [asdict(row("pymunk", "free rocking", "coarse", 1e-4, 0.001))]}
+    found = BENCH.assembled(rows | timed, head("rockcheck bench", spent))
     assert [item.scene for item in found.rows] == ["free rocking"]
     assert found.seconds == 1.0
     (left,) = (each for each in found.findings if each.code == "parts_left")
@@ -286,11 +294,10 @@ def test_a_bench_with_parts_missing_is_a_record_that_says_so() -> None:
 
 def test_a_bench_without_the_source_tree_s_programs_leaves_their_parts_out_and_says_so() -> None:
     from harness.questions.bench.bench_run import bench
-    from harness.runs.parts import Measured
 
     listed = bench().parts(False)
     assert [part.name for part in listed if not part.tasks] == ["coverage", "others", "speeds"]
-    found = bench().assembled(listed, {part.name: Measured() for part in listed}, "rockcheck bench")
+    found = bench().assembled(dict.fromkeys([part.name for part in listed], ()), head("rockcheck bench", []))
     assert set(found.absent) == {"engine defaults", "coverage", "others"}
 
 
@@ -324,7 +331,7 @@ def test_a_study_that_failed_is_no_gain_of_its_store(monkeypatch: pytest.MonkeyP
         failed: int = 0
 
     monkeypatch.setattr(study, "run_study", lambda *args: Summary())
-    assert skip_savings.compute("cached: analytic")[0]["changed"] == ()
+    assert skips.compute("cached: analytic")[0]["changed"] == ()
     monkeypatch.setattr(study, "run_study", lambda *args: Summary(failed=16))
-    (row,) = skip_savings.compute("cached: analytic")
+    (row,) = skips.compute("cached: analytic")
     assert row["changed"] == ("16 of the runs failed",)
