@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from harness.model.history import Array, History, Outcome, Pair, first_beyond_s,
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.run import SLIDES_M
-from harness.records.scores import Evidence, Outcomes, Peaks, Pointwise, Residuals, Scores, SpragueGeers, Verdict
+from harness.records.scores import Evidence, Scores, Verdict
 
 # By how much and from when two runs differ, and why, computed from the record.
 #
@@ -273,6 +273,12 @@ __all__ = ["Scores", "compare"]
 
 TOGETHER_RAD: Final = 0.01
 """Two histories count as together while no further apart than this: 1.5 cm at the top of a statue of 1.5 m."""
+OF_HISTORIES: Final = (
+    "compared_from_s", "compared_until_s", "coverage", "rms_theta_rad", "largest_difference_rad", "rms_slip_m",
+    "together_until_s", "residual_theta_difference_rad", "residual_slip_difference_m", "magnitude", "phase", "combined",
+    "after_horizon",
+)  # fmt: skip
+"""Scores that want two histories."""
 
 
 def compare(
@@ -331,8 +337,8 @@ def compare(
         largest_difference_rad=float(np.max(np.abs(within.difference_rad))),
         rms_slip_m=pointwise.rms(within, within.slip_a_m - within.slip_b_m),
         together_until_s=pointwise.together_until_s(both, TOGETHER_RAD),
-        **vars(_residuals(a, b, both, until)),
-        **vars(pointwise.sprague_geers(within)),
+        **_residuals(a, b, both, until),
+        **pointwise.sprague_geers(within),
         after_horizon=after_horizon(excursions, both, until),
         iso=rate_by_iso(within) if iso else None,
     )
@@ -367,40 +373,40 @@ def _rests(answer: Run | History) -> bool:
     return isinstance(answer, Run) and answer.outcome is Outcome.STANDS
 
 
-def _peaks(a: pointwise.Peak, b: pointwise.Peak) -> Peaks:
+def _peaks(a: pointwise.Peak, b: pointwise.Peak) -> dict[str, Any]:
     both_still = a.theta_rad == 0.0 and b.theta_rad == 0.0
-    return Peaks(
-        peak_theta_a_rad=a.theta_rad,
-        peak_theta_b_rad=b.theta_rad,
-        peak_ratio=abs(a.theta_rad / b.theta_rad) if b.theta_rad else (1.0 if both_still else None),
-        peak_time_difference_s=0.0 if both_still else a.time_s - b.time_s,
-    )
+    return {
+        "peak_theta_a_rad": a.theta_rad,
+        "peak_theta_b_rad": b.theta_rad,
+        "peak_ratio": abs(a.theta_rad / b.theta_rad) if b.theta_rad else (1.0 if both_still else None),
+        "peak_time_difference_s": 0.0 if both_still else a.time_s - b.time_s,
+    }
 
 
-def _residuals(a: Run | History, b: Run | History, both: Pair, until_s: float) -> Residuals:
+def _residuals(a: Run | History, b: Run | History, both: Pair, until_s: float) -> dict[str, Any]:
     """Differences of the last values; None beyond the horizon, and where a run did not end standing: nothing has come to rest."""
     stood = all(not isinstance(answer, Run) or answer.outcome is Outcome.STANDS for answer in (a, b))
     known = stood and until_s >= both.end_s
-    return Residuals(
-        residual_theta_difference_rad=float(both.theta_a_rad[-1] - both.theta_b_rad[-1]) if known else None,
-        residual_slip_difference_m=float(both.slip_a_m[-1] - both.slip_b_m[-1]) if known else None,
-    )
+    return {
+        "residual_theta_difference_rad": float(both.theta_a_rad[-1] - both.theta_b_rad[-1]) if known else None,
+        "residual_slip_difference_m": float(both.slip_a_m[-1] - both.slip_b_m[-1]) if known else None,
+    }
 
 
-def _outcomes(a: Run | History, b: Run | History) -> Outcomes:
+def _outcomes(a: Run | History, b: Run | History) -> dict[str, Any]:
     first, second = (answer.outcome if isinstance(answer, Run) else None for answer in (a, b))
     times = [answer.no_return_time_s if isinstance(answer, Run) else None for answer in (a, b)]
     agree = side = None
     if first is not None and second is not None:
         agree = first.same_as(second)
         side = first is second if first.overturned and second.overturned else None
-    return Outcomes(
-        outcome_a=first,
-        outcome_b=second,
-        outcome_agrees=agree,
-        side_agrees=side,
-        no_return_time_difference_s=None if times[0] is None or times[1] is None else times[0] - times[1],
-    )
+    return {
+        "outcome_a": first,
+        "outcome_b": second,
+        "outcome_agrees": agree,
+        "side_agrees": side,
+        "no_return_time_difference_s": None if times[0] is None or times[1] is None else times[0] - times[1],
+    }
 
 
 def _scores(
@@ -420,17 +426,10 @@ def _scores(
         b=sides[1].name,
         horizon_s=until_s if math.isfinite(until_s) else None,
         together_tolerance_rad=TOGETHER_RAD,
-        compared_from_s=None,
-        compared_until_s=None,
-        coverage=None,
-        together_until_s=None,
-        after_horizon=None,
-        **vars(Pointwise(rms_theta_rad=None, largest_difference_rad=None, rms_slip_m=None)),
-        **vars(Residuals(residual_theta_difference_rad=None, residual_slip_difference_m=None)),
-        **vars(SpragueGeers(None, None, None)),
-        **vars(_peaks(*peaks)),
-        **vars(event_scores(*excursions, inertia, until_s)),
-        **vars(_outcomes(a, b)),
+        **dict.fromkeys(OF_HISTORIES),
+        **_peaks(*peaks),
+        **event_scores(*excursions, inertia, until_s),
+        **_outcomes(a, b),
         numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, excursions, until_s),
         verdict=judgement.verdict,
         evidence=judgement.evidence,

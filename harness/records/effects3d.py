@@ -157,9 +157,10 @@ class EffectsSummary:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class EffectsAnswers:
-    """What the runs of a study say."""
+class EffectsRecord(Record):
+    """`result.json` of `rockcheck study` for a file of `kind = "effects3d"`."""
 
+    kind: Literal["effects3d"] = "effects3d"
     rows: Sequence[Amplitude]
     sides: Sequence[Amplitude]
     static: Sequence[StaticLimit]
@@ -167,13 +168,6 @@ class EffectsAnswers:
     departures: Sequence[Departure]
     effects: Sequence[Effect]
     left_out: Mapping[str, str]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class EffectsRecord(EffectsAnswers, Record):
-    """`result.json` of `rockcheck study` for a file of `kind = "effects3d"`."""
-
-    kind: Literal["effects3d"] = "effects3d"
     file: str
     scene: SceneRecord
     study: AskedRecord

@@ -149,93 +149,6 @@ class IsoRating:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Window:
-    """The two names and the stretch of time in which instants are compared."""
-
-    a: str
-    b: str
-    compared_from_s: float | None
-    compared_until_s: float | None
-    coverage: float | None
-    horizon_s: float | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Pointwise:
-    """Differences sample by sample."""
-
-    rms_theta_rad: float | None
-    largest_difference_rad: float | None
-    rms_slip_m: float | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Peaks:
-    """The largest rotations."""
-
-    peak_theta_a_rad: float
-    peak_theta_b_rad: float
-    peak_ratio: float | None
-    peak_time_difference_s: float | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Together:
-    """How long the two stay within a tolerance."""
-
-    together_until_s: float | None
-    together_tolerance_rad: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class EventScores:
-    """Matched uplifts and impacts."""
-
-    uplift_time_differences_s: Sequence[float]
-    uplifts_alone_a: int
-    uplifts_alone_b: int
-    impact_times_a_s: Sequence[float]
-    impact_time_differences_s: Sequence[float]
-    impacts_alone_a: int
-    impacts_alone_b: int
-    impact_energy_share_lost_a: Sequence[float | None]
-    impact_energy_share_lost_b: Sequence[float | None]
-    impact_energy_lost_a_j: Sequence[float | None] | None
-    impact_energy_lost_b_j: Sequence[float | None] | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Residuals:
-    """Differences of the last values."""
-
-    residual_theta_difference_rad: float | None
-    residual_slip_difference_m: float | None
-
-
-@dataclass(frozen=True)
-class SpragueGeers:
-    """Magnitude M, phase P and combined error C of a history against a reference; 0 is perfect.
-
-    M and C are None when the reference never moves, P and C when either does not.
-    """
-
-    magnitude: float | None
-    phase: float | None
-    combined: float | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Outcomes:
-    """How both ended; `outcome_agrees` for two falls whichever way; `side_agrees` is of falls alone."""
-
-    outcome_a: Outcome | None
-    outcome_b: Outcome | None
-    outcome_agrees: bool | None
-    side_agrees: bool | None = None
-    no_return_time_difference_s: float | None
-
-
-@dataclass(frozen=True, kw_only=True)
 class ComparisonError:
     """The largest rotation simulated (S) and measured (D), E = S − D, over the history its rms and the share of the time in which
     |E| exceeds 2 u_val, and the standard uncertainties of ASME V&V 20: u_val² = u_num² + u_input² + u_D².
@@ -253,10 +166,10 @@ class ComparisonError:
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Scores(Shown, Outcomes, SpragueGeers, Residuals, EventScores, Together, Peaks, Pointwise, Window):
+class Scores(Shown):
     """How far answer a is from answer b (the reference); None where a score is not defined or a history is missing.
 
-    Times in s, rotations in rad, differences a − b. A record lists the groups from the last to the first. Every score of instants
+    Times in s, rotations in rad, differences a − b. Every score of instants
     (differences, peaks, events, magnitude, phase, ISO, residuals) is taken from `compared_from_s` to `compared_until_s`, at most
     up to `horizon_s`, the earlier of both sides' horizons (None: neither has one); `after_horizon` compares distributions beyond
     it, where no instant of one can be asked of the other. `impact_*` are over matched impacts, `*_alone_*` count those without a
@@ -264,6 +177,51 @@ class Scores(Shown, Outcomes, SpragueGeers, Residuals, EventScores, Together, Pe
     score, what the stated numerical errors of both sides can change in it. `comparison_error` holds a against a measured b.
     """
 
+    # The two names and the stretch of time in which instants are compared.
+    a: str
+    b: str
+    compared_from_s: float | None
+    compared_until_s: float | None
+    coverage: float | None
+    horizon_s: float | None
+    # Differences sample by sample.
+    rms_theta_rad: float | None
+    largest_difference_rad: float | None
+    rms_slip_m: float | None
+    # The largest rotations.
+    peak_theta_a_rad: float
+    peak_theta_b_rad: float
+    peak_ratio: float | None
+    peak_time_difference_s: float | None
+    # How long the two stay within a tolerance.
+    together_until_s: float | None
+    together_tolerance_rad: float
+    # Matched uplifts and impacts.
+    uplift_time_differences_s: Sequence[float]
+    uplifts_alone_a: int
+    uplifts_alone_b: int
+    impact_times_a_s: Sequence[float]
+    impact_time_differences_s: Sequence[float]
+    impacts_alone_a: int
+    impacts_alone_b: int
+    impact_energy_share_lost_a: Sequence[float | None]
+    impact_energy_share_lost_b: Sequence[float | None]
+    impact_energy_lost_a_j: Sequence[float | None] | None
+    impact_energy_lost_b_j: Sequence[float | None] | None
+    # Differences of the last values.
+    residual_theta_difference_rad: float | None
+    residual_slip_difference_m: float | None
+    # By Sprague and Geers, 0 is perfect: M and C are None when the reference never moves, P and C when either does not.
+    magnitude: float | None
+    phase: float | None
+    combined: float | None
+    # How both ended; `outcome_agrees` for two falls whichever way; `side_agrees` is of falls alone.
+    outcome_a: Outcome | None
+    outcome_b: Outcome | None
+    outcome_agrees: bool | None
+    side_agrees: bool | None = None
+    no_return_time_difference_s: float | None
+    # The whole.
     after_horizon: AfterHorizon | None
     numerical_uncertainty: Mapping[str, float | None]
     verdict: Verdict

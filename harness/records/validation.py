@@ -48,7 +48,19 @@ class MeasuredRecord(Record):
 
 
 @dataclass(frozen=True)
-class OutcomeScores:
+class FallScores:
+    """Scores of predicted falls, whichever way they go; None without meaning (no positive predicted, ...)."""
+
+    cases: int
+    accuracy: Interval | None
+    precision: Interval | None
+    recall: Interval | None
+    f1: Interval | None
+    matthews: Interval | None
+
+
+@dataclass(frozen=True)
+class OutcomeScores(FallScores):
     """Scores of a set of predicted outcomes; `positive` means overturned, whichever way.
 
     `confusion[observed][predicted]` counts by side over all decided cases that are not within the uncertainty;
@@ -56,16 +68,10 @@ class OutcomeScores:
     positive predicted, ...) are None. Proportions carry Wilson's interval, F1 and Matthews' correlation the bootstrap's.
     """
 
-    cases: int
     undecided: int
     within_uncertainty: int
     confusion: Mapping[str, Mapping[str, int]]
-    accuracy: Interval | None
     side_accuracy: Interval | None
-    precision: Interval | None
-    recall: Interval | None
-    f1: Interval | None
-    matthews: Interval | None
     no_return_difference_s: Interval | None
 
 
@@ -293,27 +299,6 @@ class MeasuredHistory:
 
 
 @dataclass(frozen=True)
-class ModelSetting:
-    """An engine with the accuracy or the step that was asked of it."""
-
-    engine: str
-    accuracy_rad: float | None
-    dt_s: float | None
-
-
-@dataclass(frozen=True)
-class FallScores:
-    """Scores of predicted falls, whichever way they go."""
-
-    cases: int
-    accuracy: Interval | None
-    precision: Interval | None
-    recall: Interval | None
-    f1: Interval | None
-    matthews: Interval | None
-
-
-@dataclass(frozen=True)
 class ModelScores(Curves):
     """All scores of one model: of its nominal runs, of P ≥ ½ (None without perturbed runs), and of the probabilities."""
 
@@ -327,11 +312,14 @@ class ModelScores(Curves):
     by_body: Sequence[BodyScores] = ()
 
 
-@dataclass(frozen=True)
-class ModelRecord(ModelScores, ModelSetting):
-    """One model: its setting, its scores, and its histories beside measured ones; where it is asked only `near` the boundary of
-    another one, on how many tests it was."""
+@dataclass(frozen=True, kw_only=True)
+class ModelRecord(ModelScores):
+    """One model: its setting (the accuracy or the step asked of it), its scores, and its histories beside measured ones; where it
+    is asked only `near` the boundary of another one, on how many tests it was."""
 
+    engine: str
+    accuracy_rad: float | None
+    dt_s: float | None
     histories: Sequence[MeasuredHistory] = ()
     near: str = field(default="", metadata=OMITTED)
     asked: int | None = field(default=None, metadata=OMITTED)

@@ -11,11 +11,10 @@ import threading
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError
-from dataclasses import dataclass
+from contextlib import suppress
 from multiprocessing import connection
-from queue import Empty, SimpleQueue
 from typing import Any, Final, Protocol
 from weakref import WeakSet
 
@@ -26,7 +25,7 @@ GRACE_S: Final = 5.0
 LIMIT_S: Final = 4 * 3600.0
 """Time without an answer after which a worker is taken to hang: a search for an amplitude takes tens of runs."""
 AHEAD: Final = 3
-"""Tasks handed out per worker at a time: enough that none waits, few enough that a million are never all there at once."""
+"""Tasks handed out per worker of a cluster at a time: enough that none waits, few enough that a million are never all there."""
 TRIES: Final = 2
 """A worker may have been ended from outside: a task is charged with a death when it has seen two of them."""
 LOOK_S: Final = 1.0
@@ -75,29 +74,20 @@ class InlinePool:
         """Nothing to give back."""
 
 
-@dataclass
-class _Order:
-    """One task on its way, and how often it was tried."""
-
-    work: Work
-    task: Any
-    tries: int = 0
-
-
-_Reply = tuple["_Worker", _Order, Any, BaseException | None]
+_Order = tuple[Any, int]
+"""One task on its way, and how often it was tried."""
 
 
 class _Worker:
-    """A process, and the thread of this one that hands it one order after the other: nothing here waits for a pipe."""
+    """A process that is at one order at a time, and this side of the pipe to it."""
 
-    def __init__(self, orders: SimpleQueue[_Order | None], replies: SimpleQueue[_Reply]) -> None:
+    def __init__(self) -> None:
         self.order: _Order | None = None
-        self.since_s = time.monotonic()
-        self.limit_passed_s: float | None = None
-        self._orders, self._replies = orders, replies
+        self._since_s = 0.0
+        self._limit_passed_s: float | None = None
         # A fresh interpreter: nothing that the parent did can reach a run.
         context = multiprocessing.get_context("spawn")
-        self._ours, theirs = context.Pipe()
+        self.pipe, theirs = context.Pipe()
         self.process = context.Process(target=_serve, args=(theirs,))
         # An interrupt is the parent's: until the new interpreter is at its orders, it waits.
         before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
@@ -106,34 +96,31 @@ class _Worker:
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
         theirs.close()
-        threading.Thread(target=self._hand_out, daemon=True).start()
+
+    def begin(self, work: Work, order: _Order) -> None:
+        """Hand out an order. Raises what says that it cannot be sent."""
+        self.order, self._since_s = order, time.monotonic()
+        # One that died while it had nothing to do: its pipe says so when it is asked for the answer.
+        with suppress(OSError):
+            self.pipe.send((work, order[0]))
 
     def check(self, limit_s: float) -> None:
-        """Kill the process when it has been at its order for longer than the limit; the thread then hears that it died."""
-        if self.order is not None and time.monotonic() - self.since_s > limit_s:
-            self.limit_passed_s = limit_s
+        """Kill the process when it has been at its order for longer than the limit; its pipe then says that it died."""
+        if self.order is not None and time.monotonic() - self._since_s > limit_s:
+            self._limit_passed_s = limit_s
             self.process.kill()
 
-    def _hand_out(self) -> None:
-        with self._ours:
-            while (order := self._orders.get()) is not None:
-                self.since_s, self.order = time.monotonic(), order
-                answer, error = self._answer(order)
-                self.order = None
-                self._replies.put((self, order, answer, error))
-                if isinstance(error, Crash):
-                    return
-
-    def _answer(self, order: _Order) -> tuple[Any, BaseException | None]:
+    def answer(self) -> tuple[Any, BaseException | None]:
+        """What came back for its order, or the error instead: a `Crash` where the process died."""
+        self.order = None
         try:
-            self._ours.send((order.work, order.task))
-            answer: tuple[Any, BaseException | None] = self._ours.recv()
+            answer: tuple[Any, BaseException | None] = self.pipe.recv()
         except (EOFError, OSError):
             self.process.join()
-            if self.limit_passed_s is not None:
-                return None, Hung(f"no answer in {self.limit_passed_s:g} s")
+            if self._limit_passed_s is not None:
+                return None, Hung(f"no answer in {self._limit_passed_s:g} s")
             return None, Crash(_cause(self.process.exitcode))
-        except Exception as error:  # noqa: BLE001 - an order that cannot be sent, an answer that cannot be read
+        except Exception as error:  # noqa: BLE001 - an answer that cannot be read
             return None, error
         return answer
 
@@ -148,8 +135,6 @@ class LocalPool:
         self._jobs = jobs or os.cpu_count() or 1
         self._limit_s, self._tries = limit_s, tries
         self._workers: list[_Worker] = []
-        self._orders: SimpleQueue[_Order | None] = SimpleQueue()
-        self._replies: SimpleQueue[_Reply] = SimpleQueue()
         if jobs is not None and jobs < 1:
             raise InputError(Mistake("--jobs", "", "a whole number of at least 1", str(jobs)))
         _OPEN.add(self)
@@ -161,37 +146,30 @@ class LocalPool:
 
     def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
         """See `Pool.run`; one task or one job still runs in a process of its own."""
-        upcoming = (_Order(work, task) for task in tasks)
-        again: list[_Order] = []
-        under_way = 0
+        upcoming, again = iter(tasks), list[_Order]()
         try:
             while True:
-                while under_way < AHEAD * self._jobs:
-                    # Once more alone: whatever a neighbour may have done to it cannot come again.
-                    order = next(upcoming, None) or (again.pop() if again and not under_way else None)
-                    if order is None:
-                        break
-                    under_way += 1
-                    self._start(under_way)
-                    self._orders.put(order)
-                if not under_way:
+                self._hand_out(work, upcoming, again)
+                busy = {each.pipe: (each, each.order) for each in self._workers if each.order is not None}
+                if not busy:
                     return
-                worker, order, answer, error = self._reply()
-                under_way -= 1
-                if not isinstance(error, Crash):
+                for pipe in connection.wait(list(busy), min(LOOK_S, self._limit_s)):
+                    worker, (task, tries) = busy[pipe]  # type: ignore[index]
+                    answer, error = worker.answer()
+                    if isinstance(error, Crash):
+                        self._workers.remove(worker)
+                        if tries + 1 < self._tries:
+                            again.append((task, tries + 1))
+                        else:
+                            done(task, error)
+                        continue
                     if error is not None:
                         raise error
-                    done(order.task, answer)
-                    continue
-                self._workers.remove(worker)
-                # The orders that it left are for the others, of which there may be none.
-                if under_way:
-                    self._start(under_way)
-                order.tries += 1
-                if order.tries < self._tries:
-                    again.append(order)
-                else:
-                    done(order.task, error)
+                    # It is at work again while its answer is kept.
+                    self._hand_out(work, upcoming, again)
+                    done(task, answer)
+                for worker, _ in busy.values():
+                    worker.check(self._limit_s)
         except BaseException:
             # Interrupted, or a task's own exception: nobody waits for what is under way.
             self._end(at_once=True)
@@ -203,29 +181,30 @@ class LocalPool:
 
     __del__ = close
 
-    def _start(self, under_way: int) -> None:
-        if len(self._workers) < min(under_way, self._jobs):
-            self._workers.append(_Worker(self._orders, self._replies))
-
-    def _reply(self) -> _Reply:
-        """The next reply; while none comes, workers that are at their task for too long are killed."""
-        while True:
-            try:
-                return self._replies.get(timeout=min(LOOK_S, self._limit_s))
-            except Empty:
-                for worker in self._workers:
-                    worker.check(self._limit_s)
+    def _hand_out(self, work: Work, upcoming: Iterator[Any], again: list[_Order]) -> None:
+        """Give each worker that has nothing to do an order, as long as there are any."""
+        idle = [worker for worker in self._workers if worker.order is None]
+        while idle or len(self._workers) < self._jobs:
+            task = next(upcoming, None)
+            if task is not None:
+                order = task, 0
+            elif again and all(worker.order is None for worker in self._workers):
+                # Once more alone: whatever a neighbour may have done to it cannot come again.
+                order = again.pop()
+            else:
+                return
+            if not idle:
+                self._workers.append(_Worker())
+                idle = self._workers[-1:]
+            idle.pop().begin(work, order)
 
     def _end(self, at_once: bool) -> None:
         """End the workers; those that do not, for they hang or are stopped, are killed."""
         workers, self._workers = self._workers, []
-        orders, self._orders, self._replies = self._orders, SimpleQueue(), SimpleQueue()
-        while not orders.empty():
-            orders.get()
         for worker in workers:
-            orders.put(None)
             if at_once:
                 worker.process.terminate()
+            worker.pipe.close()
         end_s = time.monotonic() + GRACE_S
         for worker in workers:
             worker.process.join(max(end_s - time.monotonic(), 0.0))
@@ -238,7 +217,7 @@ _OPEN: Final[WeakSet[LocalPool]] = WeakSet()
 
 
 def kill_workers() -> None:
-    """Kill the processes of every pool, whatever they are at: threads that wait for their answers hear that they died."""
+    """Kill the processes of every pool, whatever they are at: who waits for their answers hears that they died."""
     for pool in list(_OPEN):
         for worker in list(pool._workers):
             worker.process.kill()

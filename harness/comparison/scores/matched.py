@@ -14,12 +14,11 @@ from harness.comparison.scores.events import Excursions
 from harness.comparison.side import Side
 from harness.model.history import Array
 from harness.model.scene import Statue
-from harness.records.scores import EventScores
 
 
 def event_scores(
     a: events.Excursions, b: events.Excursions, inertia: RockingInertia | None, until_s: float = math.inf
-) -> EventScores:
+) -> dict[str, Any]:
     """Matched uplifts and impacts of two histories, and the energy that each matched impact takes; pairs whose event in b, and
     events alone, come after `until_s` are left out."""
     rise_a, rise_b = a.from_rest, b.from_rest
@@ -34,19 +33,19 @@ def event_scores(
     ).until(times_a, times_b, until_s)
     index_a, index_b = np.flatnonzero(down_a)[impacts.index_a], np.flatnonzero(down_b)[impacts.index_b]
     share_a, share_b = share_lost(a, inertia)[index_a], share_lost(b, inertia)[index_b]
-    return EventScores(
-        uplift_time_differences_s=_list(up_a[uplifts.index_a] - up_b[uplifts.index_b]),
-        uplifts_alone_a=uplifts.alone_a,
-        uplifts_alone_b=uplifts.alone_b,
-        impact_times_a_s=_list(times_a[impacts.index_a]),
-        impact_time_differences_s=_list(times_a[impacts.index_a] - times_b[impacts.index_b]),
-        impacts_alone_a=impacts.alone_a,
-        impacts_alone_b=impacts.alone_b,
-        impact_energy_share_lost_a=_list(share_a),
-        impact_energy_share_lost_b=_list(share_b),
-        impact_energy_lost_a_j=None if inertia is None else _list(lost_j(a, inertia)[index_a]),
-        impact_energy_lost_b_j=None if inertia is None else _list(lost_j(b, inertia)[index_b]),
-    )
+    return {
+        "uplift_time_differences_s": _list(up_a[uplifts.index_a] - up_b[uplifts.index_b]),
+        "uplifts_alone_a": uplifts.alone_a,
+        "uplifts_alone_b": uplifts.alone_b,
+        "impact_times_a_s": _list(times_a[impacts.index_a]),
+        "impact_time_differences_s": _list(times_a[impacts.index_a] - times_b[impacts.index_b]),
+        "impacts_alone_a": impacts.alone_a,
+        "impacts_alone_b": impacts.alone_b,
+        "impact_energy_share_lost_a": _list(share_a),
+        "impact_energy_share_lost_b": _list(share_b),
+        "impact_energy_lost_a_j": None if inertia is None else _list(lost_j(a, inertia)[index_a]),
+        "impact_energy_lost_b_j": None if inertia is None else _list(lost_j(b, inertia)[index_b]),
+    }
 
 
 def numerical_uncertainty(

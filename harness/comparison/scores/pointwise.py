@@ -14,7 +14,7 @@ from harness.model.errors import InputError, Mistake
 from harness.model.finding import Finding, caution, info
 from harness.model.history import Array, History, Pair, first_beyond_s
 from harness.model.run import Run
-from harness.records.scores import ComparisonError, IsoRating, SpragueGeers
+from harness.records.scores import ComparisonError, IsoRating
 
 # How far two runs are apart.
 
@@ -75,7 +75,7 @@ def peak(history: History, until_s: float = math.inf) -> Peak:
     return best
 
 
-def sprague_geers(pair: Pair) -> SpragueGeers:
+def sprague_geers(pair: Pair) -> dict[str, float | None]:
     """Sprague and Geers' integral errors, b being the reference (Shock and Vibration Bulletin 60, 1989).
 
     M = √(∫a²/∫b²) − 1, P = acos(∫ab/√(∫a²∫b²))/π, C = √(M² + P²).
@@ -83,12 +83,12 @@ def sprague_geers(pair: Pair) -> SpragueGeers:
     a, b = pair.theta_a_rad, pair.theta_b_rad
     aa, bb, ab = pair.integral(a, a), pair.integral(b, b), pair.integral(a, b)
     if aa == 0.0 and bb == 0.0:
-        return SpragueGeers(0.0, 0.0, 0.0)
+        return {"magnitude": 0.0, "phase": 0.0, "combined": 0.0}
     magnitude = None if bb == 0.0 else math.sqrt(aa / bb) - 1.0
     if aa == 0.0 or bb == 0.0:
-        return SpragueGeers(magnitude, None, None)
+        return {"magnitude": magnitude, "phase": None, "combined": None}
     phase = 0.0 if np.array_equal(a, b) else math.acos(min(max(ab / math.sqrt(aa * bb), -1.0), 1.0)) / math.pi
-    return SpragueGeers(magnitude, phase, math.hypot(magnitude or 0.0, phase))
+    return {"magnitude": magnitude, "phase": phase, "combined": math.hypot(magnitude or 0.0, phase)}
 
 
 def together_until_s(pair: Pair, tolerance_rad: float) -> float:

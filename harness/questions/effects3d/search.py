@@ -7,7 +7,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, Final, final
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, Final, final
 
 import numpy as np
 from pydantic import Field
@@ -27,6 +28,9 @@ from meshes import MeshError, Solid
 from meshes.footprint import reach_m
 from meshes.roughening import ragged
 from meshes.survey import adjusted
+
+if TYPE_CHECKING:
+    from functools import _lru_cache_wrapper
 
 # What is changed of a scene, one thing at a time: components of the motion, base, inertia, survey,
 # friction, time step.
@@ -249,72 +253,54 @@ class Crossing:
     runs: int
 
 
-class Trials:
-    """Asks whether a factor overturns, each factor once, and counts."""
-
-    def __init__(self, outcome_at: Callable[[float], Outcome | None]) -> None:
-        self._outcome_at = outcome_at
-        self._known: dict[float, Outcome | None] = {}
-
-    @property
-    def runs(self) -> int:
-        """Factors asked so far."""
-        return len(self._known)
-
-    def outcome(self, factor: float) -> Outcome | None:
-        """How it overturns, None when it does not."""
-        if factor not in self._known:
-            self._known[factor] = self._outcome_at(factor)
-        return self._known[factor]
-
-    def halve(self, below: float, above: float, resolution: float) -> Crossing:
-        """The crossing between a factor that stands (or 0) and one that overturns, to the resolution."""
-        while below > 0.0 and above / below > 1.0 + resolution:
-            middle = math.sqrt(above * below)
-            if self.outcome(middle) is None:
-                below = middle
-            else:
-                above = middle
-        return Crossing(above, below, self.outcome(above), self.runs)
+Outcomes = Callable[[float], Outcome | None]
+"""How the statue overturns at a factor on the motion, None where it does not."""
 
 
-def first_crossing(
-    outcome_at: Callable[[float], Outcome | None], least: float, most: float, step: float, resolution: float
-) -> Crossing:
+def _halved(outcome: _lru_cache_wrapper[Outcome | None], below: float, above: float, resolution: float) -> Crossing:
+    """The crossing between a factor that stands (or 0) and one that overturns, to the resolution."""
+    while below > 0.0 and above / below > 1.0 + resolution:
+        middle = math.sqrt(above * below)
+        if outcome(middle) is None:
+            below = middle
+        else:
+            above = middle
+    return Crossing(above, below, outcome(above), outcome.cache_info().currsize)
+
+
+def first_crossing(outcome_at: Outcomes, least: float, most: float, step: float, resolution: float) -> Crossing:
     """The least factor of a geometric grid from `least` to `most` that overturns, bracketed from below."""
-    trials, below = Trials(outcome_at), 0.0
+    outcome, below = cache(outcome_at), 0.0
     count = max(math.ceil(math.log(most / least) / math.log(step)), 1)
     for factor in np.geomspace(least, most, count + 1).tolist():
-        if trials.outcome(factor) is not None:
-            return trials.halve(below, factor, resolution)
+        if outcome(factor) is not None:
+            return _halved(outcome, below, factor, resolution)
         below = factor
-    return Crossing(None, below, None, trials.runs)
+    return Crossing(None, below, None, outcome.cache_info().currsize)
 
 
-def nearest_crossing(
-    outcome_at: Callable[[float], Outcome | None], near: float, least: float, most: float, resolution: float
-) -> Crossing:
+def nearest_crossing(outcome_at: Outcomes, near: float, least: float, most: float, resolution: float) -> Crossing:
     """The crossing next to `near`, by strides that double away from it; between `least` and `most`."""
-    trials, stride = Trials(outcome_at), 1.0 + 4.0 * resolution
+    outcome, stride = cache(outcome_at), 1.0 + 4.0 * resolution
     above, below = None, 0.0
-    if trials.outcome(near) is not None:
+    if outcome(near) is not None:
         above = near
         while below == 0.0 and above > least:
             lower = max(above / stride, least)
             stride *= stride
-            if trials.outcome(lower) is None:
+            if outcome(lower) is None:
                 below = lower
             else:
                 above = lower
-        return trials.halve(below, above, resolution)
+        return _halved(outcome, below, above, resolution)
     below = near
     while below < most:
         higher = min(below * stride, most)
         stride *= stride
-        if trials.outcome(higher) is not None:
-            return trials.halve(below, higher, resolution)
+        if outcome(higher) is not None:
+            return _halved(outcome, below, higher, resolution)
         below = higher
-    return Crossing(None, below, None, trials.runs)
+    return Crossing(None, below, None, outcome.cache_info().currsize)
 
 
 def run_once(scene: Scene, engine: str, dt_s: float, *, history: bool = False) -> Run:

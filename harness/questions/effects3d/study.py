@@ -48,7 +48,6 @@ from harness.records.effects3d import (
     Change,
     Departure,
     Effect,
-    EffectsAnswers,
     EffectsRecord,
     EffectsSummary,
     ReplayRecord,
@@ -322,12 +321,12 @@ def run_file(
     finished = EffectsRecord(
         title=study.title,
         file=path.name,
-        **vars(answers),
+        **answers,
         scene=SceneRecord.of(scene),
         findings=[scan_directions(scene), *scene.findings],
         study=part(AskedRecord, study.model_dump(), path),
         unit_g=peak_g(scene),
-        replay=write_replay(scene, answers.rows, answers.departures, study.search.dt_s, folder / REPLAY),
+        replay=write_replay(scene, answers["rows"], answers["departures"], study.search.dt_s, folder / REPLAY),
         summary=EffectsSummary(study.directions, *counts),
         versions=record.versions(),
         machine=record.machine(),
@@ -346,7 +345,7 @@ def _check(scene: Scene, path: Path) -> None:
         raise InputError(Mistake(str(path), "scene", wanted, "a pedestal or a wall"))
 
 
-def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> EffectsAnswers:
+def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> dict[str, Any]:
     """All rows of the record: the roses first, then what follows each of them."""
     search = study.search
     engines = sorted(study.engines, key=ORDER.index)
@@ -372,15 +371,15 @@ def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> EffectsA
         if peak is not None
     ]
     everything = [*rows, *changed]
-    return EffectsAnswers(
-        rows=everything,
-        sides=projected,
-        static=static_rose(scene, study.azimuths_deg(), projected),
-        bands=questions.ask(Band, bands),
-        departures=questions.ask(Departure, leaving),
-        effects=effects(everything, wanted),
-        left_out=empty,
-    )
+    return {
+        "rows": everything,
+        "sides": projected,
+        "static": static_rose(scene, study.azimuths_deg(), projected),
+        "bands": questions.ask(Band, bands),
+        "departures": questions.ask(Departure, leaving),
+        "effects": effects(everything, wanted),
+        "left_out": empty,
+    }
 
 
 def _changed(

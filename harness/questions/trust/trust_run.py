@@ -6,6 +6,7 @@ import csv
 import math
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
 from itertools import takewhile
 from pathlib import Path
@@ -276,21 +277,14 @@ def run_trust(
     check_work(hardest, {name: engines.load(name).capabilities.dimensions for name in chosen}, str(path))
     if resume:
         check_begun(folder, "a trust map")
-    own = (LocalPool(jobs) if dask is None else DaskPool(dask)) if pool is None else None
-    try:
-        workers: Pool = own or pool  # type: ignore[assignment]
+    with ExitStack() as stack:
+        workers = pool or stack.enter_context(closing(LocalPool(jobs) if dask is None else DaskPool(dask)))
         size = cost_words(plane, chosen, workers.workers, coarse=coarse)
-        with (
-            Store(folder / STORE_NAME, "trust") as store,
-            progress(f"{path.stem}, trust map", quiet, size, grows=True) as on_progress,
-        ):
-            campaign = Campaign(store, workers, on_progress, {MODEL: BATCH}, free=(MODEL,))
-            times = COARSE_TIMES if coarse else MOST_TIMES
-            points = Points(store, campaign, times, DRAWS[coarse])
-            record = trust_map(plane, chosen, points, coarse=coarse, seed=seed)
-    finally:
-        if own is not None:
-            own.close()
+        store = stack.enter_context(Store(folder / STORE_NAME, "trust"))
+        on_progress = stack.enter_context(progress(f"{path.stem}, trust map", quiet, size, grows=True))
+        campaign = Campaign(store, workers, on_progress, {MODEL: BATCH}, free=(MODEL,))
+        points = Points(store, campaign, COARSE_TIMES if coarse else MOST_TIMES, DRAWS[coarse])
+        record = trust_map(plane, chosen, points, coarse=coarse, seed=seed)
     record = replace(record, overrides=overrides)
     return write_whole(folder, record.texted(say), lambda fresh: write_cells(record.maps, fresh / CELLS_NAME))
 
