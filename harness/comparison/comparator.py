@@ -421,12 +421,13 @@ def _scores(
 ) -> Scores:
     """What can be said of any two answers, also of a run that kept only its outcome; nothing of single instants."""
     judgement = judge(*sides, both, peaks)
+    of_histories: dict[str, Any] = dict.fromkeys(OF_HISTORIES)
     return Scores(
         a=sides[0].name,
         b=sides[1].name,
         horizon_s=until_s if math.isfinite(until_s) else None,
         together_tolerance_rad=TOGETHER_RAD,
-        **dict.fromkeys(OF_HISTORIES),
+        **of_histories,
         **_peaks(*peaks),
         **event_scores(*excursions, inertia, until_s),
         **_outcomes(a, b),

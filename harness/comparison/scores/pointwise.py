@@ -75,7 +75,7 @@ def peak(history: History, until_s: float = math.inf) -> Peak:
     return best
 
 
-def sprague_geers(pair: Pair) -> dict[str, float | None]:
+def sprague_geers(pair: Pair) -> dict[str, Any]:
     """Sprague and Geers' integral errors, b being the reference (Shock and Vibration Bulletin 60, 1989).
 
     M = √(∫a²/∫b²) − 1, P = acos(∫ab/√(∫a²∫b²))/π, C = √(M² + P²).
