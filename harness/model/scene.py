@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Literal, Protocol
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,24 +26,11 @@ if TYPE_CHECKING:
     from meshes import Solid
 
 
-# A pose in space as the columns that every engine of three dimensions records, and the rotation that they
-# give.
-
-
 # A pedestal that tips: where its centroid and its top come to lie, whose slip is that of the edge on which it
 # stands.
 
 
-class Sides(Protocol):
-    """Width and height of a pedestal."""
-
-    @property
-    def width_m(self) -> float: ...
-    @property
-    def height_m(self) -> float: ...
-
-
-def centroid_shift_m(pedestal: Sides, tilt_rad: Array) -> Array:
+def centroid_shift_m(pedestal: Pedestal, tilt_rad: Array) -> Array:
     """How far the centroid moves along the floor while the pedestal tips about an edge that stands, of the tilts' shape:
     (h/2) sin φ + sgn φ (w/2) (1 − cos φ).
     """
@@ -51,7 +38,7 @@ def centroid_shift_m(pedestal: Sides, tilt_rad: Array) -> Array:
     return np.asarray(0.5 * pedestal.height_m * np.sin(tilt_rad) + aside)
 
 
-def support_m(pedestal: Sides | None, slip_m: Array, extra: Mapping[str, Array]) -> Array:
+def support_m(pedestal: Pedestal | None, slip_m: Array, extra: Mapping[str, Array]) -> Array:
     """Displacement (n,) of what the statue stands on, from a history's columns: of the middle of its pedestal's top."""
     tilt_rad = extra.get("pedestal_tilt_rad")
     if pedestal is None or tilt_rad is None:
@@ -59,7 +46,7 @@ def support_m(pedestal: Sides | None, slip_m: Array, extra: Mapping[str, Array])
     return np.asarray(slip_m + centroid_shift_m(pedestal, tilt_rad) + 0.5 * pedestal.height_m * np.sin(tilt_rad))
 
 
-def base_shift_m(pedestal: Sides | None, slip_m: Array, extra: Mapping[str, Array]) -> Array:
+def base_shift_m(pedestal: Pedestal | None, slip_m: Array, extra: Mapping[str, Array]) -> Array:
     """Displacement (n,) of the statue's base, from a history's columns: of its support, and its own on that."""
     return support_m(pedestal, slip_m, extra) + extra.get("statue_slip_m", np.zeros_like(slip_m))
 

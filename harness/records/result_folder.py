@@ -92,8 +92,8 @@ def check_folder(
         raise InputError(Mistake("--out", "", "a folder", got))
     if not open_to_us:
         raise InputError(Mistake("--out", "", "a folder that can be written", f"the read-only folder {there}"))
-    finished, begun = _kind(folder), _begun(folder)
-    found = begun if finished is None else [finished, *begun]
+    finished, begun = _kind(folder), store_kind(folder / STORE)
+    found = [kind for kind in (finished, begun) if kind is not None]
     others = [name for name in inside if name not in INSPECTED and not name.startswith(".")]
     others.sort(key=lambda name: (name != RECORD, name))
     if not found and others:
@@ -103,7 +103,7 @@ def check_folder(
         if kinds is not None and kind not in kinds:
             got = f"{folder}, which holds {'a' if kind == finished else 'what was begun of a'} {kind}"
             advice = f"give another folder; `rockcheck {GOES_ON.get(kind, kind)} --out {folder}` goes on with this one"
-            advice = advice if kind in begun else "give another folder"
+            advice = advice if kind == begun else "give another folder"
             raise InputError(Mistake("--out", "", f"a folder of a {' or '.join(kinds)}", got, advice))
     sums = owned(folder)
     foreign = [name for name in names if not _own(folder / name, sums)]
@@ -177,12 +177,6 @@ def store_kind(path: Path) -> str | None:
 def full_kind(kind: str, command: object) -> str:
     """A kind of record, with `--quick` where its command had it: a few rows are no measurement to replace a whole one."""
     return f"{kind} --quick" if kind in ("bench", "stress") and "--quick" in str(command).split() else kind
-
-
-def _begun(folder: Path) -> list[str]:
-    """The kind of what was begun in a folder: that of its store."""
-    kind = store_kind(folder / STORE)
-    return [] if kind is None else [kind]
 
 
 def _kind(folder: Path) -> str | None:

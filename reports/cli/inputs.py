@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -147,9 +146,9 @@ def motion_inspect(
 ) -> None:
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
     from harness.input.motions.recordfile import Layout
+    from harness.model.finding import texted
     from harness.model.run import write_json
-    from harness.records.base import plain
-    from harness.records.inspection import InspectionRecord
+    from harness.records.inspection import inspection_record
     from harness.records.result_folder import INSPECTED, check_folder, listing, named_after
     from reports.export.figures import printed, write_picture
     from reports.export.motion_figure import WIDE, motion_picture
@@ -162,10 +161,10 @@ def motion_inspect(
     inspected = _inspected(file, unit, axis, Layout(**vars(text)))
     folder.mkdir(parents=True, exist_ok=True)
     write_picture(printed(motion_picture(inspected), WIDE), picture, dpi=150)
-    shown = InspectionRecord.of(inspected, ENGLISH.say)
-    write_json(record, plain(replace(shown, files=listing([picture]))))
-    lines = motion_lines(inspected, shown.findings, verbose=saying.verbose)
-    saying.say(plain(shown), "\n".join([*lines, printable(f"picture: {picture}")]))
+    shown = inspection_record(inspected, ENGLISH.say)
+    write_json(record, {**shown, "files": listing([picture])})
+    lines = motion_lines(inspected, texted(inspected.findings, ENGLISH.say), verbose=saying.verbose)
+    saying.say(shown, "\n".join([*lines, printable(f"picture: {picture}")]))
 
 
 def _inspected(file: Path, unit: str | None, axis: str, layout: Layout) -> MotionInspection:

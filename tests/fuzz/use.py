@@ -155,10 +155,10 @@ def motion(path: Path) -> None:
     """Read, and write what `rockcheck motion inspect` tells."""
     from harness.input.motions.inspect import inspect_file
     from harness.model import run as record
-    from harness.records.inspection import InspectionRecord
+    from harness.records.inspection import inspection_record
     from reports.messages import ENGLISH
 
-    found = record.to_plain(InspectionRecord.of(inspect_file(path), ENGLISH.say))
+    found = inspection_record(inspect_file(path), ENGLISH.say)
     (path.parent / WRITTEN).mkdir()
     record.write_json(path.parent / WRITTEN / "motion.json", found)
 

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-import multiprocessing
 import os
 import tempfile
 import time
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 from pathlib import Path
 from typing import Final
@@ -21,6 +19,8 @@ from harness.questions.bench.programs import children_cpu_s, cost, largest_child
 from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.records.bench import ScalingRow
 from harness.runs.parts import Row
+from harness.runs.runner import LIMIT_S
+from harness.runs.task import call
 
 Point = tuple[str, str, float]
 
@@ -50,8 +50,7 @@ def compute(task: str) -> list[Row]:
     """One point, in a process of its own, so that memory is that point's."""
     engine, quantity, value = task.split()
     point = engine, quantity, float(value)
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
-        seconds, memory_mb, cpu_s = pool.submit(measure, point).result()
+    seconds, memory_mb, cpu_s = call(measure, (point,), timeout_s=LIMIT_S)
     return [asdict(ScalingRow(engine, quantity, point[2], seconds, memory_mb, cpu_s))]
 
 

@@ -6,7 +6,7 @@ import math
 import shlex
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal, TypeVar
 
@@ -246,27 +246,22 @@ OWN_STEPS: Final = (
 
 REPLAY: Final = "replay"
 """The folder of the case that is run to be watched, in the result's."""
-KINDS: Final[dict[type, str]] = {Amplitude: "search", Band: "band", Departure: "departure"}
-"""What is asked for an answer of each class."""
+WORK: Final[dict[type, tuple[str, Callable[..., object]]]] = {
+    Amplitude: ("search", find),
+    Band: ("band", band),
+    Departure: ("departure", departure),
+}
+"""What an answer of each class is called in a store, and what finds it."""
 T = TypeVar("T", Amplitude, Band, Departure)
 
 
-@dataclass(frozen=True)
-class Question:
-    """A search, a band or a departure, and what a worker needs to answer it."""
-
-    kind: str
-    base: Base
-    arguments: tuple[Any, ...]
-
-
-def answer(question: Question) -> Answer:
-    """What a worker does; its cost is the processor time, s, that it took."""
+def answer(question: tuple[type, Base, tuple[Any, ...]]) -> Answer:
+    """What a worker does for the answer of a class, from its scene and arguments; its cost is the processor time, s, it took."""
     begin = time.process_time()
-    scene = question.base.scene({})
-    kinds: dict[str, Callable[..., Any]] = {"search": find, "band": band, "departure": departure}
-    plain = record.to_plain(asdict(kinds[question.kind](scene, *question.arguments)))
-    return Answer(question.kind, plain, time.process_time() - begin)
+    kind, base, arguments = question
+    name, work = WORK[kind]
+    plain = record.to_plain(work(base.scene({}), *arguments))
+    return Answer(name, plain, time.process_time() - begin)
 
 
 class Questions:
@@ -279,17 +274,15 @@ class Questions:
 
     def ask(self, kind: type[T], questions: Sequence[tuple[Any, ...]]) -> list[T]:
         """The answers in the questions' order; one whose process died is left out and counted."""
-        name = KINDS[kind]
-        tasks = [Task(self._key(name, each), answer, Question(name, self._base, each)) for each in questions]
+        name, _ = WORK[kind]
+        tasks = []
+        for each in questions:
+            named = [item.key() if isinstance(item, Search) else item for item in each]
+            tasks.append(Task(request_key(self._scene, None, name, named), answer, (kind, self._base, each)))
         answers = [part(kind, item, self._store.path) for item in self.campaign.ask(tasks) if item is not None]
         self.asked += len(tasks)
         self.runs += sum(getattr(item, "runs", 1) for item in answers)
         return answers
-
-    def _key(self, kind: str, arguments: tuple[Any, ...]) -> str:
-        return request_key(
-            self._scene, None, kind, [item.key() if isinstance(item, Search) else item for item in arguments]
-        )
 
 
 def run_file(
