@@ -68,7 +68,7 @@ def test_a_hard_scene_with_another_outcome_or_another_motion_fails(monkeypatch: 
     def unmoved(*given: Any) -> Run:
         run = whole(*given)
         h = run.history
-        return spoiled(run, history=History(h.t_s, 0.0 * h.theta_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s))
+        return replace(run, history=replace(h, theta_rad=0.0 * h.theta_rad))
 
     monkeypatch.setattr(scenes, "simulate", unmoved)
     found = scenes.row_of(hard)
@@ -107,16 +107,12 @@ def test_so_many_iterations_reach_every_engine() -> None:
 holds = checks.all_hold
 
 
-def spoiled(run: Run, **changes: Any) -> Run:
-    return replace(run, **changes)
-
-
 def test_checks_fail_when_they_must(scene: Scene, exact: Run) -> None:
     assert all(holds(check(scene, exact)) for check in checks.BASIC)
-    assert not holds(checks.finite(scene, spoiled(exact, peak_theta_rad=float("nan"))))
-    gained = spoiled(exact, validity={"energy_gained_j": 0.05 * checks.barrier_j(scene)})
+    assert not holds(checks.finite(scene, replace(exact, peak_theta_rad=float("nan"))))
+    gained = replace(exact, validity={"energy_gained_j": 0.05 * checks.barrier_j(scene)})
     assert not holds(checks.energy(scene, gained))
-    assert not holds(checks.depth(scene, spoiled(exact, validity={"penetration_m": 1e-3})))
+    assert not holds(checks.depth(scene, replace(exact, validity={"penetration_m": 1e-3})))
     assert not holds(checks.creep(scene, exact)), "a rocking statue is not at rest"
     assert not holds(checks.ends_at_rest(scene, exact))
     assert not holds(checks.upright(scene, exact))
@@ -127,17 +123,17 @@ def test_an_error_is_held_to_a_share_of_the_peak(share: float, right: bool) -> N
     small = scene_of("small", leaning(COLUMN, 0.05, 0.6))
     exact = scenes.solution(small)
     h = exact.history
-    off = History(h.t_s, h.theta_rad + share * exact.peak_theta_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s)
+    off = replace(h, theta_rad=h.theta_rad + share * exact.peak_theta_rad)
     assert checks.allowed_rad(exact) == pytest.approx(0.05 * exact.peak_theta_rad)
-    assert checks.all_hold(checks.agrees(small, spoiled(exact, history=off), exact)) is right
+    assert checks.all_hold(checks.agrees(small, replace(exact, history=off), exact)) is right
 
 
 @pytest.mark.parametrize(("off_rad", "right"), [(9e-4, True), (1.1e-3, False)])
 def test_no_error_beyond_a_milliradian_is_allowed(scene: Scene, exact: Run, off_rad: float, right: bool) -> None:
     h = exact.history
     assert checks.AGREES_SHARE * exact.peak_theta_rad > 2e-3
-    off = History(h.t_s, h.theta_rad + off_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s)
-    assert checks.all_hold(checks.agrees(scene, spoiled(exact, history=off), exact)) is right
+    off = replace(h, theta_rad=h.theta_rad + off_rad)
+    assert checks.all_hold(checks.agrees(scene, replace(exact, history=off), exact)) is right
 
 
 def test_a_slip_that_is_not_the_exact_one_is_seen() -> None:
@@ -148,16 +144,16 @@ def test_a_slip_that_is_not_the_exact_one_is_seen() -> None:
     h = exact.history
     assert exact.peak_slip_m > 0.01
     assert holds(checks.agrees(sliding, exact, exact))
-    held = History(h.t_s, h.theta_rad, h.theta_rate_rad_s, 0.9 * h.slip_m, h.slip_rate_m_s)
-    assert not holds(checks.agrees(sliding, spoiled(exact, history=held), exact))
+    held = replace(h, slip_m=0.9 * h.slip_m)
+    assert not holds(checks.agrees(sliding, replace(exact, history=held), exact))
 
 
 def test_an_error_counts_as_long_as_the_two_block_model_holds(scene: Scene, exact: Run) -> None:
-    left = spoiled(exact, validity={**exact.validity, "left_domain_s": 0.2})
+    left = replace(exact, validity={**exact.validity, "left_domain_s": 0.2})
     h = exact.history
-    late = History(h.t_s, h.theta_rad + 0.1 * (h.t_s > 0.3), h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s)
-    assert not holds(checks.agrees(scene, spoiled(exact, history=late), exact))
-    (found,) = checks.agrees(scene, spoiled(exact, history=late), left)
+    late = replace(h, theta_rad=h.theta_rad + 0.1 * (h.t_s > 0.3))
+    assert not holds(checks.agrees(scene, replace(exact, history=late), exact))
+    (found,) = checks.agrees(scene, replace(exact, history=late), left)
     assert found.holds
     assert found.until_s == 0.2
 
@@ -168,11 +164,11 @@ def test_energy_from_out_of_the_plane_is_told_from_energy_of_contacts(scene: Sce
     gained = {"energy_gained_j": 0.05 * checks.barrier_j(scene)}
     turning = {"yaw_rad": 2.0 * h.t_s, "roll_rad": zero, "statue_y_m": zero}
     for extra, right in (({**turning, "yaw_rad": zero}, False), (turning, True)):
-        history = History(h.t_s, h.theta_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s, extra=extra)
-        (found,) = checks.energy(scene, spoiled(exact, validity=gained, history=history))
+        history = replace(h, extra=extra)
+        (found,) = checks.energy(scene, replace(exact, validity=gained, history=history))
         assert found.holds is right
     yaw_inertia = scene.statue.inertia_tensor_kg_m2[2, 2]
-    assert checks.beyond_plane_j(scene, spoiled(exact, history=history)) == pytest.approx(2.0 * yaw_inertia)
+    assert checks.beyond_plane_j(scene, replace(exact, history=history)) == pytest.approx(2.0 * yaw_inertia)
 
 
 def still(drift_rad: float) -> History:
@@ -182,15 +178,15 @@ def still(drift_rad: float) -> History:
 
 
 def test_creep_is_told_from_trembling(scene: Scene, exact: Run) -> None:
-    assert holds(checks.creep(scene, spoiled(exact, history=still(1e-7), end_s=10.0)))
-    assert not holds(checks.creep(scene, spoiled(exact, history=still(1e-5), end_s=10.0)))
+    assert holds(checks.creep(scene, replace(exact, history=still(1e-7), end_s=10.0)))
+    assert not holds(checks.creep(scene, replace(exact, history=still(1e-5), end_s=10.0)))
     calm = still(0.0)
     zero = np.zeros_like(calm.t_s)
     slides = History(calm.t_s, calm.theta_rad, zero, 1e-5 * calm.t_s / 10.0, zero)
-    assert not holds(checks.creep(scene, spoiled(exact, history=slides, end_s=10.0)))
+    assert not holds(checks.creep(scene, replace(exact, history=slides, end_s=10.0)))
     trembling = History(calm.t_s, 1e-3 * np.sin(50.0 * calm.t_s), zero, zero, zero)
-    assert not holds(checks.creep(scene, spoiled(exact, history=trembling, end_s=10.0))), "it trembles too much"
-    short = spoiled(exact, history=still(5e-7), end_s=10.0)
+    assert not holds(checks.creep(scene, replace(exact, history=trembling, end_s=10.0))), "it trembles too much"
+    short = replace(exact, history=still(5e-7), end_s=10.0)
     assert holds(checks.creep(scene, short))
     assert not holds(checks.creep(scene, short, share=0.1)), "a tenth of the time may drift by a tenth"
 
@@ -198,15 +194,15 @@ def test_creep_is_told_from_trembling(scene: Scene, exact: Run) -> None:
 def test_a_cell_is_judged_by_its_numbers(scene: Scene, exact: Run) -> None:
     h = exact.history
     assert stability.judge(scene, exact, exact, False)[0] == "stable"
-    wrong = History(h.t_s, 1.1 * h.theta_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s)
-    assert stability.judge(scene, spoiled(exact, history=wrong), exact, False)[0] == "inaccurate"
-    gained = spoiled(exact, validity={"energy_gained_j": checks.barrier_j(scene)})
+    wrong = replace(h, theta_rad=1.1 * h.theta_rad)
+    assert stability.judge(scene, replace(exact, history=wrong), exact, False)[0] == "inaccurate"
+    gained = replace(exact, validity={"energy_gained_j": checks.barrier_j(scene)})
     assert stability.judge(scene, gained, exact, False)[0] == "drifting"
-    sunk = spoiled(exact, validity={"penetration_m": 0.01})
+    sunk = replace(exact, validity={"penetration_m": 0.01})
     assert stability.judge(scene, sunk, exact, False)[0] == "drifting"
-    drifting = spoiled(exact, history=still(1e-5), end_s=10.0)
+    drifting = replace(exact, history=still(1e-5), end_s=10.0)
     assert stability.judge(scene, drifting, drifting, True)[0] == "drifting"
-    crashed = spoiled(exact, outcome=Outcome.CRASHED, history=None, message="died")
+    crashed = replace(exact, outcome=Outcome.CRASHED, history=None, message="died")
     assert stability.judge(scene, crashed, exact, False) == ("diverged", [], "died")
 
 
@@ -271,7 +267,7 @@ def test_hard_questions(question: Any) -> None:
 
 def offset(run: Run, off_rad: float) -> Run:
     h = run.history
-    return spoiled(run, history=History(h.t_s, h.theta_rad + off_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s))
+    return replace(run, history=replace(h, theta_rad=h.theta_rad + off_rad))
 
 
 SPOILT = (
