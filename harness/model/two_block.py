@@ -13,7 +13,7 @@ from harness.model.scene import OVERTURN_RAD, Scene, Statue
 from harness.model.scene import Pedestal as Support
 
 if TYPE_CHECKING:
-    from analytic import Block, CommonKeywords, Form, Pedestal, Wall
+    from analytic import Block, CommonKeywords, Pedestal, Wall
 
 
 _BLOCKS: Final[WeakKeyDictionary[Statue, Block]] = WeakKeyDictionary()
@@ -69,13 +69,6 @@ def _block_of(statue: Statue) -> Block:
     return Block(statue.mass_kg, statue.centroid_height_m, statue.inertia_kg_m2, profile)
 
 
-def form_of(scene: Scene) -> Form:
-    """The form of the model that the scene asks for."""
-    from analytic import Form
-
-    return Form(scene.form.friction_normal, scene.contact.restitution, scene.form.pedestal_at_impact)
-
-
 def pedestal_of(scene: Scene) -> Pedestal | None:
     """The scene's pedestal in its rocking plane."""
     from analytic import Pedestal
@@ -95,13 +88,15 @@ def wall_of(scene: Scene) -> Wall | None:
 
 def keywords(scene: Scene) -> CommonKeywords:
     """The keywords of ``analytic.simulate`` that a scene decides."""
+    from analytic import Form
+
     return {
         "pedestal": pedestal_of(scene),
         "floor_static": scene.contact.floor_static,
         "floor_kinetic": scene.contact.floor_kinetic,
         "floor_impact": scene.contact.floor_impact,
         "statue_friction": scene.contact.statue,
-        "form": form_of(scene),
+        "form": Form(scene.form.friction_normal, scene.contact.restitution, scene.form.pedestal_at_impact),
         "theta0_rad": scene.initial.theta_rad,
         "theta_rate0_rad_s": scene.initial.theta_rate_rad_s,
         "duration_s": scene.duration_s,

@@ -174,7 +174,7 @@ def motion_of(scene: Scene) -> MotionRecord:
     }
     parts: dict[str, object] = {}
     for axis, item in moving.items():
-        parts[f"{axis}_m_s2"] = _extremes(item, t_s).tolist()
+        parts[f"{axis}_m_s2"] = _largest((item,), t_s)[:, 0].tolist()
         parts[f"{axis}_peak_m_s2"] = peak_within_m_s2(item, scene.duration_s)
         parts[f"{axis}_is"] = repr(item) if not hasattr(item, "t_s") else f"record of {len(item.t_s)} samples"
     if {"x", "y"} & moving.keys():
@@ -185,13 +185,10 @@ def motion_of(scene: Scene) -> MotionRecord:
     return MotionRecord(t_s=t_s.tolist(), **parts)  # type: ignore[arg-type]
 
 
-def _extremes(item: Excitation, t_s: Array) -> Array:
-    """The value of largest size among ten samples of each interval, so that no peak is lost in a drawing."""
-    return _largest((item,), t_s)[:, 0]
-
-
 def _largest(items: Sequence[Excitation], t_s: Array) -> Array:
-    """The values (n, k) of all items at the instant of their largest sum as vectors, among ten samples of each interval."""
+    """The values (n, k) of all items at the instant of their largest sum as vectors, among ten samples of each interval, so that
+    no peak is lost in a drawing.
+    """
     step = t_s[1] - t_s[0]
     fine = np.clip(t_s[:, None] + step * (np.arange(10) - 5.0) / 10.0, 0.0, t_s[-1])
     values = np.stack([np.asarray(item.accel_m_s2(fine.ravel())).reshape(fine.shape) for item in items], axis=2)

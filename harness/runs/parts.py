@@ -108,7 +108,9 @@ def measure(
     What was measured under another `stamp` (versions, options) is removed. Raises `InputError` for an unknown part.
     """
     chosen = _chosen(parts, only)
-    keys = {part.name: {task: _key(part, task, stamp) for task in part.tasks} for part in parts}
+    keys = {
+        part.name: {task: key_of(*record.to_plain([part.name, task, stamp])) for task in part.tasks} for part in parts
+    }
     folder.mkdir(parents=True, exist_ok=True)
     with Store(folder / STORE_NAME, kind) as store:
         store.remove(store.keys() - {key for of_part in keys.values() for key in of_part.values()})
@@ -140,10 +142,6 @@ def _chosen(parts: Sequence[Part], only: Sequence[str] | None) -> list[Part]:
     if unknown:
         raise InputError(Mistake("--parts", "", f"some of {', '.join(names)}", ", ".join(map(repr, unknown))))
     return [part for part in parts if only is None or part.name in only]
-
-
-def _key(part: Part, task: str, stamp: Mapping[str, object]) -> str:
-    return key_of(*record.to_plain([part.name, task, stamp]))
 
 
 def _measured(part: Part, keys: Mapping[str, str], store: Store) -> tuple[list[Row], PartRow]:

@@ -76,10 +76,6 @@ def beyond_plane_j(scene: Scene, run: Run) -> float:
     return float(np.max(0.5 * (tensor[0, 0] * roll**2 + tensor[2, 2] * yaw**2 + mass * across**2)))
 
 
-def _frequency_hz(scene: Scene) -> float:
-    return float(getattr(scene.base_excitation.x, "frequency_hz", 0.0))
-
-
 def finite(scene: Scene, run: Run) -> list[Measure]:
     """Every number of the run is finite (a history with another cannot be made)."""
     numbers = [run.peak_theta_rad, run.peak_slip_m, run.end_s]
@@ -89,7 +85,8 @@ def finite(scene: Scene, run: Run) -> list[Measure]:
 def energy(scene: Scene, run: Run) -> list[Measure]:
     """Contacts add no energy but what comes back from motion out of the plane."""
     gained = number(run.validity, "energy_gained_j", 0.0)
-    share = ENERGY_SHARE + TABLE_STEPS * number(run.settings, "dt_s", 0.0) * _frequency_hz(scene)
+    frequency_hz = float(getattr(scene.base_excitation.x, "frequency_hz", 0.0))
+    share = ENERGY_SHARE + TABLE_STEPS * number(run.settings, "dt_s", 0.0) * frequency_hz
     allowed = max(share * exchanged_j(scene, run), LEAST_ENERGY_J) + beyond_plane_j(scene, run)
     return [within("energy_gained_j", gained, allowed)]
 
