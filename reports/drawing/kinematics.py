@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.model.history import History
-from harness.model.scene import SOLID_COLUMNS, Sides, centroid_shift_m, rotations
+from harness.model.scene import SOLID_COLUMNS, Pedestal, centroid_shift_m, rotations
 from harness.records.scene import SceneRecord
 
 Array = NDArray[np.float64]
@@ -128,7 +128,7 @@ def posed_in_space_m(points_m: Array, corner_right_m: float, pose: Mapping[str, 
     return np.asarray((points_m - [corner_right_m, 0.0, 0.0]) @ rotations(pose).T + corner)
 
 
-def posed_pedestal_m(pedestal: Sides, depth_m: float, pose: Mapping[str, float]) -> Array:
+def posed_pedestal_m(pedestal: Pedestal, depth_m: float, pose: Mapping[str, float]) -> Array:
     """The pedestal's corners (8, 3) at a pose, in the order of the signs of x, y, z."""
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
     turn = rotations({"pitch_rad": pose["pedestal_tilt_rad"], "roll_rad": 0.0, "yaw_rad": pose["pedestal_yaw_rad"]})
