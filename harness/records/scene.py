@@ -13,7 +13,7 @@ from pydantic import Field
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.input.mistakes import Contradiction
 from harness.model.run import OMITTED, to_plain
-from harness.model.scene import Contact, Form, Initial, Pedestal, Scene
+from harness.model.scene import Contact, Form, Initial, Pedestal, Scene, Wall
 from harness.records.base import Positive, Table, same_fields
 from harness.statics.standstill import Cause, peak_within_m_s2, push_of
 
@@ -58,11 +58,9 @@ class StatueRecord:
 
 
 @dataclass(frozen=True)
-class WallRecord:
+class WallRecord(Wall):
     """The wall, and the |θ| at which the statue first touches it (None: never below flat)."""
 
-    side: Literal["left", "right"]
-    distance_m: float
     touching_rotation_rad: float | None
 
 

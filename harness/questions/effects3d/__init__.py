@@ -3,8 +3,3 @@
 Azimuths are directions in the statue's own frame, counter-clockwise from x seen from above: the direction along which the
 floor shakes. The statue is turned, not the floor: shaking stays along x, so every planar model sees its own section.
 """
-
-from harness.questions.effects3d.search import Search, departure, find
-from harness.records.effects3d import BASELINE
-
-__all__ = ["BASELINE", "Search", "departure", "find"]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from harness.model.scene import Scene
-from harness.questions.effects3d import BASELINE
 from harness.questions.effects3d.search import CONDITIONS, changed_scene, turned
+from harness.records.effects3d import BASELINE
 from meshes import footprint
 
 

@@ -13,8 +13,8 @@ from harness.engines import load
 from harness.model.history import Array
 from harness.model.run import RunOptions
 from harness.model.scene import BaseExcitation, Scene
-from harness.questions.effects3d import BASELINE, departure
-from harness.questions.effects3d.search import changed_scene, with_solid
+from harness.questions.effects3d.search import changed_scene, departure, with_solid
+from harness.records.effects3d import BASELINE
 from tests.budgets_meshes import SAME_PLANE_RAD
 
 needs_pybullet = pytest.mark.skipif(load("pybullet").missing() is not None, reason=str(load("pybullet").missing()))

@@ -9,16 +9,18 @@ import pytest
 
 import harness
 from harness.model.scene import Scene
-from harness.questions.effects3d import BASELINE, Search, find
 from harness.questions.effects3d.search import (
+    Search,
     SpaceOutcomes,
     amplified,
     changed_scene,
+    find,
     first_crossing,
     nearest_crossing,
     peak_g,
     start_factor,
 )
+from harness.records.effects3d import BASELINE
 
 SEARCH = Search(most_g=1.0, resolution=0.02)
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from harness.model.scene import Scene
-from harness.questions.effects3d import BASELINE, Search
+from harness.questions.effects3d.search import Search
 from harness.questions.effects3d.study import (
     checked_azimuths,
     effects,
@@ -15,7 +15,7 @@ from harness.questions.effects3d.study import (
     side_azimuths,
     static_rose,
 )
-from harness.records.effects3d import Amplitude
+from harness.records.effects3d import BASELINE, Amplitude
 
 SEARCH = Search(most_g=1.0, resolution=0.02)
 
