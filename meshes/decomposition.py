@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import signal
 import subprocess
 import sys
@@ -17,7 +18,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes import array_cache, coacd_alone
+from meshes import text_cache, coacd_alone
 from meshes.collision import thinned
 from meshes.mesh import Array, MeshError, RawMesh, manifold
 from meshes.prepare import simplified
@@ -68,13 +69,14 @@ def parts_of(
     """
     if reason := missing():
         raise MeshError("a convex decomposition", f"none: {reason}")
-    key = _key(solid, concavity, max_parts, max_vertices)
-    arrays = array_cache.load(key)
-    parts = None if arrays is None else _unpacked(arrays)
-    if parts is None:
+
+    def made() -> str:
         parts = decompose(solid, concavity, max_parts, max_vertices)
-        array_cache.store(key, _packed(parts))
-    return parts
+        return json.dumps([[corners.tolist() for corners in parts.parts], parts.excess_rel, parts.missing_rel])
+
+    state = _state(solid, concavity, max_parts, max_vertices)
+    corners, excess_rel, missing_rel = json.loads(text_cache.made_once("parts", state, made))
+    return Parts(tuple(np.array(each) for each in corners), excess_rel, missing_rel)
 
 
 def decompose(
@@ -144,30 +146,8 @@ def _misfit(solid: Solid, parts: Sequence[Array]) -> tuple[float, float]:
     return (float(union.volume()) - both) / volume, 1.0 - both / volume
 
 
-def _key(solid: Solid, *parameters: float) -> str:
-    """Digest of the mesh, the parameters and the programs that make the parts."""
-    state = hashlib.sha256()
-    for array in (solid.vertices_m, solid.faces):
-        state.update(str(array.shape).encode())
-        state.update(np.ascontiguousarray(array).tobytes())
+def _state(solid: Solid, *parameters: float) -> bytes:
+    """The mesh, the parameters and the programs that make the parts."""
     made_by = [metadata.version(name) for name in ("coacd", "fast-simplification", "manifold3d")]
-    state.update(repr((FORM, COARSE_FACES, solid.contact_tolerance_m, parameters, made_by)).encode())
-    return f"parts-{state.hexdigest()[:32]}"
-
-
-def _packed(parts: Parts) -> dict[str, NDArray[Any]]:
-    return {
-        "corners": np.vstack(parts.parts),
-        "counts": np.array([len(corners) for corners in parts.parts]),
-        "misfit": np.array([parts.excess_rel, parts.missing_rel]),
-    }
-
-
-def _unpacked(arrays: dict[str, NDArray[Any]]) -> Parts | None:
-    """Parts from kept arrays; None when these are not what was stored."""
-    try:
-        counts, (excess, missed) = arrays["counts"], arrays["misfit"]
-        corners = arrays["corners"].reshape(int(counts.sum()), 3)
-    except (KeyError, ValueError, TypeError):
-        return None
-    return Parts(tuple(np.split(corners, np.cumsum(counts)[:-1])), float(excess), float(missed))
+    settings = repr((FORM, COARSE_FACES, solid.contact_tolerance_m, parameters, made_by)).encode()
+    return solid.vertices_m.tobytes() + solid.faces.tobytes() + settings

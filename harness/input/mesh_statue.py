@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 from collections.abc import Iterable, Mapping
@@ -236,7 +235,7 @@ def _solid(
 def _doubts(file: Path, changed_ns: tuple[int, ...], unit: str | float, up: str) -> tuple[Doubt, ...]:
     """What makes the surface of a mesh file doubtful as a single statue: looked at once for its content, and kept."""
     import meshes
-    from meshes.array_cache import made_once
+    from meshes.text_cache import made_once
     from meshes.intake import read_mesh, to_metres_z_up
     from meshes.mesh import Doubt
 
@@ -249,8 +248,8 @@ def _doubts(file: Path, changed_ns: tuple[int, ...], unit: str | float, up: str)
         return json.dumps([asdict(each) for each in doubts(mesh.vertices, mesh.faces, how)])
 
     code = b"".join(each.read_bytes() for each in sorted(Path(meshes.__file__).parent.glob("*.py")))
-    digests = [hashlib.sha256(each).hexdigest() for each in (file.read_bytes(), code, os.fsencode(how))]
-    return tuple(Doubt(**each) for each in json.loads(made_once("doubts", " ".join(digests).encode(), looked_at)))
+    state = b"\0".join((file.read_bytes(), code, os.fsencode(how)))
+    return tuple(Doubt(**each) for each in json.loads(made_once("doubts", state, looked_at)))
 
 
 def _hollowed(solid: Solid, inner: InnerTable, weighed_kg: float | None) -> Finding:

@@ -17,7 +17,7 @@ from markupsafe import Markup
 
 from harness.model.errors import printable_lines
 from harness.model.run import to_plain
-from meshes import array_cache
+from meshes import text_cache
 from reports.charts import Json
 from reports.charts.drawn import packed_data, still
 from reports.charts.figure import CONFIG
@@ -44,12 +44,12 @@ def package_folder(name: str) -> Path:
 
 def folder() -> Path | None:
     """The user's own folder for what pages carry; None where none is safe: what lies there runs in the reader's browser."""
-    return array_cache.folder(ROOM)
+    return text_cache.folder(ROOM)
 
 
 def made_once(name: str, state: bytes, make: Callable[[], str]) -> str:
     """The text that `make` gives for `state` (everything that decides it), kept in that folder."""
-    return array_cache.made_once(name, state, make, ROOM, MOST_TEXTS)
+    return text_cache.made_once(name, state, make, ROOM, MOST_TEXTS)
 
 
 @cache

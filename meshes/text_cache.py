@@ -1,4 +1,4 @@
-"""Arrays and texts that are costly to compute, kept in the user's cache folder under a digest of what they were computed from.
+"""Texts that are costly to compute, kept in the user's cache folder under a digest of what they were computed from.
 
 The folder is `rockcheck/meshes` in XDG_CACHE_HOME or `~/.cache`. It may be removed at any time. Where none can be written, or
 where others could write into it, nothing is kept.
@@ -8,21 +8,15 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
-import io
 import os
 import stat
 import tempfile
-import zipfile
-import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Final
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Final
 
 MOST_FILES: Final = 64
-"""Files kept, the last used ones: some 100 KB each."""
+"""Texts kept of a name, the last used ones: some 100 KB each."""
 
 
 def folder(room: str = "meshes") -> Path | None:
@@ -46,33 +40,6 @@ def folder(room: str = "meshes") -> Path | None:
 def _private(seen: os.stat_result) -> bool:
     mine = not hasattr(os, "getuid") or seen.st_uid == os.getuid()
     return stat.S_ISDIR(seen.st_mode) and mine and not seen.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
-
-
-def load(key: str) -> dict[str, NDArray[Any]] | None:
-    """The arrays kept under a key; None when there are none, or the file is damaged."""
-    home = folder()
-    if home is None:
-        return None
-    file = home / f"{key}.npz"
-    try:
-        with file.open("rb") as handle, np.load(handle, allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in stored.files}
-    except (OSError, ValueError, EOFError, TypeError, zipfile.BadZipFile, zlib.error):
-        return None
-    with contextlib.suppress(OSError):  # its time of use is a hint, not a need
-        os.utime(file)
-    return arrays
-
-
-def store(key: str, arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Keep arrays under a key, and only the last used files."""
-    home = folder()
-    if home is None:
-        return
-    content = io.BytesIO()
-    np.savez_compressed(content, **arrays)  # type: ignore[arg-type]
-    put(home / f"{key}.npz", content.getvalue())
-    prune(home, "*.npz", MOST_FILES)
 
 
 def made_once(name: str, state: bytes, make: Callable[[], str], room: str = "meshes", most: int = MOST_FILES) -> str:
