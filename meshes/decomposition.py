@@ -18,7 +18,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes import text_cache, coacd_alone
+from meshes import coacd_alone, text_cache
 from meshes.collision import thinned
 from meshes.mesh import Array, MeshError, RawMesh, manifold
 from meshes.prepare import simplified

@@ -235,9 +235,9 @@ def _solid(
 def _doubts(file: Path, changed_ns: tuple[int, ...], unit: str | float, up: str) -> tuple[Doubt, ...]:
     """What makes the surface of a mesh file doubtful as a single statue: looked at once for its content, and kept."""
     import meshes
-    from meshes.text_cache import made_once
     from meshes.intake import read_mesh, to_metres_z_up
     from meshes.mesh import Doubt
+    from meshes.text_cache import made_once
 
     how = f"rockcheck mesh prepare {file} --unit {unit} --up {up} --out statue.ply"
 
