@@ -8,10 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from meshes.mesh import Array, Doubt, Faces, MeshError, RawMesh, weld
-from meshes.orientation import area_vector
+from meshes.mesh import Array, Doubt, Faces, MeshError, RawMesh, area_vector, triangulated, weld
 from meshes.processing_log import rims
-from meshes.repair import triangulated
 
 WALL_COVERS: Final = 0.7
 """Share of a body's outline seen against a direction that its outermost plane covers where it may be a wall; figures: 0.45."""

@@ -81,6 +81,30 @@ def double_areas(vertices: Array, faces: Faces) -> Array:
     return np.cross(vertices[faces[:, 1]] - first, vertices[faces[:, 2]] - first)
 
 
+def area_vector(points: Array) -> Array:
+    """Area vector (3,) of a closed polygon (n, 3) in space (Newell): its normal, as long as its area."""
+    centred = points - points.mean(axis=0)
+    return np.asarray(0.5 * np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0))
+
+
+def triangulated(polygon: Array, normal: Array) -> Faces:
+    """Triangles (n - 2, 3) over a polygon (n, 3), concave ones too, seen flat along `normal`, in the polygon's own sense."""
+    from manifold3d import triangulate
+
+    normal = normal / np.linalg.norm(normal)
+    helper = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    right = np.cross(helper, normal)
+    right /= np.linalg.norm(right)
+    flat = np.column_stack([polygon @ right, polygon @ np.cross(normal, right)])
+    return np.asarray(triangulate([flat]), dtype=np.int64).reshape(-1, 3)
+
+
+def fan(corners: int) -> Faces:
+    """Triangles (n - 2, 3) of a polygon of so many corners, all from its first one."""
+    ring = np.arange(1, corners - 1, dtype=np.int64)
+    return np.column_stack([np.zeros_like(ring), ring, ring + 1])
+
+
 def unique_rows(rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Of the different rows (n, k) the first place of each, and the number (n,) of each row among them."""
     order = np.lexsort(rows.T)

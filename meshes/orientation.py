@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.mesh import Array, Doubt, MeshError, RawMesh, double_areas
+from meshes.mesh import Array, Doubt, MeshError, RawMesh, area_vector, double_areas
 from meshes.processing_log import measure, rims
 
 BASE_RIM_SHARE: Final = 0.02
@@ -210,12 +210,6 @@ def least_turn(direction: Array) -> Array:
     x, y, z = direction
     cross = np.array([[0.0, 0.0, -x], [0.0, 0.0, -y], [x, y, 0.0]])
     return np.asarray(np.eye(3) + cross + cross @ cross / (1.0 + z))
-
-
-def area_vector(points: Array) -> Array:
-    """Area vector (3,) of a closed polygon (n, 3) in space (Newell): its normal, as long as its area."""
-    centred = points - points.mean(axis=0)
-    return np.asarray(0.5 * np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0))
 
 
 def _largest_rim(mesh: RawMesh) -> Array | None:

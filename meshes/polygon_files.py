@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.mesh import Array, Faces, MeshError
+from meshes.mesh import Array, Faces, MeshError, area_vector, fan, triangulated
 
 CHUNK: Final = 100_000
 """Vertices held as text in one go."""
@@ -246,17 +246,10 @@ def _triangulated(vertices: NDArray[Any], lists: Lists) -> tuple[Array, Faces]:
 
 def _in_plane(points: Array) -> Faces:
     """Triangles (n − 2, 3) of a polygon's corners (n, 3), concave ones too, seen along its mean normal."""
-    from manifold3d import triangulate
-
     centred = points - points.mean(axis=0)
-    normal = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)
-    length = float(np.linalg.norm(normal))
-    if length > 0.0 and len(points) <= MOST_CORNERS:
-        normal /= length
-        across = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
-        flat = centred @ np.column_stack([across, np.cross(normal, across)])
-        triangles = np.asarray(triangulate([flat / np.abs(flat).max()]), dtype=np.int64)
+    normal = area_vector(centred)
+    if np.linalg.norm(normal) > 0.0 and len(points) <= MOST_CORNERS:
+        triangles = triangulated(centred / np.abs(centred).max(), normal)
         if len(triangles) == len(points) - 2:
             return triangles
-    ring = np.arange(1, len(points) - 1, dtype=np.int64)
-    return np.column_stack([np.zeros_like(ring), ring, ring + 1])
+    return fan(len(points))

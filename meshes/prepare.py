@@ -21,9 +21,9 @@ from meshes.intake import (
     wrong_size,
 )
 from meshes.mesh import Array, Doubt, Faces, MeshError, RawMesh, drop_unused, unique_rows, weld
-from meshes.orientation import find_orientation, turn_axis
-from meshes.processing_log import Change, EdgeCount, ProcessingLog, change, measure
-from meshes.repair import base_rim, close_base, close_holes, close_pinches, open_branches
+from meshes.orientation import Orientation, find_orientation, turn_axis
+from meshes.processing_log import Change, EdgeCount, ProcessingLog
+from meshes.repair import close_pinches, open_branches
 from meshes.self_intersection import crossings
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, solid_from_mesh
 
@@ -41,56 +41,45 @@ ROUNDS = 5
 """Closing one pinch may touch the next; rounds of opening and closing before the decimation is given up."""
 
 
-@dataclass(frozen=True)
-class Bounds:
-    """The most that decimation may change: volume, centroid as a share of the height, inertia."""
-
-    volume_rel: float = 1e-3
-    centroid_share: float = 5e-4
-    inertia_rel: float = 2e-3
+MOST_VOLUME_REL = 1e-3
+MOST_CENTROID_SHARE = 5e-4
+MOST_INERTIA_REL = 2e-3
+"""The most that decimation may change: volume, centroid as a share of the height, inertia."""
 
 
-def decimate(
-    mesh: RawMesh, max_faces: int, keep_below_m: float, bounds: Bounds
-) -> tuple[RawMesh, Change | None, Doubt | None]:
+def decimate(mesh: RawMesh, max_faces: int) -> tuple[RawMesh, Change | None, tuple[Doubt, ...]]:
     """A closed mesh with about `max_faces` triangles, or with as few as the bounds allow; unchanged if that is not
-    fewer. The third is why more were kept than asked, None where they were not.
-
-    Faces with a vertex up to `keep_below_m` over the lowest point are kept as they are.
+    fewer. The third is why more were kept than asked, empty where they were not.
     """
-    height = float(np.ptp(mesh.vertices[:, 2]))
-    before = measure(mesh)
     target, why = max_faces, dict[str, object]()
-
-    def kept(faces: int) -> Doubt | None:
-        return Doubt("scan_faces_kept", {"faces": faces, "asked": max_faces, **why}) if why else None
-
-    while target < 0.9 * len(mesh.faces):
-        fewer = simplified(mesh, target, keep_below_m)
-        if isinstance(fewer, dict):
-            broken = fewer
+    fewer, made = mesh, None
+    while made is None and target < 0.9 * len(mesh.faces):
+        simpler = simplified(mesh, target, CONTACT_TOLERANCE_M)
+        if isinstance(simpler, dict):
+            broken = simpler
         else:
-            faces = {"before": len(mesh.faces), "after": len(fewer.faces)}
-            made = Change("prepared_decimated", "decimation", faces, len(mesh.faces) - len(fewer.faces))
-            made = change(made, before, measure(fewer))
-            broken = _beyond(made, bounds, height)
+            faces = {"before": len(mesh.faces), "after": len(simpler.faces)}
+            tried = Change("prepared_decimated", "decimation", faces, len(mesh.faces) - len(simpler.faces))
+            tried = tried.measured(mesh, simpler)
+            broken = _beyond(tried, float(np.ptp(mesh.vertices[:, 2])))
             if not broken:
-                return fewer, made, kept(len(fewer.faces))
+                fewer, made = simpler, tried
         why = why or broken
         target *= 2
-    return mesh, None, kept(len(mesh.faces))
+    kept = (Doubt("scan_faces_kept", {"faces": len(fewer.faces), "asked": max_faces, **why}),) if why else ()
+    return fewer, made, kept
 
 
-def _beyond(made: Change, bounds: Bounds, height_m: float) -> dict[str, object]:
+def _beyond(made: Change, height_m: float) -> dict[str, object]:
     """Which bound a decimation broke, and by how much; empty for none."""
     if made.volume_rel is None or made.centroid_m is None or made.inertia_rel is None:
         return {"cause": "encloses_nothing"}
-    if abs(made.volume_rel) > bounds.volume_rel:
-        return {"cause": "volume", "change": made.volume_rel, "limit": bounds.volume_rel}
-    if made.centroid_m > bounds.centroid_share * height_m:
-        return {"cause": "centroid", "moved_m": made.centroid_m, "limit_m": bounds.centroid_share * height_m}
-    if abs(made.inertia_rel) > bounds.inertia_rel:
-        return {"cause": "inertia", "change": made.inertia_rel, "limit": bounds.inertia_rel}
+    if abs(made.volume_rel) > MOST_VOLUME_REL:
+        return {"cause": "volume", "change": made.volume_rel, "limit": MOST_VOLUME_REL}
+    if made.centroid_m > MOST_CENTROID_SHARE * height_m:
+        return {"cause": "centroid", "moved_m": made.centroid_m, "limit_m": MOST_CENTROID_SHARE * height_m}
+    if abs(made.inertia_rel) > MOST_INERTIA_REL:
+        return {"cause": "inertia", "change": made.inertia_rel, "limit": MOST_INERTIA_REL}
     return {}
 
 
@@ -141,20 +130,8 @@ def _unfolded(faces: Faces) -> Faces:
     return np.asarray(faces[np.bincount(number)[number] == 1])
 
 
-@dataclass(frozen=True)
-class Limits:
-    """How far a repair may go before it is refused; each is a choice that the caller may change knowingly.
-
-    `debris_area` is the largest share of the main part's area that is debris; `hole_share` the widest hole and `ragged_share` the
-    raggedness of the base's rim, as shares of the height; `branching_share` a share of the edges; `volume_rel` the volume removed
-    as debris and invented under the base and over holes.
-    """
-
-    debris_area: float = 0.02
-    hole_share: float = 0.15
-    ragged_share: float = 0.05
-    branching_share: float = 1e-3
-    volume_rel: float = 0.05
+MOST_INVENTED_REL = 0.05
+"""Volume removed as debris and invented under the base and over holes: a repair that goes further is refused."""
 
 
 @dataclass(frozen=True)
@@ -172,8 +149,6 @@ class Wanted:
     max_faces: int = 50_000
     cut_below_m: float | None = None
     cut_beyond: tuple[float, float] | None = None
-    limits: Limits = field(default_factory=Limits)
-    bounds: Bounds = field(default_factory=Bounds)
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,7 +177,11 @@ class Prepared:
 
     def after(self, mesh: RawMesh, made: Change | None) -> Prepared:
         """The state after one step, with its change in the log where it made one."""
-        return Prepared(mesh, self.log if made is None else self.log.and_changed(made))
+        return replace(self, mesh=mesh, log=self.log if made is None else self.log.and_changed(made))
+
+    def doubted(self, *doubts: Doubt) -> Prepared:
+        """The state with what was found in it and left as it was."""
+        return replace(self, log=self.log.with_doubts(*doubts))
 
     def write(self, path: str | Path) -> None:
         """Write the mesh in metres, z up, in the format of the path's suffix."""
@@ -221,52 +200,41 @@ def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     state = Prepared(mesh, ProcessingLog(mesh.source))
     must_have_thickness(mesh)
     must_be_of_a_statue_s_size(mesh, wanted.unit)
-    state = _repaired(state, wanted)
-    state = _stood_up(state, wanted)
-    rotation = state.rotation
-    state = _scaled(state, wanted, suffix)
-    state = _cut(state, wanted)
-    state = _true_height(_closed(state, wanted), wanted)
-    state = _checked(state, wanted)
-    fewer, made, why = decimate(state.mesh, wanted.max_faces, CONTACT_TOLERANCE_M, wanted.bounds)
-    state = state.after(fewer, made)
-    if why is not None:
-        state = Prepared(state.mesh, state.log.with_doubts(why))
-    wrong = not_one_body(state.mesh.vertices, state.mesh.faces)
-    if wrong is not None:
-        raise wrong.at(state.mesh.source)
-    return replace(state, rotation=rotation)
-
-
-def _repaired(state: Prepared, wanted: Wanted) -> Prepared:
-    """Duplicates, debris, several bodies, branching edges and orientation put right, in this order."""
-    limits = wanted.limits
-    for step in (
+    for repaired in (
         repair.drop_duplicates,
-        lambda mesh: repair.drop_debris(mesh, limits.debris_area),
-        lambda mesh: repair.open_branches(mesh, limits.branching_share),
+        repair.drop_debris,
+        repair.open_branches,
         repair.wind_alike,
         repair.turn_outward,
         repair.join_bodies,
     ):
-        state = state.after(*step(state.mesh))
+        state = state.after(*repaired(state.mesh))
+    state = _cut(_scaled(_stood_up(state, wanted), wanted, suffix), wanted)
+    for closed in (repair.close_base, repair.close_holes):
+        state = state.after(*closed(state.mesh))
+    state = _checked(_true_height(state, wanted))
+    fewer, made, kept = decimate(state.mesh, wanted.max_faces)
+    state = state.after(fewer, made).doubted(*kept)
+    wrong = not_one_body(state.mesh.vertices, state.mesh.faces)
+    if wrong is not None:
+        raise wrong.at(state.mesh.source)
     return state
 
 
 def _stood_up(state: Prepared, wanted: Wanted) -> Prepared:
     """The up axis turned to +z: as set, or found together with the base plane, which is then level."""
-    mesh, log = state.mesh, state.log
     if wanted.up is not None:
-        rotation = turn_axis(wanted.up)
-        if wanted.up != "z":
-            log = log.and_changed(Change("prepared_up", "up axis", {"how": "set", "axis": wanted.up}, 1))
-        return Prepared(mesh.moved(mesh.vertices @ rotation.T), log, rotation)
-    orientation = find_orientation(mesh)
-    found = {"how": orientation.why, "axis": orientation.axis, "tilt_rad": orientation.tilt_rad}
+        orientation = Orientation(turn_axis(wanted.up), wanted.up, 0.0, "set")
+    else:
+        orientation = find_orientation(state.mesh)
+    made = None
     if orientation.axis != "z" or orientation.tilt_rad > 1e-6:
-        log = log.and_changed(Change("prepared_up", "up axis", found, 1))
-    turned = mesh.moved(mesh.vertices @ orientation.rotation.T)
-    return Prepared(turned, log.with_doubts(*orientation.doubts), orientation.rotation)
+        values: dict[str, object] = {"how": orientation.why, "axis": orientation.axis}
+        if wanted.up is None:
+            values["tilt_rad"] = orientation.tilt_rad
+        made = Change("prepared_up", "up axis", values, 1)
+    turned = state.mesh.moved(state.mesh.vertices @ orientation.rotation.T)
+    return replace(state.after(turned, made).doubted(*orientation.doubts), rotation=orientation.rotation)
 
 
 def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
@@ -292,11 +260,12 @@ def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
         )
     if not SHORTEST_M <= unit_m * height <= TALLEST_M:
         raise wrong_size(f"{unit_m * height:.4g} m by its {why}", state.mesh.source)
-    log = state.log.scaled(unit_m)
+    made = None
     if unit_m != 1.0:
         values = {"why": why, "unit_m": unit_m, "unit": wanted.unit, "height_m": wanted.height_m}
-        log = log.and_changed(Change("prepared_scale", "scale", values, 1))
-    return Prepared(state.mesh.moved(unit_m * state.mesh.vertices), log)
+        made = Change("prepared_scale", "scale", values, 1)
+    in_metres = replace(state, log=state.log.scaled(unit_m))
+    return in_metres.after(state.mesh.moved(unit_m * state.mesh.vertices), made)
 
 
 def _cut(state: Prepared, wanted: Wanted) -> Prepared:
@@ -317,44 +286,12 @@ def _cut(state: Prepared, wanted: Wanted) -> Prepared:
     if attached is not None:
         raise attached.at(state.mesh.source)
     if floor is not None:
-        kept = Doubt("scan_layer_kept", {"cut_m": floor.cut_m, "times": floor.times})
-        state = Prepared(state.mesh, state.log.with_doubts(kept))
+        return state.doubted(Doubt("scan_layer_kept", {"cut_m": floor.cut_m, "times": floor.times}))
     return state
 
 
 def _without(state: Prepared, mesh: RawMesh, cut: Change) -> Prepared:
-    made = change(cut, measure(state.mesh), measure(mesh))
-    return state.after(mesh, made).after(*repair.drop_debris(mesh, Limits.debris_area))
-
-
-def _closed(state: Prepared, wanted: Wanted) -> Prepared:
-    """The open base closed by a plane, then every other hole over its rim."""
-    mesh, limits = state.mesh, wanted.limits
-    height = float(np.ptp(mesh.vertices[:, 2]))
-    rim = base_rim(mesh)
-    if rim is not None:
-        closed = close_base(mesh, rim)
-        if closed.ragged_m > limits.ragged_share * height:
-            raise MeshError(
-                f"an open base ragged by at most {limits.ragged_share * height:.3g} m",
-                f"a rim that rises by {closed.ragged_m:.3g} m",
-                "cut the scan level above its ragged edge (MeshLab, Blender: Bisect) or set the up axis",
-                place=mesh.source,
-            )
-        values = {
-            "edges": closed.rim,
-            "ragged_m": closed.ragged_m,
-            "noise_m": closed.noise_m,
-            "fitted_m": closed.fitted_m,
-        }
-        values |= {"lifted": closed.lifted, "lifted_m": closed.lifted_m}
-        made = Change("prepared_base", "base", values, closed.rim)
-        state = state.after(closed.mesh, change(made, measure(mesh), measure(closed.mesh)))
-    holes = close_holes(state.mesh, limits.hole_share * height)
-    if not holes.holes:
-        return state
-    made = Change("prepared_holes", "holes", {"holes": holes.holes, "widest_m": holes.widest_m}, holes.holes)
-    return state.after(holes.mesh, change(made, measure(state.mesh), measure(holes.mesh)))
+    return state.after(mesh, cut.measured(state.mesh, mesh)).after(*repair.drop_debris(mesh))
 
 
 def _true_height(state: Prepared, wanted: Wanted) -> Prepared:
@@ -368,9 +305,9 @@ def _true_height(state: Prepared, wanted: Wanted) -> Prepared:
     return state.after(state.mesh.moved(factor * state.mesh.vertices), Change("prepared_height", "scale", values, 1))
 
 
-def _checked(state: Prepared, wanted: Wanted) -> Prepared:
+def _checked(state: Prepared) -> Prepared:
     """What is still open or was changed too much is refused; where it crosses itself is said."""
-    mesh, log, limits = state.mesh, state.log, wanted.limits
+    mesh, log = state.mesh, state.log
     count = EdgeCount.of(mesh.faces)
     if not count.closed:
         raise MeshError(
@@ -379,11 +316,11 @@ def _checked(state: Prepared, wanted: Wanted) -> Prepared:
             "repair it in MeshLab (Repair filters) or Blender (3D Print toolbox)",
             place=mesh.source,
         )
-    if log.invented_rel > limits.volume_rel:
+    if log.invented_rel > MOST_INVENTED_REL:
         raise MeshError(
-            f"repairs that change the volume by at most {100 * limits.volume_rel:g} %",
+            f"repairs that change the volume by at most {100 * MOST_INVENTED_REL:g} %",
             f"{100 * log.invented_rel:.3g} %",
             f"too much would be invented; scan again what is missing\n{log}",
             place=mesh.source,
         )
-    return Prepared(mesh, log.with_doubts(*crossings(mesh.vertices, mesh.faces).doubts))
+    return state.doubted(*crossings(mesh.vertices, mesh.faces).doubts)

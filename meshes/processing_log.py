@@ -167,6 +167,17 @@ class Change:
     centroid_m: float | None = None
     inertia_rel: float | None = None
 
+    def measured(self, before: RawMesh, after: RawMesh) -> Change:
+        """The change with its effect; a volume that was nothing before (an open or inside-out mesh) gives no ratio."""
+        old, new = measure(before), measure(after)
+        if old.volume_m3 <= 0.0 or new.volume_m3 <= 0.0:
+            return self
+        shift = float(np.linalg.norm(new.centroid_m - old.centroid_m))
+        old_trace, new_trace = (float(np.trace(each.inertia_per_density_m5)) for each in (old, new))
+        inertia = new_trace / old_trace - 1.0 if old_trace > 0.0 else math.nan
+        volume = new.volume_m3 / old.volume_m3 - 1.0
+        return replace(self, volume_rel=volume, centroid_m=shift, inertia_rel=inertia)
+
 
 @dataclass(frozen=True)
 class ProcessingLog:
@@ -227,14 +238,3 @@ def measure(mesh: RawMesh) -> MassProperties:
     centroid = first / (24.0 * volume) if volume else np.zeros(3)
     moments = second / 120.0 - volume * np.outer(centroid, centroid)
     return MassProperties(volume, centroid + middle, np.trace(moments) * np.eye(3) - moments)
-
-
-def change(made: Change, before: MassProperties, after: MassProperties) -> Change:
-    """The change with its effect; a volume that was nothing before (an open or inside-out mesh) gives no ratio."""
-    if before.volume_m3 <= 0.0 or after.volume_m3 <= 0.0:
-        return made
-    shift = float(np.linalg.norm(after.centroid_m - before.centroid_m))
-    trace_before, trace_after = (float(np.trace(p.inertia_per_density_m5)) for p in (before, after))
-    inertia = trace_after / trace_before - 1.0 if trace_before > 0.0 else math.nan
-    volume = after.volume_m3 / before.volume_m3 - 1.0
-    return replace(made, volume_rel=volume, centroid_m=shift, inertia_rel=inertia)

@@ -5,16 +5,25 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.mesh import Array, Faces, MeshError, RawMesh, double_areas, drop_unused, manifold, unique_rows
-from meshes.orientation import area_vector
+from meshes.mesh import (
+    Array,
+    MeshError,
+    RawMesh,
+    area_vector,
+    double_areas,
+    drop_unused,
+    fan,
+    manifold,
+    triangulated,
+    unique_rows,
+)
 from meshes.outline import fit_outline
-from meshes.processing_log import Change, EdgeCount, Edges, Indices, change, measure, parts, rims, wound_alike
+from meshes.processing_log import Change, EdgeCount, Edges, Indices, measure, parts, rims, wound_alike
 from meshes.solid import CONTACT_TOLERANCE_M
 from meshes.survey import OUTSIDE_REL
 
@@ -33,21 +42,16 @@ CLEAR_OF_CONTACT = 1.05
 """Vertices lifted off a fitted base stand this many contact tolerances above it: clear of it also after a last scaling."""
 
 
-@dataclass(frozen=True, eq=False)
-class BaseClosed:
-    """What closing the base did.
+LARGEST_DEBRIS = 0.02
+"""Share of the main part's area up to which another part is debris."""
+WIDEST_HOLE = 0.15
+"""The widest hole that is closed, as a share of the height."""
+MOST_RAGGED = 0.05
+"""The raggedest rim of a base that is closed, as a share of the height."""
+MOST_BRANCHING = 1e-3
+"""Share of the edges that may have more than two faces."""
 
-    Vertices of the rim, its raggedness in z, its noise, how far fitting moved the outline of the new base, and how many scanned
-    vertices below the base plane were lifted to it, at most by how much.
-    """
-
-    mesh: RawMesh
-    rim: int
-    ragged_m: float
-    noise_m: float
-    fitted_m: float
-    lifted: int
-    lifted_m: float
+Repaired = tuple[RawMesh, Change | None]
 
 
 def base_rim(mesh: RawMesh) -> Indices | None:
@@ -64,14 +68,26 @@ def base_rim(mesh: RawMesh) -> Indices | None:
     return best
 
 
-def close_base(mesh: RawMesh, rim: Indices) -> BaseClosed:
-    """The body let down from its ragged rim, straight, to the base plane, and closed there.
+def close_base(mesh: RawMesh) -> Repaired:
+    """The body let down from the ragged rim of its open base, straight, to the base plane, and closed there.
 
     The base plane passes through the rim's lowest points less what the scan's own noise puts below it; the outline on that plane
     is fitted to the rim (meshes/outline.py). Only scanned vertices below the base plane are moved, up to it, and in a noisy scan
-    to just above the contact tolerance, so that the fitted outline and not the widest noise is what touches.
+    to just above the contact tolerance, so that the fitted outline and not the widest noise is what touches. Raises MeshError for
+    a rim that is too ragged.
     """
+    rim = base_rim(mesh)
+    if rim is None:
+        return mesh, None
     points = mesh.vertices[rim]
+    ragged, most = float(np.ptp(points[:, 2])), MOST_RAGGED * float(np.ptp(mesh.vertices[:, 2]))
+    if ragged > most:
+        raise MeshError(
+            f"an open base ragged by at most {most:.3g} m",
+            f"a rim that rises by {ragged:.3g} m",
+            "cut the scan level above its ragged edge (MeshLab, Blender: Bisect) or set the up axis",
+            place=mesh.source,
+        )
     outline = fit_outline(points[:, :2])
     floor = _base_level(mesh.vertices[:, 2], points[:, 2], outline.noise_m)
     below = np.column_stack([outline.points_m, np.full(len(rim), floor)])
@@ -81,17 +97,16 @@ def close_base(mesh: RawMesh, rim: Indices) -> BaseClosed:
     cap = new[::-1][triangulated(below[::-1], np.array([0.0, 0.0, -1.0]))]
     clear = floor + (CLEAR_OF_CONTACT * CONTACT_TOLERANCE_M if outline.noise_m > 0.0 else 0.0)
     lifted = np.maximum(mesh.vertices, [-np.inf, -np.inf, clear])
-    low = mesh.vertices[:, 2] < clear
     closed = RawMesh(np.vstack([lifted, below]), np.vstack([mesh.faces, skirt, cap]), mesh.source)
-    return BaseClosed(
-        mesh=closed,
-        rim=len(rim),
-        ragged_m=float(np.ptp(points[:, 2])),
-        noise_m=outline.noise_m,
-        fitted_m=float(np.linalg.norm(outline.points_m - points[:, :2], axis=1).max()),
-        lifted=int(low.sum()),
-        lifted_m=float(clear - mesh.vertices[:, 2].min()),
-    )
+    values = {
+        "edges": len(rim),
+        "ragged_m": ragged,
+        "noise_m": outline.noise_m,
+        "fitted_m": float(np.linalg.norm(outline.points_m - points[:, :2], axis=1).max()),
+        "lifted": int((mesh.vertices[:, 2] < clear).sum()),
+        "lifted_m": float(clear - mesh.vertices[:, 2].min()),
+    }
+    return closed, Change("prepared_base", "base", values, len(rim)).measured(mesh, closed)
 
 
 def _base_level(z: Array, rim_z: Array, noise_m: float) -> float:
@@ -107,27 +122,6 @@ def _base_level(z: Array, rim_z: Array, noise_m: float) -> float:
     return lowest + noise_m * NormalDist().inv_cdf(1.0 - 1.0 / count)
 
 
-def triangulated(polygon: Array, normal: Array) -> Faces:
-    """Triangles (n - 2, 3) over a closed polygon (n, 3), seen flat along `normal`, in the polygon's own sense."""
-    from manifold3d import triangulate
-
-    normal = normal / np.linalg.norm(normal)
-    helper = np.eye(3)[int(np.argmin(np.abs(normal)))]
-    right = np.cross(helper, normal)
-    right /= np.linalg.norm(right)
-    flat = np.column_stack([polygon @ right, polygon @ np.cross(normal, right)])
-    return np.asarray(triangulate([flat]), dtype=np.int64).reshape(-1, 3)
-
-
-@dataclass(frozen=True)
-class HolesClosed:
-    """What closing the other holes did: their number, and the widest in metres."""
-
-    mesh: RawMesh
-    holes: int
-    widest_m: float
-
-
 def close_pinches(mesh: RawMesh) -> RawMesh:
     """Every hole closed by a fan to a new vertex in its middle: two rims side by side then share no new edge."""
     vertices, faces = [mesh.vertices], [mesh.faces]
@@ -138,17 +132,19 @@ def close_pinches(mesh: RawMesh) -> RawMesh:
     return RawMesh(np.vstack(vertices), np.vstack(faces), mesh.source)
 
 
-def close_holes(mesh: RawMesh, widest_allowed_m: float) -> HolesClosed:
-    """Every hole closed over its own rim, without new vertices if that can be; raises MeshError for a hole wider than allowed."""
-    added, widest = [], 0.0
+def close_holes(mesh: RawMesh) -> Repaired:
+    """Every hole closed over its own rim, without new vertices if that can be; raises MeshError for one that is too wide."""
+    added, widest, widest_allowed = [], 0.0, WIDEST_HOLE * float(np.ptp(mesh.vertices[:, 2]))
     holes = rims(mesh.faces)
+    if not holes:
+        return mesh, None
     for rim in holes:
         points = mesh.vertices[rim]
         width = float(np.linalg.norm(np.ptp(points, axis=0)))
-        if width > widest_allowed_m:
+        if width > widest_allowed:
             middle = ", ".join(f"{value:.3g}" for value in points.mean(axis=0))
             raise MeshError(
-                f"holes no wider than {widest_allowed_m:.3g} m",
+                f"holes no wider than {widest_allowed:.3g} m",
                 f"one of {width:.3g} m around ({middle}) with {len(rim)} edges",
                 "too much would be invented: scan that part again, or close it in MeshLab (Filters,"
                 " Remeshing, Close Holes) or Blender (Fill, then sculpt)",
@@ -157,18 +153,15 @@ def close_holes(mesh: RawMesh, widest_allowed_m: float) -> HolesClosed:
         widest = max(widest, width)
         around = rim[::-1]
         vector = area_vector(mesh.vertices[around])
-        if np.linalg.norm(vector) == 0.0:
-            fan = np.arange(1, len(rim) - 1)
-            added.append(around[np.column_stack([np.zeros_like(fan), fan, fan + 1])])
-        else:
-            added.append(around[triangulated(mesh.vertices[around], vector)])
+        without_area = np.linalg.norm(vector) == 0.0
+        added.append(around[fan(len(rim)) if without_area else triangulated(mesh.vertices[around], vector)])
     closed = RawMesh(mesh.vertices, np.vstack([mesh.faces, *added]), mesh.source)
-    if added and EdgeCount.of(closed.faces).branching > EdgeCount.of(mesh.faces).branching:
+    if EdgeCount.of(closed.faces).branching > EdgeCount.of(mesh.faces).branching:
         closed = close_pinches(mesh)  # a new edge lay on an old one beside the hole
-    return HolesClosed(closed, len(holes), widest)
+    values = {"holes": len(holes), "widest_m": widest}
+    return closed, Change("prepared_holes", "holes", values, len(holes)).measured(mesh, closed)
 
 
-Repaired = tuple[RawMesh, Change | None]
 Part = tuple[NDArray[np.float64], NDArray[np.int64]]
 """Vertices (n, 3) and outward triangles (m, 3) of a closed surface."""
 
@@ -182,20 +175,20 @@ def drop_duplicates(mesh: RawMesh) -> Repaired:
     return mesh.with_faces(mesh.faces[unique]), Change("prepared_duplicates", "duplicates", {"faces": removed}, removed)
 
 
-def drop_debris(mesh: RawMesh, largest_share: float) -> Repaired:
-    """Separate parts with less than `largest_share` of the largest part's area removed."""
+def drop_debris(mesh: RawMesh) -> Repaired:
+    """Separate parts with less than `LARGEST_DEBRIS` of the largest part's area removed."""
     number = parts(mesh.faces)
     areas = np.bincount(number, weights=0.5 * np.linalg.norm(double_areas(mesh.vertices, mesh.faces), axis=1))
-    small = areas < largest_share * areas.max()
+    small = areas < LARGEST_DEBRIS * areas.max()
     if not small.any():
         return mesh, None
     cleaned = mesh.with_faces(mesh.faces[~small[number]])
     count = int(small.sum())
     values = {"pieces": count, "largest": float(areas[small].max() / areas.max())}
-    return cleaned, change(Change("prepared_debris", "debris", values, count), measure(mesh), measure(cleaned))
+    return cleaned, Change("prepared_debris", "debris", values, count).measured(mesh, cleaned)
 
 
-def open_branches(mesh: RawMesh, largest_share: float) -> Repaired:
+def open_branches(mesh: RawMesh, largest_share: float = MOST_BRANCHING) -> Repaired:
     """At edges with more than two faces those that stick out removed, else all, to be closed as holes.
 
     Raises MeshError if they are too many.
@@ -255,8 +248,7 @@ def join_bodies(mesh: RawMesh) -> Repaired:
         body, kinds = _assembled(pieces, mesh.source)
         if sum(measure(RawMesh(*part, "")).volume_m3 > 0.0 for part in _apart(body)) == 1:
             joined = RawMesh(*body, mesh.source)
-            made = Change("prepared_bodies", "bodies", kinds, count)
-            return joined, change(made, measure(mesh), measure(joined))
+            return joined, Change("prepared_bodies", "bodies", kinds, count).measured(mesh, joined)
     sizes = ", ".join(" × ".join(f"{value:.3g}" for value in np.ptp(vertices, axis=0)) for vertices, _ in pieces[:4])
     raise MeshError(
         "one statue",

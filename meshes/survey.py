@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -111,43 +111,22 @@ OUTSIDE_REL: Final = 1e-3
 """Share of an inner shell's volume that may lie outside the statue: two scans that touch differ by their noise."""
 
 
-@dataclass(frozen=True)
-class Filling:
-    """Density inside the inner shell (0: empty), and of what is around it: given, or solved from the weighed mass."""
-
-    inside_kg_m3: float
-    around_kg_m3: float | None = None
-    weighed_kg: float | None = None
-
-    def around(self, outer_m3: float, inner_m3: float) -> float:
-        """Density around the shell; raises MeshError unless it is given, or follows from the mass and is positive."""
-        if (self.around_kg_m3 is None) == (self.weighed_kg is None):
-            raise MeshError("either a density or a weighed mass", "both or neither", "give one of them")
-        density = self.around_kg_m3
-        if self.weighed_kg is not None:
-            density = (self.weighed_kg - self.inside_kg_m3 * inner_m3) / (outer_m3 - inner_m3)
-        if density is None or not density > 0.0:
-            raise MeshError(
-                f"a weighed mass above that of the core, {self.inside_kg_m3 * inner_m3:.5g} kg",
-                f"{self.weighed_kg or 0.0:g} kg",
-            )
-        return density
-
-
 def load_hollow(
     outer: str | Path,
     inner: str | Path,
-    filling: Filling,
+    inside_kg_m3: float,
     *,
+    density_kg_m3: float | None = None,
+    mass_kg: float | None = None,
     unit: str | float,
     up: str,
     azimuth_deg: float,
     contact_tolerance_m: float,
 ) -> Solid:
-    """The solid of two clean meshes in one file frame, the space inside `inner` filled as told, turned about the vertical.
+    """The solid of two clean meshes in one file frame, turned about the vertical, with `inside_kg_m3` inside `inner` (0: empty).
 
-    `density_kg_m3` of the result is the mean over the outer volume. Raises MeshError where a surface is not closed, faces
-    inward, or the shell leaves the statue.
+    The density around `inner` is given, or solved from the weighed mass; `density_kg_m3` of the result is the mean over the outer
+    volume. Raises MeshError where a surface is not closed, faces inward, or the shell leaves the statue.
     """
     around, shell = (to_metres_z_up(read_mesh(path), unit, up) for path in (outer, inner))
     for mesh in (around, shell):
@@ -162,12 +141,20 @@ def load_hollow(
             place=str(inner),
         )
     _must_be_inside(around, shell, hollow)
-    density = filling.around(volume, hollow)
+    if (density_kg_m3 is None) == (mass_kg is None):
+        raise MeshError("either a density or a weighed mass", "both or neither", "give one of them")
+    density = density_kg_m3
+    if mass_kg is not None:
+        density = (mass_kg - inside_kg_m3 * hollow) / (volume - hollow)
+    if density is None or not density > 0.0:
+        raise MeshError(
+            f"a weighed mass above that of the core, {inside_kg_m3 * hollow:.5g} kg", f"{mass_kg or 0.0:g} kg"
+        )
     solid = solid_from_mesh(
         around.vertices, around.faces, density_kg_m3=density, contact_tolerance_m=contact_tolerance_m
     )
     shift = solid.vertices_m[0] - around.vertices[0]
-    filled = with_core(solid, shell.vertices + shift, np.array(shell.faces), filling.inside_kg_m3)
+    filled = with_core(solid, shell.vertices + shift, np.array(shell.faces), inside_kg_m3)
     return filled.rotated(azimuth_deg) if azimuth_deg else filled
 
 

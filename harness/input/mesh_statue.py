@@ -146,15 +146,11 @@ def _stood(mesh: RawMesh, density_kg_m3: float) -> tuple[Solid | None, tuple[Fin
 
 def _wound_alike(mesh: RawMesh) -> tuple[RawMesh, tuple[Finding, ...]]:
     """The surface without what is there twice, its faces outward as far as they hang together, and what was changed for it."""
-    from meshes import MeshError, repair
+    from meshes import repair
 
     done = []
     for step in (repair.drop_duplicates, repair.wind_alike, repair.turn_outward):
-        try:
-            mesh, made = step(mesh)
-        except MeshError as error:
-            done.append(caution("mesh_not_solid", message=str(error)))
-            continue
+        mesh, made = step(mesh)
         if made is not None:
             done.append(info("mesh_repaired", message=str(made)))
     return mesh, tuple(done)
@@ -225,9 +221,9 @@ def _solid(
     density = None if weighed_kg is not None else mesh.density_kg_m3
     load = partial(meshes.load_solid, file, density_kg_m3=density, mass_kg=weighed_kg)
     if inner is not None and mesh.inner is not None:
-        from meshes.survey import Filling, load_hollow
+        from meshes.survey import load_hollow
 
-        load = partial(load_hollow, file, inner, Filling(mesh.inner.density_kg_m3, density, weighed_kg))
+        load = partial(load_hollow, file, inner, mesh.inner.density_kg_m3, density_kg_m3=density, mass_kg=weighed_kg)
     return load(unit=mesh.unit, up=mesh.up, azimuth_deg=mesh.azimuth_deg, contact_tolerance_m=mesh.contact_tolerance_m)
 
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from meshes import MeshError, Solid, load_solid
+from meshes import prepare as module
 from meshes.mesh import RawMesh
-from meshes.prepare import Bounds, Limits, Prepared, Wanted, prepare, prepare_mesh
+from meshes.prepare import Prepared, Wanted, prepare, prepare_mesh
 from meshes.processing_log import EdgeCount, measure
 from meshes.solid import mass_properties
 from tests.budgets_meshes import CORNER_ASKED_M, DECIMATION_VOLUME_REL, QUIET_SCAN_REL, ROUND_OFF_REL, SURVEY_ASKED_REL
@@ -116,10 +117,10 @@ def test_a_wide_hole_is_refused_with_advice(statue: Solid) -> None:
         prepare_mesh(RawMesh(statue.vertices_m, statue.faces[kept], "scan"), Wanted(unit="m", up="z"))
 
 
-def test_the_limit_on_repair_is_a_limit(statue: Solid) -> None:
-    limits = Limits(volume_rel=1e-6)
+def test_the_limit_on_repair_is_a_limit(statue: Solid, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MOST_INVENTED_REL", 1e-6)
     with pytest.raises(MeshError, match="too much would be invented"):
-        prepare_mesh(scan(statue, replace(COARSE, edge_m=0.05)), Wanted(unit="mm", limits=limits))
+        prepare_mesh(scan(statue, replace(COARSE, edge_m=0.05)), Wanted(unit="mm"))
 
 
 def test_decimation_keeps_its_bounds_and_every_base_vertex(statue: Solid) -> None:
@@ -137,14 +138,18 @@ def test_decimation_keeps_its_bounds_and_every_base_vertex(statue: Solid) -> Non
 @pytest.mark.parametrize(
     ("most", "bounds", "says"),
     [
-        (2_000, Bounds(volume_rel=1e-9), "volume"),
-        (2_000, Bounds(volume_rel=1.0, centroid_share=1e-12), "centroid"),
-        (100, Bounds(), "base"),
+        (2_000, {"MOST_VOLUME_REL": 1e-9}, "volume"),
+        (2_000, {"MOST_VOLUME_REL": 1.0, "MOST_CENTROID_SHARE": 1e-12}, "centroid"),
+        (100, {}, "base"),
     ],
 )
-def test_more_faces_than_asked_are_explained(most: int, bounds: Bounds, says: str, statue: Solid) -> None:
+def test_more_faces_than_asked_are_explained(
+    most: int, bounds: dict[str, float], says: str, statue: Solid, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, limit in bounds.items():
+        monkeypatch.setattr(module, name, limit)
     mesh = RawMesh(np.array(statue.vertices_m), np.array(statue.faces), "statue")
-    prepared = prepare_mesh(mesh, Wanted(unit="m", up="z", max_faces=most, bounds=bounds))
+    prepared = prepare_mesh(mesh, Wanted(unit="m", up="z", max_faces=most))
     (told,) = [each.values for each in prepared.log.found if each.code == "scan_faces_kept"]
     assert len(prepared.mesh.faces) > most
     assert (told["faces"], told["asked"], told["cause"]) == (len(prepared.mesh.faces), most, says)
