@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Final, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -52,7 +51,7 @@ class Table(BaseModel):
 
 
 class Contradiction(ValueError):
-    """Two keys of one table that exclude each other, raised by a model's own validator; `key` is relative to the table."""
+    """A key that cannot be so beside others of its table, or with the file that they name; `key` is relative to the table."""
 
     def __init__(self, key: str, wanted: str, got: str) -> None:
         super().__init__(f"{key}: wanted {wanted}, got {got}")
@@ -82,31 +81,25 @@ def mistakes_of(
     shown = list(grouped.items())[:MOST_MISTAKES]
     more = len(grouped) - len(shown)
     rest = [Mistake(where, "", "no mistake", f"{more} more like these")] if more else []
-    return [*(_mistake(path, details, model, _Source(where, text, overridden or {})) for path, details in shown), *rest]
 
-
-@dataclass(frozen=True)
-class _Source:
-    """Where a table's content came from: a file's text, with the keys that the command line wrote over it."""
-
-    where: str
-    text: str
-    overridden: Mapping[tuple[str, ...], str]
-
-    def place(self, path: tuple[str, ...]) -> str:
-        for key, name in self.overridden.items():
+    def place(path: tuple[str, ...]) -> str:
+        for key, name in (overridden or {}).items():
             if path[: len(key)] == key:
                 return name
-        line = _line_of(self.text, path)
-        return f"{self.where}:{line}" if line else self.where
+        line = _line_of(text, path)
+        return f"{where}:{line}" if line else where
+
+    return [*(_mistake(path, details, model, place) for path, details in shown), *rest]
 
 
-def _mistake(path: tuple[str, ...], details: list[ErrorDetails], model: type[BaseModel], source: _Source) -> Mistake:
+def _mistake(
+    path: tuple[str, ...], details: list[ErrorDetails], model: type[BaseModel], place: Callable[[tuple[str, ...]], str]
+) -> Mistake:
     detail = details[0]
     cause = detail.get("ctx", {}).get("error")
     if isinstance(cause, Contradiction):
         path = (*path, *cause.key.split("."))
-        return Mistake(source.place(path), ".".join(path), cause.wanted, cause.got)
+        return Mistake(place(path), ".".join(path), cause.wanted, cause.got)
     _, owner = _resolve(model, detail["loc"], detail["type"] == UNKNOWN)
     advice = ""
     if detail["type"] == UNKNOWN:
@@ -117,7 +110,7 @@ def _mistake(path: tuple[str, ...], details: list[ErrorDetails], model: type[Bas
     else:
         wanted = " or ".join(dict.fromkeys(wanted_of(item) for item in details))
         got = got_of(detail)
-    return Mistake(source.place(path), ".".join(path), wanted, got, advice)
+    return Mistake(place(path), ".".join(path), wanted, got, advice)
 
 
 def wanted_of(detail: ErrorDetails) -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from analytic.excitation import Excitation, Harmonic, Pulse, ZeroExcitation
+from harness.input.mistakes import Contradiction
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Series
 from harness.input.motions.spec import (
     Component,
@@ -113,7 +114,7 @@ def _compatible(component: SpectrumSpec, motion: SceneMotion) -> Prepared:
         if component.method != "scale":
             series = compatible.match(series, spectrum)
         return _of_series(series, findings, spectrum)
-    except process.ProcessError as error:
+    except Contradiction as error:
         wanted = f"a record that can be sampled at {compatible.STEP_S} s"
         raise mistake(where, f"{key}.record", wanted, f"{error.got}: wanted {error.wanted}") from error
     except compatible.NoMatchError as error:

@@ -13,6 +13,7 @@ from typing import Final, Literal
 import numpy as np
 
 from analytic.excitation import Excitation, SampledAcceleration
+from harness.input.mistakes import Contradiction
 from harness.input.motions.oscillator import exact_step
 from harness.input.motions.recordfile import (
     STANDARD_GRAVITY_M_S2,
@@ -301,21 +302,13 @@ _RATIO_LIMIT = 2000
 _DECAY = 1e-9
 
 
-class ProcessError(ValueError):
-    """A step that this history cannot take: the key that asks for it, what was wanted there and what came."""
-
-    def __init__(self, key: str, wanted: str, got: str) -> None:
-        super().__init__(f"{key}: wanted {wanted}, got {got}")
-        self.key, self.wanted, self.got = key, wanted, got
-
-
 def window(series: Series, start_s: float, end_s: float) -> Series:
-    """The samples from start_s to end_s, the first becoming t = 0; ProcessError where fewer than two remain."""
+    """The samples from start_s to end_s, the first becoming t = 0; Contradiction where fewer than two remain."""
     first = math.ceil(start_s / series.dt_s - 1e-9)
     last = min(math.floor(end_s / series.dt_s + 1e-9), series.accel_m_s2.size - 1)
     if last - first < 1:
         got = f"{start_s:g} to {end_s:g} s, where nothing is left"
-        raise ProcessError("window_s", f"a part of the {series.duration_s:g} s that the record lasts", got)
+        raise Contradiction("window_s", f"a part of the {series.duration_s:g} s that the record lasts", got)
     step = info("step_window", from_s=first * series.dt_s, to_s=last * series.dt_s)
     return series.changed(series.accel_m_s2[first : last + 1], step)
 
@@ -345,18 +338,18 @@ def _ends(series: Series) -> tuple[float, float]:
 def bandpass(series: Series, low_hz: float, high_hz: float) -> Series:
     """Butterworth of order 4 in both directions (no phase shift), padded with zeros.
 
-    ProcessError above Nyquist, and for a low corner of which the record holds no tenth of a period.
+    Contradiction above Nyquist, and for a low corner of which the record holds no tenth of a period.
     """
     from scipy.signal import butter, sosfiltfilt
 
     nyquist = 0.5 / series.dt_s
     if high_hz >= nyquist:
         wanted = f"a high corner below {nyquist:g} Hz (its step is {series.dt_s:g} s)"
-        raise ProcessError("bandpass_hz", wanted, f"{high_hz:g} Hz")
+        raise Contradiction("bandpass_hz", wanted, f"{high_hz:g} Hz")
     lowest = max(LEAST_PERIODS / series.duration_s, 2.0 * PAD_PERIODS / (MOST_SAMPLES * series.dt_s))
     if low_hz < lowest:
         wanted = f"a low corner of at least {lowest:.4g} Hz (the record lasts {series.duration_s:g} s)"
-        raise ProcessError("bandpass_hz", wanted, f"{low_hz:g} Hz")
+        raise Contradiction("bandpass_hz", wanted, f"{low_hz:g} Hz")
     pad = math.ceil(PAD_PERIODS / low_hz / series.dt_s)
     padded = np.pad(series.accel_m_s2, pad)
     filtered = sosfiltfilt(
@@ -373,12 +366,12 @@ def resample(series: Series, dt_s: float) -> Series:
     if ratio == 1:
         return series
     if abs(float(ratio) * dt_s / series.dt_s - 1.0) > _DECAY:
-        raise ProcessError("resample_dt_s", f"a simple ratio of the record's step of {series.dt_s:g} s", f"{dt_s:g} s")
+        raise Contradiction("resample_dt_s", f"a simple ratio of the record's step of {series.dt_s:g} s", f"{dt_s:g} s")
     if ratio > 1:
         count = math.floor((series.accel_m_s2.size - 1) * ratio + 1e-9) + 1
         if count > MOST_SAMPLES:
             wanted = f"a step that makes at most {MOST_SAMPLES:.0e} samples of {series.duration_s:g} s"
-            raise ProcessError("resample_dt_s", wanted, f"{dt_s:g} s")
+            raise Contradiction("resample_dt_s", wanted, f"{dt_s:g} s")
         t_s = np.arange(count) * dt_s
         accel = np.interp(t_s, series.t_s, series.accel_m_s2)
         whole = ratio.denominator == 1

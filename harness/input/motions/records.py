@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 
 from harness.input import paths
+from harness.input.mistakes import Contradiction
 from harness.input.motions import process
-from harness.input.motions.process import ProcessError
 from harness.input.motions.readers import read_record
 from harness.input.motions.recordfile import Channel, Floats, RecordFile, Series, parse_orientation
 from harness.input.motions.spec import Source
@@ -32,7 +32,7 @@ def load(source: Source, *, base_dir: Path, where: str, key: str) -> tuple[Serie
         series = aligned(record)[used.name]
     try:
         return _processed(series, record, source), _concerning(record, source, others)
-    except ProcessError as error:
+    except Contradiction as error:
         raise mistake(where, f"{key}.{error.key}", error.wanted, error.got, f"the record is {path.name}") from error
 
 

@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.input.motions.recordfile import unit_named
 from harness.input.text_file import FOREIGN, UTF16_MARKS, decoded, fortran
 from harness.model.errors import InputError, Mistake
 
@@ -82,9 +83,7 @@ def fixed_width(
             values = _floats(text, [text[i : i + width] for i in range(0, len(text), width)])
         except ValueError:
             raise _bad_field(padded, width, where, first_line) from None
-    if values.size < count:
-        raise mistake(where, what, f"{count} numbers, as its header says", f"{values.size}", "the file is cut off")
-    return finite(values, where, what)
+    return finite(first_of(values, count, where, what), where, what)
 
 
 def _words(lines: Sequence[str], count: int) -> NDArray[np.float64] | None:
@@ -150,6 +149,14 @@ def free_format(lines: Sequence[str], *, where: str, first_line: int) -> NDArray
     return finite(values, where, "accelerations")
 
 
+def first_of(values: NDArray[np.float64], count: int, where: str, place: str) -> NDArray[np.float64]:
+    """The first `count` of `values` (n,); InputError naming `place` where there are fewer."""
+    if values.size < count:
+        advice = "the file is cut off: download it again"
+        raise mistake(where, place, f"{count} numbers, as its header says", str(values.size), advice)
+    return values[:count]
+
+
 def columns(lines: Sequence[str], count: int, *, where: str, first_line: int) -> NDArray[np.float64]:
     """The numbers of `lines` in rows of `count` (n, count), blank lines left out; InputError naming a line with fewer or more."""
     whole = [(first_line + i, line) for i, line in enumerate(lines) if line.strip()]
@@ -213,6 +220,14 @@ class Header:
         """The whole number of 2 or more that `pattern` catches; InputError."""
         text, place = self.needed(pattern, what)
         return header_count(text, self.where, place, what)
+
+    def unit(self, pattern: str, what: str) -> str:
+        """The unit of acceleration that `pattern` catches; InputError."""
+        text, place = self.needed(pattern, what)
+        unit = unit_named(text)
+        if unit is None:
+            raise mistake(self.where, place, what, repr(text))
+        return unit
 
     def peak(self, pattern: str) -> tuple[float | None, float | None]:
         """The peak that `pattern` catches and, by its second group, its time; None where not a number, or before the start."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 
 from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import free_format, header_count, header_number, mistake
-from harness.model.finding import Finding, caution
+from harness.input.motions.text import first_of, free_format, header_count, header_number, mistake
+from harness.model.finding import caution
 
 _NAMED = re.compile(
     r"NPTS\s*=\s*([^\s,]*)[\s,]*DT\s*=\s*([^\s,]*?(?:\s+(?:[ED]?[+-]?\d|M(?:ILLI)?S)[^\s,]*)?)(?=[\s,]|SEC|$)",
@@ -41,15 +41,11 @@ def read(text: str, where: str) -> RecordFile:
     if not _ACCELERATION.search(lines[2]):
         advice = "AT2 is always in g; VT2 and DT2 hold velocities and displacements"
         raise mistake(where, "line 3", "an acceleration in units of g", repr(lines[2].strip()), advice)
-    values = free_format(lines[_HEADER_LINES:], where=where, first_line=_HEADER_LINES + 1)
-    found: tuple[Finding, ...] = ()
-    if values.size < count:
-        advice = "the file is cut off: download it again"
-        raise mistake(where, "accelerations", f"{count} (NPTS)", f"{values.size}", advice)
-    if values.size > count:
-        found = (caution("record_values_left_out", values=values.size, stated=count),)
+    every = free_format(lines[_HEADER_LINES:], where=where, first_line=_HEADER_LINES + 1)
+    values = first_of(every, count, where, "accelerations")
+    found = (caution("record_values_left_out", values=every.size, stated=count),) if every.size > count else ()
     parts = [part.strip() for part in lines[1].split(",")]
     name = parts[-1] or "1"
-    channel = Channel.read(name, None, dt_s, values[:count], "g")
+    channel = Channel.read(name, None, dt_s, values, "g")
     facts = {"event": parts[0], "station": ", ".join(parts[2:-1]) if len(parts) > 3 else parts[1] if parts[1:] else ""}
     return RecordFile(where, "PEER AT2", "g", (channel,), facts, group="|".join(parts[:-1]), findings=found)

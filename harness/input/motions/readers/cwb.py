@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from harness.input.motions.process import clock_of
-from harness.input.motions.recordfile import Channel, RecordFile, parse_orientation, unit_named
+from harness.input.motions.recordfile import Channel, RecordFile, parse_orientation
 from harness.input.motions.text import Header, columns, mistake
 
 
@@ -20,10 +20,7 @@ def read(text: str, where: str) -> RecordFile:
     lines = text.splitlines()
     first = next((i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")), len(lines))
     head = Header(lines[:first], where)
-    written, place = head.needed(r"^#\s*AmplitudeUnit:\s*([^\s,]+?)\.?(?:\s|$)", "'#AmplitudeUnit:' and gal")
-    unit = unit_named(written)
-    if unit is None:
-        raise mistake(where, place, "an acceleration in gal", repr(written))
+    unit = head.unit(r"^#\s*AmplitudeUnit:\s*([^\s,]+?)\.?(?:\s|$)", "'#AmplitudeUnit:' and gal")
     sequence, place = head.needed(r"^#\s*DataSequence:\s*(.*)", "'#DataSequence:' and the columns")
     named = re.findall(r"\b([UNE])\(([+-])\)", sequence.upper())
     if not sequence.lower().startswith("time") or not named:

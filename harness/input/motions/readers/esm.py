@@ -6,7 +6,7 @@ import re
 from datetime import datetime
 from typing import Final
 
-from harness.input.motions.recordfile import UNITS_M_S2, Channel, RecordFile, unit_named
+from harness.input.motions.recordfile import UNITS_M_S2, Channel, RecordFile
 from harness.input.motions.text import Header, free_format, mistake
 
 _KEY = re.compile(r"^\s*([A-Z][A-Z0-9_/^() ]*):(.*)$", re.IGNORECASE)
@@ -35,10 +35,7 @@ def read(text: str, where: str) -> RecordFile:
     dt_s = head.number(_key("SAMPLING_INTERVAL_S"), "SAMPLING_INTERVAL_S and a step")
     count = head.count(_key("NDATA"), "NDATA and how many")
     stream = head.needed(_key("STREAM|COMPONENT|CHANNEL_CODE|CHANNEL"), "STREAM and a channel such as HNE")[0]
-    written, place = head.needed(_key("UNITS"), "UNITS and cm/s^2, m/s^2 or g")
-    unit = unit_named(written)
-    if unit is None:
-        raise mistake(where, place, "UNITS of cm/s^2, m/s^2 or g", repr(written))
+    unit = head.unit(_key("UNITS"), "UNITS of cm/s^2, m/s^2 or g")
     values = free_format(lines[first:], where=where, first_line=first + 1)
     if values.size != count:
         advice = "the file is cut off: download it again"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from harness.input.motions.recordfile import Channel, RecordFile, unit_named
+from harness.input.motions.recordfile import Channel, RecordFile
 from harness.input.motions.text import Header, fixed_width, fortran_format, header_count, header_number, mistake
 from harness.input.text_file import fortran
 
@@ -24,18 +24,16 @@ def read(text: str, where: str) -> RecordFile:
         )
     first = rules[1] + 1
     head = Header(lines[:first], where)
-    names = [part.split(";")[0].strip() for part in _parts(head, r"^ORIENTACION C1-C6[^:]*:(.*)", "an orientation")]
-    steps = _parts(head, r"^INTERVALO DE MUESTREO, C1-C6[^:]*:(.*)", "a sampling interval")
-    counts = _parts(head, r"^NUM\. TOTAL DE MUESTRAS, C1-C6[^:]*:(.*)", "a number of samples")
+    oriented, _ = head.needed(r"^ORIENTACION C1-C6[^:]*:(.*)", "an orientation")
+    names = [part.split(";")[0].strip() for part in _behind_slashes(oriented)]
+    steps = _behind_slashes(head.needed(r"^INTERVALO DE MUESTREO, C1-C6[^:]*:(.*)", "a sampling interval")[0])
+    counts = _behind_slashes(head.needed(r"^NUM\. TOTAL DE MUESTRAS, C1-C6[^:]*:(.*)", "a number of samples")[0])
     peaks = _behind_slashes(head.words(r"^ACEL\. MAX\.?\s*\(Gal\)[^:]*:(.*)"))
     at = _behind_slashes(head.words(r"^ACEL\. MAX[^:]*EN LA MUESTRA[^:]*:(.*)"))
     if len({len(each) for each in (names, steps, counts)}) > 1:
         got = f"{len(names)}, {len(steps)} and {len(counts)}"
         raise mistake(where, "header", "as many orientations, intervals and numbers of samples", got)
-    written = head.needed(r"^UNIDADES DE LOS DATOS\s*:\s*(\S+)", "'UNIDADES DE LOS DATOS' and Gal")[0]
-    unit = unit_named(written)
-    if unit is None:
-        raise mistake(where, "UNIDADES DE LOS DATOS", "Gal (cm/s/s)", repr(written))
+    unit = head.unit(r"^UNIDADES DE LOS DATOS\s*:\s*(\S+)", "'UNIDADES DE LOS DATOS' and Gal (cm/s/s)")
     form, place = head.needed(r"^FORMATO DATOS[^:]*:(.*)", "'FORMATO DATOS' and a format such as 3F10.4")
     _, width = fortran_format(form, where, place)
     sizes = [header_count(count, where, "NUM. TOTAL DE MUESTRAS", "a number of samples") for count in counts]
@@ -54,10 +52,6 @@ def read(text: str, where: str) -> RecordFile:
         "station": head.words(r"^CLAVE DE LA ESTACION\s*:(.*)"),
     }
     return RecordFile(where, "UNAM", unit, tuple(channels), facts)
-
-
-def _parts(head: Header, pattern: str, what: str) -> list[str]:
-    return _behind_slashes(head.needed(pattern, what)[0])
 
 
 def _behind_slashes(text: str) -> list[str]:

@@ -18,6 +18,7 @@ from harness.input.motions.text import (
     NOT_NUMBERS,
     NUMERIC,
     Header,
+    first_of,
     fixed_width,
     fortran_format,
     free_format,
@@ -81,9 +82,9 @@ def _channel(lines: list[str], start: int, end: int, where: str) -> tuple[Channe
     head.needed(r"UNITS.*SEC.*(G/10)", "'UNITS … SEC AND G/10'")
     if "VOL1DS" in lines[start].upper():
         dt_s = head.number(r"DURATION\s*=\s*([\d.]+)", "'DURATION =' and seconds") / count
-        values = _enough(free_format(data, where=where, first_line=first + 1), count, where, name)
+        values = first_of(free_format(data, where=where, first_line=first + 1), count, where, name)
         return Channel.read(name, _bhrc_direction(name, head), dt_s, values / 10.0, "g", peak), ()
-    pairs = _enough(_pairs(data, where, first + 1), 2 * count, where, name).reshape(-1, 2)
+    pairs = first_of(_pairs(data, where, first + 1), 2 * count, where, name).reshape(-1, 2)
     clock = clock_of(pairs[:, 0], where, largest=int(np.argmax(np.abs(pairs[:, 1]))))
     values = clock.on(pairs[:, 1]) / 10.0
     channel = Channel.read(name, None, clock.dt_s, values, "g", peak, clock.start_s)
@@ -97,12 +98,6 @@ def _data_from(lines: list[str], start: int, units: int, end: int) -> int:
         return usual
     numbers = [i for i in range(units, end) if NUMERIC.fullmatch(lines[i])]
     return numbers[_NUMBER_LINES - 1] + 1 if len(numbers) >= _NUMBER_LINES else usual
-
-
-def _enough(values: NDArray[np.float64], count: int, where: str, name: str) -> NDArray[np.float64]:
-    if values.size < count:
-        raise mistake(where, name, f"{count} numbers, as its header says", str(values.size), "the file is cut off")
-    return values[:count]
 
 
 def _pairs(data: Sequence[str], where: str, first_line: int) -> NDArray[np.float64]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from harness.input.mistakes import Contradiction
 from harness.input.motions import process
-from harness.input.motions.process import ProcessError
 from harness.input.motions.recordfile import Series, displacement_m, velocity_m_s
 from harness.input.motions.spectra import measures, peak_velocity_m_s
 from tests.budgets_motions import FILTER_PASS, FILTER_STOP, RETURN_TO_REST_M, RETURN_TO_REST_M_S, SAME_MOTION
@@ -53,7 +53,7 @@ def test_the_band_pass_passes_and_stops() -> None:
     np.testing.assert_allclose(passed.accel_m_s2[middle], np.sin(2.0 * np.pi * 2.0 * t)[middle], atol=FILTER_PASS)
     stopped = process.bandpass(Series(0.01, np.sin(2.0 * np.pi * 0.125 * t)), 0.5, 20.0)
     assert np.abs(stopped.accel_m_s2[middle]).max() <= FILTER_STOP
-    with pytest.raises(ProcessError, match="a high corner below 50 Hz"):
+    with pytest.raises(Contradiction, match="a high corner below 50 Hz"):
         process.bandpass(NOISE, 0.5, 50.0)
 
 
@@ -61,12 +61,12 @@ def test_a_corner_or_a_step_that_asks_for_endless_memory_is_refused() -> None:
     lowest_hz = process.LEAST_PERIODS / NOISE.duration_s
     process.bandpass(NOISE, 1.001 * lowest_hz, 20.0)
     for low_hz in (1e-300, 1e-6, 0.999 * lowest_hz):
-        with pytest.raises(ProcessError) as refused:
+        with pytest.raises(Contradiction) as refused:
             process.bandpass(NOISE, low_hz, 20.0)
         assert refused.value.key == "bandpass_hz"
         assert f"{lowest_hz:.4g} Hz" in refused.value.wanted
     long = Series(0.05, np.ones(int(process.MOST_SAMPLES) // 1000))
-    with pytest.raises(ProcessError) as refused:
+    with pytest.raises(Contradiction) as refused:
         process.resample(long, 1e-5)
     assert refused.value.key == "resample_dt_s"
 
@@ -83,14 +83,14 @@ def test_a_coarser_step_folds_nothing_back() -> None:
     fast = Series(0.005, np.sin(2.0 * np.pi * 45.0 * t) * np.hanning(4000))
     assert np.abs(process.resample(fast, 0.02).accel_m_s2).max() <= 0.01
     assert np.abs(fast.accel_m_s2[::4]).max() > 0.5  # dropping samples would keep it, at 5 Hz
-    with pytest.raises(ProcessError, match="a simple ratio"):
+    with pytest.raises(Contradiction, match="a simple ratio"):
         process.resample(NOISE, 0.0123456789)
 
 
 def test_window_and_significant_duration() -> None:
     cut = process.window(NOISE, 2.0, 5.0)
     np.testing.assert_array_equal(cut.accel_m_s2, NOISE.accel_m_s2[200:501])
-    with pytest.raises(ProcessError, match="where nothing is left"):
+    with pytest.raises(Contradiction, match="where nothing is left"):
         process.window(NOISE, 30.0, 40.0)
     short = process.significant(NOISE, (0.05, 0.95), NOISE.accel_m_s2**2)
     assert short.duration_s == pytest.approx(measures(NOISE).significant_5_95_s, abs=2.0 * NOISE.dt_s)
