@@ -8,11 +8,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final, Generic, TypeVar, cast
+from typing import Any, Final, Generic, TypeVar
 
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Say
+from harness.records import base
 from harness.records.bench import BenchRecord, PartRow, StressRecord
 from harness.records.result_folder import check_folder, full_kind, write_whole
 from harness.runs.execute import Campaign
@@ -21,14 +22,15 @@ from harness.runs.store import STORE_NAME, Store
 from harness.runs.task import Answer, Task, key_of
 
 Row = dict[str, Any]
-Work = Callable[[str], list[Row]]
+"""A row that has no class of its own."""
+Work = Callable[[str], Sequence[object]]
 R = TypeVar("R", BenchRecord, StressRecord)
 PACKAGES: Final = ("analytic", "meshes", "harness")
 
 
 @dataclass(frozen=True)
 class Part:
-    """One part of a measurement: `work(task)` gives the rows of one of its named tasks.
+    """One part of a measurement: `work(task)` gives the rows of one of its named tasks, each of the class `row`.
 
     `died` gives the rows of a task that took its process with it: such a part is computed in worker processes, on all cores. A
     part without it is timed, hence computed alone and in this process.
@@ -38,6 +40,7 @@ class Part:
     tasks: Sequence[str]
     work: Work
     died: Work | None = None
+    row: type = dict
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,7 @@ class Measurement(Generic[R]):
 
     name: str
     parts: Callable[[bool], list[Part]]
-    assembled: Callable[[Mapping[str, list[Row]], Mapping[str, Any]], R]
+    assembled: Callable[[Mapping[str, list[Any]], Mapping[str, Any]], R]
     sources: tuple[str, ...] = ()
 
     def run(
@@ -99,7 +102,7 @@ def measure(
     stamp: Mapping[str, object],
     on_progress: Callable[[str], None],
     kind: str = "bench",
-) -> tuple[dict[str, list[Row]], list[PartRow]]:
+) -> tuple[dict[str, list[Any]], list[PartRow]]:
     """Measure the parts (of them `only` these), keeping every finished task in the store of `folder`; the others as they are.
 
     Gives the rows of each part in the order of its tasks, and what it took.
@@ -144,8 +147,8 @@ def _chosen(parts: Sequence[Part], only: Sequence[str] | None) -> list[Part]:
     return [part for part in parts if only is None or part.name in only]
 
 
-def _measured(part: Part, keys: Mapping[str, str], store: Store) -> tuple[list[Row], PartRow]:
-    rows: list[Row] = []
+def _measured(part: Part, keys: Mapping[str, str], store: Store) -> tuple[list[Any], PartRow]:
+    rows: list[Any] = []
     left = []
     busy_s = wall_s = 0.0
     for task, key in keys.items():
@@ -153,7 +156,7 @@ def _measured(part: Part, keys: Mapping[str, str], store: Store) -> tuple[list[R
         if stored is None or timing is None:
             left.append(task)
             continue
-        rows += cast("list[Row]", stored["rows"])
+        rows += base.part(list[part.row], stored["rows"], store.path)  # type: ignore[name-defined]
         busy_s, wall_s = busy_s + timing[0], wall_s + timing[1]
     return rows, PartRow(part.name, wall_s, len(keys) - len(left), left, busy_s)
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any, Final
 
 from harness import engines
 from harness.model.finding import Answer, caution
 from harness.questions.bench import findings, other_integrators, precision, programs, scaling, skips
-from harness.questions.bench.precision import TARGET_RAD
+from harness.questions.bench.precision import NOBODY, TARGET_RAD
 from harness.questions.bench.standard_scenes import standard_set
 from harness.records.bench import (
     LEVEL,
@@ -19,14 +19,12 @@ from harness.records.bench import (
     BenchRecord,
     Coverage,
     Covered,
-    Level,
     PrecisionRow,
     ScalingRow,
     SkipRow,
-    Statement,
     of_parts,
 )
-from harness.runs.parts import Measurement, Part, Row
+from harness.runs.parts import Measurement, Part
 
 # Is the stated numerical uncertainty honest, and what does a target take? Seeded scenes, each against a much
 # finer run. Measured by a program that is given; its rows are kept and counted here.
@@ -40,12 +38,6 @@ PIECE: Final = {"pybullet": 8, "pymunk": 25}
 """Scenes of one task, by engine."""
 
 
-def read(row: Row) -> Coverage:
-    """A row that was kept."""
-    stated = row["stated"] and Statement(**row["stated"])
-    return Coverage(**{**row, "stated": stated, "levels": tuple(Level(**level) for level in row["levels"])})
-
-
 def tasks(quick: bool) -> list[str]:
     """The work in pieces that can be computed apart, the longest first."""
     last = FIRST_SEED + (QUICK_SCENES if quick else SCENES)
@@ -56,7 +48,7 @@ def tasks(quick: bool) -> list[str]:
     ]
 
 
-def compute(program: str, task: str) -> list[Row]:
+def compute(program: str, task: str) -> Sequence[object]:
     """The rows of one piece; none where the engine is not here."""
     name, seeds = _piece(task)
     if engines.load(name).missing() is not None:
@@ -65,10 +57,10 @@ def compute(program: str, task: str) -> list[Row]:
     return died(task) if done.returncode else [json.loads(line) for line in done.stdout.splitlines()]
 
 
-def died(task: str) -> list[Row]:
+def died(task: str) -> list[Coverage]:
     """A piece that took its process with it: none of its scenes is covered."""
     name, seeds = _piece(task)
-    return [asdict(Coverage(name, seed, TARGET_RAD)) for seed in seeds]
+    return [Coverage(name, seed, TARGET_RAD) for seed in seeds]
 
 
 def _piece(task: str) -> tuple[str, range]:
@@ -112,31 +104,35 @@ def all_parts(given: programs.Programs, quick: bool) -> list[Part]:
     others, speeds = other_integrators.TASKS.values() if other else ((), ())
     seeded = tasks(quick) if COVERAGE in given else []
     return [
-        Part("precision", precision.tasks(quick), partial(precision.of, given.get(DEFAULTS), quick), precision.died),
-        Part("coverage", seeded, partial(compute, given.get(COVERAGE, "")), died),
-        Part("skips", skips.together_tasks(quick), skips.compute, skips.died),
-        Part("alone", skips.alone_tasks(quick), skips.compute, skips.died),
+        Part(
+            "precision",
+            precision.tasks(quick),
+            partial(precision.of, given.get(DEFAULTS), quick),
+            precision.died,
+            PrecisionRow,
+        ),
+        Part("coverage", seeded, partial(compute, given.get(COVERAGE, "")), died, Coverage),
+        Part("skips", skips.together_tasks(quick), skips.compute, skips.died, SkipRow),
+        Part("alone", skips.alone_tasks(quick), skips.compute, skips.died, SkipRow),
         Part("others", others, partial(other_integrators.compute, other, quick), _died),
-        Part("scaling", scaling.tasks(quick), scaling.compute, _died),
+        Part("scaling", scaling.tasks(quick), scaling.compute, _died, ScalingRow),
         Part("speeds", speeds, partial(other_integrators.compute, other, quick)),
-        Part("workers", scaling.worker_tasks(quick), scaling.compute),
+        Part("workers", scaling.worker_tasks(quick), scaling.compute, row=ScalingRow),
     ]
 
 
-def _died(task: str) -> list[Row]:
+def _died(task: str) -> list[object]:
     raise RuntimeError(f"{task}: its process died")
 
 
-def assembled(given: programs.Programs, rows: Mapping[str, Sequence[Row]], head: Mapping[str, Any]) -> BenchRecord:
+def assembled(given: programs.Programs, rows: Mapping[str, Sequence[Any]], head: Mapping[str, Any]) -> BenchRecord:
     """The record from the rows of all parts; what is not measured yet is left empty and said."""
-    absent = {row["scene"]: row["absent"] for row in rows["precision"] if "absent" in row}
+    absent = {row.scene: row.failed for row in rows["precision"] if row.engine == NOBODY}
     absent |= programs.absent(given, (DEFAULTS, COVERAGE, OTHERS))
     order = [item.name for item in standard_set()]
-    timed = [PrecisionRow(**row) for row in rows["precision"] if "absent" not in row]
+    timed = [row for row in rows["precision"] if row.engine != NOBODY]
     timed.sort(key=lambda row: order.index(row.scene))
-    seeded = [read(row) for row in rows["coverage"]]
-    together = skips.together([SkipRow(**row) for row in rows["skips"]])
-    alone = [SkipRow(**row) for row in rows["alone"]]
+    seeded, alone, together = rows["coverage"], rows["alone"], skips.together(rows["skips"])
     made = BenchRecord(
         target_rad=TARGET_RAD,
         clock=CLOCK,
@@ -147,7 +143,7 @@ def assembled(given: programs.Programs, rows: Mapping[str, Sequence[Row]], head:
         coverage=counted(seeded),
         coverage_rows=seeded,
         skips=[*together, *alone],
-        scaling=[ScalingRow(**row) for row in (*rows["scaling"], *rows["workers"])],
+        scaling=[*rows["scaling"], *rows["workers"]],
         **other_integrators.collected([*rows["others"], *rows["speeds"]]),
         **head,
     )

@@ -4,7 +4,7 @@ takes."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
@@ -20,7 +20,6 @@ from harness.questions.bench.programs import Cost, costs, timed
 from harness.questions.bench.standard_scenes import Standard, standard_set
 from harness.records.bench import LEVEL, TARGET, PrecisionRow
 from harness.records.run import PLAIN
-from harness.runs.parts import Row
 
 TARGET_RAD: Final = 1e-3
 LONG_S: Final = 1.0
@@ -29,6 +28,8 @@ REPEATS: Final = 15
 """Turns in which levels are timed: after a long one caches are cold, and a short one needs more turns to show its least time."""
 BUDGET_S: Final = 0.1
 """Processor time of one level after which no further turn is begun: what is compared are ratios of whole numbers and more."""
+NOBODY: Final = ""
+"""The engine of the row of a scene that is not here."""
 NOTHING: Final = Cost(0.0, 0.0, 0)
 """Of what was not run."""
 
@@ -39,7 +40,7 @@ def tasks(quick: bool) -> list[str]:
     return names[:3] if quick else sorted(names, key=lambda name: "Maria" not in name)
 
 
-def of(program: str | None, quick: bool, name: str) -> list[Row]:
+def of(program: str | None, quick: bool, name: str) -> list[PrecisionRow]:
     """All rows of one scene of the standard set; one that says why where a file of it is absent.
 
     `program` runs engines on their own defaults, and on another project's settings; None leaves that out.
@@ -48,17 +49,17 @@ def of(program: str | None, quick: bool, name: str) -> list[Row]:
     try:
         scene = item.scene()
     except InputError as error:
-        return [{"scene": name, "absent": str(error)}]
+        return [PrecisionRow(NOBODY, name, LEVEL, "", failed=str(error))]
     names = list(engines.REGISTRY)
-    rows = [asdict(row) for row in rows_of(item, scene, names, quick=quick)]
+    rows = list(rows_of(item, scene, names, quick=quick))
     if item.reference == "analytic" and program is not None:
-        rows += programs.rows(program, name)
-    return sorted(rows, key=lambda row: names.index(row["engine"]))
+        rows += [PrecisionRow(**row) for row in programs.rows(program, name)]
+    return sorted(rows, key=lambda row: names.index(row.engine))
 
 
-def died(name: str) -> list[Row]:
+def died(name: str) -> list[PrecisionRow]:
     """A scene whose process died: one row that says so."""
-    return [asdict(PrecisionRow("any", name, LEVEL, "all", failed="the process died"))]
+    return [PrecisionRow("any", name, LEVEL, "all", failed="the process died")]
 
 
 def rows_of(item: Standard, scene: Scene, names: Sequence[str], *, quick: bool) -> Iterator[PrecisionRow]:

@@ -7,7 +7,6 @@ import os
 import tempfile
 import time
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Final
 
@@ -18,7 +17,6 @@ from harness.model.scene import Scene
 from harness.questions.bench.programs import children_cpu_s, cost, largest_child_mb, peak_memory_mb
 from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.records.bench import ScalingRow
-from harness.runs.parts import Row
 from harness.runs.runner import LIMIT_S
 from harness.runs.task import call
 
@@ -46,12 +44,12 @@ def worker_tasks(quick: bool) -> list[str]:
     return [] if quick else [f"pymunk workers {value}" for value in sorted({1, os.cpu_count() or 1})]
 
 
-def compute(task: str) -> list[Row]:
+def compute(task: str) -> list[ScalingRow]:
     """One point, in a process of its own, so that memory is that point's."""
     engine, quantity, value = task.split()
     point = engine, quantity, float(value)
     seconds, memory_mb, cpu_s = call(measure, (point,), timeout_s=LIMIT_S)
-    return [asdict(ScalingRow(engine, quantity, point[2], seconds, memory_mb, cpu_s))]
+    return [ScalingRow(engine, quantity, point[2], seconds, memory_mb, cpu_s)]
 
 
 def measure(point: Point) -> tuple[float, float, float]:

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Final
@@ -35,7 +35,6 @@ from harness.questions.bench.standard_scenes import (
     standard_set,
 )
 from harness.records.bench import TOGETHER, SkipRow
-from harness.runs.parts import Row
 
 RECORDS: Final = {
     "elcentro1940": ("elcentro1940_NS.csv", "a_NS_ms2", 31.18),
@@ -129,26 +128,26 @@ def _named(task: str) -> tuple[str, str, str]:
     return skip, name, case
 
 
-def compute(task: str) -> list[Row]:
+def compute(task: str) -> list[SkipRow]:
     """The row of one skip and engine; one that says why where a record is absent, none where the engine is not here."""
     skip, name, case = _named(task)
     others: dict[str, Callable[[], SkipRow]] = {"lazy_engines": _imports, "cached": _cached, "planar": _planar}
     try:
         if skip in others:
-            return [asdict(others[skip]())]
+            return [others[skip]()]
         engine = engines.load(name)
         if engine.missing() is not None:
             return []
         scenes = list(outcome_scenes(case, SHARES[name])) if case else scenes_of(CASES[skip][name], name)
-        return [asdict(_measured(skip, engine, scenes))]
+        return [_measured(skip, engine, scenes)]
     except InputError as error:
-        return [asdict(SkipRow(skip, name, failed=str(error)))]
+        return [SkipRow(skip, name, failed=str(error))]
 
 
-def died(task: str) -> list[Row]:
+def died(task: str) -> list[SkipRow]:
     """The row of a skip and engine whose process died."""
     skip, name, _ = _named(task)
-    return [asdict(SkipRow(skip, name, failed="the process died"))]
+    return [SkipRow(skip, name, failed="the process died")]
 
 
 def scenes_of(kind: str, engine: str) -> list[Scene]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Final
 
 from harness import engines
@@ -17,7 +17,6 @@ from harness.questions.bench.standard_scenes import scene_of
 from harness.questions.bench.stress import checks
 from harness.questions.bench.stress.catalogue import Hard, catalogue
 from harness.records.bench import Cell, HardRow, KnownFailure, Measure
-from harness.runs.parts import Row
 
 # Why a cell of a stability map is not stable: the setting of the same row that is, or nothing.
 
@@ -90,20 +89,20 @@ def tasks(quick: bool) -> list[str]:
     return [name for name in named if not quick or name in QUICK]
 
 
-def compute(task: str) -> list[Row]:
+def compute(task: str) -> list[HardRow]:
     """The row of one hard scene."""
-    return [asdict(row_of(next(hard for hard in catalogue() if hard.name == task)))]
+    return [row_of(next(hard for hard in catalogue() if hard.name == task))]
 
 
-def answer(program: str, task: str) -> list[Row]:
+def answer(program: str, task: str) -> Sequence[object]:
     """The row of one question; one whose process ended without it did not come out."""
     done = programs.ask(program, task)
     return died(task) if done.returncode else [json.loads(done.stdout)]
 
 
-def died(task: str) -> list[Row]:
+def died(task: str) -> list[HardRow]:
     """The row of a hard scene that took its process with it."""
-    return [asdict(HardRow(task, "", {"*": "crashed"}, holds=False))]
+    return [HardRow(task, "", {"*": "crashed"}, holds=False)]
 
 
 def row_of(hard: Hard) -> HardRow:

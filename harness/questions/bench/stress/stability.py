@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
@@ -18,7 +18,6 @@ from harness.questions.bench.stress import checks
 from harness.questions.bench.stress.catalogue import SHAKEN, body, leaning
 from harness.questions.bench.stress.hard_scenes import converged, explained, solution
 from harness.records.bench import Cell, Measure
-from harness.runs.parts import Row
 
 STEPS_S: Final = (1.0 / 60.0, 1.0 / 240.0, 1e-3, 2.5e-4, 1e-4, 1e-5)
 NONE: Final = RunOptions(skips=frozenset())
@@ -61,7 +60,7 @@ def tasks(quick: bool) -> list[str]:
     return [f"{engine}: {row.name}" for engine in ENGINES for row in sorted(rows, key=lambda row: row.share)]
 
 
-def compute(program: str | None, quick: bool, task: str) -> list[Row]:
+def compute(program: str | None, quick: bool, task: str) -> list[Cell]:
     """The cells of one row of one map; none where the engine is not here. `program` measures pybullet's own hull."""
     name, _, words = task.partition(": ")
     engine = engines.load(name)
@@ -75,13 +74,13 @@ def compute(program: str | None, quick: bool, task: str) -> list[Row]:
     )
     if name == "pybullet" and program is not None:
         cells += _hulls(program, row, cells, checks.allowed_rad(exact))
-    return [asdict(cell) for cell in cells]
+    return cells
 
 
-def died(task: str) -> list[Row]:
+def died(task: str) -> list[Cell]:
     """A row whose process died: one cell, diverged and not explained."""
     name, _, words = task.partition(": ")
-    return [asdict(Cell(name, "any", words, "diverged", message="crashed"))]
+    return [Cell(name, "any", words, "diverged", message="crashed")]
 
 
 def _cells_of(row: Difficulty, scene: Scene, engine: Engine, exact: Run, quick: bool) -> Iterator[Cell]:

@@ -6,7 +6,6 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import Any, Final
 
 from harness import engines
@@ -14,7 +13,6 @@ from harness.questions.bench import programs
 from harness.questions.bench.stress import hard_scenes as scenes
 from harness.questions.bench.stress import stability
 from harness.questions.bench.stress.catalogue import ALL
-from harness.records.base import part
 from harness.records.bench import Cell, HardRow, Harm, Mutated, StressRecord, answer_of, findings_of
 from harness.runs.parts import Measurement, Part, Row
 
@@ -72,18 +70,13 @@ QUESTIONS, FUZZ, DEFAULTS = "questions", "fuzz", "engine defaults"
 """What programs that are given measure: invariances, mutated files, pybullet's own hull."""
 
 
-ROWS: Final = Path("stress")
-"""Where the rows of parts come from, should one not be as it was written."""
-
-
-def assembled(given: programs.Programs, rows: Mapping[str, Sequence[Row]], head: Mapping[str, Any]) -> StressRecord:
+def assembled(given: programs.Programs, rows: Mapping[str, Sequence[Any]], head: Mapping[str, Any]) -> StressRecord:
     """The record from the rows of all parts."""
     order = {row.name: place for place, row in enumerate(stability.difficulties())}
-    cells = [part(Cell, row, ROWS) for row in rows["maps"]]
     made = StressRecord(
         absent=absent(given),
-        scenes=[part(HardRow, row, ROWS) for row in (*rows["scenes"], *rows["questions"])],
-        cells=sorted(cells, key=lambda cell: (stability.ENGINES.index(cell.engine), order[cell.difficulty])),
+        scenes=[*rows["scenes"], *rows["questions"]],
+        cells=sorted(rows["maps"], key=lambda cell: (stability.ENGINES.index(cell.engine), order[cell.difficulty])),
         fuzz=summed(rows["fuzz"]),
         **head,
     )
@@ -102,9 +95,11 @@ def all_parts(given: programs.Programs, quick: bool) -> list[Part]:
     fuzz = tasks(QUICK_INPUTS if quick else INPUTS) if FUZZ in given else []
     asked = scenes.QUESTIONS if QUESTIONS in given and not quick else ()
     return [
-        Part("maps", stability.tasks(quick), partial(stability.compute, given.get(DEFAULTS), quick), stability.died),
-        Part("scenes", scenes.tasks(quick), scenes.compute, scenes.died),
-        Part("questions", asked, partial(scenes.answer, given.get(QUESTIONS, "")), scenes.died),
+        Part(
+            "maps", stability.tasks(quick), partial(stability.compute, given.get(DEFAULTS), quick), stability.died, Cell
+        ),
+        Part("scenes", scenes.tasks(quick), scenes.compute, scenes.died, HardRow),
+        Part("questions", asked, partial(scenes.answer, given.get(QUESTIONS, "")), scenes.died, HardRow),
         Part("fuzz", fuzz, partial(compute, given.get(FUZZ, "")), died),
     ]
 

@@ -142,10 +142,11 @@ def test_scenes_without_their_files_are_named(monkeypatch: pytest.MonkeyPatch) -
     assert {item.name for item, _ in found} | set(absent) == {item.name for item in standard_set()}
     assert len(absent) == 5
     (row,) = skips.compute("all together: analytic: block, elcentro1940")
-    assert "elcentro1940" in row["failed"]
-    assert skips.together([SkipRow(**row)])[0].failed == row["failed"]
-    assert "elcentro1940" in skips.compute("no_history: analytic")[0]["failed"]
-    assert precision.of(None, True, next(iter(absent)))[0]["absent"] == absent[next(iter(absent))]
+    assert "elcentro1940" in row.failed
+    assert skips.together([row])[0].failed == row.failed
+    assert "elcentro1940" in skips.compute("no_history: analytic")[0].failed
+    (nobody,) = precision.of(None, True, next(iter(absent)))
+    assert (nobody.engine, nobody.failed) == (precision.NOBODY, absent[nobody.scene])
 
 
 def test_cost_is_the_least_of_several() -> None:
@@ -280,7 +281,7 @@ def test_a_bench_with_parts_missing_is_a_record_that_says_so() -> None:
     spent = [PartRow(part.name, 0.0, 0, part.tasks) for part in listed]
     spent[0] = PartRow("precision", 1.0, 2, (), 2.0)
     rows = dict.fromkeys([part.name for part in listed], ())
-    timed = {"precision": [asdict(row("pymunk", "free rocking", "coarse", 1e-4, 0.001))]}
+    timed = {"precision": [row("pymunk", "free rocking", "coarse", 1e-4, 0.001)]}
     found = BENCH.assembled(rows | timed, head("rockcheck bench", spent))
     assert [item.scene for item in found.rows] == ["free rocking"]
     assert found.seconds == 1.0
@@ -331,7 +332,7 @@ def test_a_study_that_failed_is_no_gain_of_its_store(monkeypatch: pytest.MonkeyP
         failed: int = 0
 
     monkeypatch.setattr(study, "run_study", lambda *args: Summary())
-    assert skips.compute("cached: analytic")[0]["changed"] == ()
+    assert skips.compute("cached: analytic")[0].changed == ()
     monkeypatch.setattr(study, "run_study", lambda *args: Summary(failed=16))
     (row,) = skips.compute("cached: analytic")
-    assert row["changed"] == ("16 of the runs failed",)
+    assert row.changed == ("16 of the runs failed",)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import json
+from pathlib import Path
 
 import pytest
 
 from harness.questions.bench import bench_run, findings
+from harness.records.base import part
 from harness.records.bench import Coverage, Covered, Level, Statement
 from tests.measures.coverage import met_whole
 
@@ -17,7 +18,7 @@ def stated(error_rad: float) -> Statement:
 
 def test_coverage_counts_what_was_missed_and_what_died() -> None:
     kept = [Coverage("pymunk", 1, 1e-3, stated(1e-5)), Coverage("pymunk", 2, 1e-3, stated(1e-3))]
-    died = [bench_run.read(row) for row in bench_run.died("pymunk: seeds 3 to 4")]
+    died = bench_run.died("pymunk: seeds 3 to 4")
     assert bench_run.counted([*kept, *died]) == {"pymunk": Covered(1, 4, [2, 3, 4])}
 
 
@@ -42,7 +43,7 @@ def test_seeded_scenes_that_meet_the_target_are_compared_with_their_levels() -> 
 
 def test_the_levels_of_a_seeded_scene_are_judged_by_its_finer_run() -> None:
     (plain,) = bench_run.compute("tests.measures.coverage", "pymunk: seeds 20703 to 20703")
-    row = bench_run.read(json.loads(json.dumps(plain)))
+    row = part(Coverage, plain, Path("coverage"))
     assert met_whole(row)
     assert row.covered
     assert [level.dt_s for level in row.levels] == [4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4]

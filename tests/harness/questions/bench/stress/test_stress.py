@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -15,7 +16,7 @@ from harness.model.history import History, Outcome
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
-from harness.questions.bench.stress import checks, hard_scenes, stability, stress_run
+from harness.questions.bench.stress import checks, hard_scenes, stability
 from harness.questions.bench.stress import hard_scenes as scenes
 from harness.questions.bench.stress.catalogue import catalogue, leaning
 from harness.questions.bench.stress.hard_scenes import converged
@@ -318,8 +319,8 @@ def test_a_question_is_answered_by_a_program_that_is_given() -> None:
     (questions,) = (part for part in STRESS.parts(False) if part.name == "questions")
     assert tuple(invariance.ASKED) == scenes.QUESTIONS == tuple(questions.tasks)
     (row,) = questions.work(scenes.QUESTIONS[-1])
-    assert part(HardRow, row, stress_run.ROWS).holds
-    assert not part(HardRow, scenes.answer(asks, "what nobody asks")[0], stress_run.ROWS).holds
+    assert part(HardRow, row, Path("rows")).holds
+    assert not scenes.answer(asks, "what nobody asks")[0].holds
 
 
 def test_a_motion_that_is_none_must_be_refused(monkeypatch: pytest.MonkeyPatch) -> None:
