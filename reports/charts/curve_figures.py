@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Final, TypeVar
+from collections.abc import Mapping, Sequence
+from typing import Final
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from harness.model.history import History, pair
 from harness.questions.validate.scenes import GRAVITY_M_S2
 from harness.records.assess import FragilityRecord
 from harness.records.bench import DEFAULT, LEVEL, OTHER_PROJECT, TARGET, PrecisionRow, ScalingRow
-from harness.records.validation import Curves, ReliabilityBin, ValidationRecord
+from harness.records.validation import Curves, ValidationRecord
 from reports.charts import Json
 from reports.charts.figure import (
     HAIRLINE,
@@ -23,20 +23,25 @@ from reports.charts.figure import (
     axis,
     band,
     chosen,
+    columns,
     columns_of,
     discs,
     estimates,
     figure,
+    filled,
     level,
     log,
     look,
     marks,
     named,
     names,
+    over_time,
+    reading,
     rows_of,
+    span,
     stroke,
     upwards,
-)  # fmt: skip  # fmt: skip
+)
 from reports.messages import ENGLISH, Language
 from reports.source import MOVED_SHARE, event_s
 
@@ -45,39 +50,28 @@ def compare_figure(names: tuple[str, str], a: History, b: History, say: Language
     """Rotations, their difference on one grid, and slips where there are any, over one axis of time."""
     both, less = pair(a, b), say("chart.first_less_second")
     looks = {name: look(name, (*names, less)) for name in (*names, less)}
+    known = dict(zip(names, (a, b), strict=True))
     data: dict[str, list[Json]] = {
-        "rotations": [
-            {"name": name, "t": each.t_s, "theta": each.theta_rad} for name, each in zip(names, (a, b), strict=True)
-        ],
+        "rotations": [{"name": name, "t": each.t_s, "theta": each.theta_rad} for name, each in known.items()],
         "difference": [{"name": less, "t": both.t_s, "difference": both.difference_rad}],
     }
-    rows = [
-        ("rotations", "theta", "rad", 260.0),
-        ("difference", "difference", "rad", 110.0),
-    ]
+    shown = [reading("rotations", "theta", "", "rad", 5), reading("difference", "difference", "", "rad", 5)]
     if any(history.slip_m.any() for history in (a, b)):
-        data["slips"] = [
-            {"name": name, "t": each.t_s, "slip": 1e3 * each.slip_m} for name, each in zip(names, (a, b), strict=True)
-        ]
-        rows.append(("slips", "slip", "mm", 110.0))
-    moved = MOVED_SHARE * float(np.abs(b.theta_rad).max(initial=0.0))
-    shown = list(event_s((a, b), moved, float(both.t_s[-1])))
-    drawn = {
-        column: (axis(column, say(f"chart.{column}"), tickCount=5, format="~g"), height, name)
-        for name, column, _, height in rows
+        data["slips"] = [{"name": name, "t": each.t_s, "slip": 1e3 * each.slip_m} for name, each in known.items()]
+        shown.append(reading("slips", "slip", "", "mm", 5))
+    rows: list[tuple[list[Json], float, Json | None]] = []
+    for read in shown:
+        y = axis(read["of"], say(f"chart.{read['of']}"), tickCount=5, format="~g")
+        lines = [marks("line", read["data"], {"y": y} | named(looks, legend=not rows))]
+        rows.append((lines, 110, read) if rows else (chosen(lines), 260, read))
+    end, moved = float(both.t_s[-1]), MOVED_SHARE * float(np.abs(b.theta_rad).max(initial=0.0))
+    turned = np.concatenate([a.theta_rad, b.theta_rad])
+    views = {
+        "event_s": list(event_s((a, b), moved, end)),
+        "duration_s": end,
+        "whole": [float(turned.min()), float(turned.max())],
     }
-
-    def layers(y: Json, first: bool) -> list[Json]:
-        lines = [marks("line", drawn[y["field"]][2], {"y": y} | named(looks, legend=first))]
-        return chosen(lines) if first else lines
-
-    x = across("t", say("chart.time"), {"domain": shown, "padding": 0})
-    spec = rows_of([(y, height) for y, height, _ in drawn.values()], x, data, layers)
-    told = [{"data": name, "of": column, "words": "", "unit": unit, "decimals": 5} for name, column, unit, _ in rows]
-    whole = [float(min(each.theta_rad.min() for each in (a, b))), float(max(each.theta_rad.max() for each in (a, b)))]
-    return spec | {
-        "usermeta": {"views": {"event_s": shown, "duration_s": float(both.t_s[-1]), "whole": whole}, "read": told}
-    }
+    return over_time(rows, say("chart.time"), data, views)
 
 
 TICKS: Final = [0.25, 0.5, 1.0, 2.0, 4.0]
@@ -92,9 +86,7 @@ def fragility_by_factor(fragility: FragilityRecord, say: Language = ENGLISH) -> 
     layers = [marks("line", "curve", strokeWidth=2, color=INK), discs("curve", {}, color=INK)]
     if fragility.low:
         data["band"] = [{"x": fragility.factor, "low": fragility.low, "high": fragility.high}]
-        layers.insert(
-            0, marks("area", "band", {"y": {"field": "low"}, "y2": {"field": "high"}}, color=INK, opacity=0.1)
-        )
+        layers.insert(0, marks("area", "band", span("low", "high"), color=INK, opacity=0.1))
     layers += level(1.0, say("chart.today"), "x", Look(MUTED, "4 3", 1.0))
     x = across("x", say("chart.factor"), log(), values=TICKS)
     return figure(
@@ -125,53 +117,43 @@ def on_front(row: PrecisionRow, rows: Sequence[PrecisionRow]) -> bool:
     return not any(error <= mine[0] and cost <= mine[1] and (error, cost) != mine for error, cost in others)
 
 
-def shapes(known: Mapping[str, str]) -> Json:
+def shapes(known: Mapping[str, str], key: bool = True) -> Json:
     """A sign for each kind, with a key of them."""
     scale = {"domain": list(known), "range": list(known.values())}
-    return {
-        "shape": {
-            "field": "kind",
-            "type": "nominal",
-            "scale": scale,
-            "legend": {"symbolFillColor": MUTED, "symbolStrokeWidth": 0},
-        }
-    }
+    legend = {"symbolFillColor": MUTED, "symbolStrokeWidth": 0} if key else None
+    return {"shape": {"field": "kind", "type": "nominal", "scale": scale, "legend": legend}}
 
 
 def precision_figure(scene: str, rows: Sequence[PrecisionRow], target_rad: float, say: Language = ENGLISH) -> Json:
     """Work–precision of one scene on logarithmic axes: a line for each engine's levels, other signs for other settings."""
     here = [row for row in rows if row.scene == scene and row.failed is None and row.error_rad]
-    engines, words = (
-        list(dict.fromkeys(row.engine for row in rows)),
-        {group: say(f"chart.group_{group}") for group in SHAPES},
-    )
-    looks = {engine: look(engine, engines) for engine in engines}
+    engines = list(dict.fromkeys(row.engine for row in rows))
+    words = {group: say(f"chart.group_{group}") for group in SHAPES}
     parts: list[Json] = [
         {
-            "name": engine, "kind": words[group], "x": [row.cpu_s for row in mine], "y": [row.error_rad for row in mine],
-            "size": [170 if row.chosen else 55 for row in mine],
-            "tip": [_tip(row, say) for row in mine],
+            "name": engine, "kind": words[group],
+            **columns("x y size tip", [(row.cpu_s, row.error_rad, 170 if row.chosen else 55, _tip(row, say)) for row in mine]),
         }
         for engine in engines for group in SHAPES
         for mine in [sorted((row for row in here if (row.engine, row.group) == (engine, group)), key=_error)] if mine
     ]  # fmt: skip
     front = sorted((row for row in here if row.dt_s and on_front(row, here)), key=_error)
-    best = {"x": [row.cpu_s for row in front], "y": [row.error_rad for row in front]}
     met = {
         words[group]: shape for group, shape in SHAPES.items() if any(part["kind"] == words[group] for part in parts)
     }
-    drawn = named(looks)
-    sign = {"fill": drawn["color"], "opacity": drawn["opacity"], **shapes(met)}
+    drawn = named({engine: look(engine, engines) for engine in engines})
     size = {"size": {"field": "size", "type": "quantitative", "scale": None, "legend": None}}
     order = {"order": {"field": "y", "type": "quantitative"}}
-    data = {"settings": parts, "levels": [part for part in parts if part["kind"] == words[LEVEL]], "front": [best]}
+    data = {
+        "settings": parts, "levels": [part for part in parts if part["kind"] == words[LEVEL]],
+        "front": [columns("x y", [(row.cpu_s, row.error_rad) for row in front])],
+    }  # fmt: skip
     layers = [
         marks("line", "front", order, color=MUTED, strokeWidth=6, opacity=0.25, interpolate="step-after"),
-        marks("line", "levels", drawn | order),
-        marks("point", "settings", sign | size, filled=True, strokeWidth=0),
+        *chosen([marks("line", "levels", drawn | order)]),
+        marks("point", "settings", filled(drawn) | shapes(met) | size, filled=True, strokeWidth=0),
         *level(target_rad, say("chart.target"), line=Look(INK, "6 4", 1.0)),
     ]
-    layers[1] = chosen([layers[1]])[0]
     x, y = across("x", say("chart.cpu_s"), log(), **POWERS), upwards("y", say("chart.error_rad"), log(), **POWERS)
     return figure(layers, 460, data, x, y)
 
@@ -202,69 +184,48 @@ def scaling_figure(items: Sequence[ScalingRow], say: Language = ENGLISH) -> Json
     parts: list[Json] = []
     for engine, quantity in dict.fromkeys((item.engine, item.quantity) for item in items):
         mine = sorted((i for i in items if (i.engine, i.quantity) == (engine, quantity)), key=lambda i: i.value)
-        sizes = {
-            "x": [item.value / mine[0].value for item in mine],
-            **{key: [getattr(item, key) for item in mine] for key in PANELS},
-        }
-        parts.append({"name": engine, "kind": say.heading(quantity), **sizes})
-    quantities = {
+        sizes = [(item.value / mine[0].value, item.wall_s, item.memory_mb) for item in mine]
+        parts.append({"name": engine, "kind": say.heading(quantity), **columns("x wall_s memory_mb", sizes)})
+    met = {
         say.heading(name): shape for name, shape in QUANTITIES.items() if any(item.quantity == name for item in items)
     }
     most, least = max(max(part["x"]) for part in parts), min(item.wall_s for item in items)
     data = {"sizes": parts, "proportional": [{"x": [1.0, most], "wall_s": [least, least * most]}]}
-
-    def layers(y: Json, first: bool) -> list[Json]:
-        drawn = named(looks, legend=first)
-        signs = shapes(quantities)
-        key = signs if first else {"shape": signs["shape"] | {"legend": None}}
-        each = {"detail": {"field": "kind"}}
-        mine = [
-            marks("line", "sizes", {"y": y} | drawn | each),
-            marks(
-                "point",
-                "sizes",
-                {"y": y, "fill": drawn["color"], "opacity": drawn["opacity"], **key},
-                filled=True,
-                size=60,
-                strokeWidth=0,
-            ),
+    rows: list[tuple[list[Json], float]] = []
+    for key, height in PANELS.items():
+        y, drawn = axis(key, say(f"chart.{key}"), scale=log(), tickCount=5), named(looks, legend=not rows)
+        signs = {"y": y} | filled(drawn) | shapes(met, key=not rows)
+        layers = [
+            marks("line", "sizes", {"y": y} | drawn | {"detail": {"field": "kind"}}),
+            marks("point", "sizes", signs, filled=True, size=60, strokeWidth=0),
         ]
-        with_line = marks("line", "proportional", {"y": y}, color=MUTED, strokeWidth=6, opacity=0.25)
-        return [*chosen(mine), with_line] if first else mine
-
-    x = across("x", say("chart.size"), log(), tickCount=4)
-    return rows_of(
-        [(axis(key, say(f"chart.{key}"), scale=log(), tickCount=5), height) for key, height in PANELS.items()],
-        x,
-        data,
-        layers,
-    )
+        if not rows:
+            layers = [
+                *chosen(layers),
+                marks("line", "proportional", {"y": y}, color=MUTED, strokeWidth=6, opacity=0.25),
+            ]
+        rows.append((layers, height))
+    return rows_of(rows, across("x", say("chart.size"), log(), tickCount=4), data)
 
 
 # The charts of a validation: accuracy by model, every test in its plane of intensities, fragility.
 
 
-T = TypeVar("T")
 BASELINE_LOOK: Final = Look("#8a6d00", "2 3")
 DASHES: Final = ("", "6 4", "1.5 3", "6 3 1.5 3", "10 4")
 
 
 def charts(record: ValidationRecord, say: Language = ENGLISH) -> list[tuple[str, str, Json]]:
     """Accuracy by model, tests in PGA against PGV/PGA with contours, fragility curves, accuracy by intensity."""
-    figures = {"accuracy": _accuracy(record, say), "plane": _plane(record, say), "fragility": _fragility(record, say)}
-    diagram = reliability_diagram(
-        [
-            *((name, _styles(record)[name], item.probability.reliability) for name, item in record.models.items()),
-            (say("word.pgv_threshold"), BASELINE_LOOK, record.baseline.probability.reliability),
-        ],
-        say,
-    )
-    figures["reliability"] = diagram if record.samples else None
-    return [(name, say(f"chart.validation_{name}"), each) for name, each in figures.items() if each is not None]
-
-
-def _styles(record: ValidationRecord) -> dict[str, Look]:
-    return styles({name: item.engine for name, item in record.models.items()})
+    looks = styles({name: item.engine for name, item in record.models.items()})
+    drawn = {
+        "accuracy": _accuracy(record, looks, say),
+        "plane": _plane(record, looks, say),
+        "fragility": _fragility(record, looks, say),
+    }
+    if record.samples:
+        drawn["reliability"] = _reliability(record, looks, say)
+    return [(name, say(f"chart.validation_{name}"), each) for name, each in drawn.items() if each is not None]
 
 
 def styles(engine_of: Mapping[str, str]) -> dict[str, Look]:
@@ -278,102 +239,104 @@ def styles(engine_of: Mapping[str, str]) -> dict[str, Look]:
     return looks
 
 
-def _accuracy(record: ValidationRecord, say: Language) -> Json:
-    looks = _styles(record) | {say("word.pgv_threshold"): BASELINE_LOOK}
-    shares = {name: item.outcomes.accuracy for name, item in record.models.items()}
-    shares[say("word.pgv_threshold")] = record.baseline.outcomes.accuracy
-    rows = {name: share for name, share in shares.items() if share is not None}
+def _accuracy(record: ValidationRecord, styles: Mapping[str, Look], say: Language) -> Json:
+    """The share of tests of which each model said the end, beside what the threshold of intensity says."""
+    threshold = say("word.pgv_threshold")
+    scores = {name: item.outcomes for name, item in record.models.items()} | {threshold: record.baseline.outcomes}
+    rows = {name: each.accuracy for name, each in scores.items() if each.accuracy is not None}
     parts = [
         {"name": name, "y": [name], "tip": [f"{name} {100 * item.value:.0f} %"], **columns_of([item], 100.0, "x")}
         for name, item in rows.items()
     ]
-    layers = estimates("shares", {"color": named(looks, legend=False)["color"]}, "x")
+    colour = named({**styles, threshold: BASELINE_LOOK}, legend=False)["color"]
+    layers = estimates("shares", {"color": colour}, "x")
     x = across("x", say("chart.right"), {"domain": [0, 100]})
     return figure(layers, 40 + 40 * len(rows), {"shares": parts}, x, names("y", list(rows), grid=False))
 
 
-def _plane(record: ValidationRecord, say: Language) -> Json:
+def _plane(record: ValidationRecord, styles: Mapping[str, Look], say: Language) -> Json:
+    """Every test by its intensities, with each model's contour of even chances."""
     tests: list[Json] = []
     stood, fallen = say("chart.stood"), say("chart.fell")
     for fell, words in ((False, stood), (True, fallen)):
         rows = [row for row in record.rows if row.observed.startswith(FELL) == fell and row.pga_g > 0.0]
-        ratio = [row.pgv_m_s / (GRAVITY_M_S2 * row.pga_g) for row in rows]
-        tips = [f"{row.test}: {row.pga_g:.3f} g, {words}" for row in rows]
-        tests.append({"kind": words, "x": ratio, "y": [row.pga_g for row in rows], "tip": tips})
-    contours = {
-        say("chart.half_fall", name=name): (style, contour.contour_50)
-        for name, style, contour in _curves(record, lambda item: item.contour, say)
-        if contour is not None
-    }  # fmt: skip
-    lines = [{"name": name, "x": each.ratio_s, "y": each.pga_g} for name, (_, each) in contours.items()]
+        points = [
+            (row.pgv_m_s / (GRAVITY_M_S2 * row.pga_g), row.pga_g, f"{row.test}: {row.pga_g:.3f} g, {words}")
+            for row in rows
+        ]
+        tests.append({"kind": words, **columns("x y tip", points)})
     kind: Json = {"field": "kind", "type": "nominal"}
     sign = {
         "shape": kind | {"scale": {"domain": [stood, fallen], "range": ["circle", "M-1-1L1 1M-1 1L1-1"]}},
         "stroke": kind | {"scale": {"domain": [stood, fallen], "range": ["#0072B2", "#D55E00"]}},
     }
     layers = [marks("point", "tests", sign, size=50, strokeWidth=1.6, filled=False)]
+    contours = [
+        (say("chart.half_fall", name=name), style, item.contour.contour_50)
+        for name, style, item in _measured_and_models(record, styles, say)
+        if item.contour is not None
+    ]
+    lines = [{"name": words, "x": each.ratio_s, "y": each.pga_g} for words, _, each in contours]
     if contours:
-        layers.append(
-            marks("line", "contours", named({name: style for name, (style, _) in contours.items()}, chosen=False))
-        )
+        looks = {words: style for words, style, _ in contours}
+        layers.append(marks("line", "contours", named(looks, chosen=False)))
     x, y = across("x", "PGV / PGA  [s]", {"zero": True}), upwards("y", "PGA  [g]", {"zero": True})
     return figure(layers, 420, {"tests": tests, "contours": lines}, x, y)
 
 
-def _curves(record: ValidationRecord, of: Callable[[Curves], T], say: Language) -> list[tuple[str, Look, T]]:
-    """What was measured and each model by name: how its line is drawn, and its curve."""
-    measured = say("chart.measured")
-    looks = {measured: Look(INK, "", 3.0)} | _styles(record)
-    return [(name, looks[name], of(item)) for name, item in {measured: record.observed, **record.models}.items()]
+def _measured_and_models(
+    record: ValidationRecord, styles: Mapping[str, Look], say: Language
+) -> list[tuple[str, Look, Curves]]:
+    """What was measured and each model by name: how its line is drawn, and its curves."""
+    models = [(name, styles[name], item) for name, item in record.models.items()]
+    return [(say("chart.measured"), Look(INK, "", 3.0), record.observed), *models]
 
 
-def _fragility(record: ValidationRecord, say: Language) -> Json | None:
+def _fragility(record: ValidationRecord, styles: Mapping[str, Look], say: Language) -> Json | None:
     """The fitted curves, that of the measured tests with its band."""
-    fitted = {
-        name: (style, item) for name, style, item in _curves(record, lambda each: each.fragility_pgv, say)
-        if item is not None and item.median is not None
-    }  # fmt: skip
+    fitted = [
+        (name, style, item.fragility_pgv)
+        for name, style, item in _measured_and_models(record, styles, say)
+        if item.fragility_pgv is not None and item.fragility_pgv.median is not None
+    ]
     if not fitted:
         return None
-    drawn = named({name: style for name, (style, _) in fitted.items()}, chosen=False)
-    parts = [{"name": name, "x": item.intensity, "y": item.probability} for name, (_, item) in fitted.items()]
+    drawn = named({name: style for name, style, _ in fitted}, chosen=False)
+    curves = [{"name": name, "x": each.intensity, "y": each.probability} for name, _, each in fitted]
     around = [
-        {"name": name, "x": item.intensity, "low": item.low, "high": item.high}
-        for name, (_, item) in fitted.items() if name == say("chart.measured")
-    ]  # fmt: skip
+        {"name": name, "x": each.intensity, "low": each.low, "high": each.high}
+        for name, _, each in fitted
+        if each is record.observed.fragility_pgv
+    ]
     layers = [band("around", drawn, 0.1), marks("line", "curves", drawn)]
     y = upwards("y", say("chart.overturning_probability"), {"domain": [0.0, 1.0]})
-    return figure(layers, 380, {"curves": parts, "around": around}, across("x", "PGV  [m/s]", log(), tickCount=6), y)
+    return figure(layers, 380, {"curves": curves, "around": around}, across("x", "PGV  [m/s]", log(), tickCount=6), y)
 
 
-def reliability_diagram(
-    curves: Sequence[tuple[str, Look, Sequence[ReliabilityBin]]], say: Language = ENGLISH
-) -> Json | None:
-    """Of each name, look and bins: the share that fell over its bin's mean probability; true ones lie on the diagonal."""
-    drawn = named({name: style for name, style, bins in curves if bins}, chosen=False)
+def _reliability(record: ValidationRecord, styles: Mapping[str, Look], say: Language) -> Json | None:
+    """The share that fell over the mean probability of each bin; true ones lie on the diagonal."""
+    threshold = say("word.pgv_threshold")
+    scores = {name: item.probability for name, item in record.models.items()} | {threshold: record.baseline.probability}
+    bins = {name: each.reliability for name, each in scores.items() if each.reliability}
+    if not bins:
+        return None
+    looks = {**styles, threshold: BASELINE_LOOK}
+    drawn = named({name: looks[name] for name in bins}, chosen=False)
     parts = [
         {
-            "name": name, "x": [item.mean for item in bins], **columns_of([item.fell for item in bins]),
+            "name": name, "x": [item.mean for item in mine], **columns_of([item.fell for item in mine]),
             "tip": [
                 say("chart.bin", name=name, cases=item.cases, said=f"{item.mean:.2f}", fell=f"{item.fell.value:.2f}")
-                for item in bins
+                for item in mine
             ],
         }
-        for name, _, bins in curves if bins
+        for name, mine in bins.items()
     ]  # fmt: skip
-    if not parts:
-        return None
-    data = {"bins": parts, "true": [{"x": [0.0, 1.0], "y": [0.0, 1.0]}]}
     layers = [
         marks("line", "true", **stroke(Look(HAIRLINE, "", 2.0))),
         marks("line", "bins", drawn),
         *estimates("bins", drawn),
     ]
     shown = {"domain": [0.0, 1.0]}
-    return figure(
-        layers,
-        400,
-        data,
-        across("x", say("chart.overturning_probability"), shown),
-        upwards("y", say("chart.share_fell"), shown),
-    )
+    x, y = across("x", say("chart.overturning_probability"), shown), upwards("y", say("chart.share_fell"), shown)
+    return figure(layers, 400, {"bins": parts, "true": [{"x": [0.0, 1.0], "y": [0.0, 1.0]}]}, x, y)

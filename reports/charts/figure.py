@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any, Final
-
-import numpy as np
-from numpy.typing import ArrayLike
 
 from harness.records.scores import Interval
 from reports.charts import Json
@@ -53,6 +50,11 @@ class Look:
     colour: str
     dash: str = ""
     width: float = 1.6
+
+    @property
+    def lengths(self) -> list[float]:
+        """The lengths of dashes and gaps in pixels."""
+        return [float(part) for part in self.dash.split()]
 
 
 LOOKS: Final = {
@@ -160,14 +162,13 @@ def wrapped(words: Iterable[str]) -> Json:
 def named(looks: Mapping[str, Look], legend: bool = True, chosen: bool = True) -> Json:
     """How the lines and signs of each name are drawn, with a key of them over the chart, of which some may be chosen."""
     key = {"symbolType": "stroke", "symbolSize": 300, "labelOffset": 8, **wrapped(looks)} if legend else None
-    ranges: dict[str, list[Any]] = {"color": [], "strokeDash": [], "strokeWidth": []}
-    for style in looks.values():
-        each = style.colour, [float(part) for part in style.dash.split()] or [1, 0], style.width
-        for values, value in zip(ranges.values(), each, strict=True):
-            values.append(value)
-    scales = {name: {"domain": list(looks), "range": values} for name, values in ranges.items()}
+    ranges: dict[str, list[Any]] = {
+        "color": [each.colour for each in looks.values()],
+        "strokeDash": [each.lengths or [1, 0] for each in looks.values()],
+        "strokeWidth": [each.width for each in looks.values()],
+    }
     field = {"field": "name", "type": "ordinal", "legend": key}
-    channels: Json = {channel: field | {"scale": scale} for channel, scale in scales.items()}
+    channels: Json = {name: field | {"scale": {"domain": list(looks), "range": each}} for name, each in ranges.items()}
     if len(looks) == 1:  # a key of one name has no room for what more it says
         channels |= {name: {"value": ranges[name][0]} for name in ("strokeDash", "strokeWidth")}
     return channels | ({"opacity": {"condition": {"param": "chosen", "value": 1}, "value": 0.12}} if chosen else {})
@@ -184,36 +185,41 @@ def span(low: str, high: str, letter: str = "y") -> Json:
     return {letter: {"field": low}, f"{letter}2": {"field": high}}
 
 
-def level(at: float, words: str = "", letter: str = "y", line: Look = DASHED, **text: Any) -> list[Json]:
-    """A line across the whole chart at a place of an axis, with small words at its end."""
-    there = {"data": {"values": [{"at": at, "words": words}]}}
-    place: Json = {letter: {"field": "at", "type": "quantitative"}}
-    whole: Json
-    end: Json
-    if letter == "y":
-        whole, end = {"x": {"value": 0}, "x2": WIDTH}, {"x": WIDTH}
-        side: Json = {"align": "right", "baseline": "bottom"}
-    else:
-        whole, end = {"y": {"value": 0}, "y2": HEIGHT}, {"y": {"value": 0}}
-        # Of a line far to the right the words stand before it.
-        late = "scale('x', datum.at) > 0.6 * width"
-        side = {"align": {"expr": f"{late} ? 'right' : 'left'"}, "baseline": "top", "dx": {"expr": f"{late} ? -4 : 4"}}
-    if text.get("baseline") == "bottom" and letter == "x":
-        end = {"y": HEIGHT}
-    drawn = there | marks("rule", "", place | whole, **stroke(line))
-    written = marks("text", "", place | end | {"text": {"field": "words"}}, color=MUTED, fontSize=11, **(side | text))
-    return [drawn, *([there | written] if words else [])]
-
-
 HEIGHT: Final = {"value": "height"}
 """The foot of a plot."""
 WIDTH: Final = {"value": "width"}
 """The right side of a plot."""
+FIRST: Final = {"value": 0}
+"""The left side of a plot, and its top."""
+LATE: Final = "scale('x', datum.at) > 0.6 * width"
+"""Of a line far to the right the words stand before it."""
+LEVELS: Final[Mapping[str, tuple[Json, Json, Json]]] = {
+    "y": ({"x": FIRST, "x2": WIDTH}, {"x": WIDTH}, {"align": "right", "baseline": "bottom"}),
+    "x": (
+        {"y": FIRST, "y2": HEIGHT},
+        {"y": FIRST},
+        {"align": {"expr": f"{LATE} ? 'right' : 'left'"}, "baseline": "top", "dx": {"expr": f"{LATE} ? -4 : 4"}},
+    ),
+}
+"""Of a line at a place of an axis: across the plot, where its words stand, and how."""
+
+
+def level(
+    at: float, words: str = "", letter: str = "y", line: Look = DASHED, ends: Json | None = None, **text: Any
+) -> list[Json]:
+    """A line across the whole chart at a place of an axis, with small words at its end, or where `ends` says."""
+    there = {"data": {"values": [{"at": at, "words": words}]}}
+    place: Json = {letter: {"field": "at", "type": "quantitative"}}
+    whole, end, side = LEVELS[letter]
+    drawn = there | marks("rule", "", place | whole, **stroke(line))
+    said = place | (ends or end) | {"text": {"field": "words"}}
+    written = marks("text", "", said, color=MUTED, fontSize=11, **(side | text))
+    return [drawn, *([there | written] if words else [])]
 
 
 def stroke(style: Look) -> Json:
     """A line drawn as a look says, as the library says it of a mark."""
-    dash = {"strokeDash": [float(part) for part in style.dash.split()]} if style.dash else {}
+    dash = {"strokeDash": style.lengths} if style.dash else {}
     return {"color": style.colour, "strokeWidth": style.width, **dash}
 
 
@@ -236,11 +242,13 @@ def chosen(layers: Sequence[Json]) -> list[Json]:
 def points(data: str, looks: Mapping[str, Look], y: Json, first: bool) -> list[Json]:
     """Lines with a disc at each of their points; the first row of several carries the key."""
     drawn = {"y": y} | named(looks, legend=first)
-    layers = [
-        marks("line", data, drawn),
-        discs(data, {"y": y, "fill": drawn["color"], "opacity": drawn["opacity"]}),
-    ]
-    return chosen(layers) if first else layers
+    line = marks("line", data, drawn)
+    return [*(chosen([line]) if first else [line]), discs(data, {"y": y} | filled(drawn))]
+
+
+def filled(drawn: Json) -> Json:
+    """Signs in the colours of lines, of which the legend's choice stands out where it does in them."""
+    return {{"color": "fill"}.get(key, key): drawn[key] for key in ("color", "opacity") if key in drawn}
 
 
 def discs(data: str, encoding: Json, **more: Any) -> Json:
@@ -250,12 +258,8 @@ def discs(data: str, encoding: Json, **more: Any) -> Json:
 
 def estimates(data: str, drawn: Json, letter: str = "y") -> list[Json]:
     """Discs with the intervals of their estimates: columns `low` and `high`."""
-    plain = {channel: drawn[channel] for channel in ("color", "opacity") if channel in drawn}
-    fill = {"fill": drawn["color"]} if "color" in drawn else {}
-    return [
-        marks("rule", data, span("low", "high", letter) | plain, strokeWidth=1.2),
-        discs(data, fill | {key: value for key, value in plain.items() if key == "opacity"}),
-    ]
+    bar = span("low", "high", letter) | {key: drawn[key] for key in ("color", "opacity") if key in drawn}
+    return [marks("rule", data, bar, strokeWidth=1.2), discs(data, filled(drawn))]
 
 
 def band(data: str, drawn: Json, opacity: float) -> Json:
@@ -275,31 +279,40 @@ LOOKING: Final = ("color", "fill", "strokeDash", "strokeWidth", "shape")
 """Scales of which charts that stand together each have their own."""
 
 
-def rows_of(
-    rows: Sequence[tuple[Json, float]],
-    x: Json,
-    data: Mapping[str, Sequence[Json]],
-    layers_of: Callable[[Json, bool], Sequence[Json]],
-) -> Json:
-    """Rows over one level axis, each of an upright axis and a height; `layers_of` gives the layers of an upright axis."""
-    made: list[Json] = []
-    for y, height in rows:
-        first, last = not made, len(made) == len(rows) - 1
-        named_below = x if last else x | {"title": None, "axis": x["axis"] | {"labels": False, "ticks": False}}
-        made.append({"layer": list(layers_of(y, first)), "height": height, "width": 1, "encoding": {"x": named_below}})
+def rows_of(rows: Sequence[tuple[Sequence[Json], float]], x: Json, data: Mapping[str, Sequence[Json]]) -> Json:
+    """Rows over one level axis, each of its layers and its height; the axis is named below the last."""
+    unnamed = x | {"title": None, "axis": x["axis"] | {"labels": False, "ticks": False}}
+    made: list[Json] = [
+        {"layer": list(layers), "height": height, "width": 1, "encoding": {"x": unnamed}} for layers, height in rows
+    ]
+    made[-1]["encoding"] = {"x": x}
     return {
         "datasets": dict(data), "params": [*ZOOMED], "vconcat": made, "spacing": 12,
         "resolve": {"scale": dict.fromkeys(LOOKING, "independent") | {"x": "shared"}},
     }  # fmt: skip
 
 
-def cell_edges(centres: ArrayLike) -> list[float]:
-    """Bounds of the cells around places: halfway to the neighbours; one place alone has half a unit to each side."""
-    places = np.asarray(centres, dtype=np.float64)
-    if len(places) < 2:
-        return [float(places[0]) - 0.5, float(places[0]) + 0.5]
-    middle = 0.5 * (places[1:] + places[:-1])
-    return [float(2.0 * places[0] - middle[0]), *middle.tolist(), float(2.0 * places[-1] - middle[-1])]
+def over_time(
+    rows: Sequence[tuple[Sequence[Json], float, Json | None]],
+    title: str,
+    data: Mapping[str, Sequence[Json]],
+    views: Json,
+) -> Json:
+    """Rows over time, which open on the event of `views`: each of its layers, its height, and what a pointer is told there."""
+    x = across("t", title, {"domain": views["event_s"], "padding": 0})
+    drawn = rows_of([(layers, height) for layers, height, _ in rows], x, data)
+    return drawn | {"usermeta": {"views": views, "read": [read for *_, read in rows]}}
+
+
+def reading(data: str, column: str, words: str, unit: str, decimals: int) -> Json:
+    """What a pointer over a row of curves is told at its time: of each curve its value, in these words."""
+    return {"data": data, "of": column, "words": words, "unit": unit, "decimals": decimals}
+
+
+def columns(keys: str, rows: Iterable[Sequence[Any]]) -> Json:
+    """Rows of values as columns of these names."""
+    listed = list(rows)
+    return {key: [row[k] for row in listed] for k, key in enumerate(keys.split())}
 
 
 def cells(xs: Sequence[float], ys: Sequence[float], kinds_of: Iterable[Sequence[Any]]) -> Json:
@@ -315,9 +328,7 @@ def cells(xs: Sequence[float], ys: Sequence[float], kinds_of: Iterable[Sequence[
             if kind is not None:
                 found.append((xs[j], xs[end], ys[i], ys[i + 1], kind))
             j = end
-    return dict(
-        zip(("x", "x2", "y", "y2", "kind"), map(list, zip(*found, strict=True)) if found else [[]] * 5, strict=True)
-    )
+    return columns("x x2 y y2 kind", found)
 
 
 CELL: Final = {"x2": {"field": "x2"}, "y2": {"field": "y2"}}

@@ -3,31 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import islice, pairwise
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.model.history import History
-from harness.model.run import Run
 from reports.charts import Json
 from reports.charts.figure import (
-    CHOSEN,
+    HEIGHT,
     INK,
-    LOOKING,
     MUTED,
     PATTERN_FILLS,
-    ZOOMED,
     Look,
-    across,
     axis,
+    chosen,
+    columns,
     kinds,
     level,
     look,
     marks,
     named,
     names,
+    over_time,
+    reading,
     span,
 )
 from reports.messages import ENGLISH, Language
@@ -97,24 +96,10 @@ def _step(array: Any, levels: int) -> float:
         if np.abs(array / spacing - np.round(array / spacing)).max() < ON_CLOCK:
             return spacing
     if len(array) < 2 or np.ptp(array) == 0.0:
-        return _alone(array)
+        # One value, or the same again and again, is a multiple of itself.
+        return float(abs(array[0])) if len(array) and array[0] else 1.0
     # Values that differ by their rounding alone: a finer step than that has no whole number of steps.
     return max(float(np.ptp(array)) / levels, float(np.spacing(np.abs(array).max())))
-
-
-def _alone(array: Any) -> float:
-    """A step of which one value, or the same again and again, is a multiple."""
-    return float(abs(array[0])) if len(array) and array[0] else 1.0
-
-
-def numbers(values: Any) -> Any:
-    """The values of a trace: packed arrays unpacked (n,), lists as they are."""
-    if not isinstance(values, Mapping):
-        return values
-    steps = np.asarray(values["deltas"], dtype=np.int64)
-    for _ in range(values["order"]):
-        steps = np.cumsum(steps)
-    return steps * values["step"]
 
 
 ACROSS: Final = "out_of_plane_rad"
@@ -129,120 +114,97 @@ AXIS_LOOKS: Final = {
 }
 
 
-Row = tuple[Json, Json | None]
-"""A row of the chart, and what a pointer over it is told."""
-
-
 def histories_figure(source: RunSource, say: Language = ENGLISH) -> Json:
     """The chart: rows over one axis of time; every curve is a record's history, peaks kept."""
     order, views, motion = list(source.histories), _views(source), source.record.motion
     looks = {name: look(name, order) for name in order}
-    t_s, gravity = np.asarray(motion.t_s), source.scene.gravity_m_s2
+    gravity = source.scene.gravity_m_s2
+    floor = {axis: say("chart.floor_axis", axis=axis) for axis in motion.accel_m_s2}
     data: dict[str, list[Json]] = {
         "histories": [_columns(source, name) for name in order],
-        "falls": [_fall(source, name) for name in order if _falls(source.runs[name])],
+        "falls": _falls(source),
         "patterns": pattern_strip(source, say),
         "floor": [
-            {"name": say("chart.floor_axis", axis=axis), "t": t_s, "accel": np.asarray(accel) / gravity}
+            {"name": floor[axis], "t": np.asarray(motion.t_s), "accel": np.asarray(accel) / gravity}
             for axis, accel in motion.accel_m_s2.items()
         ],
     }
-    rows: list[Row] = [(_rotation(source, looks, views, say), _read("histories", "theta", "θ", "rad", 5))]
+    rows: list[tuple[list[Json], float, Json | None]] = [
+        (_rotation(source, looks, views, say), 320, reading("histories", "theta", "θ", "rad", 5))
+    ]
     if data["patterns"]:
-        rows.append((_strip(data["patterns"], say), None))
+        rows.append((_strip(data["patterns"], say), 8 + 22 * len(data["patterns"]), None))
     curves = named(looks, legend=False)
     if source.scene.pedestal is not None:
-        rows.append(_below(say("chart.slip_u"), 130, curves, _read("histories", "slip", say("word.slip"), "mm", 3)))
-    if any("across" in columns for columns in data["histories"]):
-        rows.append(
-            _below(say("chart.across"), 110, curves, _read("histories", "across", say("chart.out_of_plane"), "rad", 4))
-        )
-    if data["floor"]:
-        shown = {part["name"]: AXIS_LOOKS[axis] for part, axis in zip(data["floor"], motion.accel_m_s2, strict=True)}
-        title = f"{say('chart.floor') if len(shown) > 1 else next(iter(shown))}  [g]"
-        drawn = named(shown, len(shown) > 1, chosen=False)
-        rows.append(_below(title, 100, drawn, _read("floor", "accel", "", "g", 3)))
-    for row, _ in rows:
-        last = row is rows[-1][0]
-        x = across(
-            "t", say("chart.time") if last else "", {"domain": views["event_s"], "padding": 0}, labels=last, ticks=last
-        )
-        row |= {"encoding": {"x": x}, "layer": [*_doubt(source), *row["layer"]]}
-    return {
-        "datasets": data, "params": [*ZOOMED], "vconcat": [row for row, _ in rows], "spacing": 12,
-        "resolve": {"scale": dict.fromkeys(LOOKING, "independent") | {"x": "shared"}},
-        "usermeta": {"views": views, "read": [told for _, told in rows]},
-    }  # fmt: skip
+        slip = reading("histories", "slip", say("word.slip"), "mm", 3)
+        rows.append((_curves(slip, say("chart.slip_u"), curves), 130, slip))
+    if any("across" in part for part in data["histories"]):
+        turned = reading("histories", "across", say("chart.out_of_plane"), "rad", 4)
+        rows.append((_curves(turned, say("chart.across"), curves), 110, turned))
+    if floor:
+        title = f"{say('chart.floor') if len(floor) > 1 else floor[next(iter(floor))]}  [g]"
+        drawn = named({name: AXIS_LOOKS[axis] for axis, name in floor.items()}, len(floor) > 1, chosen=False)
+        shaking = reading("floor", "accel", "", "g", 3)
+        rows.append((_curves(shaking, title, drawn), 100, shaking))
+    doubt = _doubt(source)
+    under = [([*doubt, *layers], height, read) for layers, height, read in rows]
+    return over_time(under, say("chart.time"), data, views)
 
 
-def _read(data: str, column: str, words: str, unit: str, decimals: int) -> Json:
-    """What a pointer over a row is told at its time."""
-    return {"data": data, "of": column, "words": words, "unit": unit, "decimals": decimals}
-
-
-def _below(title: str, height: float, drawn: Json, told: Json) -> Row:
-    """A row of curves under the rotation."""
-    return _row([marks("line", told["data"], {"y": axis(told["of"], title, tickCount=4)} | drawn)], height), told
+def _curves(read: Json, title: str, drawn: Json) -> list[Json]:
+    """What a pointer reads, as curves."""
+    return [marks("line", read["data"], {"y": axis(read["of"], title, tickCount=4)} | drawn)]
 
 
 def _columns(source: RunSource, name: str) -> Json:
     """What is drawn of a model's history, and how far its error is stated."""
     history, run = source.histories[name], source.runs[name]
-    columns: Json = {"t": history.t_s, "theta": history.theta_rad}
+    drawn: Json = {"t": history.t_s, "theta": history.theta_rad}
     if source.scene.pedestal is not None:
-        columns["slip"] = 1000.0 * history.slip_m
-    if _leaves_the_plane(history):
-        columns["across"] = history.extra[ACROSS]
+        drawn["slip"] = 1000.0 * history.slip_m
+    if ACROSS in history.extra and float(np.abs(history.extra[ACROSS]).max()) > ACROSS_RAD:
+        drawn["across"] = history.extra[ACROSS]
     size, until = run.numerical_uncertainty_rad, run.reliable_until_s
-    return columns | {"name": name, "size": size or 0.0, "until": until if size and until is not None else -1.0}
+    return drawn | {"name": name, "size": size or 0.0, "until": until if size and until is not None else -1.0}
 
 
-def _leaves_the_plane(history: History) -> bool:
-    return ACROSS in history.extra and float(np.abs(history.extra[ACROSS]).max()) > ACROSS_RAD
+def _falls(source: RunSource) -> list[Json]:
+    """Where models pass their balance points for good."""
+    falls = {
+        name: source.runs[name].no_return_time_s for name in source.histories if source.runs[name].outcome.overturned
+    }
+    return [
+        {"name": name, "t": [at], "theta": [float(np.interp(at, history.t_s, history.theta_rad))]}
+        for name, at in falls.items() if at is not None
+        for history in [source.histories[name]]
+    ]  # fmt: skip
 
 
-def _falls(run: Run) -> bool:
-    return run.outcome.overturned and run.no_return_time_s is not None
-
-
-def _fall(source: RunSource, name: str) -> Json:
-    """Where a model passes its balance point for good."""
-    history, at = source.histories[name], source.runs[name].no_return_time_s
-    return {"name": name, "t": [at], "theta": [float(np.interp(at or 0.0, history.t_s, history.theta_rad))]}
-
-
-def _row(layers: Sequence[Json], height: float) -> Json:
-    return {"layer": list(layers), "height": height, "width": 1}
-
-
-def _rotation(source: RunSource, looks: Mapping[str, Look], views: Json, say: Language) -> Json:
+def _rotation(source: RunSource, looks: Mapping[str, Look], views: Json, say: Language) -> list[Json]:
     """The rotations with their numerical errors, the balance points and the horizon of prediction."""
     statue = source.scene.statue
     whole = {"zero": False, "nice": False, "domain": views["near"]}
     y = axis("theta", say("chart.theta"), "Y", whole, tickCount=7)
-    error = (
+    error = [
         {"filter": "datum.t <= datum.until"},
         *({"calculate": f"datum.theta {sign} datum.size", "as": name} for sign, name in (("-", "low"), ("+", "high"))),
-    )
+    ]
     around = {"fill": named(looks)["color"]}
     band = marks("area", "histories", {"y": y | {"field": "low"}, "y2": {"field": "high"}} | around, fillOpacity=0.18)
-    crosses = {"y": y, **around}
     layers = [
-        band | {"transform": list(error)},
-        marks("line", "histories", {"y": y} | named(looks)) | {"params": [CHOSEN]},
-        marks("point", "falls", crosses, shape="cross", angle=45, size=90, filled=True, opacity=1),
+        band | {"transform": error},
+        *chosen([marks("line", "histories", {"y": y} | named(looks))]),
+        marks("point", "falls", {"y": y, **around}, shape="cross", angle=45, size=90, filled=True, opacity=1),
         *level(statue.slenderness_right_rad, say("chart.balance_right")),
         *level(-statue.slenderness_left_rad, say("chart.balance_left"), baseline="top"),
     ]
-    horizon = prediction_s(source)
-    if horizon is not None and horizon < source.scene.duration_s:
+    end, horizon, until = source.scene.duration_s, prediction_s(source), horizon_s(source)
+    if horizon is not None and horizon < end:
         layers += level(horizon, say("chart.horizon", time=say.digits(horizon)), "x", Look(MUTED, "2 3", 1.0))
-    until = horizon_s(source)
-    if until is not None and until < source.scene.duration_s:
-        layers += level(
-            until, say("chart.bounded", time=say.digits(until)), "x", Look(MUTED, "", 0.0), baseline="bottom", dy=-3
-        )
-    return _row(layers, 320)
+    if until is not None and until < end:
+        words, none = say("chart.bounded", time=say.digits(until)), Look(MUTED, "", 0.0)
+        layers += level(until, words, "x", none, {"y": HEIGHT}, baseline="bottom", dy=-3)
+    return layers
 
 
 def _doubt(source: RunSource) -> list[Json]:
@@ -254,28 +216,29 @@ def _doubt(source: RunSource) -> list[Json]:
     return [there | marks("rect", "", span("from", "to", letter="x"), color="#7a8696", opacity=0.11)]
 
 
-def _strip(patterns: Sequence[Json], say: Language) -> Json:
+def _strip(patterns: Sequence[Json], say: Language) -> list[Json]:
     """What each model does over time, in colours that are hatched too."""
     fills = {say(f"chart.pattern_{name}"): fill for name, fill in PATTERN_FILLS.items()}
     fills[say("chart.pattern_rocking_bare")] = PATTERN_FILLS["rocking"]
     met = {kind for part in patterns for kind in part["kind"]}
-    order = [part["name"] for part in patterns]
-    bars = {"y": names("name", order, grid=False), "color": kinds({kind: fills[kind] for kind in fills if kind in met})}
-    return _row([marks("bar", "patterns", span("t", "t2", letter="x") | bars)], 8 + 22 * len(order))
+    y = names("name", [part["name"] for part in patterns], grid=False)
+    bars = {"y": y, "color": kinds({kind: fills[kind] for kind in fills if kind in met})}
+    return [marks("bar", "patterns", span("t", "t2", letter="x") | bars)]
 
 
 def _views(source: RunSource) -> Json:
     """The two vertical views of the rotation: near the balance points, and whole."""
     statue = source.scene.statue
-    low, high = -statue.slenderness_left_rad, statue.slenderness_right_rad
-    least = min((float(item.theta_rad.min()) for item in source.histories.values()), default=0.0)
-    most = max((float(item.theta_rad.max()) for item in source.histories.values()), default=0.0)
-    whole = _padded(min(least, 0.0), max(most, 0.0))
-    near = [max(min(least, 0.0), 1.35 * low), min(max(most, 0.0), 1.35 * high)]
+    rotations = np.concatenate([[0.0], *(item.theta_rad for item in source.histories.values())])
+    least, most = float(rotations.min()), float(rotations.max())
+    near = max(least, -1.35 * statue.slenderness_left_rad), min(most, 1.35 * statue.slenderness_right_rad)
     # Let go beyond its balance points, a body that falls never comes near them.
-    seen = any(np.any((item.theta_rad >= near[0]) & (item.theta_rad <= near[1])) for item in source.histories.values())
-    near = _padded(*near) if seen else whole
-    return {"whole": whole, "near": near, "duration_s": source.scene.duration_s, "event_s": list(run_event_s(source))}
+    seen = np.any((rotations[1:] >= near[0]) & (rotations[1:] <= near[1]))
+    whole = _padded(least, most)
+    return {
+        "whole": whole, "near": _padded(*near) if seen else whole, "duration_s": source.scene.duration_s,
+        "event_s": list(run_event_s(source)),
+    }  # fmt: skip
 
 
 def _padded(low: float, high: float) -> list[float]:
@@ -290,12 +253,12 @@ def pattern_strip(source: RunSource, say: Language = ENGLISH) -> list[Json]:
         words["rocking"] = say("chart.pattern_rocking_bare")
     return [
         {
-            "name": name, "t": [start for start, _, _ in drawn], "t2": [end for _, end, _ in drawn],
-            "kind": [words[kind] for _, _, kind in drawn],
+            "name": name,
+            **columns("t t2 kind", [(start, end, words[kind]) for start, end, kind in drawn_stretches(run.patterns)]),
         }
-        for name, run in source.runs.items() if run.patterns
-        for drawn in [drawn_stretches(run.patterns)]
-    ]  # fmt: skip
+        for name, run in source.runs.items()
+        if run.patterns
+    ]
 
 
 def drawn_stretches(patterns: Sequence[Sequence[Any]], most: int = MOST_STRETCHES) -> list[tuple[float, float, str]]:
@@ -303,20 +266,11 @@ def drawn_stretches(patterns: Sequence[Sequence[Any]], most: int = MOST_STRETCHE
     stretches = [(float(start), float(end), str(name)) for start, end, name in patterns]
     if len(stretches) <= most:
         return stretches
-    edges = np.linspace(stretches[0][0], stretches[-1][1], most + 1).tolist()
-    drawn: list[tuple[float, float, str]] = []
-    first = 0
-    for low, high in pairwise(edges):
-        while stretches[first][1] <= low and first + 1 < len(stretches):
-            first += 1
-        shares: dict[str, float] = {}
-        for start, end, name in islice(stretches, first, None):
-            if start >= high:
-                break
-            shares[name] = shares.get(name, 0.0) + min(end, high) - max(start, low)
-        longest = max(shares, key=lambda name: shares[name])
-        if drawn and drawn[-1][2] == longest:
-            drawn[-1] = (drawn[-1][0], high, longest)
-        else:
-            drawn.append((low, high, longest))
-    return drawn
+    ends = np.array([stretches[0][0], *(end for _, end, _ in stretches)])
+    edges = np.linspace(ends[0], ends[-1], most + 1)
+    known = sorted({name for *_, name in stretches})
+    # How long each pattern has lasted at every end of a stretch, so between every two edges too.
+    lasted = [np.cumsum([0.0, *((name == kind) * (end - start) for start, end, name in stretches)]) for kind in known]
+    longest = np.argmax([np.diff(np.interp(edges, ends, each)) for each in lasted], axis=0)
+    starts = [0, *(np.flatnonzero(np.diff(longest)) + 1).tolist(), most]
+    return [(float(edges[k]), float(edges[end]), known[longest[k]]) for k, end in pairwise(starts)]

@@ -26,10 +26,10 @@ from reports.charts.figure import (
     Look,
     across,
     axis,
-    cell_edges,
     cells,
     choice,
     chosen,
+    columns,
     figure,
     kinds,
     look,
@@ -42,30 +42,29 @@ from reports.charts.figure import (
 from reports.messages import ENGLISH, Language
 from reports.text.wording import Condition, family, symbol
 
-FAMILIES: Final = ("none", "stands", "other", "wall", "overturns", "failed")
-COLOURS: Final = ("#ffffff", "#bfe0ee", "#b9bec6", "#E69F00", "#c8562d", "#000000")
-PALE: Final = {"stands": "#e3f2f8", "other": "#e3e5e9", "wall": "#f8e1b8", "overturns": "#edc3b3", "failed": "#808080"}
-"""Places that were not computed, since all around them agree."""
-CODES: Final = (*FAMILIES, *(f"around {name}" for name in PALE))
+COLOURS: Final = {
+    "none": "#ffffff", "stands": "#bfe0ee", "other": "#b9bec6", "wall": "#E69F00", "overturns": "#c8562d", "failed": "#000000",
+    "around stands": "#e3f2f8", "around other": "#e3e5e9", "around wall": "#f8e1b8", "around overturns": "#edc3b3",
+    "around failed": "#808080",
+}  # fmt: skip
+"""Of what becomes of the statue at a place; paler where that was not computed, since all places around it agree."""
 SHADES: Final = 24
 """Steps of colour over a map of numbers."""
 LEAST: Final = 3
 """Fewer values than this along an axis make no map: the table shows them better."""
 
 
+Side = tuple[str, Sequence[float]]
+"""An axis of a map: its title, and its values in their order."""
+
+
 @dataclass(frozen=True)
 class Grid:
-    """One model's outcomes on a map: codes (rows of y, columns of x) of `CODES`, and what is told of each place."""
+    """One model's outcomes on a map: names of `COLOURS` (rows of y, columns of x), and what is told of each place."""
 
     model: str
-    codes: NDArray[np.int64]
-    tips: list[list[str]]
-
-    @property
-    def falls(self) -> NDArray[np.bool_]:
-        """Where the statue overturns, as computed or as all around agree."""
-        falling: NDArray[np.bool_] = np.isin(self.codes, [CODES.index("overturns"), CODES.index("around overturns")])
-        return falling
+    codes: NDArray[np.object_]
+    tips: NDArray[np.object_]
 
 
 def numeric(conditions: Sequence[Condition], key: str) -> set[float]:
@@ -88,6 +87,15 @@ def map_axes(conditions: Sequence[Condition], keys: Sequence[str]) -> tuple[str,
     return (second, first) if "amplitude" in first else (first, second)
 
 
+def grouped(conditions: Sequence[Condition], keys: Sequence[str], say: Language) -> dict[str, list[Condition]]:
+    """Conditions by what these keys are, in words."""
+    groups: dict[str, list[Condition]] = {}
+    for item in conditions:
+        where = "".join(f" · {say.heading(key)} {item.varied[key]}" for key in keys)
+        groups.setdefault(where, []).append(item)
+    return groups
+
+
 def map_figures(
     models: Sequence[str], conditions: Sequence[Condition], keys: Sequence[str], say: Language = ENGLISH
 ) -> list[tuple[str, Json]]:
@@ -95,31 +103,21 @@ def map_figures(
     axes = map_axes(conditions, keys)
     if axes is None:
         return []
-    rest = [key for key in keys if key not in axes]
-    groups: dict[tuple[Any, ...], list[Condition]] = {}
-    for item in conditions:
-        groups.setdefault(tuple(item.varied[key] for key in rest), []).append(item)
     figures = []
-    for values, members in groups.items():
-        where = [f"{say.heading(key)} {value}" for key, value in zip(rest, values, strict=True)]
-        xs, ys = (sorted({item.number(key) for item in members}) for key in axes)
-        grids = [grid for model in models for grid in [_grid(model, members, axes, xs, ys, say)] if grid is not None]
+    for where, members in grouped(conditions, [key for key in keys if key not in axes], say).items():
+        x, y = ((say.heading(key), sorted({item.number(key) for item in members})) for key in axes)
+        grids = [grid for model in models if (grid := _grid(model, members, axes, x, y, say)) is not None]
         if len(grids) > 1:
-            figures.append((" · ".join([say("chart.boundaries"), *where]), _boundaries(grids, axes, xs, ys, say)))
-        figures += [(" · ".join([grid.model, *where]), _map(grid, axes, xs, ys, say)) for grid in grids]
+            figures.append((say("chart.boundaries") + where, _boundaries(grids, x, y)))
+        figures += [(grid.model + where, _map(grid, x, y, say)) for grid in grids]
     return figures
 
 
 def _grid(
-    model: str,
-    members: Sequence[Condition],
-    axes: tuple[str, str],
-    xs: Sequence[float],
-    ys: Sequence[float],
-    say: Language,
+    model: str, members: Sequence[Condition], axes: tuple[str, str], x: Side, y: Side, say: Language
 ) -> Grid | None:
     """Outcomes by place; where a place holds several random samples, the most frequent one and its share in words."""
-    rows, columns = ({value: k for k, value in enumerate(values)} for values in (ys, xs))
+    rows, columns = ({value: k for k, value in enumerate(values)} for _, values in (y, x))
     samples: dict[Place, list[CaseRun]] = {}
     agreed: list[Place] = []
     for item in members:
@@ -130,33 +128,27 @@ def _grid(
             agreed.append(place)
     if not samples:
         return None
-    codes = np.zeros((len(ys), len(xs)), dtype=np.int64)
-    tips = [[say("text.not_sent")] * len(xs) for _ in ys]
-    known: dict[Place, str] = {}
+    codes = np.full((len(y[1]), len(x[1])), "none", dtype=object)
+    tips = np.full(codes.shape, say("text.not_sent"), dtype=object)
     for place, runs in samples.items():
         most, count = Counter(run.outcome for run in runs).most_common(1)[0]
-        known[place] = family(most)
-        codes[place] = CODES.index(family(most))
+        codes[place] = family(most)
         words, peak = symbol(most, say)[1], max(float(run.peak_theta_rad) for run in runs)
         key = "chart.peak" if len(runs) == 1 else "chart.in_some"
-        tips[place[0]][place[1]] = say(key, what=words, peak=f"{peak:.3f}", count=count, total=len(runs))
+        tips[place] = say(key, what=words, peak=f"{peak:.3f}", count=count, total=len(runs))
+    known = {place: str(codes[place]) for place in samples}
     outcomes = filled([*samples, *agreed], known, (0, 1))
     for place in agreed:
         if place in outcomes:
-            codes[place] = CODES.index(f"around {outcomes[place]}")
-            tips[place[0]][place[1]] = _said(CODES[codes[place]], say)
+            codes[place] = f"around {outcomes[place]}"
+            tips[place] = _said(codes[place], say)
     return Grid(model, codes, tips)
 
 
-def _map(grid: Grid, axes: tuple[str, str], xs: Sequence[float], ys: Sequence[float], say: Language) -> Json:
-    met = {CODES[code] for row in grid.codes.tolist() for code in row}
-    shades = dict(
-        zip(CODES, zip((_said(code, say) for code in CODES), (*COLOURS, *PALE.values()), strict=True), strict=True)
-    )
-    colours = dict(shades[code] for code in CODES if code in met)
-    words = [[shades[CODES[code]][0] for code in row] for row in grid.codes.tolist()]
-    titles = [say.heading(key) for key in axes]
-    return map_of(words, xs, ys, titles, grid.tips, kinds(colours))
+def _map(grid: Grid, x: Side, y: Side, say: Language) -> Json:
+    words = {code: _said(code, say) for code in COLOURS if code in grid.codes}
+    colours = {words[code]: COLOURS[code] for code in words}
+    return map_of([[words[code] for code in row] for row in grid.codes], x, y, grid.tips, kinds(colours))
 
 
 def _said(code: str, say: Language) -> str:
@@ -168,32 +160,27 @@ def _said(code: str, say: Language) -> str:
 
 def map_of(
     kinds_of: Sequence[Sequence[Any]],
-    xs: Sequence[float],
-    ys: Sequence[float],
-    titles: Sequence[str],
-    tips: Sequence[Sequence[str]],
+    x: Side,
+    y: Side,
+    tips: Sequence[Sequence[str]] | NDArray[np.object_],
     colour: Json,
     height: float = 380,
     over: Mapping[str, tuple[Sequence[Json], Json]] | None = None,
 ) -> Json:
     """A map with the kind of each place (rows of y) in its encoding's colours; `over` it layers with their data, by name."""
     more = over or {}
-    places = [(x, y, tip) for y, row in zip(ys, tips, strict=True) for x, tip in zip(xs, row, strict=True)]
-    told = dict(zip(("x", "y", "tip"), map(list, zip(*places, strict=True)), strict=True))
-    data = {"cells": [cells(_edges(xs), _edges(ys), kinds_of)], "tips": [told]} | {
-        name: parts for name, (parts, _) in more.items()
-    }
+    told = columns("x y tip", [(at, up, tips[i][j]) for i, up in enumerate(y[1]) for j, at in enumerate(x[1])])
+    data = {"cells": [cells(edges(x[1]), edges(y[1]), kinds_of)], "tips": [told]}
+    data |= {name: list(parts) for name, (parts, _) in more.items()}
     # A rim of the same colour, so that no ground shows between cells.
     layers = [marks("rect", "cells", CELL | {"fill": colour, "stroke": colour}, strokeWidth=0.8)]
-    x, y = map_axis("x", titles[0], xs), map_axis("y", titles[1], ys)
-    return figure([*layers, *(layer for _, layer in more.values())], height, data, x, y)
+    return figure([*layers, *(layer for _, layer in more.values())], height, data, map_axis("x", x), map_axis("y", y))
 
 
 def number_map(
     values: NDArray[np.float64],
-    xs: Sequence[float],
-    ys: Sequence[float],
-    titles: Sequence[str],
+    x: Side,
+    y: Side,
     unit: str,
     ends: tuple[float, float] | None = None,
     over: Mapping[str, tuple[Sequence[Json], Json]] | None = None,
@@ -207,63 +194,56 @@ def number_map(
     ]
     tips = [
         [
-            f"{titles[0]} {x:.4g}\n{titles[1]} {y:.4g}\n" + ("–" if np.isnan(value) else f"{value:.4g} {unit}")
-            for x, value in zip(xs, row, strict=True)
+            f"{x[0]} {at:.4g}\n{y[0]} {up:.4g}\n" + ("–" if np.isnan(value) else f"{value:.4g} {unit}")
+            for at, value in zip(x[1], row, strict=True)
         ]
-        for y, row in zip(ys, values.tolist(), strict=True)
+        for up, row in zip(y[1], values.tolist(), strict=True)
     ]
     scale = {"scheme": "cividis", "reverse": True, "domain": [low, high]}
     key = {
-        "title": unit,
-        "orient": "top",
-        "gradientLength": 160,
-        "gradientThickness": 10,
-        "titleOrient": "left",
-        "tickCount": 4,
-    }
+        "title": unit, "orient": "top", "gradientLength": 160, "gradientThickness": 10, "titleOrient": "left", "tickCount": 4,
+    }  # fmt: skip
     colour = {"field": "kind", "type": "quantitative", "scale": scale, "legend": key}
-    return map_of(shades, xs, ys, titles, tips, colour, over=over)
+    return map_of(shades, x, y, tips, colour, over=over)
 
 
-def _boundaries(
-    grids: Sequence[Grid], axes: tuple[str, str], xs: Sequence[float], ys: Sequence[float], say: Language
-) -> Json:
+def _boundaries(grids: Sequence[Grid], x: Side, y: Side) -> Json:
     """Lines between the places where the statue overturns and those where it does not, one colour a model."""
-    looks = {
-        model: replace(look, width=look.width + 0.6)
-        for model, look in model_looks([grid.model for grid in grids]).items()
-    }
-    data = {"borders": [border(grid.falls, xs, ys, grid.model) for grid in grids]}
-    x, y = (
-        map_axis(letter, say.heading(key), values) for letter, key, values in zip("xy", axes, (xs, ys), strict=True)
-    )
-    return figure(chosen([marks("rule", "borders", CELL | named(looks))]), 380, data, x, y)
+    looks = model_looks([grid.model for grid in grids])
+    drawn = named({model: replace(look, width=look.width + 0.6) for model, look in looks.items()})
+    falling = ("overturns", "around overturns")
+    data = {"borders": [border(np.isin(grid.codes.astype(str), falling), x[1], y[1], grid.model) for grid in grids]}
+    layers = chosen([marks("rule", "borders", CELL | drawn)])
+    return figure(layers, 380, data, map_axis("x", x), map_axis("y", y))
 
 
 def border(falls: NDArray[np.bool_], xs: Sequence[float], ys: Sequence[float], name: str) -> Json:
     """The lines between the places (rows of y) where the statue overturns and those where it does not."""
-    across, along = _edges(xs), _edges(ys)
+    across, along = edges(xs), edges(ys)
     lines = [(across[j + 1], across[j + 1], along[i], along[i + 1]) for i, j in np.argwhere(np.diff(falls, axis=1))]
     lines += [(across[j], across[j + 1], along[i + 1], along[i + 1]) for i, j in np.argwhere(np.diff(falls, axis=0))]
-    columns = map(list, zip(*lines, strict=True)) if lines else [[]] * 4
-    return {"name": name, **dict(zip(("x", "x2", "y", "y2"), columns, strict=True))}
+    return {"name": name, **columns("x x2 y y2", lines)}
 
 
-def map_axis(letter: str, title: str, values: Sequence[float]) -> Json:
+def map_axis(letter: str, side: Side) -> Json:
     """The axis of a map, as long as its cells."""
-    edges, kind = _edges(values), _axis_kind(values)
+    title, values = side
+    ends, kind = edges(values), _scale_of(values)
     ticks = {"values": list(values[:: max(1, len(values) // 6)]), "format": ".3~g"} if kind == "log" else {}
-    scale = {"type": kind, "domain": [edges[0], edges[-1]], "nice": False}
+    scale = {"type": kind, "domain": [ends[0], ends[-1]], "nice": False}
     return axis(letter, title, letter.upper(), scale, **ticks, grid=False, ticks=True)
 
 
-def _edges(values: Sequence[float]) -> list[float]:
-    """Bounds of the cells around values, on the scale on which they are drawn."""
-    array = np.asarray(values, dtype=np.float64)
-    return np.exp(cell_edges(np.log(array))).tolist() if _axis_kind(values) == "log" else cell_edges(array)
+def edges(values: Sequence[float]) -> list[float]:
+    """Bounds of the cells around values: on their scale halfway to the neighbours; one alone has half a unit to each side."""
+    in_logs = _scale_of(values) == "log"
+    places = np.log(values) if in_logs else np.asarray(values, dtype=np.float64)
+    steps = np.diff(places) if len(places) > 1 else np.ones(1)
+    bounds = np.append(places[0] - 0.5 * steps[0], places + 0.5 * np.append(steps, steps[-1])[: len(places)])
+    return list(map(float, np.exp(bounds) if in_logs else bounds))
 
 
-def _axis_kind(values: Sequence[float]) -> str:
+def _scale_of(values: Sequence[float]) -> str:
     """Logarithmic where the values' ratios are more even than their differences."""
     array = np.asarray(values, dtype=np.float64)
     if array.min() <= 0.0 or len(array) < 3:
@@ -305,35 +285,35 @@ def trust_map(record: TrustMap, floor: TrustMap | None = None, command: str = ""
     rows = [record.cells[j :: len(strengths)] for j in range(len(strengths))]
     own = frequencies == [None]
     along = [0.0] if own else [each for each in frequencies if each is not None]
-    colours = {say.word(kind): CLASS_COLOURS[kind] for kind in CLASSES if record.shares.get(kind)}
-    classes = [[say.word(cell["class"]) for cell in row] for row in rows]
+    words = {name: say.word(f"line_{name}") for name in LINES}
     falls = {"border": record} if floor is None or floor is record else {"border": record, "floor": floor}
-    edges = [border(_falls(each), along, strengths, say.word(f"line_{name}")) for name, each in falls.items()]
-    drawn = {name for name, line in record.contours.items() if any(at is not None for at in line)} | falls.keys()
-    looks = named({say.word(f"line_{name}"): look for name, look in LINES.items() if name in drawn})
-    contours = [
-        {"name": say.word(f"line_{name}"), **dict(zip("xy", map(list, zip(*known, strict=True)), strict=True))}
+    borders = [border(_falls(each), along, strengths, words[name]) for name, each in falls.items()]
+    contours = {
+        name: [(x, y) for x, y in zip(along, record.contours.get(name, []), strict=False) if y is not None]
         for name in LINES
-        if (known := [(x, y) for x, y in zip(along, record.contours.get(name, []), strict=False) if y is not None])
-    ]
-    titles = "" if own else say("chart.frequency"), say("chart.strength")
-    tips = [[tip(cell, say) for cell in row] for row in rows]
+    }
+    looks = named({words[name]: look for name, look in LINES.items() if contours[name] or name in falls})
     first, second = chosen([marks("rule", "border", CELL | looks), marks("tick" if own else "line", "contours", looks)])
-    over = {"border": (edges, first), "contours": (contours, second)}
-    spec = map_of(classes, along, strengths, titles, tips, kinds(colours), 460, over)
+    lines = [{"name": words[name], **columns("x y", known)} for name, known in contours.items() if known]
+    spec = map_of(
+        [[say.word(cell["class"]) for cell in row] for row in rows],
+        ("" if own else say("chart.frequency"), along),
+        (say("chart.strength"), strengths),
+        [[tip(cell, say) for cell in row] for row in rows],
+        kinds({say.word(kind): CLASS_COLOURS[kind] for kind in CLASSES if record.shares.get(kind)}),
+        460,
+        {"border": (borders, first), "contours": (lines, second)},
+    )
     if command:
         points = [cell for row in rows for cell in row]
         spec["datasets"]["tips"][0] |= {
             "more": [shlex.join([*shlex.split(command), *sets(cell)]) for cell in points],
             "point": [place(record, cell, say) for cell in points],
         }
-        spec["usermeta"] = {**spec.get("usermeta", {}), "opens": POINT}
+        spec["usermeta"] = {"opens": POINT}
     if own:
-        spec["encoding"]["x"]["axis"] = {
-            "values": [0.0],
-            "labelExpr": json.dumps(say("chart.own_motion")),
-            "grid": False,
-        }
+        named_below = {"values": [0.0], "labelExpr": json.dumps(say("chart.own_motion")), "grid": False}
+        spec["encoding"]["x"]["axis"] = named_below
     return spec
 
 
@@ -346,8 +326,13 @@ def _falls(record: TrustMap) -> NDArray[np.bool_]:
 
 def place(record: TrustMap, cell: TrustCell, say: Language) -> str:
     """What names a point among those of all maps."""
+    return f"{shaking(cell, say)}, {say(f'chart.on_{record.stands_on}')}"
+
+
+def shaking(cell: TrustCell, say: Language) -> str:
+    """How strong a point's motion is, and how fast where it has one frequency."""
     frequency = [f"{say.digits(cell['frequency_hz'])} Hz"] if cell["frequency_hz"] else []
-    return ", ".join([f"{say.digits(cell['amplitude_g'])} g", *frequency, say(f"chart.on_{record.stands_on}")])
+    return ", ".join([f"{say.digits(cell['amplitude_g'])} g", *frequency])
 
 
 def point_figure(maps: Sequence[TrustMap], say: Language = ENGLISH) -> Json | None:
@@ -384,15 +369,10 @@ def sets(cell: TrustCell) -> list[str]:
 
 def tip(cell: TrustCell, say: Language = ENGLISH) -> str:
     """What a point says under the pointer."""
-    words = [f"{say.digits(cell['amplitude_g'])} g"]
-    words += [f"{say.digits(cell['frequency_hz'])} Hz"] if cell["frequency_hz"] else []
-    lines = [", ".join(words), f"{say.word(cell['class'])}, {say('text.basis_' + cell['basis'])}"]
+    lines = [shaking(cell, say), f"{say.word(cell['class'])}, {say('text.basis_' + cell['basis'])}"]
     lines += [say("chart.why", why=say.listed(map(say.word, cell["why"])))] if cell["why"] else []
-    ends = [f"{name}: {say.word(end)}" for name, end in cell["outcomes"].items()]
-    lines += [
-        *ends,
-        *([say("chart.agree_until", time=say.digits(cell["agree_until_s"]))] if cell["agree_until_s"] else []),
-    ]
+    lines += [f"{name}: {say.word(end)}" for name, end in cell["outcomes"].items()]
+    lines += [say("chart.agree_until", time=say.digits(cell["agree_until_s"]))] if cell["agree_until_s"] else []
     for name, chance in cell["probability"].items():
         share, low, high = map(say.percent, (chance.value, chance.low, chance.high))
         lines.append(say("chart.probability", name=name, share=share, low=low, high=high))
@@ -413,15 +393,11 @@ def stability_figure(
         for setting, cell in zip(settings, row, strict=True)
         if cell is not None
     ]
-    data = {"cells": [dict(zip(("x", "y", "kind"), map(list, zip(*found, strict=True)), strict=True))]}
+    colour = kinds({say(f"text.{name}"): colour for name, colour in STABILITY.items()}, key=False)
     layers = [
-        marks(
-            "rect",
-            "cells",
-            {"color": kinds({say(f"text.{name}"): colour for name, colour in STABILITY.items()}, key=False)},
-            stroke="#ffffff",
-        ),
+        marks("rect", "cells", {"color": colour}, stroke="#ffffff"),
         marks("text", "cells", {"text": {"field": "kind"}}),
     ]
     x = names("x", settings, labelAngle=0, grid=False)
-    return figure(layers, 44 * len(rows), data, x, names("y", [words for words, _ in rows], grid=False))
+    y = names("y", [words for words, _ in rows], grid=False)
+    return figure(layers, 44 * len(rows), {"cells": [columns("x y kind", found)]}, x, y)

@@ -24,6 +24,7 @@ from reports.charts.figure import (
     band,
     choice,
     chosen,
+    columns,
     columns_of,
     estimates,
     figure,
@@ -35,7 +36,7 @@ from reports.charts.figure import (
     rows_of,
     upwards,
 )  # fmt: skip
-from reports.charts.map_figures import LEAST, map_axes, number_map, numeric
+from reports.charts.map_figures import LEAST, grouped, map_axes, number_map, numeric
 from reports.drawing.effects_figures import Curve, rose_of
 from reports.drawing.shapes import Picture
 from reports.messages import ENGLISH, Language
@@ -62,15 +63,7 @@ def design_figures(
         return []
     figures = []
     for model in models if len(conditions) <= MOST_PLACES else ():
-        peak = _value_map(
-            model,
-            conditions,
-            axes,
-            lambda run: abs(run.peak_theta_rad) if run.outcome == "stands" else np.nan,
-            "rad",
-            say,
-            marked=False,
-        )
+        peak = _value_map(model, conditions, axes, _standing_peak, "rad", say, marked=False)
         if peak is not None:
             figures.append((say("chart.map_peak", model=model), peak))
     for model in models:
@@ -101,6 +94,10 @@ def best_designs(models: Sequence[str], conditions: Sequence[Condition], axes: t
     return found
 
 
+def _standing_peak(run: CaseRun) -> float:
+    return abs(run.peak_theta_rad) if run.outcome == "stands" else np.nan
+
+
 def _tips(run: CaseRun) -> bool:
     margins = [run.validity.get(name) for name in TIPPING]
     return any(isinstance(margin, float) and margin < 0.0 for margin in margins)
@@ -117,24 +114,19 @@ def _value_map(
 ) -> Json | None:
     """A heatmap of one number of each run; None where it is nought everywhere."""
     xs, ys = (sorted({item.number(key) for item in conditions}) for key in axes)
-    rows, columns = ({value: k for k, value in enumerate(side)} for side in (ys, xs))
+    rows, places = ({value: k for k, value in enumerate(side)} for side in (ys, xs))
     values = np.full((len(ys), len(xs)), np.nan)
     tips: list[tuple[float, float]] = []
     for item, run in runs_of(conditions, model):
         x, y = (item.number(key) for key in axes)
-        values[rows[y], columns[x]] = value_of(run)
+        values[rows[y], places[x]] = value_of(run)
         tips += [(x, y)] if _tips(run) else []
     if not np.nanmax(values, initial=0.0) > 0.0:
         return None
-    return number_map(
-        values, xs, ys, [say.heading(key) for key in axes], unit, over={"tipping": _crosses(tips)} if marked else None
-    )
-
-
-def _crosses(places: Sequence[tuple[float, float]]) -> tuple[list[Json], Json]:
-    """Where the pedestal would tip."""
-    parts = [{"x": [x for x, _ in places], "y": [y for _, y in places]}]
-    return parts, marks("point", "tipping", shape="cross", angle=45, size=36, filled=True, color=INK)
+    crosses = marks("point", "tipping", shape="cross", angle=45, size=36, filled=True, color=INK)
+    over = {"tipping": ([columns("x y", tips)], crosses)} if marked else None
+    x_side, y_side = ((say.heading(key), side) for key, side in zip(axes, (xs, ys), strict=True))
+    return number_map(values, x_side, y_side, unit, over=over)
 
 
 # Studies along one axis: each model's outcome, largest rotation and slip against what varies.
@@ -154,15 +146,10 @@ def curve_figures(
     for key in keys:
         if len(numeric(conditions, key)) < LEAST:
             continue
-        groups: dict[tuple[str, ...], list[Condition]] = {}
-        for item in conditions:
-            where = tuple(f"{say.heading(other)} {item.varied[other]}" for other in keys if other != key)
-            groups.setdefault(where, []).append(item)
+        groups = grouped(conditions, [other for other in keys if other != key], say)
         if len(groups) <= MOST_GROUPS:
-            figures += [
-                (" · ".join([say("text.by", name=say.heading(key)), *where]), _curves(models, members, key, say))
-                for where, members in groups.items()
-            ]
+            by = say("text.by", name=say.heading(key))
+            figures += [(by + where, _curves(models, members, key, say)) for where, members in groups.items()]
     return figures
 
 
@@ -185,9 +172,8 @@ def _curves(models: Sequence[str], members: Sequence[Condition], key: str, say: 
     ]
     if any(value for part in parts for value in part["slip"]):
         rows.append((axis("slip", say("chart.slip"), scale={"zero": True}), 140))
-    return rows_of(
-        rows, across("x", say.heading(key)), {"runs": parts}, lambda y, first: points("runs", looks, y, first)
-    )
+    drawn = [(points("runs", looks, y, first=k == 0), height) for k, (y, height) in enumerate(rows)]
+    return rows_of(drawn, across("x", say.heading(key)), {"runs": parts})
 
 
 SLIP_COLOUR: Final = "#009E73"
@@ -257,7 +243,6 @@ def fragility_figure(
 
     Everything else that varies is pooled. None unless some model has at least three levels of ten runs each.
     """
-    looks = model_looks(models)
     data: dict[str, list[Json]] = {"points": [], "fits": []}
     for model in models:
         levels: dict[float, list[bool]] = {}
@@ -265,32 +250,28 @@ def fragility_figure(
             if family(run.outcome) != "failed":
                 levels.setdefault(float(item.varied[key]), []).append(run.outcome.overturned)
         if sum(len(fell) >= LEAST_RUNS for fell in levels.values()) >= 3:
-            points_, fitted = _fragility(model, levels)
-            data["points"].append(points_)
-            data["fits"] += fitted
+            shares = [(x, share) for x, fell in sorted(levels.items()) if (share := wilson(sum(fell), len(fell)))]
+            estimated = columns_of([share for _, share in shares])
+            data["points"].append({"name": model, "x": [x for x, _ in shares], **estimated})
+            data["fits"] += _fitted(model, levels)
     if not data["points"]:
         return None
+    shown = {part["name"] for part in data["points"]}
+    drawn = named({name: style for name, style in model_looks(models).items() if name in shown})
+    layers = chosen([band("fits", drawn, 0.12), marks("line", "fits", drawn), *estimates("points", drawn)])
     y = upwards("y", say("chart.share_overturns"), {"domain": [0.0, 1.0]})
-    drawn = named({name: looks[name] for name in looks if any(part["name"] == name for part in data["points"])})
-    layers = [
-        band("fits", drawn, 0.12),
-        marks("line", "fits", drawn),
-        *estimates("points", drawn),
-    ]
-    return figure(chosen(layers), 420, data, across("x", say.heading(key)), y)
+    return figure(layers, 420, data, across("x", say.heading(key)), y)
 
 
-def _fragility(model: str, levels: Mapping[float, Sequence[bool]]) -> tuple[Json, list[Json]]:
-    """Points with Wilson's intervals, the fitted curve and its band, of one model."""
-    shares = [(x, share) for x, fell in sorted(levels.items()) for share in [wilson(sum(fell), len(fell))] if share]
+def _fitted(model: str, levels: Mapping[float, Sequence[bool]]) -> list[Json]:
+    """The fitted curve of one model with its band; none where nothing can be fitted."""
     intensity = [x for x, fell in levels.items() for _ in fell]
     curve_fit = fit(intensity, [fell for runs in levels.values() for fell in runs])
-    estimated = {"name": model, "x": [x for x, _ in shares], **columns_of([share for _, share in shares])}
     if curve_fit.median is None:
-        return estimated, []
+        return []
     xs = np.linspace(min(intensity), max(intensity), 120)
     low, high = curve_fit.band(xs)
-    return estimated, [{"name": model, "x": xs, "y": curve_fit.probability(xs), "low": low, "high": high}]
+    return [{"name": model, "x": xs, "y": curve_fit.probability(xs), "low": low, "high": high}]
 
 
 def rose_picture(models: Sequence[str], conditions: Sequence[Condition], say: Language = ENGLISH) -> Picture | None:

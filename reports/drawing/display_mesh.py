@@ -63,6 +63,15 @@ def decimated(vertices: Array, faces: Faces, most_faces: int) -> tuple[Array, Fa
     return np.asarray(points, dtype=np.float64), np.asarray(triangles, dtype=np.int64)
 
 
+def eye_axes(azimuth_rad: float, raised_rad: float) -> Array:
+    """Rows: to the right, upwards and towards the eye, of an eye far away at that azimuth and so high."""
+    eye = np.array([
+        np.cos(raised_rad) * np.cos(azimuth_rad), np.cos(raised_rad) * np.sin(azimuth_rad), np.sin(raised_rad)
+    ])  # fmt: skip
+    right = np.array([-np.sin(azimuth_rad), np.cos(azimuth_rad), 0.0])
+    return np.stack([right, np.cross(eye, right), eye])
+
+
 def facing(vertices: Array, faces: Faces, eye: Array) -> tuple[NDArray[np.intp], Array]:
     """The faces that look at an eye far away in a direction (3,), the farthest first, and the unit normals (m, 3) of all."""
     corners = vertices[faces]
@@ -75,15 +84,13 @@ def facing(vertices: Array, faces: Faces, eye: Array) -> tuple[NDArray[np.intp],
 def _prism(outline_m: Array, depth_m: float) -> tuple[Array, Faces]:
     """The silhouette pulled along y; the outline runs counter-clockwise as seen with x right and z up."""
     count = len(outline_m)
-    half = 0.5 * depth_m
-    rings = [np.column_stack([outline_m[:, 0], np.full(count, y), outline_m[:, 1]]) for y in (-half, half)]
-    front = [(0, k, k + 1) for k in range(1, count - 1)]
-    back = [(count, count + k + 1, count + k) for k in range(1, count - 1)]
-    sides = []
-    for k in range(count):
-        after = (k + 1) % count
-        sides += [(k, k + count, after), (after, k + count, after + count)]
-    return np.vstack(rings), np.array(front + back + sides, dtype=np.int64)
+    rings = [np.insert(outline_m, 1, y, axis=1) for y in (-0.5 * depth_m, 0.5 * depth_m)]
+    here = np.arange(count)
+    after = np.roll(here, -1)
+    front = np.column_stack([np.zeros_like(here), here, after])[1:-1]
+    back = count + front[:, ::-1]
+    sides = [np.column_stack([here, here + count, after]), np.column_stack([after, here + count, after + count])]
+    return np.vstack(rings), np.vstack([front, back, *sides])
 
 
 def _creased(vertices: Array, faces: Faces) -> tuple[Array, Faces]:

@@ -9,7 +9,7 @@ import numpy as np
 from meshes.footprint import slenderness_rose_rad, weakest_azimuth_deg
 from meshes.solid import Solid
 from reports.charts.figure import MUTED
-from reports.drawing.display_mesh import Array, Faces, decimated, facing
+from reports.drawing.display_mesh import Array, Faces, decimated, eye_axes, facing
 from reports.drawing.shapes import Picture, path, plane, text
 from reports.messages import ENGLISH, Language
 
@@ -37,7 +37,7 @@ def scan_picture(solid: Solid, rotation: Array, name: str, say: Language = ENGLI
     balance = float(np.rad2deg(slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, weakest)[0]))
     words = say("scan.weakest_towards", towards=f"{weakest:.0f}", balance=f"{balance:.1f}")
     standing, _ = _standing(np.asarray(solid.vertices_m), np.asarray(solid.faces), solid.footprint_m, weakest)
-    view = _view(weakest + FROM_WEAKEST_DEG)
+    view = _view(weakest)
     title = say("scan.stands", name=name, height=say.length(solid.height_m), corners=len(solid.footprint_m))
     shapes = [
         text(0.5 * SIDE, 46.0, words, colour=WEAKEST),
@@ -58,7 +58,7 @@ def directions_picture(vertices_m: Array, faces: Faces, footprint_m: Array, weak
 
 def _standing(vertices: Array, faces: Faces, footprint: Array, weakest_deg: float) -> tuple[list[str], Array]:
     """The floor's directions, the body, its base and the arrow, seen from beside the arrow; heights in pixels."""
-    view = _view(weakest_deg + FROM_WEAKEST_DEG)
+    view = _view(weakest_deg)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     around = CLEAR * float(np.linalg.norm(vertices[:, :2], axis=1).max())
     size = max(float(np.linalg.norm(high - low)), 2.0 * around)
@@ -96,12 +96,9 @@ def _standing(vertices: Array, faces: Faces, footprint: Array, weakest_deg: floa
     return shapes, np.concatenate([ring[:, 1], place(vertices)[:, 1], [tip[1]]])
 
 
-def _view(azimuth_deg: float) -> Array:
-    """Rows: to the right, upwards and towards the eye, of an eye at that azimuth."""
-    turn, lift = np.deg2rad(azimuth_deg), np.deg2rad(RAISED_DEG)
-    eye = np.array([np.cos(lift) * np.cos(turn), np.cos(lift) * np.sin(turn), np.sin(lift)])
-    right = np.array([-np.sin(turn), np.cos(turn), 0.0])
-    return np.stack([right, np.cross(eye, right), eye])
+def _view(weakest_deg: float) -> Array:
+    """The axes of the eye, beside the weakest direction."""
+    return eye_axes(np.deg2rad(weakest_deg + FROM_WEAKEST_DEG), np.deg2rad(RAISED_DEG))
 
 
 def _faces(vertices: Array, faces: Faces, view: Array, placed: Array) -> list[str]:

@@ -72,15 +72,12 @@ def histories_figure(inspection: Inspection) -> Json:
         for name, each in zip(words, inspection.traces, strict=True)
     ]  # fmt: skip
     end = max(float(each.series.t_s[-1]) for each in inspection.traces)
-    rows = ("accel", "velocity", "displacement")
-    looks, x = _looks(words, 1.3), across("t", ENGLISH("chart.time"), {"domain": [0.0, end], "padding": 0})
-
-    def layers(y: Json, first: bool) -> list[Json]:
-        return [marks("line", "traces", {"y": y} | named(looks, legend=first, chosen=False))]
-
-    return rows_of(
-        [(axis(name, ENGLISH(f"chart.{name}"), tickCount=6), 205.0) for name in rows], x, {"traces": parts}, layers
-    )
+    rows: list[tuple[list[Json], float]] = []
+    for name in ("accel", "velocity", "displacement"):
+        lines = named(_looks(words, 1.3), legend=not rows, chosen=False)
+        y = axis(name, ENGLISH(f"chart.{name}"), tickCount=6)
+        rows.append(([marks("line", "traces", {"y": y} | lines)], 205.0))
+    return rows_of(rows, across("t", ENGLISH("chart.time"), {"domain": [0.0, end], "padding": 0}), {"traces": parts})
 
 
 def spectrum_figure(inspection: Inspection) -> Json:

@@ -7,6 +7,7 @@ import json
 import zipfile
 from collections.abc import Callable
 from functools import cache
+from importlib.metadata import distribution
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
@@ -28,6 +29,10 @@ LETTERS: Final = np.array([code for code in range(33, 127) if chr(code) not in "
 """The 91 letters of packed data: two of them hold 13 bits, so that text is 1.23 times as long as its bytes (base64: 1.33)."""
 VIEWER_OWN_CODE: Final = "var camera,controls,scene,renderer,tracklight;"
 """Where trimesh's own page begins behind the three.js library in the viewer that its wheel ships."""
+
+PAGES_SCRIPT: Final = "window.vegaEmbed = vegaEmbed;"
+"""Under which name a page finds the library of charts."""
+MAKERS: Final = "Vega, Vega-Lite and Vega-Embed: University of Washington Interactive Data Lab; bundled by VlConvert"
 
 ROOM: Final = "pages"
 MOST_TEXTS: Final = 2
@@ -70,6 +75,17 @@ def _script(archive: Path) -> str:
     if start < 0 or end < start or "Three.js Authors" not in page[start : start + 200]:
         raise LookupError(f"{archive} does not hold three.js as expected: install the trimesh version of the lock file")
     return page[start + len("<script>") : end]
+
+
+@cache
+def chart_library() -> Markup:
+    """The script that draws a page's charts, as its wheel gives it, under its licence, packed."""
+    import vl_convert
+
+    wheel = distribution("vl-convert-python")
+    head = f"/* {MAKERS}.\n\n{wheel.read_text('licenses/LICENSE')} */\n"
+    state = f"{wheel.version} {PAGES_SCRIPT} {head}".encode()
+    return Markup(made_once("vega", state, lambda: pack_text(head + vl_convert.javascript_bundle(PAGES_SCRIPT))))
 
 
 def pack_text(text: str) -> Markup:

@@ -15,11 +15,9 @@ from harness.model.files import write_text
 from harness.records.base import Record
 from harness.records.kinds import read_result
 from reports.blocks import SHOWN_POINTS, Block, Replay, Section, walk
-from reports.charts.drawn import told_apart
 from reports.charts.figure import dark_css
-from reports.charts.library import chart_library
 from reports.messages import ENGLISH, Language, language
-from reports.pages.assets import environment, source_text
+from reports.pages.assets import chart_library, environment, source_text
 
 REPORT_NAME: Final = "report.html"
 CONSERVATOR_NAME: Final = "conservator.html"
@@ -104,12 +102,8 @@ def _render(
     count = getattr(record, COUNTED.get(record.kind, ""), None)
     title = str(record.title) if count is None else say(f"text.title_{record.kind}", count=count)
     live = {"chart_library": chart_library()} if scripts else {}
-    return told_apart(
-        environment()
-        .get_template("page.html.j2")
-        .render(
-            live, title=printable(title), kind=kind, blocks=blocks, links=links, say=say,
-            css=source_text("page.css") + Markup(dark_css()), scripts=[*map(source_text, scripts)],
-            version=record.versions.get("rockcheck", ""), most_points=SHOWN_POINTS,
-        )
+    return environment().get_template("page.html.j2").render(
+        live, title=printable(title), kind=kind, blocks=blocks, links=links, say=say,
+        css=source_text("page.css") + Markup(dark_css()), scripts=[*map(source_text, scripts)],
+        version=record.versions.get("rockcheck", ""), most_points=SHOWN_POINTS,
     )  # fmt: skip

@@ -62,8 +62,9 @@ def _map(record: RockingSpectrumRecord, values: Map, name: str, say: Language) -
     """A map of at most `MOST_CELLS` a side; white where half of the cases overturn and there is no median."""
     rows, columns = (_picked(len(axis)) for axis in (record.size_m, record.slenderness))
     shown = np.array([[values[i][j] for j in columns] for i in rows], dtype=np.float64)
-    x, y = [record.slenderness[j] for j in columns], [record.size_m[i] for i in rows]
-    return number_map(shown, x, y, (say("chart.slenderness"), say("chart.half_diagonal")), name, (0.0, 1.0))
+    x = say("chart.slenderness"), [record.slenderness[j] for j in columns]
+    y = say("chart.half_diagonal"), [record.size_m[i] for i in rows]
+    return number_map(shown, x, y, name, (0.0, 1.0))
 
 
 def _picked(count: int) -> list[int]:

@@ -17,8 +17,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from reports.charts.library import chart_library
 from reports.cli.ending import FAILED, OK, guarded
+from reports.pages.assets import chart_library
 from reports.pages.page import write_report
 
 if TYPE_CHECKING:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import gzip
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -16,3 +18,13 @@ def unpacked(packed: str) -> str:
     words = (places @ np.array([1, 91])).astype("<u2")
     bits = np.unpackbits(words.view(np.uint8).reshape(-1, 2), axis=1, bitorder="little")[:, :13]
     return gzip.decompress(np.packbits(bits, bitorder="little")[: int(size)].tobytes()).decode("utf-8")
+
+
+def numbers(values: Any) -> Any:
+    """The values of a curve: packed arrays unpacked (n,), lists as they are."""
+    if not isinstance(values, Mapping):
+        return values
+    steps = np.asarray(values["deltas"], dtype=np.int64)
+    for _ in range(values["order"]):
+        steps = np.cumsum(steps)
+    return steps * values["step"]

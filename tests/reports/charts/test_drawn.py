@@ -13,13 +13,13 @@ import pytest
 
 from reports.charts.drawn import rows, sized, still, svg
 from reports.charts.figure import Look, across, axis, cells, figure, level, marks, named
-from reports.charts.histories import histories_figure, numbers
+from reports.charts.histories import histories_figure
 from reports.drawing.shapes import rings
 from reports.pages.assets import pack_text, packed_chart
 from reports.source import run_source
 from tests.budgets_reports import STILL_PX
 from tests.reports.invented_run import write_invented
-from tests.reports.unpacking import unpacked
+from tests.reports.unpacking import numbers, unpacked
 
 COLOUR = "#123456"
 

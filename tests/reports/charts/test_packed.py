@@ -7,7 +7,8 @@ import json
 import numpy as np
 import pytest
 
-from reports.charts.histories import LEVELS, numbers, packed_array
+from reports.charts.histories import LEVELS, packed_array
+from tests.reports.unpacking import numbers
 
 
 @pytest.mark.parametrize("seed", range(20))

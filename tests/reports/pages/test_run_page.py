@@ -21,7 +21,6 @@ from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.base import plain
 from harness.records.kinds import read_result
 from harness.records.run import HorizonRecord
-from reports.charts.histories import numbers
 from reports.drawing.display_mesh import MOST_FACES
 from reports.messages import ENGLISH
 from reports.pages.conservator import of_run
@@ -32,7 +31,7 @@ from tests.budgets_reports import DRAWN_RAD, PAGE_BYTES, PAGE_WORDS
 from tests.reports.charts.parts import part
 from tests.reports.invented_run import write_invented
 from tests.reports.page_parts import lines
-from tests.reports.unpacking import unpacked
+from tests.reports.unpacking import numbers, unpacked
 from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
 
 
