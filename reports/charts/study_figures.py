@@ -113,20 +113,14 @@ def _value_map(
     marked: bool = True,
 ) -> Json | None:
     """A heatmap of one number of each run; None where it is nought everywhere."""
-    xs, ys = (sorted({item.number(key) for item in conditions}) for key in axes)
-    rows, places = ({value: k for k, value in enumerate(side)} for side in (ys, xs))
-    values = np.full((len(ys), len(xs)), np.nan)
-    tips: list[tuple[float, float]] = []
-    for item, run in runs_of(conditions, model):
-        x, y = (item.number(key) for key in axes)
-        values[rows[y], places[x]] = value_of(run)
-        tips += [(x, y)] if _tips(run) else []
+    x, y = ((say.heading(key), sorted({item.number(key) for item in conditions})) for key in axes)
+    there = {tuple(item.number(key) for key in axes): run for item, run in runs_of(conditions, model)}
+    values = np.array([[value_of(there[at, up]) if (at, up) in there else np.nan for at in x[1]] for up in y[1]])
     if not np.nanmax(values, initial=0.0) > 0.0:
         return None
     crosses = marks("point", "tipping", shape="cross", angle=45, size=36, filled=True, color=INK)
-    over = {"tipping": ([columns("x y", tips)], crosses)} if marked else None
-    x_side, y_side = ((say.heading(key), side) for key, side in zip(axes, (xs, ys), strict=True))
-    return number_map(values, x_side, y_side, unit, over=over)
+    tipping = [columns("x y", [place for place, run in there.items() if _tips(run)])]
+    return number_map(values, x, y, unit, over={"tipping": (tipping, crosses)} if marked else None)
 
 
 # Studies along one axis: each model's outcome, largest rotation and slip against what varies.
@@ -223,9 +217,9 @@ def panels_figure(
         {"x": across("t", say("chart.time"), ends), "y": axis("value", "", scale=shown, tickCount=5)}
         | named(kinds_of, chosen=False),
     )
-    columns = len({panel.amplitude_g for panel in panels})
     return {
-        "datasets": {"panels": parts}, "params": [*ZOOMED, *params], "data": {"name": "panels"}, "columns": columns,
+        "datasets": {"panels": parts}, "params": [*ZOOMED, *params], "data": {"name": "panels"},
+        "columns": len({panel.amplitude_g for panel in panels}),
         "facet": {"field": "place", "sort": list(dict.fromkeys(order)), "header": {"title": None}},
         "spec": lines | {"height": 120}, "spacing": {"row": 14, "column": BETWEEN},
     }  # fmt: skip

@@ -72,9 +72,8 @@ def wall_m(scene: SceneRecord) -> float | None:
     statue, wall = scene.statue, scene.wall
     if wall is None:
         return None
-    if wall.side == "right":
-        return statue.corner_right_m + wall.distance_m
-    return -statue.corner_left_m - wall.distance_m
+    right = statue.corner_right_m + wall.distance_m
+    return right if wall.side == "right" else -statue.corner_left_m - wall.distance_m
 
 
 MOVING: Final = (

@@ -31,7 +31,6 @@ from reports.drawing.shapes import Picture
 from reports.pages.assets import source_text
 from reports.pages.page import page_blocks
 from reports.source import source_of
-from reports.text.giving_way import pedestal_effect
 from reports.text.wording import conditions
 
 # A page printed to PDF by the machine's own Chromium: the stills in place of the live charts, nothing
@@ -199,17 +198,17 @@ def _pictures(
         yield "rose", "", as_wide(rose(record), width_px)
         yield "effects", "", changes(record)
         return
-    for chart in walk(page_blocks(folder, record)):
-        if isinstance(chart, Chart) and chart.name not in ("saved", "moved", "panels"):
-            yield chart.name, chart.words, chart.figure
     if isinstance(record, StudyRecord):
-        yield from _study_pictures(record, width_px, model)
+        yield from _panels(record, model)
+    for chart in walk(page_blocks(folder, record)):
+        if isinstance(chart, Chart) and chart.name != "panels":
+            yield chart.name, chart.words, chart.figure
+    if isinstance(record, StudyRecord) and (drawn := rose_picture(*conditions(record.rows))) is not None:
+        yield "rose", "", as_wide(drawn, width_px)
 
 
-def _study_pictures(
-    record: StudyRecord, width_px: float, model: str | None
-) -> Iterator[tuple[str, str, Picture | Json]]:
-    """What a study's page shows beside its charts: panels of every restitution, what the pedestal changes, a rose."""
+def _panels(record: StudyRecord, model: str | None) -> Iterator[tuple[str, str, Json]]:
+    """The panels of a study for every restitution, of which its page shows one."""
     panels = record.panels or []
     known = list(dict.fromkeys(name for panel in panels for name in panel.curves))
     if known and model is not None and model not in known:
@@ -217,14 +216,8 @@ def _study_pictures(
     for restitution in sorted({panel.restitution for panel in panels}):
         mine = [panel for panel in panels if panel.restitution == restitution]
         chosen = model or next(iter(mine[0].curves))
-        name = f"panels_{restitution:g}_{chosen}".replace(" ", "_").replace("(", "").replace(")", "")
+        name = re.sub(r"[()]", "", f"panels_{restitution:g}_{chosen}".replace(" ", "_"))
         yield name, f"{chosen}, r = {restitution:g}", panels_figure(mine, chosen)
-    models, cases = conditions(record.rows)
-    effect = pedestal_effect(record, models, cases)
-    yield from ((each.name, each.words, each.figure) for each in (effect.charts if effect else ()))
-    drawn = rose_picture(models, cases)
-    if drawn is not None:
-        yield "rose", "", as_wide(drawn, width_px)
 
 
 def as_wide(drawn: Picture, width_px: float) -> Picture:
