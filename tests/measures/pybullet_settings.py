@@ -18,7 +18,7 @@ import pybullet
 from numpy.typing import NDArray
 
 from harness.engines import load
-from harness.engines.pybullet import run_phases, shapes
+from harness.engines.pybullet import pose, run_phases, shapes
 from harness.engines.pybullet.backend import BulletBackend
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
@@ -35,22 +35,22 @@ from tests.measures.pages import renew_tables
 from tests.measures.pages import table as page_table
 
 Array = NDArray[np.float64]
-Build = Callable[[World, Scene, run_phases.Setup], None]
+Build = Callable[[World, Scene, pose.Setup], None]
 Cells = list[str]
 
+CLEARANCE_M: Final = 1e-4
+"""A box stands this much above the pedestal's own feet, so that only they touch the floor."""
 CHOSEN: Final = BulletSettings(dt_s=2.5e-4, expected_error_rad=4e-5)
 
 
-def _ours(world: World, scene: Scene, setup: run_phases.Setup) -> None:
-    statue = (scene.statue.mass_kg, setup.moments, setup.feet_m, None, setup.start)
-    pedestal = None if scene.pedestal is None else (scene.pedestal, scene.statue.base_centre_m)
-    world.build(scene.contact, pedestal, None, statue)
+def _ours(world: World, scene: Scene, setup: pose.Setup) -> None:
+    world.build(scene)
 
 
 def _other(statue_box: bool, pedestal_shape: str) -> Build:
     """The statue as a box or on feet, on a pedestal that is a plain box or has feet of its own under a box."""
 
-    def build(world: World, scene: Scene, setup: run_phases.Setup) -> None:
+    def build(world: World, scene: Scene, setup: pose.Setup) -> None:
         _ours(world, scene, setup)
         client, radius = world.client, world.settings.foot_radius_m
         # Points that are sought anew in each step are no place to come back to.
@@ -66,7 +66,7 @@ def _other(statue_box: bool, pedestal_shape: str) -> Build:
             shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half, physicsClientId=client)
             place = [s.base_centre_m, 0.0, half[2] - radius]
         else:
-            shape = shapes.pedestal(p, radius, True, client)
+            shape = _on_feet(half, radius, client)
             place = [s.base_centre_m, 0.0, half[2]]
         world.pedestal = world.add(shape, p.mass_kg, _box_moments(p), place)
         if statue_box:
@@ -86,6 +86,22 @@ def _other(statue_box: bool, pedestal_shape: str) -> Build:
     return build
 
 
+def _on_feet(half_m: list[float], radius_m: float, client: int) -> int:
+    """Spheres at a pedestal's four lower corners under a box that ends a radius below its top."""
+    x, y, z = half_m
+    corners = [[sx * x, sy * y, -z] for sx in (1.0, -1.0) for sy in (1.0, -1.0)]
+    low, high = -z + CLEARANCE_M, z - radius_m
+    return int(
+        pybullet.createCollisionShapeArray(
+            shapeTypes=[pybullet.GEOM_SPHERE] * 4 + [pybullet.GEOM_BOX],
+            radii=[radius_m] * 4 + [0.0],
+            halfExtents=[[0.0, 0.0, 0.0]] * 4 + [[x, y, 0.5 * (high - low)]],
+            collisionFramePositions=[*corners, [0.0, 0.0, 0.5 * (high + low)]],
+            physicsClientId=client,
+        )
+    )
+
+
 def _box_moments(p: Pedestal) -> Array:
     squares = np.array([p.width_m**2, p.depth_m**2, p.height_m**2])
     return np.asarray(p.mass_kg / 12.0 * (np.sum(squares) - squares))
@@ -93,15 +109,15 @@ def _box_moments(p: Pedestal) -> Array:
 
 def measure(scene: Scene, level: BulletSettings, build: Build = _ours, *, half: bool = False) -> tuple[StepLog, float]:
     """Samples of a run with the given bodies, or with half of ours, and processor time per step, µs."""
-    setup = run_phases.prepare(scene).halved if half else run_phases.prepare(scene)
+    setup = pose.prepare(scene).halved if half else pose.prepare(scene)
     schedule = Schedule(scene, level.dt_s, 0, round(scene.duration_s / level.dt_s))
     gaps = run_phases.gaps_of(scene, setup, level) if level.events else None
     watch = Watch(axis=(0.0, 0.0, 1.0), rest=(0.0, 0.0, 1.0), quiet_from=None, impose=False, gaps=gaps)
-    with World(level, mirrored=half) as world:
+    with World(level, setup) as world:
         build(world, scene, setup)
         start = time.process_time()
         backend = BulletBackend(world, level.dt_s, scene.contact.statue)
-        state = StepState(Stepper(backend, scene, schedule), backend.read(), 0, 0.0, even=True)
+        state = StepState(Stepper(backend, scene, schedule), StepLog.begun(backend.read(), 0.0), even=True)
         record = integrate(scene, schedule, watch, state)
         spent = time.process_time() - start
     return record, 1e6 * spent / (len(record.t_s) - 1)

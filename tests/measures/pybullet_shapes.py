@@ -17,8 +17,8 @@ import pybullet
 
 from analytic.block import GRAVITY_M_S2
 from harness.engines import load
-from harness.engines.pybullet import run_phases
 from harness.engines.pybullet.full import full_shape
+from harness.engines.pybullet.pose import prepare
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
 from harness.input import paths
@@ -116,13 +116,11 @@ def _parting(one: Run, other: Run) -> str:
 def step_us(scene: Scene, kind: Literal["feet", "hull", "parts"]) -> float:
     """Processor time of a bare step at rest on the pedestal, µs, best of several: on feet alone, or with hull or parts too."""
     still = replace(scene, initial=Initial())
-    setup, statue = run_phases.prepare(still), still.statue
-    centroid = np.array([0.0, 0.0, statue.centroid_height_m])
-    bodies = None if kind == "feet" else full_shape(still, kind).turned(centroid, setup.axes)
-    pedestal = None if still.pedestal is None else (still.pedestal, statue.base_centre_m)
+    setup = prepare(still)
+    bodies = None if kind == "feet" else full_shape(still, kind).turned(still.statue, setup.axes)
     best = math.inf
-    with World(_settings(still)) as world:
-        world.build(still.contact, pedestal, None, (statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start))
+    with World(_settings(still), setup) as world:
+        world.build(still, bodies)
         pybullet.setGravity(0.0, 0.0, -GRAVITY_M_S2, world.client)
         for _ in range(BEST_OF):
             begin = time.process_time()

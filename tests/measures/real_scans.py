@@ -17,7 +17,8 @@ import trimesh
 
 from harness import engines
 from harness.engines.pybullet.backend import reader
-from harness.engines.pybullet.run_phases import Setup, prepare, quiet_start_s
+from harness.engines.pybullet.pose import Setup, prepare
+from harness.engines.pybullet.run_phases import quiet_start_s
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
 from harness.engines.stepping.schedule import Schedule
@@ -86,8 +87,8 @@ def baseline_loop(scene: Scene, level: BulletSettings, setup: Setup, steps: int)
     statue's state read: the same shapes and settings, and nothing else."""
     first = int(quiet_start_s(scene, setup) / level.dt_s)
     gravity = Schedule(scene, level.dt_s, first, first + steps).coarse
-    with World(level) as world:
-        world.build(scene.contact, None, None, (scene.statue.mass_kg, setup.moments, setup.feet_m, None, setup.start))
+    with World(level, setup) as world:
+        world.build(scene)
         read, client = reader(world), world.client
         begin = time.process_time()
         for pull in gravity:

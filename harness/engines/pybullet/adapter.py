@@ -20,7 +20,7 @@ from harness.engines.base import (
 )
 from harness.engines.pybullet import mirror
 from harness.engines.pybullet.settings import BulletSettings
-from harness.engines.stepping.coulomb import floor_friction
+from harness.engines.stepping.coulomb import stuck_below_m_s
 from harness.engines.stepping.loop import IMPOSED_LABEL
 from harness.engines.stepping.reduce import Report, reduce_trajectory
 from harness.model.finding import Finding, caution, changes_answer
@@ -28,7 +28,8 @@ from harness.model.run import Capabilities, Run, RunOptions
 from harness.model.scene import Scene
 
 if TYPE_CHECKING:
-    from harness.engines.pybullet.run_phases import RunPhases, Setup
+    from harness.engines.pybullet.pose import Setup
+    from harness.engines.pybullet.run_phases import RunPhases
 
 Array = NDArray[np.float64]
 
@@ -129,7 +130,7 @@ class Bullet3D(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` when pybullet cannot finish it."""
-        from harness.engines.pybullet import run_phases
+        from harness.engines.pybullet import pose, run_phases
         from harness.engines.stepping.columns import trajectory
 
         level = own_settings(self.name, BulletSettings, settings)
@@ -138,7 +139,7 @@ class Bullet3D(Engine):
                 "pybullet locates plastic impacts only: a coefficient of restitution is pybullet:plain's"
             )
         begin = time.perf_counter()
-        setup = run_phases.prepare(scene)
+        setup = pose.prepare(scene)
         phases = run_phases.run(scene, level, setup, options)
         path = trajectory(scene, phases.record, setup.axes, level.dt_s)
         report = Report(
@@ -147,7 +148,7 @@ class Bullet3D(Engine):
             steps=len(phases.record.t_s) - 1 - phases.record.at_rest,
             wall_s=time.perf_counter() - begin,
             resolution_rad=REST_BAND_RAD,
-            stuck_below_m_s=floor_friction(scene, level.dt_s).stuck_below_m_s,
+            stuck_below_m_s=stuck_below_m_s(scene, level.dt_s),
             rested=phases.record.rested,
             with_history=options.history or not options.allows("no_history"),
             validity=_validity(path.extra, setup, phases),

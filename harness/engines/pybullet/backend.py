@@ -8,20 +8,13 @@ from typing import TYPE_CHECKING, Final
 
 import pybullet
 
-from harness.engines.pybullet import writing
 from harness.engines.pybullet.world import World
 from harness.engines.stepping import settings
-from harness.engines.stepping.backend import Instant
-from harness.engines.stepping.step_log import ALONE, Impulse, Ledger, Row, StepLog, Vector, bodies, crossed
+from harness.engines.stepping.step_log import ALONE, Impulse, Ledger, Row, StepLog, Vector, crossed
 from harness.engines.stepping.support import SLIDES_M_S
 
 if TYPE_CHECKING:
-    from harness.engines.pybullet.world import World
-    from harness.engines.stepping.step_log import Ledger
-
-
-# The line along which something slides on the floor: one of Bullet's axes is to lie along it
-# (`world.py`).
+    from harness.engines.stepping.step_state import StepState
 
 
 NEAR_M: Final = 1e-4
@@ -29,47 +22,6 @@ NEAR_M: Final = 1e-4
 IN_LINE_RAD: Final = 3e-4
 """So near to one of Bullet's axes friction leans by less than a ten-thousandth of itself."""
 EIGHTH_RAD: Final = 0.25 * math.pi
-
-
-class SlidingLine:
-    """The line along which the pedestal slides on the floor, or while it does not, the statue's lowest foot.
-
-    Bullet's friction is Coulomb's along its own x and y, whatever a contact's effective masses: one of these is to lie along it.
-    """
-
-    def __init__(self, world: World, step_s: float) -> None:
-        self.world, self.step_s, self.feet_m = world, step_s, world.feet_m
-
-    def askew_rad(self, row: Row) -> float:
-        """Angle from the nearer of Bullet's axes to that line, 0 where nothing slides."""
-        (_, _, up), (u, v, _) = self.world.table
-        x, y, least = 0.0, 0.0, SLIDES_M_S
-        if len(row) > ALONE:
-            half_m = self.world.pedestal_half_m
-            x, y, up = row[20] - row[24] * half_m - u, row[21] + row[23] * half_m - v, up + 2.0 * half_m
-        if math.hypot(x, y) < least:
-            x, y, least = self._foot(row, up)
-            x, y = x - u, y - v
-        if math.hypot(x, y) < least:
-            return 0.0
-        own = math.atan2(y, x) + self.world.turn_rad - self.world.settings.turn_rad
-        return (own + EIGHTH_RAD) % (2.0 * EIGHTH_RAD) - EIGHTH_RAD
-
-    def _foot(self, row: Row, support_m: float) -> tuple[float, float, float]:
-        """Velocity of the lowest foot, m/s, and how fast it must be to slide: infinitely where it is above its support."""
-        x, y, z, w = row[3:7]
-        downs = self.feet_m @ (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y))
-        lowest = int(downs.argmin())
-        if row[2] + float(downs[lowest]) - support_m > NEAR_M:
-            return 0.0, 0.0, math.inf
-        c = float(downs[lowest])
-        e, f, g = self.feet_m[lowest].tolist()
-        a = (1.0 - 2.0 * (y * y + z * z)) * e + 2.0 * ((x * y - z * w) * f + (x * z + y * w) * g)
-        b = 2.0 * ((x * y + z * w) * e + (y * z - x * w) * g) + (1.0 - 2.0 * (x * x + z * z)) * f
-        p, q, r = row[10:13]
-        # A foot that stands moves by its body's turning in half a step: velocities are older than places by that.
-        turning = (p * p + q * q + r * r) * math.sqrt(a * a + b * b + c * c) * self.step_s
-        return row[7] + q * c - r * b, row[8] + r * a - p * c, SLIDES_M_S + turning
 
 
 # Bullet's gyroscopic torque made of second order: what a step's own misses is added to it as an external
@@ -91,9 +43,9 @@ class Gyroscope:
     """The torque that the next step lacks: `prepare_step` it from the rows, `act` before each solution of the step."""
 
     def __init__(self, world: World) -> None:
-        self.world, self.body, self.client = world, world.statue, world.client
+        self.world = world
         # What turns in the plane alone turns about a principal axis: nothing is missing.
-        self.moments: Vector | None = None if world.in_plane else world.moments
+        self.moments: list[float] | None = None if world.setup.in_plane else world.setup.moments.tolist()
         self.torque: Vector | None = None
 
     def prepare_step(self, row: Row, rate_rad_s2: Vector, span_s: float, length_s: float, ledger: Ledger) -> None:
@@ -125,7 +77,8 @@ class Gyroscope:
         if self.torque is not None:
             heading = self.world.heading
             torque = self.torque if heading is None else heading.vector(self.torque)
-            writing.twist(self.body, torque, self.client)
+            # In the world's axes: Bullet would turn one given in the body's by the rotation at the step's beginning.
+            pybullet.applyExternalTorque(self.world.statue, -1, torque, pybullet.WORLD_FRAME, self.world.client)
 
 
 GRIP: Final = 0.5
@@ -159,24 +112,22 @@ class BulletBackend:
         self.world, self.step_s, self.grip_limit = world, step_s, grip_limit
         self.read, self.pull = reader(world), puller(world)
         self.gyroscope, self.ledger = Gyroscope(world), Ledger()
-        self.sliding = SlidingLine(world, step_s) if world.follows else None
         self.row = self.read()
         self.runs = not self.gyroscope.moments
-        self.set_length, self.set_floor_friction = world.solver.set_length, world.set_floor_friction
+        self.set_length, self.set_floor_friction = world.set_length, world.set_floor_friction
         self.move_table = world.move_table
         self.least_reach, self.grips = world.reach, False
-        if grip_limit is not None:
-            self._anchor(held=world.feet_over)
+        if grip_limit is not None and world.feet_over:
+            self._anchor(held=True)
 
     def place(self, row: Row) -> None:
         """Put both bodies into the state of a row."""
         self.row = row
-        statue, pedestal = bodies(row)
-        self.world.place(self.world.statue, statue)
-        if pedestal is not None and self.world.pedestal is not None:
-            self.world.place(self.world.pedestal, pedestal)
+        self.world.place(self.world.statue, row[:ALONE])
+        if self.world.pedestal is not None:
+            self.world.place(self.world.pedestal, row[ALONE:])
 
-    def prepare_step(self, state: Instant, kick_s: float, length_s: float) -> None:
+    def prepare_step(self, state: StepState, kick_s: float, length_s: float) -> None:
         """What Bullet's gyroscopic torque misses in the next step; after an impact the change of velocities is not known yet."""
         self.ledger = state.record.ledger
         if self.gyroscope.moments is None:
@@ -199,7 +150,7 @@ class BulletBackend:
                 contact[5],
                 ((contact[9], contact[7]), (contact[10], contact[11]), (contact[12], contact[13])),
             )
-            given: Vector = tuple(world.solver.length_s * sum(size * axis[k] for size, axis in parts) for k in range(3))
+            given: Vector = tuple(world.length_s * sum(size * axis[k] for size, axis in parts) for k in range(3))
             if heading is not None:
                 given, place = heading.back.vector(given), heading.back.vector(place)
             for body, sign in ((contact[1], 1.0), (contact[2], -1.0)):
@@ -215,7 +166,7 @@ class BulletBackend:
         """Bullet's own step under a gravity, and the row after it; again with its axes along what slides after it."""
         before, row = self.row, self._stepped(gravity)
         for _ in range(MOST_TURNS):
-            askew_rad = 0.0 if self.sliding is None else self.sliding.askew_rad(row)
+            askew_rad = self._askew_rad(row) if self.world.follows else 0.0
             if abs(askew_rad) <= IN_LINE_RAD:
                 break
             self.world.turn(-askew_rad)
@@ -224,6 +175,43 @@ class BulletBackend:
             row = self._stepped(gravity)
         self.row = row
         return row
+
+    def _askew_rad(self, row: Row) -> float:
+        """Angle from the nearer of Bullet's axes to the line along which the pedestal slides on the floor, or while it does not
+        the statue's lowest foot; 0 where nothing slides.
+
+        Bullet's friction is Coulomb's along its own x and y, whatever a contact's effective masses: one of these is to lie
+        along it.
+        """
+        (_, _, up), (u, v, _) = self.world.table
+        x, y, least = 0.0, 0.0, SLIDES_M_S
+        if len(row) > ALONE:
+            half_m = self.world.pedestal_half_m
+            x, y, up = row[20] - row[24] * half_m - u, row[21] + row[23] * half_m - v, up + 2.0 * half_m
+        if math.hypot(x, y) < least:
+            x, y, least = self._lowest_foot(row, up)
+            x, y = x - u, y - v
+        if math.hypot(x, y) < least:
+            return 0.0
+        own = math.atan2(y, x) + self.world.turn_rad - self.world.settings.turn_rad
+        return (own + EIGHTH_RAD) % (2.0 * EIGHTH_RAD) - EIGHTH_RAD
+
+    def _lowest_foot(self, row: Row, support_m: float) -> tuple[float, float, float]:
+        """Velocity of the lowest foot, m/s, and how fast it must be to slide: infinitely where it is above its support."""
+        x, y, z, w = row[3:7]
+        feet_m = self.world.setup.feet_m
+        downs = feet_m @ (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y))
+        lowest = int(downs.argmin())
+        if row[2] + float(downs[lowest]) - support_m > NEAR_M:
+            return 0.0, 0.0, math.inf
+        c = float(downs[lowest])
+        e, f, g = feet_m[lowest].tolist()
+        a = (1.0 - 2.0 * (y * y + z * z)) * e + 2.0 * ((x * y - z * w) * f + (x * z + y * w) * g)
+        b = 2.0 * ((x * y + z * w) * e + (y * z - x * w) * g) + (1.0 - 2.0 * (x * x + z * z)) * f
+        p, q, r = row[10:13]
+        # A foot that stands moves by its body's turning in half a step: velocities are older than places by that.
+        turning = (p * p + q * q + r * r) * math.sqrt(a * a + b * b + c * c) * self.step_s
+        return row[7] + q * c - r * b, row[8] + r * a - p * c, SLIDES_M_S + turning
 
     def _stepped(self, gravity: Vector) -> Row:
         self.pull(*gravity, self.world.client)
@@ -249,7 +237,7 @@ class BulletBackend:
         if len(after) > ALONE:
             table = (*table_m_s, 0.0, 0.0, 0.0)
             moving = (abs(v - w) for k in (7, 20) for v, w in zip(after[k : k + 6], table, strict=True))
-            world.solver.rest(not world.in_plane and max(moving) < RESTING_M_S)
+            world.rest(not world.setup.in_plane and max(moving) < RESTING_M_S)
             turning = max(turning, after[23] * after[23] + after[24] * after[24])
         # A step takes a foot ω² h dt²/2 off its support: beyond its reach it is no contact there.
         needed = STEPS_OFF * turning * self.step_s**2
@@ -270,8 +258,7 @@ class BulletBackend:
 
     def _anchor(self, *, held: bool) -> None:
         self.grips = held
-        if self.world.feet_over:
-            self.world.anchor(held=held)
+        self.world.anchor(held=held)
 
 
 def puller(world: World) -> Callable[[float, float, float, int], None]:

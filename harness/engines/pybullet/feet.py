@@ -7,7 +7,6 @@ vertex is the body's exact contact with floor and wall, with one fixed contact p
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Final
@@ -17,6 +16,8 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from harness.engines.stepping.contact_gaps import past_edge_m
+from harness.engines.stepping.frame import matrices
+from harness.engines.stepping.step_log import ALONE, Row
 from harness.model.scene import OVERTURN_RAD, Statue
 
 # When the pedestal's edge can meet the statue: only if some part of the statue comes to or below the top's
@@ -43,14 +44,14 @@ class Crossing:
 
     feet_m: Array
     across_m: tuple[float, float]
-    start: tuple[float, ...]
+    start: Row
 
     @cached_property
     def beside(self) -> NDArray[np.bool_]:
         """Which feet (k,) stand beside the top."""
         return past_edge_m(self.feet_m, self.start, self.across_m) > FLUSH_M
 
-    def __call__(self, row: tuple[float, ...]) -> bool:
+    def __call__(self, row: Row) -> bool:
         past = past_edge_m(self.feet_m, row, self.across_m)
         return bool(np.where(self.beside, past < -DEPTH_M, past > DEPTH_M).any())
 
@@ -73,55 +74,30 @@ class EdgeWatch:
         """Distance of the furthest vertex from the centroid."""
         return float(np.max(np.linalg.norm(self.points_m, axis=1)))
 
-    def __call__(self, row: tuple[float, ...]) -> bool:
-        top, statue = _columns(row[16:20]), _columns(row[3:7])
-        # Everything along the axes of the pedestal's top: the statue's place and velocity, both rates, the statue's rotation.
-        offset = [row[k] - row[13 + k] for k in range(3)]
-        drift = [row[7 + k] - row[20 + k] for k in range(3)]
-        bx, by, bz = (_dot(column, offset) for column in top)
-        vx, vy, vz = (_dot(column, drift) for column in top)
-        ox, oy, oz = (_dot(column, row[23:26]) for column in top)
-        px, py, pz = (_dot(column, row[10:13]) for column in top)
-        x, y, z = ([_dot(column, own) for own in statue] for column in top)
-        above = self.points_m @ np.array(z)
-        lowest = float(above.min()) + bz - self.half_m[2]
-        spin = math.sqrt(px * px + py * py + pz * pz) + math.sqrt(ox * ox + oy * oy + oz * oz)
+    def __call__(self, row: Row) -> bool:
+        # Everything along the axes of the pedestal's top: the statue's place, velocity and rotation, both rates.
+        top, statue = matrices(np.array([row[16:20], row[3:7]]))
+        state, below = np.array(row[:ALONE]), np.array(row[ALONE:])
+        place, velocity = (state[0:3] - below[0:3]) @ top, (state[7:10] - below[7:10]) @ top
+        rate, rate_below = state[10:13] @ top, below[10:13] @ top
+        arms = self.points_m @ (top.T @ statue).T
+        lowest = float(arms[:, 2].min()) + place[2] - self.half_m[2]
+        spin = math.hypot(*rate) + math.hypot(*rate_below)
         # A point's acceleration is at most what pulls the body, twice over, and what keeps it on its circle.
         slack = (self.pull_m_s2 + 0.5 * self.radius_m * spin**2) * self.ahead_s**2
-        reach = (math.sqrt(vx * vx + vy * vy + vz * vz) + self.radius_m * spin) * self.ahead_s + slack
+        reach = (math.hypot(*velocity) + self.radius_m * spin) * self.ahead_s + slack
         if lowest >= DEPTH_M + reach:
             return False
         if lowest < -DEPTH_M:
             return True
-        low = self.points_m[above < DEPTH_M + reach + self.half_m[2] - bz]
+        arms = arms[arms[:, 2] < DEPTH_M + reach + self.half_m[2] - place[2]]
         # A point at p from the centroid moves by v + ω × p − ω_top × (b + p) against the top.
-        wx, wy, wz = px - ox, py - oy, pz - oz
-        moving = [
-            [wy * e - wz * d for d, e in zip(y, z, strict=True)],
-            [wz * c - wx * e for c, e in zip(x, z, strict=True)],
-            [wx * d - wy * c for c, d in zip(x, y, strict=True)],
-        ]
-        points = low @ np.array([x, y, z, *moving]).T
-        points += (bx, by, bz - self.half_m[2], vx - oy * bz + oz * by, vy - oz * bx + ox * bz, vz - ox * by + oy * bx)
-        then = points[:, :3] + self.ahead_s * points[:, 3:]
+        moving = velocity + np.cross(rate, arms) - np.cross(rate_below, place + arms)
+        points = arms + place - (0.0, 0.0, self.half_m[2])
+        then = points + self.ahead_s * moving
         down = np.minimum(points[:, 2], then[:, 2] - slack) < DEPTH_M
-        across, along = self.half_m[0] + DEPTH_M, self.half_m[1] + DEPTH_M
         furthest = np.maximum(np.abs(points[down, :2]), np.abs(then[down, :2]))
-        return bool((furthest > (across, along)).any())
-
-
-def _columns(turn: tuple[float, ...]) -> tuple[tuple[float, float, float], ...]:
-    """Columns of the rotation of a quaternion (x, y, z, w)."""
-    x, y, z, w = turn
-    return (
-        (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)),
-        (2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)),
-        (2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)),
-    )
-
-
-def _dot(a: Sequence[float], b: Sequence[float]) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+        return bool((furthest > (self.half_m[0] + DEPTH_M, self.half_m[1] + DEPTH_M)).any())
 
 
 Ints = NDArray[np.int64]

@@ -37,8 +37,9 @@ class FullShape:
         """What it is, for the record."""
         return "hull" if self.kind == "hull" else f"{len(self.bodies_m)} convex parts"
 
-    def turned(self, centroid_m: Array, axes: Array) -> tuple[Array, ...]:
-        """The bodies about a point (3,) along `axes` (3, 3), given as columns."""
+    def turned(self, statue: Statue, axes: Array) -> tuple[Array, ...]:
+        """The bodies about the statue's centroid along `axes` (3, 3), given as columns."""
+        centroid_m = np.array([0.0, 0.0, statue.centroid_height_m])
         return tuple((points - centroid_m) @ axes for points in self.bodies_m)
 
 

@@ -20,7 +20,7 @@ from harness.engines.pybullet.adapter import REST_BAND_RAD, Bullet3D
 from harness.engines.pybullet.mirror import halves
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.stepping.columns import trajectory
-from harness.engines.stepping.coulomb import floor_friction
+from harness.engines.stepping.coulomb import stuck_below_m_s
 from harness.engines.stepping.frame import greatest_pull_m_s2, step_count
 from harness.engines.stepping.loop import LOOK_STEPS, WallWatch, Watch
 from harness.engines.stepping.plain_steps import plain_steps, refuse_steering
@@ -32,7 +32,7 @@ from harness.model.scene import Scene
 
 if TYPE_CHECKING:
     from harness.engines.pybullet.full import FullShape
-    from harness.engines.pybullet.run_phases import Setup
+    from harness.engines.pybullet.pose import Setup
     from harness.engines.pybullet.world import World
 
 LEVELS: Final = (
@@ -88,12 +88,12 @@ class PlainBullet3D(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where pybullet refuses it, or where it would have to be steered."""
-        from harness.engines.pybullet import run_phases
+        from harness.engines.pybullet import pose
 
         own = own_settings(self.name, BulletSettings, settings)
         refuse_steering(scene, self.name)
         begin = time.perf_counter()
-        setup = run_phases.prepare(scene)
+        setup = pose.prepare(scene)
         record, full = _integrate(scene, own, setup, options)
         path = trajectory(scene, record, setup.axes, own.dt_s)
         report = Report(
@@ -102,7 +102,7 @@ class PlainBullet3D(Engine):
             steps=len(record.t_s) - 1,
             wall_s=time.perf_counter() - begin,
             resolution_rad=REST_BAND_RAD,
-            stuck_below_m_s=floor_friction(scene, own.dt_s).stuck_below_m_s,
+            stuck_below_m_s=stuck_below_m_s(scene, own.dt_s),
             with_history=options.history or not options.allows("no_history"),
             repeats=False,
             validity={
@@ -145,12 +145,11 @@ def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, options: Ru
 def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullShape | None, watch: Watch) -> StepLog:
     """One world from the scene's start to its end, to overturning, or to where the pedestal's edge can be met."""
     from harness.engines.pybullet.backend import BulletBackend
-    from harness.engines.pybullet.run_phases import build
     from harness.engines.pybullet.world import World
 
     schedule = Schedule(scene, settings.dt_s, 0, step_count(scene.duration_s, settings.dt_s))
-    with World(settings) as world:
-        build(world, scene, setup, full)
+    with World(settings, setup) as world:
+        world.build(scene, None if full is None else full.turned(scene.statue, setup.axes))
         if scene.contact.restitution is not None:
             _bounce(world, scene.contact.restitution)
         return plain_steps(BulletBackend(world, settings.dt_s), schedule, watch)

@@ -1,18 +1,65 @@
-"""Poses: the statue's principal frame, its start on a corner, rotations as quaternions (x, y, z, w)."""
+"""The statue in its principal frame and as it starts, rotations as quaternions (x, y, z, w)."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.engines.pybullet import feet, mirror
 from harness.engines.pybullet.feet import Rest
-from harness.engines.stepping.step_log import Body
+from harness.engines.stepping.step_log import Row, Vector
 from harness.model.scene import Scene, Statue
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """The statue in its principal frame, origin at its centroid: `axes` (3, 3) as columns in the statue frame, `moments` (3,),
+    `feet_m` (k, 3) and `hull_m` (n, 3); `rest` is its pose at rest, `start` its part of the row at t = 0.
+    """
+
+    axes: Array
+    moments: Array
+    feet_m: Array
+    hull_m: Array
+    rest: Rest
+    start: Row
+    mirrored: bool = False
+    in_plane: bool = False
+
+    @property
+    def axis(self) -> Vector:
+        """The statue's vertical axis in its principal frame."""
+        return vector(self.axes[2])
+
+    @property
+    def flat(self) -> Setup:
+        """All of a scene that mirrors itself, its bodies turning in the plane alone."""
+        return replace(self, moments=mirror.locked(self.moments), in_plane=True)
+
+    @property
+    def halved(self) -> Setup:
+        """The half of a scene that mirrors itself."""
+        return replace(self.flat, feet_m=mirror.halved(self.feet_m), mirrored=True)
+
+
+def prepare(scene: Scene) -> Setup:
+    """Feet, hull, inertia, rest pose and start of a scene's statue."""
+    statue = scene.statue
+    moments, axes = principal(statue)
+    centroid = np.array([0.0, 0.0, statue.centroid_height_m])
+    hull = feet.hull_vertices(statue)
+    # Any vertex can touch a wall, and the floor under a thrown body; else those that a lean brings down to a level support.
+    touching = hull if scene.wall is not None or scene.initial.pose is not None else feet.touchable(statue)
+    rest = feet.rest(statue)
+    return Setup(
+        axes, moments, (touching - centroid) @ axes, (hull - centroid) @ axes, rest, start(scene, touching, rest, axes)
+    )
 
 
 def principal(statue: Statue) -> tuple[Array, Array]:
@@ -30,8 +77,8 @@ def principal(statue: Statue) -> tuple[Array, Array]:
     return moments, axes
 
 
-def start(scene: Scene, feet_m: Array, rest: Rest, axes: Array) -> Body:
-    """The statue at t = 0: at rest on its facet, turned by the initial rotation about the lowest foot on that side.
+def start(scene: Scene, feet_m: Array, rest: Rest, axes: Array) -> Row:
+    """The statue's part of the first row: at rest on its facet, turned by the initial rotation about the lowest foot there.
 
     The lowest foot touches the support; the centroid of an upright statue stands over the origin. Where the scene gives a pose,
     that.
@@ -39,7 +86,8 @@ def start(scene: Scene, feet_m: Array, rest: Rest, axes: Array) -> Body:
     statue, initial = scene.statue, scene.initial
     if initial.pose is not None:
         turn, spin = initial.pose.rotation, np.array(initial.pose.angular_velocity_rad_s)
-        return Body(initial.pose.position_m, quaternion(turn @ axes), initial.pose.velocity_m_s, vector(turn @ spin))
+        pose = initial.pose
+        return (*pose.position_m, *quaternion(turn @ axes), *pose.velocity_m_s, *vector(turn @ spin))
     height = 0.0 if scene.pedestal is None else scene.pedestal.height_m
     centroid = np.array([0.0, 0.0, statue.centroid_height_m])
     rested = feet_m @ rest.rotation.T
@@ -53,10 +101,10 @@ def start(scene: Scene, feet_m: Array, rest: Rest, axes: Array) -> Body:
     place = turned @ centroid + shift
     rate = np.array([0.0, initial.theta_rate_rad_s, 0.0])
     velocity = np.cross(rate, place - (turned_feet_m[pivot] + shift))
-    return Body(vector(place), quaternion(turned @ axes), vector(velocity), vector(rate))
+    return (*vector(place), *quaternion(turned @ axes), *vector(velocity), *vector(rate))
 
 
-def vector(values: Array) -> tuple[float, float, float]:
+def vector(values: Array) -> Vector:
     """Three numbers of an array, plain."""
     return float(values[0]), float(values[1]), float(values[2])
 

@@ -38,12 +38,3 @@ class BulletSettings(Settings):
     turn_rad: float = 0.0
     axes: Literal["along", "fixed"] = "fixed"
     full_shape: Literal["needed", "hull", "parts"] = "needed"
-
-    def residual_for(self) -> float:
-        """Threshold for this level's step."""
-        # A step changes velocities by forces times Δt, so the squares that are compared go with Δt².
-        return self.residual * (self.dt_s / REFERENCE_DT_S) ** 2
-
-    def erp_for(self, step_s: float) -> float:
-        """Share of a penetration corrected in a step of `step_s`: in proportion, so that a sub-step pushes no faster."""
-        return self.erp * step_s / self.dt_s

@@ -16,8 +16,6 @@ from harness.model.scene import Pedestal
 
 Array = NDArray[np.float64]
 
-PEDESTAL_CLEARANCE_M: Final = 1e-4
-"""The box stands this much above the pedestal's own feet, so that only they touch the floor."""
 MARGIN_M: Final = 1e-3
 """What Bullet adds to a hull of its own accord, rounding its edges."""
 HULL_INSET_M: Final = 1.1 * MARGIN_M
@@ -44,31 +42,23 @@ def feet(centres_m: Array, radius_m: float, client: int) -> int:
     )
 
 
-def pedestal(body: Pedestal, radius_m: float, edges: bool, client: int, *, halved: bool = False) -> int:
-    """Spheres at the four lower corners and a top `radius_m` below the pedestal's, where the statue's spheres stand at height 0.
-
-    `halved`: two spheres in the rocking plane bear for the four.
-
-    Without `edges` the top is a plane without end: its contact with a sphere is a closed form. With `edges` it is a box's, found
-    by iteration (GJK), which now and then misses a contact for one step.
+def halved_pedestal(body: Pedestal, radius_m: float, client: int) -> int:
+    """Two spheres in the rocking plane, which bear for the four lower corners, and a plane without end `radius_m` below the
+    pedestal's top, where the statue's spheres stand at height 0: its contact with a sphere is a closed form.
     """
-    x, y, z = 0.5 * body.width_m, 0.5 * body.depth_m, 0.5 * body.height_m
-    corners = [[sx * x, sy * y, -z] for sx in (1.0, -1.0) for sy in ((0.0,) if halved else (1.0, -1.0))]
-    low, high = -z + PEDESTAL_CLEARANCE_M, z - radius_m
-    top = {"box": [x, y, 0.5 * (high - low)], "place": [0.0, 0.0, 0.5 * (high + low) if edges else high]}
+    x, z = 0.5 * body.width_m, 0.5 * body.height_m
     return int(
         pybullet.createCollisionShapeArray(
-            shapeTypes=[pybullet.GEOM_SPHERE] * len(corners) + [pybullet.GEOM_BOX if edges else pybullet.GEOM_PLANE],
-            radii=[radius_m] * len(corners) + [0.0],
-            halfExtents=[[0.0, 0.0, 0.0]] * len(corners) + [top["box"]],
-            planeNormals=[[0.0, 0.0, 1.0]] * (len(corners) + 1),
-            collisionFramePositions=[*corners, top["place"]],
+            shapeTypes=[pybullet.GEOM_SPHERE, pybullet.GEOM_SPHERE, pybullet.GEOM_PLANE],
+            radii=[radius_m, radius_m, 0.0],
+            planeNormals=[[0.0, 0.0, 1.0]] * 3,
+            collisionFramePositions=[[x, 0.0, -z], [-x, 0.0, -z], [0.0, 0.0, z - radius_m]],
             physicsClientId=client,
         )
     )
 
 
-def linked_pedestal(body: Pedestal, radius_m: float, place_m: list[float], client: int) -> int:
+def linked_pedestal(body: Pedestal, radius_m: float, place_m: Sequence[float], client: int) -> int:
     """A pedestal of a box with its edges, and two links fixed to it: the plane of its top, without end, and its four feet.
 
     Bullet rounds a box by a margin, within which its top is not flat: what turns on an edge would turn a millimetre inside it.

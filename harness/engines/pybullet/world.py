@@ -1,11 +1,8 @@
-"""The world of one run: a fresh client, every parameter sent, its solver, bodies in a fixed order and along its axes, closed at
-the end.
-"""
+"""The world of one run: its client, every parameter sent, bodies in a fixed order and along its axes, closed at the end."""
 
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
@@ -16,14 +13,17 @@ import pybullet
 from numpy.typing import NDArray
 
 from harness.engines.base import EngineFailure
-from harness.engines.pybullet import mirror, shapes, writing
-from harness.engines.pybullet.settings import BulletSettings
-from harness.engines.stepping.step_log import ALONE, Body, Row, Vector
-from harness.model.scene import Contact, Pedestal, Wall
+from harness.engines.pybullet import mirror, shapes
+from harness.engines.pybullet.pose import Setup
+from harness.engines.pybullet.settings import REFERENCE_DT_S, BulletSettings
+from harness.engines.stepping.step_log import ALONE, Row, Vector
+from harness.model.scene import Pedestal, Scene
 
 # What Bullet's solver is told: every parameter of a world, and what the length of a step or a rest asks of
 # it.
 
+
+Array = NDArray[np.float64]
 
 MIRRORED_RESIDUAL: Final = 1e-2
 """Share of a level's residual in a mirrored world: started from the last step's impulses the solver iterations get there soon."""
@@ -36,62 +36,6 @@ SHORT: Final = 0.1
 """Share of a step below which nothing is taken back of what a standing foot has crept along: it holds an impact."""
 NO_RESTITUTION_BELOW_M_S: Final = 1e9
 """Every contact is slower than this, so none bounces."""
-
-
-class Solver:
-    """Parameters of one world's solver."""
-
-    def __init__(self, settings: BulletSettings, client: int, *, mirrored: bool) -> None:
-        self.settings, self.client, self.mirrored, self.resting = settings, client, mirrored, False
-        self.length_s = settings.dt_s
-
-    def begin(self) -> None:
-        """Send every parameter: some are global to the process and outlive a client."""
-        pybullet.setPhysicsEngineParameter(
-            numSubSteps=0,
-            contactBreakingThreshold=self.settings.reach,
-            enableConeFriction=int(self.settings.cone_friction),
-            globalCFM=0.0,
-            contactSlop=0.0,
-            restitutionVelocityThreshold=NO_RESTITUTION_BELOW_M_S,
-            deterministicOverlappingPairs=1,
-            enableFileCaching=0,
-            constraintSolverType=pybullet.CONSTRAINT_SOLVER_LCP_SI,
-            physicsClientId=self.client,
-        )
-        self.set_length(self.settings.dt_s)
-
-    def rest(self, resting: bool) -> None:
-        """Whether the steps that follow are of bodies at rest."""
-        if resting != self.resting:
-            self.resting = resting
-            self.set_length(self.settings.dt_s)
-
-    def set_length(self, step_s: float) -> None:
-        """The length of the steps that follow; what is a share of a penetration for each step goes with it.
-
-        A step of another length than the level's holds an event, whose impulses are solved more tightly.
-        """
-        self.length_s = step_s
-        s, erp = self.settings, self.settings.erp_for(step_s)
-        tight, share = step_s != s.dt_s, step_s / s.dt_s
-        iterations, residual = s.iterations, s.residual_for()
-        if tight or self.mirrored:
-            iterations = max(iterations, s.event_iterations)
-            residual *= MIRRORED_RESIDUAL if self.mirrored else s.event_residual
-        elif self.resting:
-            iterations, residual = max(iterations, RESTING_ITERATIONS), RESTING_RESIDUAL * residual
-        pybullet.setPhysicsEngineParameter(
-            fixedTimeStep=step_s,
-            erp=erp,
-            contactERP=erp,
-            frictionERP=share**2 if share > SHORT else 0.0,
-            numSolverIterations=iterations,
-            solverResidualThreshold=residual,
-            # Impulses of an event are no guess for the next step's, nor the last step's for an event's.
-            warmStartingFactor=0.0 if tight else 1.0,
-            physicsClientId=self.client,
-        )
 
 
 # The scene turned about the vertical in Bullet's world, so that what slides does so along one of Bullet's
@@ -129,65 +73,22 @@ class Heading:
         x, y, z = vector
         return self.cos * x - self.sin * y, self.sin * x + self.cos * y, z
 
-    def body(self, state: Body) -> Body:
-        """A body's state, turned."""
-        x, y, z, w = state.turn
-        # The turn comes after the body's own: its quaternion (0, 0, s, c) stands on the left of the product.
-        c, s = self.half_cos, self.half_sin
-        turn = (c * x - s * y, c * y + s * x, c * z + s * w, c * w - s * z)
-        return Body(self.vector(state.place_m), turn, self.vector(state.velocity_m_s), self.vector(state.rate_rad_s))
-
     def row(self, row: Row) -> Row:
         """The row of one or two bodies, turned."""
         turned: Row = ()
+        c, s = self.half_cos, self.half_sin
         for k in range(0, len(row), ALONE):
-            body = self.body(Body(row[k : k + 3], row[k + 3 : k + 7], row[k + 7 : k + 10], row[k + 10 : k + 13]))  # type: ignore[arg-type]
-            turned += (*body.place_m, *body.turn, *body.velocity_m_s, *body.rate_rad_s)
+            px, py, pz, x, y, z, w, u, v, q, a, b, r = row[k : k + ALONE]
+            # The turn comes after the body's own: its quaternion (0, 0, s, c) stands on the left of the product.
+            turn = (c * x - s * y, c * y + s * x, c * z + s * w, c * w - s * z)
+            turned += (*self.vector((px, py, pz)), *turn, *self.vector((u, v, q)), *self.vector((a, b, r)))
         return turned
 
 
-# Clients of Bullet, kept from one run to the next: to start and end one costs more than many a run. A kept
-# client is emptied (`resetSimulation` makes a new world with new solver and new numbering) and every
-# parameter is sent again, so a run does not see what ran before. A client whose run failed is ended, not
-# kept.
-
-
-MOST_IDLE: Final = 2
-"""Clients kept at once at most: a run and one inside it."""
-
-_idle: list[tuple[int, int]] = []
-"""Process and number of each client that is not in use."""
-
-
-def take() -> int:
-    """An empty client of this process, for one run at a time. Raises `EngineFailure` when no client can be had."""
-    while _idle:
-        process, client = _idle.pop()
-        # A process that was forked has its parent's list, whose clients are not its own.
-        if process == os.getpid() and pybullet.isConnected(client):
-            break
-    else:
-        client = int(pybullet.connect(pybullet.DIRECT))
-        if client < 0:
-            raise EngineFailure("pybullet gave no client")
-    pybullet.resetSimulation(physicsClientId=client)
-    return client
-
-
-def give_back(client: int, *, sound: bool) -> None:
-    """Keep a client for the next run, or end it: when its run failed (`sound` false) or enough are kept."""
-    if sound and len(_idle) < MOST_IDLE:
-        _idle.append((os.getpid(), client))
-    elif pybullet.isConnected(client):
-        pybullet.disconnect(client)
-
-
-Array = NDArray[np.float64]
-
 STILL: Final = (0.0, 0.0, 0.0)
+UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
 ALOFT_M: Final = 1e3
 """Height at which bodies touch nothing, and above each other."""
-UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
 BOX, FACE, FEET = -1, 0, 1
 """Of a pedestal with edges: a box, which the statue's edges meet, its top's face, which the feet over it do, and its own feet."""
 OVER, BESIDE = 0, 1
@@ -206,77 +107,120 @@ class World:
     A context manager: leaving it ends the client. Raises `EngineFailure` when no client can be had.
     """
 
-    def __init__(self, settings: BulletSettings, *, mirrored: bool = False, in_plane: bool = False) -> None:
-        self.settings, self.mirrored, self.in_plane = settings, mirrored, mirrored or in_plane
+    def __init__(self, settings: BulletSettings, setup: Setup) -> None:
+        self.settings, self.setup = settings, setup
         self.turn_rad, self.heading = settings.turn_rad, Heading.of(settings.turn_rad)
         self.follows = settings.axes == "along"
-        self.client = take()
-        self.solver = Solver(settings, self.client, mirrored=mirrored)
-        self.floor = -1
+        self.client = int(pybullet.connect(pybullet.DIRECT))
+        if self.client < 0:
+            raise EngineFailure("pybullet gave no client")
+        self.length_s, self.resting = settings.dt_s, False
+        self.floor = self.statue = -1
         self.wall: int | None = None
         self.pedestal: int | None = None
-        self.statue = -1
-        self.radius_m = settings.foot_radius_m
         self.edges, self.feet_over, self.reach = False, True, settings.reach
-        self.moments, self.feet_m, self.pedestal_half_m = STILL, np.zeros((0, 3)), 0.0
+        self.pedestal_half_m = 0.0
         self.table: tuple[Vector, Vector] = (STILL, STILL)
         self._homes: dict[int, Vector] = {}
 
     def __enter__(self) -> Self:
-        self.solver.begin()
+        """Send every parameter: some are global to the process and outlive a client."""
+        pybullet.setPhysicsEngineParameter(
+            numSubSteps=0,
+            contactBreakingThreshold=self.settings.reach,
+            enableConeFriction=int(self.settings.cone_friction),
+            globalCFM=0.0,
+            contactSlop=0.0,
+            restitutionVelocityThreshold=NO_RESTITUTION_BELOW_M_S,
+            deterministicOverlappingPairs=1,
+            enableFileCaching=0,
+            constraintSolverType=pybullet.CONSTRAINT_SOLVER_LCP_SI,
+            physicsClientId=self.client,
+        )
+        self.set_length(self.settings.dt_s)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        give_back(self.client, sound=error is None)
+        pybullet.disconnect(self.client)
+
+    def rest(self, resting: bool) -> None:
+        """Whether the steps that follow are of bodies at rest."""
+        if resting != self.resting:
+            self.resting = resting
+            self.set_length(self.settings.dt_s)
+
+    def set_length(self, step_s: float) -> None:
+        """The length of the steps that follow; what is a share of a penetration for each step goes with it.
+
+        A step of another length than the level's holds an event, whose impulses are solved more tightly.
+        """
+        self.length_s = step_s
+        s, mirrored = self.settings, self.setup.mirrored
+        tight, share = step_s != s.dt_s, step_s / s.dt_s
+        # So that a sub-step pushes no faster.
+        erp = s.erp * step_s / s.dt_s
+        # A step changes velocities by forces times Δt, so the squares that are compared go with Δt².
+        iterations, residual = s.iterations, s.residual * (s.dt_s / REFERENCE_DT_S) ** 2
+        if tight or mirrored:
+            iterations = max(iterations, s.event_iterations)
+            residual *= MIRRORED_RESIDUAL if mirrored else s.event_residual
+        elif self.resting:
+            iterations, residual = max(iterations, RESTING_ITERATIONS), RESTING_RESIDUAL * residual
+        pybullet.setPhysicsEngineParameter(
+            fixedTimeStep=step_s,
+            erp=erp,
+            contactERP=erp,
+            frictionERP=share**2 if share > SHORT else 0.0,
+            numSolverIterations=iterations,
+            solverResidualThreshold=residual,
+            # Impulses of an event are no guess for the next step's, nor the last step's for an event's.
+            warmStartingFactor=0.0 if tight else 1.0,
+            physicsClientId=self.client,
+        )
 
     def build(
-        self,
-        contact: Contact,
-        pedestal: tuple[Pedestal, float] | None,
-        wall: tuple[Wall, float] | None,
-        statue: tuple[float, Array, Array, Sequence[Array] | None, Body],
-        beside: NDArray[np.bool_] | None = None,
+        self, scene: Scene, convex_m: Sequence[Array] | None = None, beside: NDArray[np.bool_] | None = None
     ) -> None:
-        """Create everything: pedestal with its centre's x, wall with its place's x, statue as mass, moments (3,), feet (k, 3)
-        and convex bodies (n, 3) each, or None, in its principal frame, and its state. With these the pedestal has edges;
-        `beside` (k,) are then the feet beside its top (None: none), the others meet its face as if that had no end.
+        """Create the scene's bodies: the statue on its feet alone, or with convex bodies (n, 3) each in its principal frame.
+
+        With these the pedestal has edges; `beside` (k,) are then the feet beside its top (None: none), the others meet its face
+        as if that had no end.
         """
-        self.edges = statue[3] is not None
-        radius = self.radius_m
+        self.edges = convex_m is not None
+        radius, statue = self.settings.foot_radius_m, scene.statue
         self.floor = self._fixed((0.0, 0.0, 1.0), (0.0, 0.0, -radius))
-        if wall is not None:
+        if scene.wall is not None:
             self.set_reach(max(self.reach, WALL_REACH))
-            sign = wall[0].sign
-            self.wall = self._fixed((-float(sign), 0.0, 0.0), (wall[1] + sign * radius, 0.0, 0.0))
+            sign = scene.wall.sign
+            place_m = sign * (statue.corner_m(sign) + scene.wall.distance_m)
+            self.wall = self._fixed((-float(sign), 0.0, 0.0), (place_m + sign * radius, 0.0, 0.0))
         if self.settings.reversed_bodies:
-            self._add_statue(statue, beside)
-            self._add_pedestal(pedestal)
-        else:
-            self._add_pedestal(pedestal)
-            self._add_statue(statue, beside)
-        if self.pedestal is not None and not self.mirrored:
+            self._add_statue(statue.mass_kg, convex_m, beside)
+        if scene.pedestal is not None:
+            self._add_pedestal(scene.pedestal, statue.base_centre_m + scene.pedestal.offset_m)
+        if not self.settings.reversed_bodies:
+            self._add_statue(statue.mass_kg, convex_m, beside)
+        if self.pedestal is not None and not self.setup.mirrored:
             self._part_top(self.pedestal)
         # Coefficients multiply: the floor's holds under the pedestal, the statue's on whatever the statue stands on.
-        self.surface(self.statue, contact.statue)
+        self.surface(self.statue, scene.contact.statue)
         if self.pedestal is not None:
             self.surface(self.pedestal, 1.0)
-        self.set_floor_friction(contact.floor_static if self.pedestal is not None else 1.0)
+        self.set_floor_friction(scene.contact.floor_static if self.pedestal is not None else 1.0)
         if self.wall is not None:
             self.surface(self.wall, 1.0)
-        if self.mirrored:
-            self._take_inertia(statue[4], pedestal)
+        if self.setup.mirrored:
+            self._take_inertia()
 
-    def _take_inertia(self, statue: Body, pedestal: tuple[Pedestal, float] | None) -> None:
+    def _take_inertia(self) -> None:
         """A step far above everything, without gravity: until one has moved it a rigid body turns by the inertia of its shape."""
-        states = {self.statue: statue}
-        if self.pedestal is not None and pedestal is not None:
-            place = (pedestal[1], 0.0, pedestal[0].centroid_height_m)
-            states[self.pedestal] = Body(place, UPRIGHT, STILL, STILL)
+        states = {self.statue: self.setup.start}
+        if self.pedestal is not None:
+            states[self.pedestal] = at_rest(pybullet.getBasePositionAndOrientation(self.pedestal, self.client)[0])
         for number, (body, state) in enumerate(states.items(), 1):
-            x, y, z = state.place_m
-            self.place(body, Body((x, y, z + number * ALOFT_M), state.turn, STILL, STILL))
+            self.place(body, (*state[:2], state[2] + number * ALOFT_M, *state[3:7], *STILL, *STILL))
         pybullet.stepSimulation(self.client)
         for body, state in states.items():
             self.place(body, state)
@@ -285,10 +229,10 @@ class World:
         body = self._created(shapes.plane(normal, self.client), 0.0, place)
         self._homes[body] = place
         if self.heading is not None:
-            self.place(body, Body(place, UPRIGHT, STILL, STILL))
+            self.place(body, at_rest(place))
         return body
 
-    def add(self, shape: int, mass_kg: float, moments_kg_m2: Array, place: list[float]) -> int:
+    def add(self, shape: int, mass_kg: float, moments_kg_m2: Array, place: Sequence[float]) -> int:
         """A body of a collision shape with its mass and principal moments (3,)."""
         body = self._created(shape, mass_kg, place)
         self._inert(body, mass_kg, moments_kg_m2)
@@ -306,29 +250,26 @@ class World:
                 shape,
                 drawn,
                 basePosition=place,
-                useMaximalCoordinates=int(self.mirrored),
+                useMaximalCoordinates=int(self.setup.mirrored),
                 physicsClientId=self.client,
             )
         )
 
-    def _add_pedestal(self, pedestal: tuple[Pedestal, float] | None) -> None:
-        if pedestal is None:
-            return
-        p, centre_m = pedestal
-        self.pedestal_half_m = p.centroid_height_m
-        squares = np.array([p.width_m**2, p.depth_m**2, p.height_m**2])
-        moments = p.mass_kg / 12.0 * (np.sum(squares) - squares)
-        if self.in_plane:
+    def _add_pedestal(self, pedestal: Pedestal, centre_m: float) -> None:
+        squares = np.array([pedestal.width_m**2, pedestal.depth_m**2, pedestal.height_m**2])
+        moments = pedestal.mass_kg / 12.0 * (np.sum(squares) - squares)
+        if self.setup.in_plane:
             moments = mirror.locked(moments)
-        place = [centre_m, 0.0, p.centroid_height_m]
-        if not self.mirrored:
-            self.pedestal = shapes.linked_pedestal(p, self.radius_m, place, self.client)
-            self._inert(self.pedestal, p.mass_kg, moments)
+        self.pedestal_half_m = pedestal.centroid_height_m
+        radius, place = self.settings.foot_radius_m, (centre_m, 0.0, pedestal.centroid_height_m)
+        if self.setup.mirrored:
+            shape = shapes.halved_pedestal(pedestal, radius, self.client)
+            self.pedestal = self.add(shape, pedestal.mass_kg, moments, place)
         else:
-            shape = shapes.pedestal(p, self.radius_m, False, self.client, halved=self.mirrored)
-            self.pedestal = self.add(shape, p.mass_kg, moments, place)
+            self.pedestal = shapes.linked_pedestal(pedestal, radius, place, self.client)
+            self._inert(self.pedestal, pedestal.mass_kg, moments)
         if self.heading is not None:
-            self.place(self.pedestal, Body((centre_m, 0.0, p.centroid_height_m), UPRIGHT, STILL, STILL))
+            self.place(self.pedestal, at_rest(place))
 
     def _part_top(self, pedestal: int) -> None:
         """Let the face be met by the feet over it alone, and them not by the box."""
@@ -346,28 +287,21 @@ class World:
             pair(body, pedestal, -1, FACE, 0, client)
             pair(body, pedestal, -1, BOX, 0, client)
 
-    def _add_statue(
-        self,
-        statue: tuple[float, Array, Array, Sequence[Array] | None, Body],
-        beside: NDArray[np.bool_] | None,
-    ) -> None:
-        mass, moments, feet_m, convex_m, state = statue
-        self.moments = (float(moments[0]), float(moments[1]), float(moments[2]))
-        radius, self.feet_m = self.radius_m, feet_m
+    def _add_statue(self, mass_kg: float, convex_m: Sequence[Array] | None, beside: NDArray[np.bool_] | None) -> None:
+        radius, feet_m, moments = self.settings.foot_radius_m, self.setup.feet_m, self.setup.moments
         if convex_m is not None:
             there = np.zeros(len(feet_m), dtype=bool) if beside is None else beside
             groups = [feet_m[~there], feet_m[there]]
             self.feet_over = len(groups[OVER]) > 0
             apart = [group for group in groups if len(group)]
             self.statue = shapes.described_body(feet_m[:0], radius, convex_m, self.client, apart)
-            self._inert(self.statue, mass, moments)
+            self._inert(self.statue, mass_kg, moments)
         elif len(feet_m) <= shapes.MOST_IN_ARRAY:
-            shape = shapes.feet(feet_m, radius, self.client)
-            self.statue = self.add(shape, mass, moments, [0.0, 0.0, 0.0])
+            self.statue = self.add(shapes.feet(feet_m, radius, self.client), mass_kg, moments, STILL)
         else:
             self.statue = shapes.described_body(feet_m, radius, (), self.client)
-            self._inert(self.statue, mass, moments)
-        self.place(self.statue, state)
+            self._inert(self.statue, mass_kg, moments)
+        self.place(self.statue, self.setup.start)
 
     def _inert(self, body: int, mass_kg: float, moments_kg_m2: Array) -> None:
         pybullet.changeDynamics(
@@ -403,9 +337,11 @@ class World:
         link = OVER if self.edges else -1
         pybullet.changeDynamics(self.statue, link, frictionAnchor=int(held), physicsClientId=self.client)
 
-    def place(self, body: int, state: Body) -> None:
-        """Put a body into a state."""
-        writing.place(body, state if self.heading is None else self.heading.body(state), self.client)
+    def place(self, body: int, state: Row) -> None:
+        """Put a body into a state, its part of a row: the one place from which Bullet's bodies are written to."""
+        state = state if self.heading is None else self.heading.row(state)
+        pybullet.resetBasePositionAndOrientation(body, state[0:3], state[3:7], physicsClientId=self.client)
+        pybullet.resetBaseVelocity(body, state[7:10], state[10:13], physicsClientId=self.client)
 
     def turn(self, by_rad: float) -> None:
         """Turn the scene's axes in Bullet's world by so much more; the bodies that move are then to be placed again."""
@@ -432,4 +368,9 @@ class World:
         self.table = (displacement_m, velocity_m_s)
         for body, (x, y, z) in self._homes.items():
             there = (x + displacement_m[0], y + displacement_m[1], z + displacement_m[2])
-            self.place(body, Body(there, UPRIGHT, velocity_m_s, STILL))
+            self.place(body, (*there, *UPRIGHT, *velocity_m_s, *STILL))
+
+
+def at_rest(place_m: Sequence[float]) -> Row:
+    """The part of a row of a body that stands upright and still."""
+    return (*place_m, *UPRIGHT, *STILL, *STILL)

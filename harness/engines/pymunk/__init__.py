@@ -22,7 +22,7 @@ from harness.engines.base import (
 )
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.contact_gaps import ContactGaps
-from harness.engines.stepping.coulomb import floor_friction
+from harness.engines.stepping.coulomb import stuck_below_m_s
 from harness.engines.stepping.frame import step_count
 from harness.engines.stepping.loop import IMPOSED_LABEL, STILL_M_S, WallWatch, Watch, integrate
 from harness.engines.stepping.reduce import Report, reduce_trajectory
@@ -152,7 +152,7 @@ class Munk2D(Engine):
             steps=len(record.t_s) - 1,
             wall_s=0.0,
             resolution_rad=resolution_rad(scene, own),
-            stuck_below_m_s=max(10.0 * floor_friction(scene, own.dt_s).stuck_below_m_s, STILL_M_S),
+            stuck_below_m_s=max(10.0 * stuck_below_m_s(scene, own.dt_s), STILL_M_S),
             rested=record.rested,
             with_history=options.history or not options.allows("no_history"),
             validity={} if _located(scene) else _plain_throughout(record.t_s),
@@ -175,9 +175,8 @@ def _integrated(scene: Scene, own: MunkSettings, options: RunOptions) -> tuple[S
     schedule = Schedule(scene, own.dt_s, first, count)
     support = SupportVertex(scene, own)
     backend = ChipmunkBackend(world.build(scene, own), own, support)
-    state = StepState(
-        Stepper(backend, scene, schedule, own.event_share), backend.read(), first, first * own.dt_s, even=True
-    )
+    begun = StepLog.begun(backend.read(), first * own.dt_s)
+    state = StepState(Stepper(backend, scene, schedule, own.event_share), begun, even=True)
     end_s = scene.base_excitation.end_s
     gaps = None
     if _located(scene):

@@ -21,8 +21,8 @@ from harness.engines.pymunk.world import World
 from harness.engines.stepping.step_log import ALONE, Impulse, Ledger, Row, Vector
 
 if TYPE_CHECKING:
-    from harness.engines.stepping.backend import Instant
     from harness.engines.stepping.step_log import StepLog
+    from harness.engines.stepping.step_state import StepState
 
 Pair = tuple[float, float]
 
@@ -91,7 +91,7 @@ class ChipmunkBackend:
         set_velocity(floor, (u, w))
         set_place(floor, (x - u * self.step_s, z - w * self.step_s))
 
-    def prepare_step(self, state: Instant, kick_s: float, length_s: float) -> None:
+    def prepare_step(self, state: StepState, kick_s: float, length_s: float) -> None:
         """What the next step's velocities lag behind, and will."""
         solved_s = state.t_s if self.solved_s is None else self.solved_s
         self.since_s = state.t_s - solved_s

@@ -15,7 +15,7 @@ from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, EngineFailure,
 from harness.engines.pymunk import SLOP_RAD_S, Munk2D, refuse_out_of_plane, resolution_rad
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.columns import trajectory
-from harness.engines.stepping.coulomb import floor_friction
+from harness.engines.stepping.coulomb import stuck_below_m_s
 from harness.engines.stepping.frame import step_count
 from harness.engines.stepping.loop import WallWatch, Watch
 from harness.engines.stepping.plain_steps import plain_steps, refuse_steering
@@ -98,7 +98,7 @@ class PlainMunk2D(Engine):
             steps=len(record.t_s) - 1,
             wall_s=0.0,
             resolution_rad=resolution_rad(scene, own),
-            stuck_below_m_s=floor_friction(scene, own.dt_s).stuck_below_m_s,
+            stuck_below_m_s=stuck_below_m_s(scene, own.dt_s),
             with_history=options.history or not options.allows("no_history"),
             repeats=False,
         )

@@ -7,22 +7,12 @@ are solved there, and the places go on with these. An engine that moves places f
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from harness.engines.stepping.step_log import Impulse, Row, StepLog, Vector
 
-
-class Instant(Protocol):
-    """Where a run is when a step begins (`step_state.StepState`): as much of it as an engine is told."""
-
-    t_s: float
-    kick_s: float
-    row: Row
-    record: StepLog
-
-    @property
-    def smooth(self) -> bool:
-        """Whether what velocities changed by up to the last sample tells by what they go on to change."""
+if TYPE_CHECKING:
+    from harness.engines.stepping.step_state import StepState
 
 
 class Backend(Protocol):
@@ -48,7 +38,7 @@ class Backend(Protocol):
     def set_length(self, length_s: float) -> None:
         """Length of the steps that follow, s."""
 
-    def prepare_step(self, state: Instant, kick_s: float, length_s: float) -> None:
+    def prepare_step(self, state: StepState, kick_s: float, length_s: float) -> None:
         """Be told of the next step: it begins at `state`, is so long, s, and takes velocities to `kick_s`."""
 
     def advance(self, gravity: Vector) -> Row:

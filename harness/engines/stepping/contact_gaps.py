@@ -17,12 +17,8 @@ from harness.model.scene import Scene
 Array = NDArray[np.float64]
 Four = tuple[float, float, float, float]
 
-SOON_STEPS: Final = 8
-"""Steps ahead for which the feet that can come down are looked for among many."""
-FEW: Final = 12
-"""Up to so many feet plain numbers are quicker than arrays throughout, and"""
 MANY: Final = 40
-"""up to so many where one pass over them is made."""
+"""Up to so many feet plain numbers are quicker than arrays."""
 
 
 class ContactGaps:
@@ -43,11 +39,6 @@ class ContactGaps:
         statue, events = scene.statue, settings.EVENTS
         self.feet_m, self.half_m, self.within_m = np.ascontiguousarray(feet_m), half_m, within_m
         self.feet = [tuple(foot) for foot in feet_m.tolist()]
-        few = len(feet_m) <= FEW and within_m is None
-        self.few = self.feet if few else None
-        # Numbers of the feet that can come down soon, and until when no other can.
-        self.soon, self.soon_until_s = list(range(len(feet_m))), math.inf if few else -math.inf
-        self.ahead_s = SOON_STEPS * step_s
         self.base_m = statue.corner_left_m + statue.corner_right_m
         height_m, own_rad_s = statue.centroid_height_m, math.sqrt(scene.gravity_m_s2 / statue.centroid_height_m)
         self.near_m, self.rest_m, self.held = events.near * height_m, events.rest * height_m, events.held
@@ -63,25 +54,19 @@ class ContactGaps:
         self.bounds = 2.0 * pull / height_m * np.linalg.norm(feet_m, axis=1)
         self.bound = self.bounds.tolist()
 
-    def __call__(
-        self, row: Row, t_s: float, jumped_s: float, floor_m: float, floor_m_s: float
-    ) -> tuple[float, float, int]:
-        """These times and that foot's number, of a row at `t_s` whose velocities an impact changed at `jumped_s` last; `floor_m`,
-        `floor_m_s` are the height of a moving table and its velocity.
+    def __call__(self, row: Row, floor_m: float, floor_m_s: float) -> tuple[float, float, int]:
+        """These times and that foot's number; `floor_m`, `floor_m_s` are the height of a moving table and its velocity.
 
         A time is infinite when no foot comes down, or all stand.
         """
         falling = self.falling_m_s(row)
-        if t_s >= self.soon_until_s or jumped_s > self.soon_until_s - self.ahead_s:
-            self._choose(row, floor_m, floor_m_s, t_s)
-        if self.within_m is not None or len(self.soon) > MANY:
+        if self.within_m is not None or len(self.feet) > MANY:
             return self._of_many(row, falling, floor_m, floor_m_s)
         near = self.stands_m(row)
-        first_s, soonest_s = math.inf, self.soon_until_s - t_s
+        first_s = soonest_s = math.inf
         foot = -1
         (ha, hb, hc, place), (va, vb, vc, rate) = self._support(row, floor_m, floor_m_s)
-        for index in self.soon:
-            fx, fy, fz = self.feet[index]
+        for index, (fx, fy, fz) in enumerate(self.feet):
             gap, closing = fx * ha + fy * hb + fz * hc + place, -(fx * va + fy * vb + fz * vc + rate)
             falls = closing > falling and gap > -self.late_s * closing
             if gap > near or (falls and gap > 0.0):
@@ -94,13 +79,6 @@ class ContactGaps:
                 if time_s < first_s:
                     first_s, foot = time_s, index
         return first_s, soonest_s, foot
-
-    def _choose(self, row: Row, floor_m: float, floor_m_s: float, t_s: float) -> None:
-        """The feet that can come down within the next steps, up to the next impact."""
-        gap, closing = self._all_gaps(row, floor_m, floor_m_s)
-        ahead_s = self.ahead_s
-        reach = (np.maximum(closing, 0.0) + 0.5 * self.bounds * ahead_s) * ahead_s + self.near_m
-        self.soon, self.soon_until_s = np.flatnonzero(gap <= reach).tolist(), t_s + ahead_s
 
     def _of_many(self, row: Row, falling: float, floor_m: float, floor_m_s: float) -> tuple[float, float, int]:
         """The same for arrays."""
@@ -159,11 +137,8 @@ class ContactGaps:
 
     def heights(self, row: Row, floor_m: float, floor_m_s: float) -> list[tuple[float, float]]:
         """Height of each foot over its support, m, and the velocity at which it comes down, m/s."""
-        if self.few is None:
-            gap, closing = self._all_gaps(row, floor_m, floor_m_s)
-            return list(zip(gap.tolist(), closing.tolist(), strict=True))
-        (ha, hb, hc, place), (va, vb, vc, rate) = self._support(row, floor_m, floor_m_s)
-        return [(fx * ha + fy * hb + fz * hc + place, -(fx * va + fy * vb + fz * vc + rate)) for fx, fy, fz in self.few]
+        gap, closing = self._all_gaps(row, floor_m, floor_m_s)
+        return list(zip(gap.tolist(), closing.tolist(), strict=True))
 
     def height(self, foot: int, row: Row, floor_m: float, floor_m_s: float) -> tuple[float, float]:
         """The same of one foot."""
@@ -175,11 +150,12 @@ class ContactGaps:
 
     def _all_gaps(self, row: Row, floor_m: float, floor_m_s: float) -> tuple[Array, Array]:
         """The same as arrays, shape (k,) each; infinite heights beside the pedestal's top."""
-        height, motion = self._support(row, floor_m, floor_m_s)
-        gap = self.feet_m @ np.array(height[:3]) + height[3]
+        (ha, hb, hc, place), (va, vb, vc, rate) = self._support(row, floor_m, floor_m_s)
+        fx, fy, fz = self.feet_m.T
+        gap = fx * ha + fy * hb + fz * hc + place
         if self.within_m is not None:
             gap[past_edge_m(self.feet_m, row, self.within_m) > 0.0] = math.inf
-        return gap, -(self.feet_m @ np.array(motion[:3]) + motion[3])
+        return gap, -(fx * va + fy * vb + fz * vc + rate)
 
     def _support(self, row: Row, floor_m: float, floor_m_s: float) -> tuple[Four, Four]:
         """Height over the support, and its rate, as components in the statue's principal frame and a constant."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -19,7 +18,7 @@ from harness.engines.base import LayerFault
 from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.forces import Impulses
 from harness.model.run import Intervention
-from harness.model.scene import Scene
+from harness.model.scene import Contact, Scene
 
 # Two coefficients of friction in an engine that knows one.
 #
@@ -41,32 +40,15 @@ STUCK_SHARE: Final = 0.02
 """A velocity below this share of what kinetic friction takes away in one step is rest: solvers leave a little."""
 
 
-@dataclass(frozen=True)
-class FloorFriction:
-    """Coefficients of the pedestal on the floor; `stuck_below_m_s` is the velocity that counts as rest."""
-
-    static: float
-    kinetic: float
-    stuck_below_m_s: float
-
-    @property
-    def switches(self) -> bool:
-        """Whether the two numbers differ, so that the coefficient must follow the sliding state."""
-        return self.static != self.kinetic
-
-
-def floor_friction(scene: Scene, dt_s: float) -> FloorFriction:
-    """The floor's friction for steps of `dt_s`."""
+def stuck_below_m_s(scene: Scene, dt_s: float) -> float:
+    """Velocity of the pedestal on the floor that counts as rest, in steps of `dt_s`."""
     # In one step kinetic friction takes μ_k g Δt from a velocity: what a solver leaves is in proportion to it.
-    contact = scene.contact
-    return FloorFriction(
-        contact.floor_static, contact.floor_kinetic, STUCK_SHARE * contact.floor_kinetic * scene.gravity_m_s2 * dt_s
-    )
+    return STUCK_SHARE * scene.contact.floor_kinetic * scene.gravity_m_s2 * dt_s
 
 
-def followed(friction: FloorFriction, before_m_s: Pair, now_m_s: Pair) -> float:
+def followed(contact: Contact, rest_m_s: float, before_m_s: Pair, now_m_s: Pair) -> float:
     """The plainest rule for two numbers in an engine that knows one: kinetic once the pedestal slid the same way at the ends of
-    two steps in a row, `before_m_s` and `now_m_s`, else static.
+    two steps in a row, `before_m_s` and `now_m_s`, faster than what counts as rest, else static.
 
     It is asked after a step and holds for the next. No step is repeated, so the two steps in which the pedestal breaks loose act
     with the static coefficient: at an impact an error of (μ_s − μ_k) P_n that no step size cures (see above).
@@ -75,8 +57,8 @@ def followed(friction: FloorFriction, before_m_s: Pair, now_m_s: Pair) -> float:
     # One step's speed is not enough, where more than kinetic friction is needed to hold the pedestal: one that turned back was at
     # rest inside the step, and one that is let go because an engine lost the statue's contact for a step would be held again. By
     # that speed alone both slide on, at a chance that no step size cures (0.02 rad in a scene of the paper, pymunk at 0.25 ms).
-    slides = u * x + v * y > 0.0 and min(math.hypot(u, v), math.hypot(x, y)) > friction.stuck_below_m_s
-    return friction.kinetic if slides else friction.static
+    slides = u * x + v * y > 0.0 and min(math.hypot(u, v), math.hypot(x, y)) > rest_m_s
+    return contact.floor_kinetic if slides else contact.floor_static
 
 
 Array = NDArray[np.float64]
@@ -103,21 +85,6 @@ SLIP_ONSET: Final = "friction_release"
 """Kind of what is written where static friction gives way: steps that are solved again."""
 
 
-@dataclass(frozen=True)
-class FrictionUsed:
-    """What acted: shares by which friction exceeded its limit `sliding` and `held`; releases, those `as_static`; the step.
-
-    `slid`: whether any step slid.
-    """
-
-    sliding: float
-    held: float
-    releases: int
-    as_static: int
-    step_s: float
-    slid: bool
-
-
 def friction_is_known(scene: Scene, motion: Trajectory) -> bool:
     """Whether the balance of momentum in the plane tells the floor's friction: on a pedestal that moves in the plane alone.
 
@@ -128,11 +95,19 @@ def friction_is_known(scene: Scene, motion: Trajectory) -> bool:
     return scene.pedestal is not None and alone and flat
 
 
-def friction_used(
-    scene: Scene, motion: Trajectory, impulses: Impulses, plain_from_s: float | None, still_m_s: float
-) -> FrictionUsed:
-    """The floor's friction over a trajectory until its contact is another one, if ever; `still_m_s` counts as rest."""
-    static, kinetic = scene.contact.floor_static, scene.contact.floor_kinetic
+def check_friction(
+    scene: Scene,
+    motion: Trajectory,
+    impulses: Impulses,
+    plain_from_s: float | None,
+    still_m_s: float,
+    interventions: Mapping[str, Intervention] | None,
+) -> None:
+    """Raise `LayerFault` where the floor's friction was not Coulomb's until its contact is another one, if ever, or a release was
+    not solved again (without an account: not asked); `still_m_s` counts as rest.
+    """
+    contact = scene.contact
+    static, kinetic = contact.floor_static, contact.floor_kinetic
     normal = np.diff(impulses.floor_z)
     mass_kg = scene.statue.mass_kg + (0.0 if scene.pedestal is None else scene.pedestal.mass_kg)
     acting = np.diff(impulses.floor_x) - mass_kg * _rounded_off_m_s(motion)
@@ -146,18 +121,25 @@ def friction_used(
     # As it comes to rest a step's force is read from velocities of which one is of its sliding.
     settled = np.maximum(before, np.concatenate([[0.0], before[:-1]])) <= still_m_s
     held = counted & ~hard & settled & (after <= still_m_s)
+    most = MOST_OVER * max(1.0, float(np.median(np.diff(motion.t_s))) / COARSE_S)
+    for name, coefficient, which in (("sliding", kinetic, sliding), ("held", static, held)):
+        over = _over(friction, coefficient, normal, which)
+        if over > most:
+            raise LayerFault(f"friction_{name}", over_its_limit=over)
+    if interventions is None or static == kinetic:
+        return
     loose = counted & (before <= still_m_s) & (after > still_m_s)
     # Less than μ_k N: what moved the pedestal by more than counts as rest was a solver's remainder, or a part of the step.
     released = loose & (friction > (kinetic - 0.5 * (static - kinetic)) * normal)
     least = static - AT_LIMIT * (static - kinetic)
-    return FrictionUsed(
-        _over(friction, kinetic, normal, sliding),
-        _over(friction, static, normal, held),
-        int(released.sum()),
-        int((released & (friction >= least * normal)).sum()),
-        float(np.median(np.diff(motion.t_s))),
-        bool(sliding.any()),
-    )
+    releases, as_static = int(released.sum()), int((released & (friction >= least * normal)).sum())
+    if contact.at_impact > kinetic:
+        # What an impact breaks loose acts as the scene says.
+        as_static = 0
+    again = interventions[SLIP_ONSET].steps_again if SLIP_ONSET in interventions else 0
+    # What never slid has not broken loose: a solver's remainder of some 1e-6 m looks like it (seen on 1 of 77 random scenes).
+    if (sliding.any() and again < releases) or as_static == releases >= AS_STATIC:
+        raise LayerFault("release_not_kinetic", releases=releases, as_static=as_static, steps_solved_again=again)
 
 
 def _rounded_off_m_s(motion: Trajectory) -> Array:
@@ -191,21 +173,3 @@ def _over(friction: Array, coefficient: float, normal: Array, which: NDArray[np.
         return 0.0
     excess = np.maximum(friction[which] - coefficient * normal[which], 0.0).sum()
     return float(excess / (max(coefficient, SMOOTH) * normal[which].sum()))
-
-
-def check_friction(scene: Scene, used: FrictionUsed, interventions: Mapping[str, Intervention] | None) -> None:
-    """Raise `LayerFault` where friction was not Coulomb's, or a release not solved again (without an account: not asked)."""
-    where = {"sliding": used.sliding, "held": used.held}
-    for name, over in where.items():
-        if over > MOST_OVER * max(1.0, used.step_s / COARSE_S):
-            raise LayerFault(f"friction_{name}", over_its_limit=over)
-    if interventions is None or scene.contact.floor_static == scene.contact.floor_kinetic:
-        return
-    # What an impact breaks loose acts as the scene says.
-    as_static = 0 if scene.contact.at_impact > scene.contact.floor_kinetic else used.as_static
-    again = interventions[SLIP_ONSET].steps_again if SLIP_ONSET in interventions else 0
-    # What never slid has not broken loose: a solver's remainder of some 1e-6 m looks like it (seen on 1 of 77 random scenes).
-    if (used.slid and again < used.releases) or as_static == used.releases >= AS_STATIC:
-        raise LayerFault(
-            "release_not_kinetic", releases=used.releases, as_static=used.as_static, steps_solved_again=again
-        )

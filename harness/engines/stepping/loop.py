@@ -14,8 +14,8 @@ from harness.engines.stepping.columns import trajectory
 from harness.engines.stepping.contact_gaps import ContactGaps
 from harness.engines.stepping.frame import fallen, greatest_pull_m_s2, matrices
 from harness.engines.stepping.schedule import SAME_INSTANT, Schedule
-from harness.engines.stepping.step_log import ALONE, Row, StepLog, Vector, advanced, axis_of, bodies
-from harness.engines.stepping.step_state import ContactTime, HalfCycle, Stepper, StepState
+from harness.engines.stepping.step_log import ALONE, Row, StepLog, Vector, advanced, axis_of
+from harness.engines.stepping.step_state import Stepper, StepState
 from harness.engines.stepping.support import wall_touch
 from harness.model.scene import Scene
 from harness.statics.plan import LimitsOfRest
@@ -310,6 +310,19 @@ class ContactTimeEstimate:
 # which it returns.
 
 
+@dataclass(slots=True)
+class HalfCycle:
+    """A half-cycle since the impact at `start_s` that left a foot rising: the length of its parts, s, and whether it is known
+    yet.
+    """
+
+    contact_time: ContactTimeEstimate
+    start_s: float
+    part_s: float
+    known: bool = False
+    parts: int = 0
+
+
 def after_impact(state: StepState, gaps: ContactGaps) -> HalfCycle | None:
     """The half-cycle that an impact begins; None where it is sure to be long, or the foot that rises did not stand."""
     stepper, step_s, events = state.stepper, state.step_s, state.events
@@ -421,29 +434,27 @@ def locate_event(
 def impose(stepper: Stepper, scene: Scene, row: Row, lean_rad: float) -> Row:
     """Put both bodies upright with the velocities after the model's impact; `lean_rad` is what little is left to fall."""
     # It came down from the side against which it turns, whether or not the last digits of the lean have passed zero.
-    was, statue, side = row, scene.statue, 1 if row[11] < 0.0 else -1
-    body, pedestal = bodies(row)
-    table_x, table_y = stepper.table_rate[0], stepper.table_rate[1]
-    slip = 0.0 if pedestal is None else pedestal.velocity_m_s[0] - table_x
+    statue, side = scene.statue, 1 if row[11] < 0.0 else -1
+    table_x, table_y, _ = stepper.table_rate
+    slip = row[20] - table_x if len(row) > ALONE else 0.0
     jump = impact(scene, old_side=side, theta_rate_rad_s=row[11], slip_rate_m_s=slip, stuck=stepper.stuck)
     rate, base = jump.theta_rate_rad_s, jump.slip_rate_m_s + table_x
     # The old corner stays where it stands; the centroid comes to lie over the base again.
     old, new = side * statue.corner_m(side), -side * statue.corner_m(-side)
     shift = old * math.cos(lean_rad) - statue.centroid_height_m * math.sin(lean_rad) - old
-    top = 0.0
-    if pedestal is not None and scene.pedestal is not None:
-        top = pedestal.place_m[2] + 0.5 * scene.pedestal.height_m
+    top, below = 0.0, row[ALONE:]
+    if scene.pedestal is not None:
+        top = row[15] + 0.5 * scene.pedestal.height_m
         stepper.set_sliding(jump.slip_rate_m_s != 0.0)
-        row = (*row[:20], base, table_y, 0.0, 0.0, 0.0, 0.0)
+        below = (*row[13:20], base, table_y, 0.0, 0.0, 0.0, 0.0)
     height = top - stepper.backend.depth_m + statue.centroid_height_m
-    place = (body.place_m[0] + shift, body.place_m[1], height)
     velocity = (base + rate * statue.centroid_height_m, table_y, rate * new)
-    upright = (*place, *_level(body.turn, lean_rad), *velocity, 0.0, rate, 0.0)
-    stepper.writer.write("imposed_impact", was, upright + row[len(upright) :])
+    upright = (row[0] + shift, row[1], height, *_level(row[3:7], lean_rad), *velocity, 0.0, rate, 0.0)
+    stepper.writer.write("imposed_impact", row, upright + below)
     return stepper.backend.read()
 
 
-def _level(turn: tuple[float, float, float, float], lean_rad: float) -> tuple[float, float, float, float]:
+def _level(turn: Row, lean_rad: float) -> tuple[float, float, float, float]:
     """A quaternion turned back by a lean about y."""
     x, y, z, w = turn
     s, c = math.sin(-0.5 * lean_rad), math.cos(-0.5 * lean_rad)
@@ -501,7 +512,7 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) 
         if watch.gaps is not None and (beside or tips(row, state.step_s, state.stepper.tipped_rad)):
             free = BESIDE_FREE if beside else MOST_FREE
             # Nothing is located: the engine is plain, and no half-cycle is followed.
-            state.half_cycle, state.jumped_s = None, state.t_s
+            state.half_cycle = None
         elif watch.gaps is not None and state.velocity_jumps < state.events.most_jumps:
             free = _touched(state, scene, watch.gaps, watch, jump_s if due else math.inf)
             if free == 0:
@@ -539,7 +550,7 @@ def _touched(state: StepState, scene: Scene, gaps: ContactGaps, watch: Watch, ju
     stepper, step_s = state.stepper, state.step_s
     if jump_s == math.inf and state.half_cycle is not None and _followed(state, gaps, state.half_cycle):
         return 0
-    contact_s, soonest, foot = gaps(state.row, state.t_s, state.jumped_s, stepper.table_place[2], stepper.table_rate[2])
+    contact_s, soonest, foot = gaps(state.row, stepper.table_place[2], stepper.table_rate[2])
     if watch.impose:
         return _imposed(state, scene, gaps, watch, soonest, jump_s)
     # Its velocity is of half a step ago: it may come sooner than at that.
@@ -555,7 +566,7 @@ def _touched(state: StepState, scene: Scene, gaps: ContactGaps, watch: Watch, ju
     return 0
 
 
-def _locate_impact(state: StepState, gaps: ContactGaps, contact_time: ContactTime) -> None:
+def _locate_impact(state: StepState, gaps: ContactGaps, contact_time: ContactTimeEstimate) -> None:
     """A foot that comes down, and the half-cycle that begins with its impact."""
     locate_event(state, gaps, contact_time, state.impact, contact_time.speeds)
     if state.velocity_jumped:

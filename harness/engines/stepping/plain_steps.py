@@ -6,7 +6,7 @@ import math
 
 from harness.engines.base import MOVING_TABLE, refuse
 from harness.engines.stepping.backend import Backend
-from harness.engines.stepping.coulomb import floor_friction, followed
+from harness.engines.stepping.coulomb import followed, stuck_below_m_s
 from harness.engines.stepping.frame import fallen
 from harness.engines.stepping.loop import LOOK_STEPS, WALL_STEPS, Watch
 from harness.engines.stepping.schedule import Schedule
@@ -33,18 +33,18 @@ def plain_steps(backend: Backend, schedule: Schedule, watch: Watch) -> StepLog:
     Two coefficients of friction are the one thing that no engine knows: the floor's follows the pedestal's own velocity
     (`followed`).
     """
-    step_s, friction = schedule.step_s, floor_friction(schedule.scene, schedule.step_s)
-    row, acting, slips = backend.read(), friction.static, (0.0, 0.0)
-    pedestal = schedule.scene.pedestal if friction.switches else None
-    record = StepLog(len(row))
-    record.keep(0.0, 0.0, row)
+    step_s, contact = schedule.step_s, schedule.scene.contact
+    rest_m_s = stuck_below_m_s(schedule.scene, step_s)
+    row, acting, slips = backend.read(), contact.floor_static, (0.0, 0.0)
+    pedestal = None if contact.floor_static == contact.floor_kinetic else schedule.scene.pedestal
+    record = StepLog.begun(row, 0.0)
     for number, gravity in enumerate(schedule.coarse, 1):
         before, row = row, backend.advance(gravity)
         record.keep(number * step_s, (number - 0.5) * step_s, row)
         if pedestal is not None:
             # Asked after a step, for the next: in the one in which the pedestal breaks loose the static coefficient still acts.
             slipped, slips = slips, base_velocity(pedestal.half_m, before, row)
-            wanted = followed(friction, slipped, slips)
+            wanted = followed(contact, rest_m_s, slipped, slips)
             if wanted != acting:
                 backend.set_floor_friction(wanted)
                 acting = wanted

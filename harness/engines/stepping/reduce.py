@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from harness.engines.stepping import forces, support
 from harness.engines.stepping.columns import Trajectory
-from harness.engines.stepping.coulomb import check_friction, friction_is_known, friction_used
+from harness.engines.stepping.coulomb import check_friction, friction_is_known
 from harness.engines.stepping.frame import OVERTURN_COS
 from harness.engines.stepping.support import Corners, PlainSpells, plain_spells
 from harness.model.finding import Finding, caution
@@ -466,8 +466,9 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
     peak = int(np.abs(np.where(inside, theta, 0.0)).argmax())
     derived = _derive(scene, motion)
     if friction_is_known(scene, motion):
-        used = friction_used(scene, motion, derived.impulses, derived.plain["plain_from_s"], report.stuck_below_m_s)
-        check_friction(scene, used, report.interventions if report.repeats else None)
+        account = report.interventions if report.repeats else None
+        plain_from_s = derived.plain["plain_from_s"]
+        check_friction(scene, motion, derived.impulses, plain_from_s, report.stuck_below_m_s, account)
     fallen = fall(scene, motion, overturn_s)
     outcome, ahead_rad = _outcome(scene, motion, fallen, wall_s, derived, report.stuck_below_m_s)
     count, reached_s = touch or (0, 0.0)

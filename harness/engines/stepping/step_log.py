@@ -33,24 +33,6 @@ STANDS_RAD: Final = 2e-5
 """A pedestal that leans by no more stands on its base: solver iterations leave up to 1e-6 rad, in a whole scene 8e-6 at 1 ms."""
 
 
-@dataclass(frozen=True, eq=False)
-class Body:
-    """State of one body: place (3,) of its centroid, quaternion (4,) of its principal frame, velocities (3,), world axes."""
-
-    place_m: Vector
-    turn: tuple[float, float, float, float]
-    velocity_m_s: Vector
-    rate_rad_s: Vector
-
-
-def bodies(row: Row) -> tuple[Body, Body | None]:
-    """States of statue and pedestal in a row."""
-    statue = Body(row[0:3], row[3:7], row[7:10], row[10:13])  # type: ignore[arg-type]
-    if len(row) == ALONE:
-        return statue, None
-    return statue, Body(row[13:16], row[16:20], row[20:23], row[23:26])  # type: ignore[arg-type]
-
-
 def axis_of(row: Row, axis: Vector) -> Vector:
     """World components of the statue's vertical axis, given as `axis` in its principal frame."""
     x, y, z, w = row[3], row[4], row[5], row[6]
@@ -214,6 +196,13 @@ class StepLog:
     ledger: Ledger = field(default_factory=Ledger)
     rested: bool = False
     at_rest: int = 0
+
+    @classmethod
+    def begun(cls, row: Row, t_s: float) -> StepLog:
+        """With the sample from which a run begins."""
+        record = cls(len(row))
+        record.keep(t_s, t_s, row)
+        return record
 
     @property
     def rows(self) -> Array:

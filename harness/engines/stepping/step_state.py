@@ -8,10 +8,8 @@ to the contact, and the impact takes no time: the engine solves a step in which 
 from __future__ import annotations
 
 import math
-from array import array
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +32,9 @@ from harness.engines.stepping.step_log import (
     crossed,
 )
 from harness.model.scene import Scene
+
+if TYPE_CHECKING:
+    from harness.engines.stepping.loop import HalfCycle
 
 # One step of an engine with the scene's two coefficients of friction, and with a table that moves.
 
@@ -378,44 +379,22 @@ LOOK_STEPS: Final = 16
 """Steps after which the bodies' contacts are looked at again."""
 
 
-class ContactTime(Protocol):
-    """When a foot comes down (`contact_time.ContactTimeEstimate`)."""
-
-    def __call__(self) -> float:
-        """Time, s, until it is down."""
-
-    def speeds(self) -> tuple[float, float]:
-        """That time at its present speed, and its speed when it is down over the present one."""
-
-
-@dataclass(slots=True)
-class HalfCycle:
-    """A half-cycle since the impact at `start_s` that left a foot rising: the length of its parts, s, and whether it is known
-    yet.
-    """
-
-    contact_time: ContactTime
-    start_s: float
-    part_s: float
-    known: bool = False
-    parts: int = 0
-
-
 class StepState:
     """The run in progress: `t_s` of places, `kick_s` of velocities, `number` of the last whole step reached, the present row.
 
     `even` says that both clocks stand as after a whole step, so that another one may follow; `velocity_jumped` that the last
-    sample is an impact's, `velocity_jumps` how many there were since the last whole step, `jumped_s` when velocities last
-    jumped; `pulled_s` when the floor's acceleration last did. `half_cycle` is the short half-cycle in progress, if any.
+    sample is an impact's, `velocity_jumps` how many there were since the last whole step; `pulled_s` when the floor's
+    acceleration last jumped. `half_cycle` is the short half-cycle in progress, if any.
     """
 
-    def __init__(self, stepper: Stepper, row: Row, start: int, kick_s: float, *, even: bool) -> None:
-        self.stepper, self.schedule, self.events, self.row = stepper, stepper.schedule, stepper.events, row
-        self.step_s, self.number = stepper.schedule.step_s, start
-        self.t_s, self.kick_s = start * self.step_s, kick_s
-        self.length_s, self.even = self.step_s, even
-        self.record = StepLog(len(row), [self.t_s], [kick_s], array("d", row), stepper.writer.ledger)
-        self.velocity_jumped, self.jumped_s, self.velocity_jumps, self.look_from = False, -math.inf, 0, start
+    def __init__(self, stepper: Stepper, record: StepLog, *, even: bool) -> None:
+        """Go on from the last sample of `record`, at a whole step."""
+        self.stepper, self.schedule, self.events = stepper, stepper.schedule, stepper.events
+        self.record, self.row, self.t_s, self.kick_s = record, record.last, record.t_s[-1], record.kick_s[-1]
+        stepper.writer.ledger = record.ledger
+        self.step_s = self.length_s = stepper.schedule.step_s
+        self.number, self.even = round(self.t_s / self.step_s), even
+        self.velocity_jumped, self.velocity_jumps, self.look_from = False, 0, self.number
         self.pulled_s = -math.inf
         self.half_cycle: HalfCycle | None = None
 
@@ -493,7 +472,6 @@ class StepState:
             self.drift(self.next_s - self.t_s)
             self.t_s = self.next_s
             self.number += 1
-        self.jumped_s = self.t_s
         self.record.keep(self.t_s, self.kick_s, self.row)
 
     def to_next(self, kick_s: float | None = None) -> None:

@@ -13,9 +13,9 @@ import pytest
 from harness import engines
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine
-from harness.engines.stepping.coulomb import FloorFriction, followed
+from harness.engines.stepping.coulomb import followed
 from harness.model.run import RunOptions
-from harness.model.scene import Scene
+from harness.model.scene import Contact, Scene
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready
 from tests.scenes_for_tests import paestum
@@ -100,12 +100,12 @@ def test_the_coefficient_follows_the_sliding_pedestal(name: str) -> None:
 
 
 def test_the_coefficient_is_kinetic_after_two_steps_of_the_same_slip() -> None:
-    friction = FloorFriction(0.2, 0.15, stuck_below_m_s=1e-5)
+    contact, rest_m_s = Contact(0.2, 0.15, 1.0), 1e-5
     fast, slow = (3e-5, 4e-5), (3e-6, 4e-6)
-    assert followed(friction, fast, fast) == 0.15
-    assert followed(friction, slow, fast) == 0.2, "what one step let go may be held again in the next"
-    assert followed(friction, fast, slow) == 0.2
-    assert followed(friction, (-3e-5, -4e-5), fast) == 0.2, "it was at rest inside the step"
+    assert followed(contact, rest_m_s, fast, fast) == 0.15
+    assert followed(contact, rest_m_s, slow, fast) == 0.2, "what one step let go may be held again in the next"
+    assert followed(contact, rest_m_s, fast, slow) == 0.2
+    assert followed(contact, rest_m_s, (-3e-5, -4e-5), fast) == 0.2, "it was at rest inside the step"
 
 
 @pytest.mark.parametrize("page", ["docs/engines.md", "docs/scores.md"])

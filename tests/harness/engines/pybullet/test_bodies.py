@@ -16,7 +16,6 @@ from harness.engines import load
 from harness.engines.pybullet import feet, pose, run_phases, shapes
 from harness.engines.pybullet.feet import EdgeWatch
 from harness.engines.stepping.frame import matrices
-from harness.engines.stepping.step_log import Body
 from harness.input.mesh_statue import statue_of
 from harness.model.history import Outcome
 from harness.model.run import RunOptions
@@ -83,12 +82,12 @@ def test_inertia_is_the_meshes_not_bullets() -> None:
     from harness.engines.pybullet.world import World
 
     case = replace(paestum(pedestal=False), statue=statue_of(figure()))
-    setup = run_phases.prepare(case)
+    setup = pose.prepare(case)
     tensor = setup.axes @ np.diag(setup.moments) @ setup.axes.T
     np.testing.assert_allclose(tensor, figure().inertia_kg_m2, rtol=1e-12, atol=1e-9)
     level = load("pybullet").settings_for_dt(case, 1e-3)
-    with World(level) as world:  # type: ignore[arg-type]
-        world.build(case.contact, None, None, (case.statue.mass_kg, setup.moments, setup.feet_m, None, setup.start))
+    with World(level, setup) as world:  # type: ignore[arg-type]
+        world.build(case)
         info = pybullet.getDynamicsInfo(world.statue, -1, world.client)
         assert len(pybullet.getCollisionShapeData(world.statue, -1, world.client)) == len(setup.feet_m) > 16
     assert info[0] == pytest.approx(case.statue.mass_kg, rel=1e-15)
@@ -122,16 +121,11 @@ def test_rolling_on_the_rim() -> None:
     solid = prism(256, radius, half)
     closed = rolling_cylinder(radius, half, tilt, gravity_m_s2=GRAVITY_M_S2)
     case = scene(statue_of(solid), duration_s=0.5)
-    setup = run_phases.prepare(case)
+    setup = pose.prepare(case)
     turned = pose.about_y(tilt)
     lowest = float(np.min((setup.feet_m @ setup.axes.T @ turned.T)[:, 2]))
     spin = turned @ np.array([-closed.precession_rad_s * math.sin(tilt), 0.0, closed.axial_rad_s])
-    start = Body(
-        (0.0, 0.0, -lowest),
-        pose.quaternion(turned @ setup.axes),
-        (0.0, 0.0, 0.0),
-        (float(spin[0]), float(spin[1]), float(spin[2])),
-    )
+    start = (0.0, 0.0, -lowest, *pose.quaternion(turned @ setup.axes), 0.0, 0.0, 0.0, *spin.tolist())
     level = load("pybullet").settings_for_dt(case, 2.5e-4)
     found = run_phases.run(case, level, replace(setup, start=start), NOTHING_SKIPPED)  # type: ignore[arg-type]
     up = (matrices(found.record.rows[:, 3:7]) @ setup.axes.T)[:, :, 2]

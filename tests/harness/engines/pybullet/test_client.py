@@ -1,8 +1,7 @@
-"""A client of Bullet is kept from run to run, and no run sees it: the same bits whatever ran before, failed, or runs beside."""
+"""Some of Bullet's settings are the whole process's: a run gives the same bits whatever ran before, failed, or runs beside."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
@@ -12,7 +11,6 @@ import pytest
 
 from analytic.excitation import Harmonic
 from harness.engines.base import EngineFailure
-from harness.engines.pybullet import world
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, WHOLE, bullet
@@ -35,46 +33,35 @@ def bits(result: Run) -> bytes:
     return b"".join(np.ascontiguousarray(values).tobytes() for values in result.history.columns().values())
 
 
-def forget() -> None:
-    """End every kept client."""
-    while world._idle:
-        pybullet.disconnect(world._idle.pop()[1])
-
-
 @pytest.fixture(scope="module")
-def alone() -> Iterator[dict[str, bytes]]:
-    """What each case gives in a client of its own."""
-    found = {}
-    for name in CASES:
-        forget()
-        found[name] = bits(run(name))
-    yield found
-    forget()
+def alone() -> dict[str, bytes]:
+    """What each case gives at first."""
+    return {name: bits(run(name)) for name in CASES}
 
 
 @pytest.mark.parametrize(
     "order", [("floor", "pedestal", "whole", "full shape"), ("full shape", "whole", "pedestal", "floor")]
 )
-def test_a_kept_client_gives_the_bits_of_a_new_one(alone: dict[str, bytes], order: tuple[str, ...]) -> None:
+def test_no_run_sees_the_settings_of_another(alone: dict[str, bytes], order: tuple[str, ...]) -> None:
     odd = paestum(0.6, 2.0, duration_s=0.05)
     for name in (*order, *order):
         bullet(odd, 5e-4, reach=2e-2, erp=0.5, iterations=7, cone_friction=False, reversed_bodies=True)
         assert bits(run(name)) == alone[name], name
-    assert len(world._idle) == 1, "no client was kept: nothing was shown"
 
 
-def test_a_client_whose_run_failed_is_not_kept(alone: dict[str, bytes]) -> None:
+def test_a_run_that_fails_ends_its_client(alone: dict[str, bytes], monkeypatch: pytest.MonkeyPatch) -> None:
     case, options = CASES["pedestal"]
-    run("floor")
-    before = list(world._idle)
+    ended: list[int] = []
+    own = pybullet.disconnect
+    monkeypatch.setattr(pybullet, "disconnect", lambda client: (ended.append(client), own(client)))
 
     def fails(t_s: float, theta_rad: float) -> bool:
         raise ArithmeticError("stopped from outside")
 
     with pytest.raises(EngineFailure, match="stopped from outside"):
         bullet(case, 1e-3, replace(options, stop=fails))
-    assert world._idle == before[:-1]
-    assert not pybullet.isConnected(before[-1][1])
+    assert len(ended) == 1
+    assert not pybullet.isConnected(ended[0])
     assert bits(run("pedestal")) == alone["pedestal"]
 
 
@@ -92,21 +79,9 @@ def test_a_run_inside_a_run_and_runs_in_threads_do_not_meet(alone: dict[str, byt
     with ThreadPoolExecutor(3) as pool:
         names = list(CASES) * 2
         assert list(pool.map(lambda name: bits(run(name)) == alone[name], names)) == [True] * len(names)
-    assert len(world._idle) <= world.MOST_IDLE
 
 
-def test_a_forked_process_leaves_its_parents_clients_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    forget()
-    world.give_back(world.take(), sound=True)
-    kept = world._idle[0][1]
-    monkeypatch.setattr(world.os, "getpid", lambda: -1)
-    other = world.take()
-    assert other != kept
-    pybullet.disconnect(other)
-    pybullet.disconnect(kept)
-
-
-def test_a_table_that_moves_under_a_kept_client() -> None:
+def test_a_table_that_moves() -> None:
     case = replace(paestum(0.3, 3.0, duration_s=0.2), table="moving")
     case = replace(case, base_excitation=replace(case.base_excitation, z=Harmonic(1.0, 5.0)))
     first = bits(bullet(case, 1e-3))

@@ -15,12 +15,11 @@ from scipy.spatial import ConvexHull
 
 from analytic.excitation import Harmonic
 from harness.engines import load
-from harness.engines.pybullet import feet, pose, run_phases, writing
+from harness.engines.pybullet import feet, pose
 from harness.engines.pybullet.feet import DEPTH_M, Crossing
 from harness.engines.pybullet.full import HULL_VERTICES, full_shape
 from harness.engines.pybullet.shapes import HULL_INSET_M, MARGIN_M
 from harness.engines.pybullet.world import World
-from harness.engines.stepping.step_log import Body
 from harness.input.mesh_statue import statue_of
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
@@ -75,27 +74,22 @@ def touching_from(case: Scene, kind: str) -> float:
     """
     import pybullet
 
-    setup, statue = run_phases.prepare(case), case.statue
+    setup, statue = pose.prepare(case), case.statue
     level = load("pybullet").settings_for_dt(case, 1e-3)
-    bodies = full_shape(case, kind).turned(np.array([0.0, 0.0, statue.centroid_height_m]), setup.axes)  # type: ignore[arg-type]
-    pedestal = None if case.pedestal is None else (case.pedestal, statue.base_centre_m)
-    wall = None if case.wall is None else (case.wall, statue.corner_right_m + case.wall.distance_m)
+    bodies = full_shape(case, kind).turned(statue, setup.axes)  # type: ignore[arg-type]
     corner = np.array([statue.corner_right_m, 0.0, 0.0 if case.pedestal is None else case.pedestal.height_m])
     arm = np.array([-statue.corner_right_m, 0.0, statue.centroid_height_m])
     low, high = 0.05, 1.5
-    with World(level) as world:  # type: ignore[arg-type]
+    with World(level, setup) as world:  # type: ignore[arg-type]
         # The plinth stands on the top, the cap comes down past its edge.
         above = setup.feet_m[:, 2] > setup.feet_m[:, 2].min() + BESIDE_M
-        whole = (statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start)
-        world.build(case.contact, pedestal, wall, whole, above)
+        world.build(case, bodies, above)
         other = world.wall if world.wall is not None else world.pedestal
         while high - low > 1e-5:
             middle = 0.5 * (low + high)
             turn = pose.about_y(middle)
-            x, y, z = corner + turn @ arm
             still = (0.0, 0.0, 0.0)
-            state = Body((x, y, z), pose.quaternion(turn @ setup.axes), still, still)
-            writing.place(world.statue, state, world.client)
+            world.place(world.statue, (*(corner + turn @ arm), *pose.quaternion(turn @ setup.axes), *still, *still))
             pybullet.performCollisionDetection(world.client)
             found = pybullet.getContactPoints(world.statue, other, physicsClientId=world.client)
             met = any(item[8] < 0.0 and abs(item[5][0] - corner[0]) > BESIDE_M for item in found)
@@ -253,12 +247,11 @@ def test_the_full_shape_lies_inside_and_leaves_mass_and_rest_alone() -> None:
     run = bullet(case, 1e-3, NOTHING_SKIPPED)
     assert run.validity["full_shape"] == "3 convex parts"
     assert run.peak_theta_rad <= budget.PLANAR_RAD
-    setup = run_phases.prepare(case)
+    setup = pose.prepare(case)
     level = load("pybullet").settings_for_dt(case, 1e-3)
-    bodies = full_shape(case).turned(np.array([0.0, 0.0, case.statue.centroid_height_m]), setup.axes)
-    with World(level) as world:  # type: ignore[arg-type]
-        whole = (case.statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start)
-        world.build(case.contact, (case.pedestal, 0.0), None, whole)  # type: ignore[arg-type]
+    bodies = full_shape(case).turned(case.statue, setup.axes)
+    with World(level, setup) as world:  # type: ignore[arg-type]
+        world.build(case, bodies)
         info = pybullet.getDynamicsInfo(world.statue, -1, world.client)
         links = range(-1, pybullet.getNumJoints(world.statue, world.client))
         count = sum(len(pybullet.getCollisionShapeData(world.statue, link, world.client)) for link in links)

@@ -12,7 +12,7 @@ import pytest
 
 from analytic.excitation import Harmonic
 from harness.engines import load
-from harness.engines.pybullet import run_phases
+from harness.engines.pybullet import pose
 from harness.engines.pybullet.backend import BulletBackend
 from harness.engines.pybullet.world import World
 from harness.engines.stepping.schedule import Schedule
@@ -158,10 +158,8 @@ def test_a_pedestal_that_a_blow_set_sliding_has_kinetic_friction() -> None:
 
     def solved_again(before_m_s: float) -> int:
         after_m_s = before_m_s - math.copysign(0.20 * GRAVITY_M_S2 * step_s, before_m_s)
-        with World(load("pybullet").settings_for_dt(on, step_s)) as world:
-            setup = run_phases.prepare(on)
-            whole = (on.statue.mass_kg, setup.moments, setup.feet_m, None, setup.start)
-            world.build(on.contact, (on.pedestal, on.statue.base_centre_m), None, whole, None)
+        with World(load("pybullet").settings_for_dt(on, step_s), pose.prepare(on)) as world:
+            world.build(on)
             backend = BulletBackend(world, step_s, on.contact.statue)
             stepper = Stepper(backend, on, Schedule(on, step_s, 0, 10))
             row = backend.read()
