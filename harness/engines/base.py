@@ -8,7 +8,7 @@ How to add an engine
    fails.
 3. Implement `missing`, `refinement_levels`, `settings_for_dt`, `verification_settings` and `simulate`. A scene arrives
    resolved (plain numbers, arrays, accelerations): no engine reads a file. Translate the simulator's exceptions into
-   `EngineFailure` at this boundary. An engine with contact offers a `Backend` (`harness.engines.stepping.backend`): the
+   `EngineFailure` at this boundary. An engine with contact offers a `Backend` (`harness.engines.stepping.step_state`): the
    layer steps it, locates events in it, and makes its trajectory.
 4. Fill every field of `Run` that the engine can know. A scene that asks for what the engine cannot compute is refused by
    `EngineFailure` in one sentence; a form of the two-block model that it replaces by its own contact is said in `Run.findings`.

@@ -100,7 +100,7 @@ MOST_TURNS: Final = 3
 
 
 class BulletBackend:
-    """One of Bullet's worlds (`harness.engines.stepping.backend.Backend`); `step_s` is the length of its whole steps,
+    """One of Bullet's worlds (`harness.engines.stepping.step_state.Backend`); `step_s` is the length of its whole steps,
     `grip_limit` the statue's coefficient of friction, None where its feet are never told to keep their places.
     """
 

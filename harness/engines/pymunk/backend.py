@@ -40,7 +40,7 @@ ONE_STEP: Final = 1e-9
 
 
 class ChipmunkBackend:
-    """One of Chipmunk's spaces (`harness.engines.stepping.backend.Backend`); a `support` keeps the statue in contact."""
+    """One of Chipmunk's spaces (`harness.engines.stepping.step_state.Backend`); a `support` keeps the statue in contact."""
 
     def __init__(self, world: World, settings: MunkSettings, support: SupportVertex | None = None) -> None:
         self.world, self.settings, self.step_s = world, settings, settings.dt_s

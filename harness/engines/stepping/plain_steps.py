@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 from harness.engines.base import MOVING_TABLE, refuse
-from harness.engines.stepping.backend import Backend
 from harness.engines.stepping.coulomb import followed, stuck_below_m_s
 from harness.engines.stepping.frame import fallen
 from harness.engines.stepping.loop import LOOK_STEPS, WALL_STEPS, Watch
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import Row, StepLog, axis_of, base_velocity
+from harness.engines.stepping.step_state import Backend
 from harness.model.scene import Scene
 
 # What a contact engine could compute only by writing to its bodies: unmodified engines refuse it.

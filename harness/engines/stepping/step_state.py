@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final
+from dataclasses import dataclass
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.base import LayerFault
 from harness.engines.stepping import settings
-from harness.engines.stepping.backend import Backend
+from harness.engines.stepping.contact_gaps import ContactGaps
 from harness.engines.stepping.coulomb import SLIP_ONSET, Pair
 from harness.engines.stepping.forces import pedestal_inertia_kg_m2
 from harness.engines.stepping.schedule import Schedule
@@ -33,10 +34,57 @@ from harness.engines.stepping.step_log import (
 )
 from harness.model.scene import Scene
 
-if TYPE_CHECKING:
-    from harness.engines.stepping.loop import HalfCycle
 
-# One step of an engine with the scene's two coefficients of friction, and with a table that moves.
+class Backend(Protocol):
+    """What an engine offers so that events can be located in it: one world with the scene's bodies, its own step.
+
+    A step is read as velocities first, places after: what touches is found at the places at which the step begins, velocities are
+    solved there, and the places go on with these. An engine that moves places first is read one move later.
+    """
+
+    depth_m: float
+    """Depth at which what stands is kept in contact."""
+
+    # The balance of momentum over a step, which tells friction, begins with what the engine was given.
+    owed_m_s: tuple[float, float]
+    """What was taken from the statue's velocity along x and z before the last step was solved."""
+    near: bool | None
+    """Whether a vertex may come down within the next steps; None of an engine that does not look, so that few are asked for."""
+    runs: bool
+    """Whether whole steps in which nothing is asked may be made by `run`."""
+
+    def read(self) -> Row:
+        """The bodies' state."""
+
+    def place(self, row: Row) -> None:
+        """Put the bodies into a state."""
+
+    def set_length(self, length_s: float) -> None:
+        """Length of the steps that follow, s."""
+
+    def prepare_step(self, state: StepState, kick_s: float, length_s: float) -> None:
+        """Be told of the next step: it begins at `state`, is so long, s, and takes velocities to `kick_s`."""
+
+    def advance(self, gravity: Vector) -> Row:
+        """One step under a gravity, m/s²; the row after it."""
+
+    def run(self, pulls: Sequence[Vector], record: StepLog) -> Row:
+        """Whole steps, one for each gravity or up to where a vertex comes `near`; rows are recorded, the last is returned."""
+
+    def impulses(self, places: Row) -> Sequence[Impulse]:
+        """What the contacts gave each body in the last step, as the engine reports it; centroids stood as in a row.
+
+        Empty where it does not know.
+        """
+
+    def set_floor_friction(self, friction: float) -> None:
+        """Coefficient of the pedestal on the floor from now on."""
+
+    def move_table(self, place_m: Vector, velocity_m_s: Vector) -> None:
+        """Put floor and wall to where a moving table is at the beginning of a step, with its mean velocity in it."""
+
+    def look(self, pulls: Sequence[Vector], before: Row, after: Row, table_m_s: Vector) -> None:
+        """After whole steps under `pulls`: what the bodies' contacts need next."""
 
 
 # Whether each body's momentum, and its turning in the plane, changed by what the engine's own contacts gave
@@ -372,6 +420,84 @@ def _held(stepper: Stepper, record: StepLog, index: int) -> float:
         mass = sum(stepper.masses)
         x, y = x - mass * (row[20] - before[20]), y - mass * (row[21] - before[21])
     return math.hypot(x, y) / normal if normal > 0.0 else 0.0
+
+
+# When a foot comes down that gathers speed: velocities are older than places, and a short half-cycle's change
+# much in that time.
+
+
+class ContactTimeEstimate:
+    """Called, tells the time, s, until a foot is down if its speed goes on changing as in the last step; infinite if never.
+
+    Where velocities are not older than places, the foot comes with its present one.
+    """
+
+    def __init__(self, state: StepState, gaps: ContactGaps, foot: int) -> None:
+        """Begin with what the last two samples show, unless an impact or a stick onset lies between them."""
+        self.state, self.gaps, self.foot = state, gaps, foot
+        self.gained_m_s2 = 0.0
+        self.row, self.seen = state.row, self._height(state.row)
+        self.kick_s, self.closing_m_s = state.kick_s, self.seen[1]
+        kicks = state.record.kick_s
+        if len(kicks) > 1 and kicks[-2] < kicks[-1] and state.smooth:
+            self._gain(self._height(state.record.row(-2))[1], kicks[-2])
+
+    def __call__(self) -> float:
+        state = self.state
+        gap, closing = self._look()
+        if state.kick_s >= state.t_s:
+            return gap / closing if closing > self.gaps.falling_m_s(state.row) else math.inf
+        gained = self._gathers(closing)
+        now = closing + gained * (state.t_s - state.kick_s)
+        if gained <= 0.0:
+            return gap / now if now > self.gaps.least_m_s else math.inf
+        # The first t with gap = now t + gained t²/2.
+        return (math.sqrt(now * now + 2.0 * gained * max(gap, 0.0)) - now) / gained
+
+    def speeds(self) -> tuple[float, float]:
+        """Time, s, until it would be down at its present speed, and that speed when it is down over the present one (≥ 1)."""
+        gap, closing = self._look()
+        contact_s = self()
+        if contact_s == math.inf or closing <= self.gaps.least_m_s:
+            return contact_s, 1.0
+        then = closing + self._gathers(closing) * (self.state.t_s + contact_s - self.state.kick_s)
+        return gap / closing, max(then / closing, 1.0)
+
+    def _look(self) -> tuple[float, float]:
+        if self.row is not self.state.row:
+            self.row, self.seen = self.state.row, self._height(self.state.row)
+        gap, closing = self.seen
+        if self.state.kick_s > self.kick_s:
+            before, self.closing_m_s = self.closing_m_s, closing
+            before_s, self.kick_s = self.kick_s, self.state.kick_s
+            self._gain(before, before_s)
+        return gap, closing
+
+    def _gain(self, before_m_s: float, before_s: float) -> None:
+        most = float(self.gaps.bounds[self.foot])
+        self.gained_m_s2 = min(max((self.closing_m_s - before_m_s) / (self.kick_s - before_s), -most), most)
+
+    def _gathers(self, closing_m_s: float) -> float:
+        row = self.state.row
+        turning = self.gaps.base_m * math.hypot(row[10], row[11])
+        return self.gained_m_s2 if abs(closing_m_s) >= self.state.events.least_turning * turning else 0.0
+
+    def _height(self, row: Row) -> tuple[float, float]:
+        stepper = self.state.stepper
+        return self.gaps.height(self.foot, row, stepper.table_place[2], stepper.table_rate[2])
+
+
+@dataclass(slots=True)
+class HalfCycle:
+    """A half-cycle since the impact at `start_s` that left a foot rising: the length of its parts, s, and whether it is known
+    yet.
+    """
+
+    contact_time: ContactTimeEstimate
+    start_s: float
+    part_s: float
+    known: bool = False
+    parts: int = 0
 
 
 NO_PULL: Final = (0.0, 0.0, 0.0)

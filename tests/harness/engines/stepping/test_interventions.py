@@ -23,7 +23,7 @@ from tests.scenes_for_tests import paestum
 
 PLACES = {
     "pymunk": {"backend.py", "world.py"},
-    "pybullet": {"writing.py"},
+    "pybullet": {"world.py"},
 }
 """Modules that may write to a body: pymunk's `world` before the start."""
 CALLS = ("cpBodySet", "cpBodyApply", "cpBodyUpdate", "resetBase", "applyExternal", "resetJoint")
