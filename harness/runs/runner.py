@@ -97,12 +97,12 @@ class _Worker:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
         theirs.close()
 
-    def begin(self, work: Work, order: _Order) -> None:
-        """Hand out an order. Raises what says that it cannot be sent."""
-        self.order, self._since_s = order, time.monotonic()
+    def begin(self, work: Work, task: Any) -> None:
+        """Hand out its order. Raises what says that it cannot be sent."""
+        self._since_s = time.monotonic()
         # One that died while it had nothing to do: its pipe says so when it is asked for the answer.
         with suppress(OSError):
-            self.pipe.send((work, order[0]))
+            self.pipe.send((work, task))
 
     def check(self, limit_s: float) -> None:
         """Kill the process when it has been at its order for longer than the limit; its pipe then says that it died."""
@@ -184,6 +184,7 @@ class LocalPool:
     def _hand_out(self, work: Work, upcoming: Iterator[Any], again: list[_Order]) -> None:
         """Give each worker that has nothing to do an order, as long as there are any."""
         idle = [worker for worker in self._workers if worker.order is None]
+        begun = []
         while idle or len(self._workers) < self._jobs:
             task = next(upcoming, None)
             if task is not None:
@@ -192,11 +193,16 @@ class LocalPool:
                 # Once more alone: whatever a neighbour may have done to it cannot come again.
                 order = again.pop()
             else:
-                return
+                break
             if not idle:
                 self._workers.append(_Worker())
                 idle = self._workers[-1:]
-            idle.pop().begin(work, order)
+            worker = idle.pop()
+            worker.order = order
+            begun.append((worker, order[0]))
+        # A long order is taken only when its process has come up: by then all are on their way.
+        for worker, task in begun:
+            worker.begin(work, task)
 
     def _end(self, at_once: bool) -> None:
         """End the workers; those that do not, for they hang or are stopped, are killed."""
