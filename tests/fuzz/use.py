@@ -21,10 +21,43 @@ from pathlib import Path
 from typing import Any, Final, NoReturn
 from unittest.mock import patch
 
+from typer.testing import CliRunner
+
+from harness.accuracy.simulation import simulate
+from harness.input.history_file import read_history
+from harness.input.motions import readers
+from harness.input.motions.inspect import inspect_file
+from harness.input.motions.readers import read_record
+from harness.input.scene_file import load_scene
+from harness.input.tables import read_model
 from harness.input.text_file import decoded
 from harness.model.errors import InputError, Mistake
 from harness.model.history import history_file
+from harness.model.run import write_json
 from harness.model.scene import Scene
+from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
+from harness.questions.effects3d.search import changed_scene
+from harness.questions.effects3d.study import EffectsFile
+from harness.questions.scene.scene_run import run_scene, write_result
+from harness.questions.study.cases import base_of, base_of_scene, expand
+from harness.questions.study.file import load_study
+from harness.questions.trust.plane import Plane
+from harness.questions.trust.trust_run import Points, engines_of, trust_map
+from harness.questions.validate import scenes as test_scenes
+from harness.questions.validate.drop_run import read_drops
+from harness.questions.validate.table import read_table
+from harness.questions.validate.tosses import read_tosses
+from harness.records.inspection import inspection_record
+from harness.records.result_folder import write_whole
+from harness.runs.execute import Campaign
+from harness.runs.progress import ProgressMessages, progress
+from harness.runs.runner import InlinePool
+from harness.runs.store import STORE_NAME, Store
+from reports.cli import app
+from reports.cli.ending import WRONG_INPUT
+from reports.messages import ENGLISH
+from reports.terminal import run_lines
+from tests.fuzz.records import at2
 from tests.stores_for_tests import put
 
 RUN_S: Final = 0.3
@@ -43,18 +76,11 @@ POOLS: Final = ("reports.cli.assessments", "harness.questions.validate.validatio
 
 def scene(path: Path) -> None:
     """Read, run for a moment, and write the result."""
-    from harness.input.scene_file import load_scene
-
     _run(load_scene(path), path)
 
 
 def study(path: Path) -> None:
     """Read, run the first cases for a moment, and keep them in a store."""
-    from harness.accuracy.simulation import simulate
-    from harness.questions.study.cases import base_of, expand
-    from harness.questions.study.file import load_study
-    from harness.runs.store import Store
-
     given = load_study(path)
     base = base_of(given, path)
     cases = [base.scene(case.setting) for case in islice(expand(given, base), FEW)]
@@ -67,12 +93,6 @@ def study(path: Path) -> None:
 
 def effects(path: Path) -> None:
     """Read, and run the first conditions of the first direction for a moment."""
-    from harness.accuracy.simulation import simulate
-    from harness.input.tables import read_model
-    from harness.questions.effects3d.search import changed_scene
-    from harness.questions.effects3d.study import EffectsFile
-    from harness.questions.study.cases import base_of_scene
-
     given = read_model(EffectsFile, path)
     found = base_of_scene(path.parent / given.scene).scene({})
     for condition in given.conditions[:FEW]:
@@ -81,13 +101,9 @@ def effects(path: Path) -> None:
 
 def experiments(path: Path) -> None:
     """Read, and run the first tests for a moment, as they are and perturbed."""
-    from harness.accuracy.simulation import simulate
-    from harness.questions.validate.scenes import Variant, scene_of
-    from harness.questions.validate.table import read_table
-
     for trial in read_table(path)[:FEW]:
         for sample in (0, 1):
-            simulate(_short(scene_of(trial, Variant(trial.inputs(), sample))), "analytic")
+            simulate(_short(test_scenes.scene_of(trial, test_scenes.Variant(trial.inputs(), sample))), "analytic")
 
 
 def validate(path: Path) -> None:
@@ -102,17 +118,11 @@ def ratios(path: Path) -> None:
 
 def drops(path: Path) -> None:
     """Read measured drops of the square beside them."""
-    from harness.input.scene_file import load_scene
-    from harness.questions.validate.drop_run import read_drops
-
     read_drops(path, load_scene(path.with_name("thrown.toml")))
 
 
 def tosses(path: Path) -> None:
     """Read measured tosses of the square beside them: the clock by their flights, each start by the nearest flight."""
-    from harness.input.scene_file import load_scene
-    from harness.questions.validate.tosses import read_tosses
-
     body = load_scene(path.with_name("thrown.toml"))
     read_tosses(path, body.statue, body.gravity_m_s2)
 
@@ -134,15 +144,6 @@ def options_of_assess(path: Path) -> None:
 
 def trust(path: Path) -> None:
     """The trust map of the scene at its strongest sine of one frequency, for an instant."""
-    from harness.input.scene_file import load_scene
-    from harness.questions.trust.plane import Plane
-    from harness.questions.trust.trust_run import Points, engines_of, trust_map
-    from harness.records.result_folder import write_whole
-    from harness.runs.execute import Campaign
-    from harness.runs.runner import InlinePool
-    from harness.runs.store import STORE_NAME, Store
-    from reports.messages import ENGLISH
-
     whole = Plane.of(replace(load_scene(path), duration_s=INSTANT_S), "sine", coarse=True)
     plane = replace(whole, amplitudes_g=whole.amplitudes_g[-1:], frequencies_hz=whole.frequencies_hz[-1:])
     names = engines_of(plane.at(plane.points[-1]), ("pymunk",), coarse=True)
@@ -153,20 +154,13 @@ def trust(path: Path) -> None:
 
 def motion(path: Path) -> None:
     """Read, and write what `rockcheck motion inspect` tells."""
-    from harness.input.motions.inspect import inspect_file
-    from harness.model import run as record
-    from harness.records.inspection import inspection_record
-    from reports.messages import ENGLISH
-
     found = inspection_record(inspect_file(path), ENGLISH.say)
     (path.parent / WRITTEN).mkdir()
-    record.write_json(path.parent / WRITTEN / "motion.json", found)
+    write_json(path.parent / WRITTEN / "motion.json", found)
 
 
 def history(path: Path) -> None:
     """Read, and write anew: it must read back."""
-    from harness.input.history_file import read_history
-
     found = read_history(path)
     (path.parent / WRITTEN).mkdir()
     found.write_csv(path.parent / WRITTEN / "history_again.csv")
@@ -174,18 +168,12 @@ def history(path: Path) -> None:
 
 def mesh(path: Path) -> None:
     """Stand the body on the floor, run it for a moment, and write the result with its picture."""
-    from harness.questions.bench.standard_scenes import harmonic, scene_of
-
     given = {"file": str(path), "unit": "m", "density_kg_m3": 2700.0}
     _run(scene_of("mesh", {"duration_s": RUN_S, "statue": {"mesh": given}, "motion": harmonic(0.3, 2.0)}), path)
 
 
 def store(path: Path) -> None:
     """Read what is in it, and put a result into it, which must be there afterwards with what was there before."""
-    from harness.accuracy.simulation import simulate
-    from harness.questions.bench.standard_scenes import COLUMN, scene_of
-    from harness.runs.store import Store
-
     still = scene_of("still", {"duration_s": 0.01, "statue": COLUMN})
     with Store(path) as found:
         before, _ = found.get("key"), found.history("key")
@@ -196,12 +184,6 @@ def store(path: Path) -> None:
 
 def title(path: Path) -> None:
     """Read, run, write, and tell: on a terminal nothing but text arrives, on as many lines as there are."""
-    from harness.input.scene_file import load_scene
-    from harness.questions.scene.scene_run import run_scene, write_result
-    from harness.runs.progress import ProgressMessages, progress
-    from reports.messages import ENGLISH
-    from reports.terminal import run_lines
-
     scene = load_scene(path)
     with (
         redirect_stderr(StringIO()) as stream,
@@ -219,9 +201,7 @@ def title(path: Path) -> None:
 
 def step(path: Path) -> None:
     """Read an AT2: the step must be what Fortran would read in its header."""
-    from harness.input.motions.readers import read_file
-
-    record = read_file(path)
+    record = readers.read_file(path)
     if record.format != "PEER AT2":
         return
     line = decoded(path.read_bytes(), "", "", latin=True).splitlines()[3]
@@ -248,9 +228,6 @@ def packed(path: Path) -> None:
 
 def sister(path: Path) -> None:
     """Read the good record beside it: whatever the sister is, it costs no more than itself."""
-    from harness.input.motions.readers import read_record
-    from tests.fuzz.records import at2
-
     good = path.with_name("RSN1_B_090.at2")
     good.write_bytes(at2())
     try:
@@ -295,24 +272,17 @@ def _is_json(path: Path) -> bool:
 
 def write_into(scene_file: Path, folder: Path) -> None:
     """Run a scene for a moment and write the result into a folder."""
-    from harness.questions.scene.scene_run import write_result
-
     write_result(_of_a_moment(scene_file.read_bytes(), scene_file), folder)
 
 
 @lru_cache(maxsize=1)
 def _of_a_moment(content: bytes, scene_file: Path) -> Any:
     """The result of a scene, run once for all folders."""
-    from harness.input.scene_file import load_scene
-    from harness.questions.scene.scene_run import run_scene
-
     return run_scene(replace(load_scene(scene_file), duration_s=0.01), ("analytic",))
 
 
 def new(path: Path) -> None:
     """The words of the file as options of `rockcheck new`, for a good scan and record; the scene that it writes is run."""
-    from harness.input.scene_file import load_scene
-
     out = path.parent / WRITTEN / "new.toml"
     out.parent.mkdir()
     _asked(path, ("new", "stone.ply"), ("--json", "--out", str(out)))
@@ -351,12 +321,6 @@ def _command(path: Path, *words: str) -> None:
 
 
 def _invoked(there: Path, *words: str) -> None:
-    from typer.testing import CliRunner
-
-    from harness.runs.runner import InlinePool
-    from reports.cli import app
-    from reports.cli.ending import WRONG_INPUT
-
     with ExitStack() as stack:
         for name in POOLS:
             stack.enter_context(patch(f"{name}.LocalPool", lambda *given: InlinePool()))
@@ -372,10 +336,6 @@ def _invoked(there: Path, *words: str) -> None:
 
 def result(path: Path) -> None:
     """Write the pages of a whole result folder whose record this is."""
-    from typer.testing import CliRunner
-
-    from reports.cli import app
-
     there = path.with_name(WRITTEN)
     there.mkdir()
     write_into(path.with_name("good.toml"), there)
@@ -394,8 +354,6 @@ def result(path: Path) -> None:
 
 def unfinished(folder: Path, accepted: bool) -> str | None:
     """What was left half-written in a folder: files of a refused input, or of an accepted one that do not read back whole."""
-    from harness.input.history_file import read_history
-
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     if not accepted:
         return f"written though refused: {', '.join(path.name for path in files)}" if files else None
@@ -425,6 +383,4 @@ def _short(given: Scene) -> Scene:
 
 
 def _run(given: Scene, path: Path) -> Any:
-    from harness.questions.scene.scene_run import run_scene, write_result
-
     write_result(run_scene(_short(given), ("analytic",)), path.parent / WRITTEN)

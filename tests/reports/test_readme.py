@@ -42,7 +42,7 @@ def shortened(line: str) -> list[str]:
     if words[0] in ("run", "trust", "assess") and "--explain" not in words:
         words += ["--set", "duration_s=0.5"]
     if words[0] == "assess":
-        words += ["--draws", "200"]
+        words += ["--draws", "200", "--most-runs", "30"]
     if "--samples" in words:
         words[words.index("--samples") + 1] = "1"
     return words
