@@ -239,11 +239,6 @@ def test_a_name_of_dots_names_no_folder(name: str) -> None:
         named_after(Path(name))
 
 
-def test_a_name_that_is_too_long_is_a_mistake(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="--out"):
-        check_folder(tmp_path / ("a" * 300))
-
-
 @pytest.mark.parametrize("kind", [".html", ".svg", ".pdf", ".json", ".gif", ".png"])
 def test_a_sealed_file_is_ours_until_one_byte_is_another(tmp_path: Path, kind: str) -> None:
     path = tmp_path / f"file{kind}"

@@ -208,21 +208,6 @@ def test_a_folder_without_a_record_is_refused(tmp_path: Path) -> None:
     assert not (tmp_path / "report.html").exists()
 
 
-@pytest.mark.parametrize(
-    ("text", "match"),
-    [
-        ("{", "readable JSON"),
-        ("[]", "schema_version"),
-        ('{"schema_version": 99}', "99"),
-        ('{"schema_version": 1}', "kind"),
-    ],
-)
-def test_a_broken_record_is_refused(tmp_path: Path, text: str, match: str) -> None:
-    (tmp_path / "result.json").write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match=match):
-        write_report(tmp_path)
-
-
 def test_a_record_of_outcomes_alone_has_a_page_without_curves(tmp_path: Path) -> None:
     folder = write_invented(tmp_path)
     for path in folder.glob("history_*.csv"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Mapping, Sequence
 from dataclasses import FrozenInstanceError, fields, replace
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -87,6 +88,12 @@ def histories(name: str, scenes: Mapping[str, Scene] = SCENES) -> list[History]:
     return found
 
 
+@cache
+def unchanged(name: str, askew: bool = False) -> list[History]:
+    """Histories of an engine as it is."""
+    return histories(name, ASKEW if askew else SCENES)
+
+
 def changed(number: str, value: float) -> list[float]:
     """A fifth less and a fifth more of a number, or of what it leaves to its bound."""
     bound = BOUNDS.get(number, 0.0)
@@ -105,7 +112,7 @@ def assert_moves_little(name: str, own: Sequence[History], what: str, scenes: Ma
 def test_a_fifth_more_or_less_of_what_locates_events_moves_no_result_by_its_error(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    own = histories(name)
+    own = unchanged(name)
     for number in NUMBERS:
         for value in changed(number, getattr(settings.EVENTS, number)):
             with monkeypatch.context() as patch:
@@ -124,7 +131,7 @@ def test_a_fifth_more_or_less_of_an_engine_s_own_moves_no_result_by_its_error(
 ) -> None:
     ready(name)
     module = import_module(f"harness.engines.{room}")
-    own = histories(name, scenes)
+    own = unchanged(name, scenes is ASKEW)
     for constant in constants(module):
         for value in changed(constant, getattr(module, constant)):
             with monkeypatch.context() as patch:
@@ -154,7 +161,7 @@ def test_a_fifth_more_or_less_of_a_level_s_numbers_does_neither(name: str) -> No
 def test_the_numbers_are_found_and_reach_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     assert {"short_steps", "near", "unsolved"} <= set(NUMBERS)
     assert {"HELD_SHARE", "RISES"} <= set(constants(import_module("harness.engines.pymunk.support")))
-    own = histories("pymunk")
+    own = unchanged("pymunk")
     monkeypatch.setattr(settings, "EVENTS", replace(settings.EVENTS, most_jumps=0))
     with pytest.raises(AssertionError, match="moves"):
         assert_moves_little("pymunk", own, "no event located")
