@@ -16,7 +16,7 @@ from harness.model.run import Run, to_plain
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import AssessRecord
 from harness.records.base import Record
-from harness.records.run import RunRecord, outside_domain, statue_slip_m
+from harness.records.run import RunRecord, outside_domain, peak_lean_rad, standing_m
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval, Scores, Verdict
 from harness.statics.plan import Step
@@ -208,16 +208,17 @@ def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
         outcome += f" at {digits(run.no_return_time_s, 3)} s"
     if outside_domain(run):
         outcome = f"({outcome})"
-    peak = f"{digits(math.degrees(run.peak_theta_rad), 3)}° {digits(run.peak_theta_rad, 3)} rad"
+    lean_rad = peak_lean_rad(run)
+    peak = f"{digits(math.degrees(lean_rad), 3)}° {digits(lean_rad, 3)} rad"
     if run.outcome.overturned:
         peak = "–"
-    elif abs(run.peak_theta_rad) < STILL_RAD:
+    elif lean_rad < STILL_RAD:
         peak = "0°"
     known = "–"
     if run.numerical_uncertainty_rad is not None and run.reliable_until_s is not None:
         until = min(run.reliable_until_s, run.end_s)
         known = f"{run.numerical_uncertainty_rad:.0e} rad to {digits(until, 3)} s"
-    slip_m = statue_slip_m(run) if scene.pedestal is None else run.peak_slip_m
+    slip_m = standing_m(run, "statue_slip_m") if scene.pedestal is None else run.peak_slip_m
     slip = "–" if slip_m is None else length(slip_m).replace("\u00a0", " ")
     return [outcome, peak, slip, known, f"{digits(run.wall_s, 2)} s"]
 
@@ -242,8 +243,8 @@ def _when(scores: Scores) -> str:
     if scores.verdict is Verdict.AGREE:
         return f"within {seen.limit_rad:.0e} rad"
     apart = seen.left_domain_s if scores.verdict is Verdict.DOMAIN and seen.exceeded_s is None else seen.exceeded_s
-    times = [time for time in (apart, seen.horizon_s) if time is not None]
     since = "until" if scores.verdict in (Verdict.HORIZON, Verdict.UNBOUNDED) else "from"
+    times = [time for time in (apart, None if seen.aside else seen.horizon_s) if time is not None]
     return f"{since} {digits(min(times), 3)} s" if times else ""
 
 

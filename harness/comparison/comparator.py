@@ -94,6 +94,7 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judg
         outcome_flips_within_uncertainty=flips and not sided and verdict in OPEN,
         side_flips_within_uncertainty=sided and verdict in OPEN,
         motion_not_given=_not_given(a, b),
+        **(_aside(a, b) if verdict is Verdict.PLANE and facts.exceeded_s is None else {}),
     )
     return Judgement(verdict, _findings(verdict, evidence, a, b), evidence)
 
@@ -112,7 +113,7 @@ def _decide(a: Side, b: Side, facts: Facts, flips: bool) -> tuple[Verdict, Side 
             first is not None and first.left_domain_by == SLIDES and max(a.statue_slip_m, b.statue_slip_m) > SLIDES_M
         )
         if not (flips or slides):
-            return Verdict.AGREE, None
+            return (Verdict.PLANE if _aside(a, b) else Verdict.AGREE), None
         if left_s < math.inf:
             return Verdict.DOMAIN, first
         return (_beyond(a, b, facts.end_s) if facts.until_s < facts.end_s else Verdict.AGREE), None
@@ -121,6 +122,17 @@ def _decide(a: Side, b: Side, facts: Facts, flips: bool) -> tuple[Verdict, Side 
             return Verdict.UNBOUNDED, None  # the difference may be the error that is not stated
         return (Verdict.PLANE if _not_given(a, b) else Verdict.MODEL), None
     return (Verdict.DOMAIN, first) if left_s <= facts.until_s else (_beyond(a, b, facts.exceeded_s), None)
+
+
+def _aside(a: Side, b: Side) -> dict[str, float]:
+    """How far the statue leaned out of the plane, rad, by more than its side's error, and slid, m, on the side that alone was
+    given the motion across it; empty where it did neither."""
+    if not _not_given(a, b):
+        return {}
+    side = max((a, b), key=lambda each: (each.out_of_plane_rad, each.statue_slip_m))
+    leans = side.out_of_plane_rad > max(COVERAGE * side.open_rad, ROUNDING)
+    aside = {"aside_rad": side.out_of_plane_rad} if leans else {}
+    return aside | ({"aside_m": side.statue_slip_m} if side.statue_slip_m > SLIDES_M else {})
 
 
 def _beyond(a: Side, b: Side, at_s: float) -> Verdict:
@@ -174,6 +186,8 @@ def _findings(verdict: Verdict, evidence: Evidence, a: Side, b: Side) -> list[Fi
         values["unstated"] = unstated
     elif verdict is Verdict.UNBOUNDED:
         values["unbounded"] = [side.name for side in (a, b) if side.reliable_until_s == evidence.horizon_s]
+    if evidence.aside:
+        values |= {"differs_in": "aside", "aside_rad": evidence.aside_rad, "aside_m": evidence.aside_m}
     if verdict is Verdict.DOMAIN:
         values |= {"left_s": evidence.left_domain_s, "by": evidence.left_domain_by, "left": evidence.left_domain}
     found = [replace(said, values=values)]

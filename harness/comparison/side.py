@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from harness.model.history import History, Outcome
-from harness.model.run import Run
-from harness.records.run import statue_slip_m
+from harness.model.run import Run, number
+from harness.records.run import standing_m
 
 if TYPE_CHECKING:
     from harness.records.study import CaseRun
@@ -27,7 +27,8 @@ class Side:
     left the rocking plane's balance across it: fell for good over its front or back, or ends leaning beyond it.
     `resolution_rad` and `resolution_m` are how far the digits of a file leave its history open. `floor_impact` is the coefficient
     of the floor that an engine takes at impacts, whatever the scene's choice; empty of one that takes the scene's.
-    `statue_slip_m` is how far a statue that stands slid on its support at most, which no slip that is compared tells.
+    `statue_slip_m` is how far a statue that stands slid on its support at most, which no slip that is compared tells,
+    `out_of_plane_rad` how far it left the rocking plane at most, which no rotation that is compared does.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Side:
     resolution_m: float = 0.0
     floor_impact: str = ""
     statue_slip_m: float = 0.0
+    out_of_plane_rad: float = 0.0
 
     @property
     def open_rad(self) -> float:
@@ -92,7 +94,8 @@ def side_of(
         None if answer.motion_axes is None else tuple(answer.motion_axes),
         _across_s(answer),
         floor_impact=str(answer.settings.get("floor_impact") or "") if isinstance(answer, Run) else "",
-        statue_slip_m=statue_slip_m(answer) or 0.0,
+        statue_slip_m=standing_m(answer, "statue_slip_m") or 0.0,
+        out_of_plane_rad=number(answer.validity, "out_of_plane_rad", 0.0),
     )
 
 

@@ -10,7 +10,7 @@ from typing import Final, Literal
 from harness.input.mistakes import Contradiction
 from harness.model.finding import Finding, Say
 from harness.model.history import Outcome
-from harness.model.run import OMITTED, Run, RunRow
+from harness.model.run import OMITTED, Run, RunRow, number
 from harness.records.assess import Assessment
 from harness.records.base import Record
 from harness.records.scene import MotionRecord, SceneRecord
@@ -68,13 +68,20 @@ def tips_s(run: Run) -> float | None:
 
 
 SLIDES_M: Final = 1e-3
-"""A statue that slides less on its support creeps, as contact engines let it while it rocks."""
+"""A statue that slides or hops less on its support does so as contact engines let it while it rocks."""
+OWN_MOVES: Final = {"statue_slides": "statue_slip_m", "statue_hops": "statue_flight_m"}
+"""What is told of a statue that stands and moves on its support or leaves it, and the value of its run that shows it."""
 
 
-def statue_slip_m(run: RunRow) -> float | None:
-    """How far a statue that stands slid on its support at most, m; None where its model holds it there, or it fell."""
-    slid_m = run.validity.get("statue_slip_m")
-    return slid_m if isinstance(slid_m, float) and run.outcome is Outcome.STANDS else None
+def standing_m(run: RunRow, name: str) -> float | None:
+    """How far a statue that stands moved at most by one of `OWN_MOVES`, m; None where its model holds it there, or it fell."""
+    most_m = run.validity.get(name)
+    return most_m if isinstance(most_m, float) and run.outcome is Outcome.STANDS else None
+
+
+def peak_lean_rad(run: RunRow) -> float:
+    """The statue's largest lean, rad: in the rocking plane, by an engine in space in any direction."""
+    return max(run.peak_theta_rad, number(run.validity, "peak_lean_rad", 0.0))
 
 
 UNKNOWN: Final = (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX, Outcome.UNDECIDED)

@@ -88,6 +88,14 @@ class Evidence:
     outcome_flips_within_uncertainty: bool
     side_flips_within_uncertainty: bool = False
     motion_not_given: Mapping[str, Sequence[str]] | None = None
+    aside_rad: float = 0.0
+    aside_m: float = 0.0
+    """How far the statue leaned out of the plane, and slid, where that alone is what the plane leaves out."""
+
+    @property
+    def aside(self) -> bool:
+        """Whether the two agree in the plane, and one moves across it, of which the other was given no motion."""
+        return bool(self.aside_rad or self.aside_m)
 
 
 @dataclass(frozen=True)

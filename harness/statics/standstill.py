@@ -207,7 +207,7 @@ def _moves(run: Run) -> bool:
         return True
     # Across the rocking plane, about the vertical, and over its support a statue moves in columns of its own.
     extra = {} if run.history is None else run.history.extra
-    limits = {"roll_rad": STILL_RAD, "yaw_rad": STILL_RAD, "statue_slip_m": STILL_M}
+    limits = {"roll_rad": STILL_RAD, "yaw_rad": STILL_RAD, "statue_slip_m": STILL_M, "statue_y_m": STILL_M}
     return any(np.ptp(extra[name]) > limit for name, limit in limits.items() if name in extra)
 
 

@@ -11,11 +11,11 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.history import Outcome
-from harness.model.run import Run
+from harness.model.run import Run, number
 from harness.model.scene import base_shift_m
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import MOSTLY, Assessment, worst
-from harness.records.run import RunRecord, has_answer, statue_slip_m, tips_s
+from harness.records.run import OWN_MOVES, RunRecord, has_answer, standing_m, tips_s
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import SupportRecord
 from reports.blocks import Block, Drawing, Section, Text, Verdict
@@ -120,6 +120,8 @@ def order_picture(
     return Drawing(order_svg(levels(scene, support, say), peak, title, say), words, heading=heading)
 
 
+ASIDE: Final = 1.05
+"""A lean that is so much larger than the one in the rocking plane is to the front or back."""
 VISIBLE_M: Final = 1e-3
 """Less than a millimetre is no movement that anyone keeps room for."""
 NEXT_TO_NONE: Final = 0.01
@@ -308,13 +310,20 @@ def _leaning(source: RunSource) -> list[str]:
     return found
 
 
-def _worst_lean(source: RunSource) -> tuple[float, float, int]:
-    """The largest lean of the models in which it stands as a share of its side's balance angle, in rad, and the side."""
-    leans = [(0.0, 0.0, 1)]
+def _worst_lean(source: RunSource) -> tuple[float, float, float, int]:
+    """The largest lean of the models in which it stands as a share of the angle at which it balances there, both in rad, and the
+    side; 0 for the side of one out of the plane of the pictures."""
+    leans = [(0.0, 0.0, source.scene.statue.slenderness_rad(1), 1)]
     for name in _standing(source):
+        run = source.runs[name]
         for side in (1, -1):
-            peak = float((side * source.histories[name].theta_rad).max())
-            leans.append((peak / source.scene.statue.slenderness_rad(side), peak, side))
+            peak, balance = (
+                float((side * source.histories[name].theta_rad).max()),
+                source.scene.statue.slenderness_rad(side),
+            )
+            leans.append((peak / balance, peak, balance, side))
+        share, lean = (number(run.validity, f"peak_lean_{what}", 0.0) for what in ("share", "rad"))
+        leans += [(share, lean, lean / share, 0)] if lean > ASIDE * run.peak_theta_rad and lean >= STILL_RAD else []
     return max(leans)
 
 
@@ -323,17 +332,23 @@ def _lean(source: RunSource, say: Language) -> list[str]:
     standing = _standing(source)
     if not standing:
         return []
-    share, lean_rad, side = _worst_lean(source)
-    degrees, balance = (
-        say.digits(math.degrees(value), 2) for value in (lean_rad, source.scene.statue.slenderness_rad(side))
-    )
+    share, lean_rad, balance_rad, _ = _worst_lean(source)
+    degrees, balance = (say.digits(math.degrees(value), 2) for value in (lean_rad, balance_rad))
     back = "floor_back" if source.record.motion.accel_m_s2 else "swing_back"
     keys = ["no_rocking"] if lean_rad < STILL_RAD else ["leans"] if share < 1.0 else ["leans_past", back]
     keys = keys if standing == _answering(source) and not _leaning(source) else ["of_standing", *keys]
     values = {"degrees": degrees, "balance": balance, "share": f"{100.0 * share:.0f}"}
-    slid_m = max((statue_slip_m(source.runs[name]) or 0.0 for name in standing), default=0.0)
-    slides = [say("run.statue_slides", length=say.length(slid_m))] if slid_m > VISIBLE_M else []
-    return [" ".join([*(say(f"run.{key}", **values) for key in keys), *slides])]
+    moves = [say(f"run.{code}", length=say.length(most_m)) for code, most_m in _own_moves_m(source).items()]
+    return [" ".join([*(say(f"run.{key}", **values) for key in keys), *moves])]
+
+
+def _own_moves_m(source: RunSource) -> dict[str, float]:
+    """How far at most the statue slides on its support, and hops, where it stands and that is seen."""
+    runs = [source.runs[name] for name in _standing(source)]
+    most_m = {
+        code: max((standing_m(run, name) or 0.0 for run in runs), default=0.0) for code, name in OWN_MOVES.items()
+    }
+    return {code: value for code, value in most_m.items() if value > VISIBLE_M}
 
 
 def _pedestal_slip(source: RunSource, answered: Mapping[str, Run], say: Language) -> list[str]:
@@ -374,7 +389,11 @@ def reach_picture(source: RunSource, say: Language, heading: str = "reach.headin
     """Its farthest positions against the lean at which it balances, and its wall; of a statue that falls, the latter alone."""
     extremes, title, standing = _extremes(source), say(heading), _standing(source)
     outline, shape = silhouette_m(source.scene, source.mesh), section(source.scene)
-    words = [say("reach.dashed") if extremes else say("reach.still")] if standing else []
+    statue, (_, lean_rad, balance_rad, side) = source.scene.statue, _worst_lean(source)
+    own = _own_moves_m(source)
+    aside = side == 0 or ("statue_slides" in own and not extremes)
+    moves = {"dashed": bool(extremes), "aside": aside, "still": not (extremes or aside or own)}
+    words = [say(f"reach.{key}") for key, told in moves.items() if told] if standing else []
     wall = source.scene.wall
     if wall is not None and standing:
         sign = 1.0 if wall.side == "right" else -1.0
@@ -389,14 +408,13 @@ def reach_picture(source: RunSource, say: Language, heading: str = "reach.headin
     if fell:
         many = "fell_all" if len(fell) == len(ends) else "fell_one" if len(fell) == 1 else "fell"
         words.append(say(f"reach.{many}", count=say.count(len(fell)), total=say.count(len(ends))))
-    statue, (_, lean_rad, side) = source.scene.statue, _worst_lean(source)
     sides = {1 if end is Outcome.OVERTURNED_RIGHT else -1 for end in fell if end in SIDEWAYS and not standing}
     if not sides:
-        sides = {side if lean_rad >= STILL_RAD else min((1, -1), key=statue.slenderness_rad)}
+        sides = {side if side and lean_rad >= STILL_RAD else min((1, -1), key=statue.slenderness_rad)}
     balance = [side * statue.slenderness_rad(side) for side in sorted(sides)]
     words.append(say("reach.balance"))
     lean = lean_rad if lean_rad >= STILL_RAD else 0.0
-    gauge = (lean, statue.slenderness_rad(max(sides))) if standing else None
+    gauge = (lean, balance_rad if lean else statue.slenderness_rad(max(sides))) if standing else None
     drawn = reach_svg(source, extremes, balance, gauge, f"{title} {' '.join(words)}", say)
     return Drawing(drawn, words, heading=title)
 

@@ -106,7 +106,6 @@ class PlainBullet3D(Engine):
             with_history=options.history or not options.allows("no_history"),
             repeats=False,
             validity={
-                "out_of_plane_rad": float(np.max(np.abs(path.extra["out_of_plane_rad"]))),
                 "yaw_rad": float(np.max(np.abs(path.extra["yaw_rad"] - path.extra["yaw_rad"][0]))),
                 "touching_vertices": len(setup.feet_m),
                 "full_shape_from_s": None if full is None else 0.0,

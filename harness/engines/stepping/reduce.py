@@ -47,6 +47,8 @@ REST_S: Final = 0.1
 """A statue is at rest when over this time it neither turns by REST_RAD nor keeps more than"""
 REST_SHARE: Final = 1e-6
 """this share of its weight times the centroid's height as kinetic energy;"""
+FLAT_RAD: Final = 1e-3
+"""A statue that leans less stands flat: its centroid, a metre up, is within a millimetre of the same place over its base."""
 REST_RAD: Final = 1e-3
 """a body that turns back on a slope of 1 in 50 turns by as much."""
 
@@ -642,7 +644,29 @@ def _validity(scene: Scene, motion: Trajectory, derived: _Derived) -> dict[str, 
     }
     if "pedestal_tilt_rad" in motion.extra:
         validity["pedestal_tilt_rad"] = float(np.abs(motion.extra["pedestal_tilt_rad"]).max())
+    if "out_of_plane_rad" in motion.extra:
+        validity |= _in_space(scene.statue, motion, derived.slip_m)
     return validity
+
+
+def _in_space(statue: Statue, motion: Trajectory, slip_m: Array) -> dict[str, object]:
+    """What the rotation in the plane and the slip along it do not tell: leans from where the statue stood at first in any
+    direction, as a share of the one at which it balances in that direction, and how far its base slid in any.
+    """
+    across = np.abs(motion.extra["out_of_plane_rad"] - motion.extra["out_of_plane_rad"][0])
+    lean = np.arccos(np.clip(np.cos(motion.theta_rad) * np.cos(across), -1.0, 1.0))
+    worst = int(lean.argmax())
+    up = _up(motion, worst)[:1]
+    balance = _tilt_rad(up) - _Body.of(statue, motion).excess_rad(up)
+    aside = motion.extra["statue_y_m"] - motion.extra.get("pedestal_y_m", 0.0)
+    # Leaning, the centroid is not over the same place of the base.
+    slid = np.hypot(slip_m, aside)[lean < FLAT_RAD]
+    return {
+        "out_of_plane_rad": float(across.max()),
+        "peak_lean_rad": float(lean[worst]),
+        "peak_lean_share": float(lean[worst] / balance[0]),
+        "statue_slip_m": float(max(np.abs(slip_m).max(), slid.max(initial=0.0))),
+    }
 
 
 def _energies(scene: Scene, motion: Trajectory, energy_j: Array, impact_times_s: Sequence[float]) -> dict[str, float]:

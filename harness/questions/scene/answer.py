@@ -8,10 +8,10 @@ from typing import Any, Final, Literal
 
 from harness.model.finding import Answer, Finding, changes_answer, info
 from harness.model.history import Outcome
-from harness.model.run import Run
+from harness.model.run import Run, number
 from harness.model.scene import Scene
 from harness.records.assess import Assessment
-from harness.records.run import HorizonRecord, has_answer, outside_domain
+from harness.records.run import HorizonRecord, has_answer, outside_domain, peak_lean_rad
 from harness.records.scores import ROBUST, Scores, Verdict
 
 Code = Literal[
@@ -125,10 +125,10 @@ def _what(scene: Scene, known: Mapping[str, Run], runs: Mapping[str, Run]) -> Fi
 
 def _lean(scene: Scene, known: Mapping[str, Run]) -> dict[str, Any]:
     """The least and the largest of the models' largest leans, rad, and the largest as a share of the balance angle."""
-    peaks = [run.peak_theta_rad for run in known.values()]
-    balance = [scene.statue.slenderness_rad(_side(run)) for run in known.values()]
-    share = max(peak / angle for peak, angle in zip(peaks, balance, strict=True))
-    return {"lean_rad": [min(peaks), max(peaks)], "balance_share": share}
+    peaks = [peak_lean_rad(run) for run in known.values()]
+    in_plane = [run.peak_theta_rad / scene.statue.slenderness_rad(_side(run)) for run in known.values()]
+    in_space = [number(run.validity, "peak_lean_share", 0.0) for run in known.values()]
+    return {"lean_rad": [min(peaks), max(peaks)], "balance_share": max(*in_plane, *in_space)}
 
 
 def _side(run: Run) -> int:
@@ -157,6 +157,8 @@ def _until(known: Mapping[str, Run], scores: Sequence[Scores], code: Code) -> li
         key=lambda each: (each.verdict is not Verdict.MODEL, each.verdict is not Verdict.PLANE, _agree_until_s(each)),
     )
     until_s, why = _agree_until_s(first), first.verdict
+    if first.evidence.aside:
+        return [info("histories_agree_in_plane", a=first.a, b=first.b)]
     if why in LATE and _fell_by(known, until_s):
         return [info("histories_agree_past_return", until_s=until_s)]
     return [info("histories_agree_until", until_s=until_s, why=why.name.lower(), a=first.a, b=first.b)]

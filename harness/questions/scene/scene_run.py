@@ -26,7 +26,7 @@ from harness.questions.scene.left_out import TakenAway, explained, with_reasons
 from harness.questions.scene.witness import doubted, findings_of, finer_rad, finer_runs
 from harness.records.assess import Assessment
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
-from harness.records.run import SLIDES_M, DecidedBy, HorizonRecord, RunRecord, Witness, statue_slip_m
+from harness.records.run import OWN_MOVES, SLIDES_M, DecidedBy, HorizonRecord, RunRecord, Witness, standing_m
 from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores, Verdict
 from harness.statics.plan import Step, plan
@@ -69,7 +69,11 @@ class Result:
 
     def findings(self) -> list[Finding]:
         """All that is to be known of the result, by severity."""
-        of_pairs = [found for each in self.scores.values() for found in each.findings]
+        of_pairs: list[Finding] = []
+        for found in (found for each in self.scores.values() for found in each.findings):
+            # Every pair of a model says that it was not given a motion.
+            if found.code != "motion_not_given" or found.values not in [each.values for each in of_pairs]:
+                of_pairs.append(found)
         # What a pair says of a model's motion, its run says too.
         told = {found.values["model"] for found in of_pairs if found.code == "motion_not_given"}
         of_runs = [
@@ -87,7 +91,7 @@ class Result:
             [
                 *self.scene.findings,
                 *silent,
-                *_slides(self.runs),
+                *_moves(self.runs),
                 *of_runs,
                 *of_pairs,
                 *findings_of(self.witness),
@@ -233,11 +237,14 @@ def answers_of(runs: Mapping[str, Run]) -> list[Run]:
     return [run for run in runs.values() if not run.outcome.failed]
 
 
-def _slides(runs: Mapping[str, Run]) -> list[Finding]:
-    """By which models the statue slides on its support, which the pedestal's slip does not tell."""
-    slid_m = {name: slip for name, run in runs.items() if (slip := statue_slip_m(run) or 0.0) > SLIDES_M}
-    values = sorted(slid_m.values())
-    return [caution("statue_slides", models=list(slid_m), slip_m=[values[0], values[-1]])] if values else []
+def _moves(runs: Mapping[str, Run]) -> Iterator[Finding]:
+    """By which models the statue slides on its support, or leaves it: neither rotation nor the pedestal's slip tells it."""
+    for said in (caution("statue_slides"), caution("statue_hops")):
+        name = OWN_MOVES[said.code]
+        most_m = {engine: m for engine, run in runs.items() if (m := standing_m(run, name) or 0.0) > SLIDES_M}
+        values = sorted(most_m.values())
+        if values:
+            yield replace(said, values={"models": list(most_m), "most_m": [values[0], values[-1]]})
 
 
 def _findings(scene: Scene, runs: Mapping[str, Run], refined: Sequence[str], target: RunTarget) -> list[Finding]:

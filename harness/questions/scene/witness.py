@@ -43,8 +43,8 @@ PAST_S: Final = 0.05
 
 
 def doubted(scores: Iterable[Scores]) -> list[Scores]:
-    """The pairs that are said to differ robustly, by less than `SURE` times their limit."""
-    return [each for each in scores if each.verdict in ROBUST and _close(each)]
+    """Pairs said to differ robustly, by less than `SURE` times their limit; no finer step gives a motion left out."""
+    return [each for each in scores if each.verdict in ROBUST and not each.evidence.aside and _close(each)]
 
 
 def finer_rad(target: RunTarget) -> float:

@@ -1,0 +1,78 @@
+"""What happens across the rocking plane is told, not only what the plane shows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analytic import Harmonic
+from harness.model.scene import BaseExcitation
+from harness.questions.scene.scene_run import Result, run_scene
+from harness.records.run import peak_lean_rad, standing_m
+from harness.records.scores import Verdict
+from tests.budgets_reports import SAMPLED_M
+from tests.engines_for_tests import ready
+from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
+
+
+def _shaken_across(strength_g: float, mu_statue: float) -> Result:
+    """A block that is shaken to the front and back alone, by the model, and by the exact body."""
+    ready("spatial")
+    still = scene(rectangle(0.3, 0.45, mass_kg=3.2, depth_m=0.1), mu_statue=mu_statue, duration_s=3.0)
+    floor = BaseExcitation(y=Harmonic(strength_g * GRAVITY_M_S2, 3.0))
+    return run_scene(replace(still, base_excitation=floor), ["analytic", "spatial"])
+
+
+def test_a_lean_to_the_front_is_the_statues_lean() -> None:
+    """Its rotation in the plane is none; the model, which was given no motion across it, is not said to agree."""
+    result = _shaken_across(0.27, 0.9)
+    run = result.runs["spatial"]
+    assert run.history is not None
+    across_rad = float(np.abs(run.history.extra["out_of_plane_rad"]).max())
+    assert across_rad > 0.02
+    assert run.peak_theta_rad < 1e-6 < peak_lean_rad(run) == pytest.approx(across_rad, abs=SAMPLED_M)
+    answer = result.answer()
+    assert answer.code == "plane_left_out"
+    assert answer.findings[0].values["outcome"] == "stands"
+    assert answer.findings[0].values["lean_rad"] == [0.0, peak_lean_rad(run)]
+    balance_rad = np.arctan2(0.05, 0.225)
+    assert answer.findings[0].values["balance_share"] == pytest.approx(peak_lean_rad(run) / balance_rad)
+    (pair,) = result.scores.values()
+    assert pair.verdict is Verdict.PLANE
+    assert pair.evidence.aside_rad == run.validity["out_of_plane_rad"]
+
+
+def test_a_slide_to_the_front_is_the_statues_slide() -> None:
+    result = _shaken_across(0.2, 0.1)
+    run = result.runs["spatial"]
+    assert run.history is not None
+    slid_m = standing_m(run, "statue_slip_m")
+    assert slid_m == pytest.approx(float(np.abs(run.history.extra["statue_y_m"]).max()), abs=SAMPLED_M)
+    assert slid_m > 2e-3
+    assert [found.values["models"] for found in result.findings() if found.code == "statue_slides"] == [["spatial"]]
+    assert [pair.verdict for pair in result.scores.values()] == [Verdict.PLANE]
+    told = [found for found in result.findings() if found.code == "motion_not_given"]
+    assert len(told) == 1
+
+
+def test_no_motion_across_leaves_nothing_aside() -> None:
+    """At a strength that moves nothing the model agrees, though it was not given the motion."""
+    result = _shaken_across(0.05, 0.9)
+    assert [pair.verdict for pair in result.scores.values()] == [Verdict.AGREE]
+    assert peak_lean_rad(result.runs["spatial"]) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_slide_to_the_front_is_no_standstill() -> None:
+    assert "no_model_moves" not in [found.code for found in _shaken_across(0.2, 0.1).findings()]
+
+
+def test_a_hop_is_no_rest() -> None:
+    """Shaken up and down by more than gravity a statue leaves the floor, upright all the while."""
+    ready("pymunk")
+    up = scene(rectangle(0.3, 0.6), None, Harmonic(1.3 * GRAVITY_M_S2, 4.0), duration_s=1.0)
+    result = run_scene(up, ["analytic", "pymunk"])
+    (found,) = [found for found in result.findings() if found.code == "statue_hops"]
+    assert found.values["models"] == ["pymunk"]
+    assert min(found.values["most_m"]) > 2e-3
