@@ -70,8 +70,8 @@ def findings_of(record: StudyRecord) -> list[Finding]:
     found = [*_left_domain(record.rows), *_of_runs(record.rows)]
     found += [each for name, item in (record.scores or {}).items() for each in item.findings(name)]
     if record.audit is not None:
-        severity = caution if record.audit.differ else info
-        found.append(severity("rechecked", **vars(record.audit)))
+        values = vars(record.audit)
+        found.append(caution("rechecked", **values) if record.audit.differ else info("rechecked", **values))
     found += [] if record.table is None else [_columns(record.table)]
     found += [] if record.witness is None else _witness(record.witness)
     if record.usage is not None and record.usage.utilisation is not None:
