@@ -28,7 +28,6 @@ from reports.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from harness.records.validation import MeasuredRecord
     from harness.runs.parts import Measurement, R
 
 
@@ -180,7 +179,7 @@ def validate(
     out: Out = None,
 ) -> None:
     """Run the models on measured tests, tosses or drops and score them against what was observed; or on impact ratios."""
-    from harness.questions.validate.kinds import kind_of
+    from harness.questions.validate.kinds import kind_of, validate_measured
     from harness.questions.validate.validation_run import run_validation
     from harness.records.base import as_file
     from harness.records.result_folder import check_folder, named_after
@@ -190,7 +189,10 @@ def validate(
     folder = out or OUT / named_after(experiments)
     kind = kind_of(experiments, samples=samples, resume=resume, fit_share=fit_share, body=body, engine=engine)
     if kind != "tests":
-        measured = _measured(kind, experiments, folder, body or Path(), engine, samples, seed, jobs, saying.silent)
+        measured = validate_measured(
+            experiments, folder, body=body, models=engine, samples=samples, seed=seed, jobs=jobs, quiet=saying.silent,
+            say=ENGLISH.say,
+        )  # fmt: skip
         say_result(as_file(measured), "\n".join(measured_lines(measured, verbose=saying.verbose)), folder, saying)
         return
     check_folder(folder, ("validation",))
@@ -207,33 +209,6 @@ def validate(
         say=ENGLISH.say,
     )
     say_result(as_file(record), "\n".join(validation_lines(record, verbose=saying.verbose)), folder, saying)
-
-
-def _measured(
-    kind: str,
-    table: Path,
-    folder: Path,
-    body: Path,
-    models: list[str] | None,
-    samples: int,
-    seed: int,
-    jobs: int | None,
-    quiet: bool,
-) -> MeasuredRecord:
-    """The record of a table of tosses, drops or impact ratios."""
-    from harness.questions.validate.drop_run import validate_drops
-    from harness.questions.validate.impact_ratios import validate_ratios
-    from harness.questions.validate.toss_run import validate_tosses
-    from reports.messages import ENGLISH
-
-    say = ENGLISH.say
-    if kind == "tosses":
-        return validate_tosses(table, folder, body, models=models, seed=seed, jobs=jobs, say=say)
-    if kind == "impact_ratios":
-        return validate_ratios(table, folder, say)
-    return validate_drops(
-        table, folder, body, models=models, samples=samples, seed=seed, jobs=jobs, quiet=quiet, say=say
-    )
 
 
 # The commands that make something of finished records: pages, figures, an animation.

@@ -44,7 +44,7 @@ from harness.questions.study.file import load_study
 from harness.questions.trust.plane import Plane
 from harness.questions.trust.trust_run import Points, engines_of, trust_map
 from harness.questions.validate import scenes as test_scenes
-from harness.questions.validate.drop_run import read_drops
+from harness.questions.validate.drops import read_drops
 from harness.questions.validate.table import read_table
 from harness.questions.validate.tosses import read_tosses
 from harness.records.inspection import inspection_record

@@ -8,12 +8,11 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from harness.questions.validate.drop_run import validate_drops
-from harness.questions.validate.impact_ratios import validate_ratios
-from harness.questions.validate.toss_run import validate_tosses
+from harness.questions.validate.kinds import validate_measured
 from harness.records.validation import MeasuredRecord
 from reports.messages import ENGLISH
 from reports.pages.measured_page import measured_table
@@ -38,22 +37,23 @@ def told(record: MeasuredRecord) -> str:
 
 def drops() -> str:
     """Planar drops of a square."""
-    with tempfile.TemporaryDirectory() as folder:
-        square = SCENES / "square_drop.toml"
-        return told(validate_drops(DATA / "squares" / "square_drops.csv.gz", Path(folder) / "out", square))
+    return measured("squares/square_drops.csv.gz", SCENES / "square_drop.toml")
 
 
 def tosses() -> str:
     """Tosses of a cube."""
-    with tempfile.TemporaryDirectory() as folder:
-        cube, measured = SCENES / "cube_toss.toml", DATA / "tosses" / "cube_tosses.csv.gz"
-        return told(validate_tosses(measured, Path(folder) / "out", cube, models=TOSS_MODELS))
+    return measured("tosses/cube_tosses.csv.gz", SCENES / "cube_toss.toml", TOSS_MODELS)
 
 
 def ratios() -> str:
     """First impacts of limestone blocks."""
+    return measured("impacts/limestone_first_impacts.csv")
+
+
+def measured(name: str, body: Path | None = None, models: Sequence[str] | None = None) -> str:
+    """What is told of a set of the data folder."""
     with tempfile.TemporaryDirectory() as folder:
-        return told(validate_ratios(DATA / "impacts" / "limestone_first_impacts.csv", Path(folder) / "out"))
+        return told(validate_measured(DATA / name, Path(folder) / "out", body=body, models=models))
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ from harness.accuracy.simulation import simulate
 from harness.model.history import Outcome
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
-from harness.questions.validate.toss_run import poses
+from harness.questions.validate.tosses import poses
 from harness.records.bench import Statement
 from harness.runs.runner import Crash, Hung, LocalPool, Pool
 from tests.measures.coverage import statement

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from harness.questions.assess.answer import answer_of, findings_of
 from harness.questions.assess.by_model import MODEL, RUN_DRAWS, SAMPLE_S, SAMPLER, probability_of, sampled
 from harness.questions.assess.clearance import of_engine, of_model
 from harness.questions.assess.engine_runs import EngineRuns
-from harness.questions.assess.in_space import SPACE, Ends, assess_in_space, clearance_in_space, shaken_across
+from harness.questions.assess.in_space import SPACE, clearance_in_space, shaken_across, space_draws
 from harness.questions.assess.model_draws import (
     Array,
     ModelDraws,
@@ -34,10 +34,15 @@ from harness.questions.assess.model_draws import (
     uncertain_inputs,
     varied,
 )
-from harness.questions.assess.options import Answered, Option, compare, options_of
+from harness.questions.assess.options import Answered, Option, compare, in_plane, in_space, options_of
 from harness.questions.assess.plan import rest_outline_m
-from harness.questions.assess.sensitivity import FRAGILITY_DRAWS, fragility, indices, indices_of_draws
-from harness.questions.assess.space_studies import compare_in_space, fragility_in_space
+from harness.questions.assess.sensitivity import (
+    FRAGILITY_DRAWS,
+    fragility,
+    fragility_in_space,
+    indices,
+    indices_of_draws,
+)
 from harness.questions.assess.stratified import estimate
 from harness.records.assess import (
     Assessment,
@@ -149,19 +154,35 @@ def assess(
     with _campaign(store, pool) as (campaign, workers):
         contact = [name for name in names if name not in (MODEL, SPACE) and engines.load(name).missing() is None]
         on_progress(_forecast(scene, contact, model, ALL_TIMES * drawn_s, half_width, most_runs, workers))
-
-        def asked(name: str) -> tuple[Assessment, EngineRuns]:
+        if shaken_across(scene):
+            on_progress(f"{SPACE}: draws, then clearance")
+        space = space_draws(scene, values, SPACE_STEPS) if shaken_across(scene) else None
+        answered_already = (MODEL,) if space is None else (MODEL, SPACE)
+        answers, room = dict[str, Assessment | NotAssessed | None](), dict[str, ClearanceByModel]()
+        fell: dict[str, Mapping[int, bool | None]] = {}
+        for name in (name for name in names if name not in answered_already):
+            if (reason := engines.load(name).missing()) is not None:
+                answers[name] = NotAssessed(reason)
+                continue
             runs = EngineRuns(scene, name, values, campaign, on_progress)
             batch = max(BATCH, 2 * workers)
-            return estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch), runs
-
-        others = _others(scene, [name for name in names if name != MODEL], values, model, asked, on_progress)
+            answer = estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch)
+            fell[name] = runs.fell
+            if answer.undecided == 1.0:
+                message = f"none of its {answer.engine_runs} runs came to an end (rockcheck run -e {name} says why)"
+                answers[name] = NotAssessed(message)
+                continue
+            planar = engines.load(name).capabilities.dimensions < SPACE_DIMENSIONS
+            answers[name] = replace(answer, plane_only=planar and shaken_across(scene))
+            room[name] = of_engine(model, runs)
         counts = RunCounts(campaign.computed + len(campaign.reused), campaign.computed)
-    sampler = next((name for name in others.fell if name in SAMPLERS), SAMPLER)
-    fell_by = others.fell.get(sampler) or sampled(model, lambda number: varied(scene, row(values, number)))
-    own = probability_of(model, sampler, fell_by, plane_only=shaken_across(scene))
+    if space is not None:
+        answers[SPACE], room[SPACE] = probability_of(space), clearance_in_space(scene, values, space)
+    sampler = next((name for name in fell if name in SAMPLERS), SAMPLER)
+    own = Answered(model, fell.get(sampler) or sampled(model, lambda number: varied(scene, row(values, number))))
+    answers = {MODEL: probability_of(*own, sampler, plane_only=shaken_across(scene)), **answers}
     on_progress(f"{MODEL}: clearance")
-    answers, room = {MODEL: own, **others.answers}, {MODEL: of_model(scene, values), **others.room}
+    room = {MODEL: of_model(scene, values), **room}
     record = AssessRecord(
         title=scene.title,
         scene=SceneRecord.of(scene),
@@ -176,13 +197,9 @@ def assess(
         runs=counts,
         clearance=ClearanceRecord(scene.statue.height_m, rest_outline_m(scene.statue).tolist(), room),
     )
-    answered = Answered(model, fell_by)
-    record = _by_model(record, scene, values, answered, more_options, on_progress, others.in_space)
-    if record.indices is None:
-        overturned = model.overturned if others.in_space is None else others.in_space == "overturned"
-        record = replace(record, indices=indices_of_draws(inputs, values, overturned))
+    record = _by_one_model(record, scene, values, own, space, more_options, on_progress)
     record = replace(record, answer=answer_of(record), findings=[*findings_of(record), *record.findings])
-    return Assessed(record, values, model, others.fell)
+    return Assessed(record, values, model, fell)
 
 
 def _forecast(
@@ -212,52 +229,6 @@ def _forecast(
     return f"this takes {forecast_words(*spent)} of processor time, {clock} by the clock on {workers} cores"
 
 
-class _Others(NamedTuple):
-    """What models beside the analytic one answer, by name: probabilities, rooms, and whether the statue fell in each run; and
-    how its draws end by the exact body, where the scene is that body's to answer.
-    """
-
-    answers: dict[str, Assessment | NotAssessed]
-    room: dict[str, ClearanceByModel]
-    fell: dict[str, Mapping[int, bool | None]]
-    in_space: Ends | None
-
-
-def _others(
-    scene: Scene,
-    names: Sequence[str],
-    values: Mapping[str, Array],
-    model: ModelDraws,
-    asked: Callable[[str], tuple[Assessment, EngineRuns]],
-    on_progress: Callable[[str], None],
-) -> _Others:
-    """The engines of these names, and the exact body where the scene is its own to answer."""
-    others, across = _Others({}, {}, {}, None), shaken_across(scene)
-    if across:
-        on_progress(f"{SPACE}: draws, then clearance")
-    space = assess_in_space(scene, values, SPACE_STEPS) if across else None
-    for name in names:
-        engine = engines.load(name)
-        if name == SPACE and space is not None:
-            continue
-        if (reason := engine.missing()) is not None:
-            others.answers[name] = NotAssessed(reason)
-            continue
-        answer, runs = asked(name)
-        plane_only = across and engine.capabilities.dimensions < SPACE_DIMENSIONS
-        others.fell[name] = runs.fell
-        if answer.undecided == 1.0:
-            message = f"none of its {answer.engine_runs} runs came to an end (rockcheck run -e {name} says why)"
-            others.answers[name] = NotAssessed(message)
-            continue
-        others.answers[name] = replace(answer, plane_only=plane_only)
-        others.room[name] = of_engine(model, runs)
-    if space is None:
-        return others
-    others.answers[SPACE], others.room[SPACE] = space.answer, clearance_in_space(scene, values, space)
-    return others._replace(in_space=space.ends)
-
-
 def _inputs(scene: Scene) -> Sequence[Uncertain]:
     """What is uncertain; raises `InputError` for a scene of which no draws can be made."""
     where = str(scene.source or "the scene")
@@ -280,31 +251,37 @@ def _campaign(store: Store | None, pool: Pool | None) -> Iterator[tuple[Campaign
         yield Campaign(storage, workers), workers.workers
 
 
-def _by_model(
+def _by_one_model(
     record: AssessRecord,
     scene: Scene,
     values: Mapping[str, Array],
     own: Answered,
+    space: ModelDraws | None,
     more_options: Sequence[Option] | None,
     on_progress: Callable[[str], None],
-    in_space: Ends | None,
 ) -> AssessRecord:
     """The record with all that one model alone answers: the exact body where the scene is its own, else the analytic model."""
-    draws, inputs, seed = len(next(iter(values.values()))), record.uncertainty, record.seed
+    inputs, seed = record.uncertainty, record.seed
     if more_options is not None:
         own_options, left_out = options_of(scene)
         every = [*own_options, *more_options]
-        if in_space is not None:
-            compared = compare_in_space(scene, inputs, every, left_out, values, in_space, seed, on_progress)
+        if space is not None:
+            ask = in_space(scene, inputs, values, seed)
+            compared = compare(every, left_out, Answered(space), ask, model=SPACE, on_progress=on_progress)
         else:
-            compared = compare(scene, inputs, every, left_out, values, own, seed=seed, on_progress=on_progress)
+            ask = in_plane(scene, inputs, values, seed)
+            across = shaken_across(scene)
+            compared = compare(every, left_out, own, ask, plane_only=across, on_progress=on_progress)
         record = replace(record, options=compared)
-    if in_space is not None:
+    if space is not None:
         on_progress(f"{SPACE}: fragility")
-        return replace(record, fragility=fragility_in_space(scene, inputs, seed))
+        found = fragility_in_space(scene, inputs, seed)
+        return replace(record, fragility=found, indices=indices_of_draws(inputs, values, space.overturned))
     on_progress(f"{MODEL}: fragility and indices")
-    record = replace(record, fragility=fragility(scene, inputs, seed, min(draws, FRAGILITY_DRAWS)))
-    return replace(record, indices=indices(scene, inputs, seed)) if sweepable(scene, values) else record
+    found = fragility(scene, inputs, seed, min(own.model.overturned.size, FRAGILITY_DRAWS))
+    swept = sweepable(scene, values)
+    by_input = indices(scene, inputs, seed) if swept else indices_of_draws(inputs, values, own.model.overturned)
+    return replace(record, fragility=found, indices=by_input)
 
 
 def _differences(answers: Mapping[str, Assessment | NotAssessed | None]) -> dict[str, ProbabilityDifference]:

@@ -20,7 +20,7 @@ from harness.comparison.statistics.distributions import wilson
 from harness.engines.base import EngineFailure
 from harness.model.run import RunOptions
 from harness.model.scene import Scene
-from harness.questions.assess.in_space import SPACE, SPACE_S, assess_in_space, shaken_across
+from harness.questions.assess.in_space import SPACE, SPACE_S, shaken_across, space_draws
 from harness.questions.assess.model_draws import (
     ENGINE_ERROR_RAD,
     ModelDraws,
@@ -46,6 +46,7 @@ motion of 10 s at 4 ms."""
 SAMPLE_S: Final = 2.0
 """What they take of the processor, s, as a forecast tells it."""
 MOST_SAMPLED: Final = 60
+NONE_SAMPLED: Final[Mapping[int, bool | None]] = {}
 TRIAL_SHARE: Final = 0.01
 """Of the draws are timed before all of them are run."""
 
@@ -65,9 +66,11 @@ def assess_models(
     model = model_draws(scene, values)
     fell = sampled(model, lambda number: varied(scene, row(values, number)))
     leaves_plane |= shaken_across(scene)
-    own = probability_of(model, SAMPLER, fell, plane_only=leaves_plane)
-    in_space = assess_in_space(scene, values) if leaves_plane else None
-    answers = {MODEL: own, SPACE: None if in_space is None else in_space.answer}
+    space = space_draws(scene, values) if leaves_plane else None
+    answers = {
+        MODEL: probability_of(model, fell, plane_only=leaves_plane),
+        SPACE: None if space is None else probability_of(space),
+    }
     return {name: answer for name, answer in answers.items() if answer is not None}
 
 
@@ -136,7 +139,11 @@ class Outside(NamedTuple):
 
 
 def probability_of(
-    model: ModelDraws, engine: str, fell: Mapping[int, bool | None], *, plane_only: bool = False
+    model: ModelDraws,
+    fell: Mapping[int, bool | None] = NONE_SAMPLED,
+    engine: str = SAMPLER,
+    *,
+    plane_only: bool = False,
 ) -> Assessment | None:
     """The share of the draws that overturn, by the model where it answers and by the engine's runs (`fell`, by number of the
     draw) where the model left its domain, with its interval; None without draws."""

@@ -5,22 +5,18 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import ZeroExcitation
-from harness.comparison.statistics.distributions import wilson
 from harness.engines import stands_alone
 from harness.model.scene import Scene
 from harness.questions.assess.clearance import clearance
-from harness.questions.assess.model_draws import Array, file_scale, row, varied
+from harness.questions.assess.model_draws import Array, ModelDraws, file_scale, row, varied
 from harness.questions.assess.plan import reach_m
-from harness.questions.assess.stratified import LEVEL
-from harness.records.assess import Assessment, ClearanceByModel
-
-Ends = NDArray[np.object_]
+from harness.records.assess import ClearanceByModel
 
 SPACE: Final = "spatial"
 MOST_STEPS: Final = 300_000
@@ -48,42 +44,15 @@ def shaken_across(scene: Scene) -> bool:
     return not isinstance(scene.base_excitation.y, ZeroExcitation)
 
 
-class SpaceDraws(NamedTuple):
-    """The probability of overturning by the exact body, and how each of its draws (n,) ends."""
+def space_draws(
+    scene: Scene,
+    values: Mapping[str, Array],
+    most_steps: int = MOST_STEPS,
+    change: Callable[[Scene], Scene] = lambda scene: scene,
+) -> ModelDraws | None:
+    """What the exact body says of as many of the draws (n,) as the steps allow, each drawn and then changed: how it ends alone.
 
-    answer: Assessment
-    ends: Ends
-
-
-def assess_in_space(scene: Scene, values: Mapping[str, Array], most_steps: int = MOST_STEPS) -> SpaceDraws | None:
-    """The probability of overturning over as many of the draws (n,) as the steps allow; None where the exact body does not know
-    all of the scene (a pedestal, a wall, a prescribed impact, a moving table).
-    """
-    ends = ends_in_space(scene, values, most_steps)
-    if ends is None:
-        return None
-    return SpaceDraws(_assessment(int((ends == "overturned").sum()), ends.size, without_end(ends)), ends)
-
-
-def _assessment(fell: int, draws: int, open_: int) -> Assessment:
-    """The probability of overturning where so many of the draws fell and so many came to no end, with Wilson's interval
-    and the open ones at its high end."""
-    share = wilson(fell, draws, LEVEL)
-    if share is None:
-        raise ValueError("a probability without draws")
-    return Assessment(share.value, share.low, min(share.high + open_ / draws, 1.0), LEVEL, draws, draws, open_ / draws)
-
-
-def without_end(ends: Ends) -> int:
-    """How many draws neither fall nor stand: given up, or outside the exact body's domain."""
-    return int(((ends != "overturned") & (ends != "stands")).sum())
-
-
-def ends_in_space(
-    scene: Scene, values: Mapping[str, Array], most_steps: int, change: Callable[[Scene], Scene] = lambda scene: scene
-) -> Ends | None:
-    """How the exact body ends in as many of the draws (n,) as the steps allow, each drawn and then changed; None for a scene that
-    it does not know.
+    None where it does not know all of the scene (a pedestal, a wall, a prescribed impact, a moving table).
     """
     from analytic import AnalyticInputError
 
@@ -91,7 +60,7 @@ def ends_in_space(
     if not stands_alone(changed) or changed.initial.pose is not None:
         return None
     size, left, runs = len(next(iter(values.values()))), most_steps, 0
-    ends: list[Ends] = []
+    parts: list[NDArray[np.object_]] = []
     batch = BATCH
     while runs < size and left > 0:
         try:
@@ -101,18 +70,21 @@ def ends_in_space(
             return None
         runs, left = runs + outcomes.size, left - int(np.maximum(steps, RUN_COST).sum())
         batch = max(BATCH, left * runs // (4 * (most_steps - left)))
-        ends.append(outcomes)
-    return np.concatenate(ends)
+        parts.append(outcomes)
+    ends = np.concatenate(parts)
+    fell, unknown = ends == "overturned", np.full(ends.size, np.nan)
+    # A run that was given up, or left the exact body's domain, is not decided.
+    return ModelDraws(fell | (ends == "stands"), fell, unknown, unknown, *np.zeros((2, ends.size), dtype=bool))
 
 
-def clearance_in_space(scene: Scene, values: Mapping[str, Array], draws: SpaceDraws) -> ClearanceByModel:
+def clearance_in_space(scene: Scene, values: Mapping[str, Array], draws: ModelDraws) -> ClearanceByModel:
     """The clearance all round by the exact body, on the first draws in which it stands."""
-    standing = np.flatnonzero(draws.ends == "stands").tolist()
+    standing = np.flatnonzero(draws.decided & ~draws.overturned).tolist()
     chosen = standing[:CLEARANCE_RUNS]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         reached = list(pool.map(lambda number: _reach_m(varied(scene, row(values, number))), chosen))
-    seen = draws.ends if len(chosen) == len(standing) else draws.ends[: chosen[-1] + 1]
-    return clearance(reached, np.ones(len(reached)), seen.size, without_end(seen))
+    decided = draws.decided if len(chosen) == len(standing) else draws.decided[: chosen[-1] + 1]
+    return clearance(reached, np.ones(len(reached)), decided.size, int((~decided).sum()))
 
 
 def _reach_m(scene: Scene) -> Array:
@@ -128,7 +100,7 @@ def _reach_m(scene: Scene) -> Array:
 
 def _batch(
     scene: Scene, values: Mapping[str, Array], change: Callable[[Scene], Scene]
-) -> tuple[Ends, NDArray[np.int64]]:
+) -> tuple[NDArray[np.object_], NDArray[np.int64]]:
     """Outcome and steps of each draw."""
     from analytic import spatial
     from harness.engines.spatial import problem_of

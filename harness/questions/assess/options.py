@@ -7,9 +7,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 from statistics import NormalDist
-from types import MappingProxyType
 from typing import Annotated, Final, NamedTuple
 
 import numpy as np
@@ -20,8 +20,8 @@ from harness.input.scene_file import check_wall
 from harness.input.tables import read_model
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene, Uncertain, scan_azimuth_deg, written
-from harness.questions.assess.by_model import SAMPLER, Outside, probability_of, sampled
-from harness.questions.assess.in_space import shaken_across
+from harness.questions.assess.by_model import MODEL, NONE_SAMPLED, Outside, probability_of, sampled
+from harness.questions.assess.in_space import space_draws
 from harness.questions.assess.model_draws import (
     KINETIC,
     LEAST_SHARE,
@@ -215,7 +215,7 @@ PAIRS: Final = (
 """A pair's coefficients differ from one surface to the next by a third and more: measure before building."""
 
 
-# Options set against the scene as it is, by the analytic model with common random numbers.
+# Options set against the scene as it is, by one model with common random numbers.
 
 
 DIFFERENCE_LEVEL: Final = 0.99
@@ -226,91 +226,98 @@ ALIKE: Final = ("contact.", "motion.", "initial.")
 """Keys whose draws are the same before and after a statue or a pedestal is changed."""
 NEW_KEYS: Final = 2_000_003
 """Added to the seed where an option brings an uncertain number that the scene as it is does not have."""
+SPACE_OPTION_DRAWS: Final = 300
+"""Draws of each option in space: a difference of 10 points at a half is then shown where half of the falls are the same."""
+SPACE_OPTION_STEPS: Final = 400_000
+"""Steps of each option's runs in space together: some fifteen seconds of one core."""
 
 
 class Answered(NamedTuple):
-    """What the model says of each draw, and whether the statue falls by an engine in the first of those outside its domain."""
+    """What a model says of each draw, and whether the statue falls by an engine in the first of those outside its domain."""
 
     model: ModelDraws
-    fell: Mapping[int, bool | None] = MappingProxyType({})
+    fell: Mapping[int, bool | None] = NONE_SAMPLED
+
+
+Ask = Callable[[Option], Answered | None]
+"""What a model answers of an option, on draws that are the same for all; None of one that it does not know."""
 
 
 def compare(
-    scene: Scene,
-    inputs: Sequence[Uncertain],
     options: Sequence[Option],
     left_out: Mapping[str, str],
-    values: Mapping[str, Array],
     own: Answered,
+    ask: Ask,
     *,
-    seed: int = 0,
+    model: str = MODEL,
+    plane_only: bool = False,
     on_progress: Callable[[str], None] = lambda text: None,
 ) -> OptionsRecord:
-    """Every option's probability of a fall and its slip, and its difference to the scene as it is, draw by draw.
-
-    `values` (n,) are the draws of the scene as it is, and `own` what was answered of them; `seed` is that of both.
-    """
-    answers = [answer_of(None, own, None)]
-    others: dict[str, ModelDraws | None] = {}
+    """Every option's probability of a fall and its slip, and its difference to the scene as it is (`own`), draw by draw."""
+    answers, unknown = [answer_of(None, own, None)], dict(left_out)
     for option in options:
-        on_progress(f"option {option.name}")
-        others[option.name] = _at_once(scene, inputs, option, values, seed)
-    # What needs a scene made anew for each draw is done for all such options together: reading a scan costs most.
-    slow = [option for option in options if others[option.name] is None]
-    others |= _one_by_one(scene, slow, values) if slow else {}
-    for option in options:
-        if (other := others[option.name]) is not None:
-            # The one body that may slide is no scene of an engine's: its floor is what the pedestal stands on.
-            fell = {} if option.slides else sampled(other, _scenes_of(scene, inputs, option, values, seed))
-            answers.append(answer_of(option, Answered(other, fell), own))
-    across = shaken_across(scene)
-    return OptionsRecord(answers, own.model.overturned.size, LEVEL, DIFFERENCE_LEVEL, dict(left_out), across)
+        on_progress(f"option {option.name}" if model == MODEL else f"option {option.name}, in space")
+        found = ask(option)
+        if found is None:
+            unknown[option.name] = "unknown_in_space"
+        else:
+            answers.append(answer_of(option, found, own))
+    return OptionsRecord(answers, own.model.overturned.size, LEVEL, DIFFERENCE_LEVEL, unknown, plane_only, model)
 
 
-def _scenes_of(
-    scene: Scene, inputs: Sequence[Uncertain], option: Option, values: Mapping[str, Array], seed: int
-) -> Callable[[int], Scene]:
-    """The option's scene in a draw, by its number."""
-    if not option.user:
-        return lambda number: option.change(varied(scene, row(values, number)))
-    other = option.change(scene)
-    drawn = common(inputs, values, uncertain_inputs(other), seed)
-    return lambda number: varied(other, row(drawn, number))
+def in_plane(scene: Scene, inputs: Sequence[Uncertain], values: Mapping[str, Array], seed: int = 0) -> Ask:
+    """The analytic model's answers on draws (n,) of the scene as it is, where each is a scene read again on the first of them."""
+
+    @cache
+    def drawn(number: int) -> Scene:
+        """The scene as it is in a draw, made once for all options: reading a scan costs most."""
+        return varied(scene, row(values, number))
+
+    def ask(option: Option) -> Answered:
+        other = option.change(scene)
+        if option.user:
+            own = common(inputs, values, uncertain_inputs(other), seed)
+            first = None if sweepable(other, own) else SLOW_DRAWS
+            model = model_draws(other, {key: column[:first] for key, column in own.items()})
+            return Answered(model, sampled(model, lambda number: varied(other, row(own, number))))
+        swept = _swept(scene, inputs, other, values, seed)
+        size = len(next(iter(values.values())))
+        if swept is not None:
+            model = _slipping(other, swept, scene, size, option.slides)
+        else:
+            each = [(option.change(one), one) for one in map(drawn, range(min(SLOW_DRAWS, size)))]
+            model = joined([_slipping(changed, {}, one, 1, option.slides) for changed, one in each])
+        # The one body that may slide is no scene of an engine's: its floor is what the pedestal stands on.
+        fell = {} if option.slides else sampled(model, lambda number: option.change(drawn(number)))
+        return Answered(model, fell)
+
+    return ask
 
 
-def option_draws(
-    scene: Scene, inputs: Sequence[Uncertain], option: Option, values: Mapping[str, Array], seed: int = 0
-) -> ModelDraws:
-    """What the model says of an option on draws (n,) of the scene as it is (where each is a scene read again, on the first)."""
-    at_once = _at_once(scene, inputs, option, values, seed)
-    return _one_by_one(scene, [option], values)[option.name] if at_once is None else at_once
-
-
-def _at_once(
-    scene: Scene, inputs: Sequence[Uncertain], option: Option, values: Mapping[str, Array], seed: int
-) -> ModelDraws | None:
-    """All draws of an option as draws of its own scene; None where drawing and changing do not commute."""
-    other = option.change(scene)
-    if option.user:
-        drawn = common(inputs, values, uncertain_inputs(other), seed)
-        first = None if sweepable(other, drawn) else SLOW_DRAWS
-        return model_draws(other, {key: column[:first] for key, column in drawn.items()})
+def _swept(
+    scene: Scene, inputs: Sequence[Uncertain], other: Scene, values: Mapping[str, Array], seed: int
+) -> dict[str, Array] | None:
+    """The draws as draws of an option's own scene; None where drawing and changing do not commute."""
     same_bodies = other.statue is scene.statue and other.pedestal in (scene.pedestal, None)
-    if sweepable(scene, values) and (same_bodies or all(key.startswith(ALIKE) for key in values)):
-        swept = common(inputs, values, _moved(inputs, other), seed)
-        if not swept or sweepable(other, swept):
-            return _slipping(other, swept, scene, len(next(iter(values.values()))), option.slides)
-    return None
+    if not sweepable(scene, values) or not (same_bodies or all(key.startswith(ALIKE) for key in values)):
+        return None
+    swept = common(inputs, values, _moved(inputs, other), seed)
+    return swept if sweepable(other, swept) else None
 
 
-def _one_by_one(scene: Scene, options: Sequence[Option], values: Mapping[str, Array]) -> dict[str, ModelDraws]:
-    """Each draw's scene made first and then changed, on the first draws."""
-    parts: dict[str, list[ModelDraws]] = {option.name: [] for option in options}
-    for k in range(min(SLOW_DRAWS, len(next(iter(values.values()))))):
-        drawn = varied(scene, row(values, k))
-        for option in options:
-            parts[option.name].append(_slipping(option.change(drawn), {}, drawn, 1, option.slides))
-    return {name: joined(several) for name, several in parts.items()}
+def in_space(scene: Scene, inputs: Sequence[Uncertain], values: Mapping[str, Array], seed: int) -> Ask:
+    """The exact body's answers on the first of the draws (n,) of the scene as it is."""
+    first = {key: column[:SPACE_OPTION_DRAWS] for key, column in values.items()}
+
+    def ask(option: Option) -> Answered | None:
+        if option.user:
+            other = option.change(scene)
+            found = space_draws(other, common(inputs, first, uncertain_inputs(other), seed), SPACE_OPTION_STEPS)
+        else:
+            found = space_draws(scene, first, SPACE_OPTION_STEPS, option.change)
+        return None if found is None else Answered(found)
+
+    return ask
 
 
 def _slipping(other: Scene, values: Mapping[str, Array], scene: Scene, size: int, slides: bool) -> ModelDraws:
@@ -362,8 +369,8 @@ def common(
 
 def answer_of(option: Option | None, answered: Answered, before: Answered | None) -> OptionAnswer:
     """What is told of an option (None: the scene as it is), by its draws and the same ones of the scene as it is."""
-    model, fell = answered
-    share = probability_of(model, SAMPLER, fell)
+    model = answered.model
+    share = probability_of(*answered)
     if share is None:
         raise ValueError("an option without draws")
     shown = Option(AS_IT_IS, lambda scene: scene) if option is None else option

@@ -1,4 +1,4 @@
-"""Which input matters, and how strong a shaking the statue bears: the analytic model on more draws."""
+"""Which input matters, and how strong a shaking the statue bears: one model on more draws."""
 
 from __future__ import annotations
 
@@ -11,17 +11,30 @@ from numpy.typing import NDArray
 
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene, Uncertain
-from harness.questions.assess.model_draws import draw, file_scale, groups, model_draws, row, sweepable, varied
+from harness.questions.assess.in_space import SPACE, space_draws
+from harness.questions.assess.model_draws import (
+    Array,
+    Flags,
+    ModelDraws,
+    draw,
+    file_scale,
+    groups,
+    model_draws,
+    row,
+    sweepable,
+    varied,
+)
 from harness.questions.assess.stratified import LEVEL
 from harness.records.assess import FragilityRecord, Index
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 FACTORS: Final = tuple(float(value) for value in np.geomspace(0.25, 4.0, 25))
 """Factors on the motion at which the probability is found: a sixteenth part of the range from 1/4 to 4 apart, each 12 %."""
 FRAGILITY_DRAWS: Final = 1000
 """Draws at each factor: ± 1.6 % at a half."""
+SPACE_DRAWS: Final = 64
+"""Draws at each factor in space: ± 10 % at a half."""
+SPACE_STEPS: Final = 80_000
+"""Steps of the runs in space at one factor together: some three seconds of one core."""
 INDEX_DRAWS: Final = 4000
 """Draws of each of the two matrices: a first index is known to about ± 0.03."""
 ASKED: Final = (0.05, 0.16, 0.50)
@@ -48,24 +61,29 @@ def fragility(scene: Scene, inputs: Sequence[Uncertain], seed: int, count: int =
     draws = draw(inputs, count, seed)
     own = draws.pop("motion.scale", np.full(count, file_scale(scene)))
     if sweepable(scene, draws):
-        by_factor = [model_draws(scene, {**draws, "motion.scale": own * factor}) for factor in FACTORS]
-        fell = np.array([item.overturned for item in by_factor])
-        decided = np.array([item.decided for item in by_factor])
-    else:
-        scenes = (varied(scene, row(draws, k)) for k in range(count))
-        by_draw = [
-            model_draws(drawn, {"motion.scale": strength * np.array(FACTORS)})
-            for drawn, strength in zip(scenes, own, strict=True)
-        ]
-        fell = np.array([item.overturned for item in by_draw]).T
-        decided = np.array([item.decided for item in by_draw]).T
-    return fragility_of(FACTORS, [(int(a.sum()), int((~b).sum()), count) for a, b in zip(fell, decided, strict=True)])
+        return fragility_of(FACTORS, [model_draws(scene, {**draws, "motion.scale": own * each}) for each in FACTORS])
+    by_draw = [
+        model_draws(varied(scene, row(draws, k)), {"motion.scale": own[k] * np.array(FACTORS)}) for k in range(count)
+    ]
+    by_factor = [np.transpose(column) for column in zip(*by_draw, strict=True)]
+    return fragility_of(FACTORS, [ModelDraws(*(column[k] for column in by_factor)) for k in range(len(FACTORS))])
 
 
-def fragility_of(
-    factors: Sequence[float], counts: Sequence[tuple[int, int, int]], model: str = "analytic"
-) -> FragilityRecord:
-    """The fragility by counts at each factor: draws that fall, without an answer, and all."""
+def fragility_in_space(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> FragilityRecord | None:
+    """The same by the exact body, at every second factor; None for a scene that it does not know."""
+    draws, factors, answers = draw(inputs, SPACE_DRAWS, seed), FACTORS[::2], []
+    own = draws.get("motion.scale", np.full(SPACE_DRAWS, file_scale(scene)))
+    for factor in factors:
+        found = space_draws(scene, {**draws, "motion.scale": own * factor}, SPACE_STEPS)
+        if found is None:
+            return None
+        answers.append(found)
+    return fragility_of(factors, answers, SPACE)
+
+
+def fragility_of(factors: Sequence[float], answers: Sequence[ModelDraws], model: str = "analytic") -> FragilityRecord:
+    """The fragility by what a model says of the draws at each factor."""
+    counts = [(int(each.overturned.sum()), int((~each.decided).sum()), each.decided.size) for each in answers]
     falls = [fell / size for fell, _, size in counts]
     none = [wilson(fell, size, LEVEL) for fell, _, size in counts]
     every = [wilson(fell + undecided, size, LEVEL) for fell, undecided, size in counts]

@@ -15,11 +15,10 @@ import numpy as np
 
 from analytic.closed_form import rectangle_ratio
 from harness.model.errors import InputError, Mistake
-from harness.model.finding import Answer, Say, caution, info
+from harness.model.finding import Answer, caution, info
 from harness.model.history import Array
-from harness.questions.validate.measured_set import MeasuredSet, Rows
-from harness.questions.validate.number_table import read_groups
-from harness.records.validation import Cell, MeasuredRecord, MeasuredTable
+from harness.questions.validate.measured_set import MeasuredSet, Rows, Told, read_groups
+from harness.records.validation import Cell, MeasuredTable
 
 COLUMNS: Final = ("group", "trial", "width_m", "height_m", "depth_m", "mass_kg", "ratio_measured")
 ROWS: Final = (
@@ -75,13 +74,9 @@ def imposed(groups: Sequence[Group]) -> list[float]:
     return [(sum(means) - own) / (len(means) - 1) for own in means]
 
 
-def validate_ratios(table: Path, folder: Path, say: Say = str) -> MeasuredRecord:
-    """Bias and scatter of the model's ratio and of an imposed one against measured ones; writes result.json into `folder`.
-
-    Raises `InputError` for a wrong table.
-    """
-    measured = MeasuredSet(table, folder)
-    groups = read_ratios(table)
+def scored_ratios(measured: MeasuredSet) -> Told:
+    """Bias and scatter of the model's ratio and of an imposed one against measured ones; `InputError` for a wrong table."""
+    groups = read_ratios(measured.table)
     scatter, given = repeats_sd(groups), imposed(groups)
     rows: Rows = []
     for group, ratio in sorted(zip(groups, given, strict=True), key=lambda pair: pair[0].slenderness):
@@ -100,20 +95,13 @@ def validate_ratios(table: Path, folder: Path, say: Say = str) -> MeasuredRecord
         sums.append([law, bias, rms, rms / scatter, every.size, scatter])
     bias, rms = misses["housner"]
     above = int(np.sum(every > 1.0))
-    return measured.written(
-        "impact_ratios",
+    mean = float(np.mean([group.measured.mean() for group in groups]))
+    found = [info("ratio_imposed", ratio=mean, rms=misses["imposed"][1])]
+    if above:
+        found.append(caution("ratios_gain", count=above, of=every.size))
+    return Told(
         f"{every.size} measured ratios at first impacts",
+        Answer("impact_ratios", [info("ratios_missed", bias=bias, rms=rms, scatter=scatter, share=rms / scatter)]),
         [MeasuredTable("laws", SUMS, sums), MeasuredTable("groups", ROWS, rows)],
-        say,
-        answer=Answer(
-            "impact_ratios", [info("ratios_missed", bias=bias, rms=rms, scatter=scatter, share=rms / scatter)]
-        ),
-        findings=[
-            info(
-                "ratio_imposed",
-                ratio=float(np.mean([group.measured.mean() for group in groups])),
-                rms=misses["imposed"][1],
-            ),
-            *([caution("ratios_gain", count=above, of=every.size)] if above else []),
-        ],
+        found,
     )

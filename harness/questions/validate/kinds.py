@@ -1,20 +1,41 @@
-"""What a table of measurements holds, by its header, and which options go with it."""
+"""What a table of measurements holds, by its header: which options go with it, and one call that scores all but tests."""
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from harness.input.paths import read_files
+from harness.model import run as record
 from harness.model.errors import InputError, Mistake
-from harness.questions.validate import drop_run, impact_ratios, tosses
-from harness.questions.validate.number_table import header
+from harness.model.finding import Say
+from harness.questions.validate import drops, impact_ratios, tosses
+from harness.questions.validate.measured_set import MeasuredSet, Told, body_alone, header
+from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
+from harness.records.validation import About, MeasuredRecord
+from harness.runs.progress import progress
+from harness.runs.runner import LocalPool
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of measured set: what scores it, and the options that it takes beside those of every table."""
+
+    name: About
+    options: Sequence[str]
+    scored: Callable[[MeasuredSet], Told]
+
 
 MEASURED: Final = {
-    tosses.COLUMNS[0]: ("tosses", ("body", "engine")),
-    drop_run.COLUMNS[0]: ("drops", ("body", "engine", "samples")),
-    impact_ratios.COLUMNS[0]: ("impact_ratios", ()),
+    tosses.COLUMNS[0]: Kind("tosses", ("body", "engine"), tosses.scored_tosses),
+    drops.COLUMNS[0]: Kind("drops", ("body", "engine", "samples"), drops.scored_drops),
+    impact_ratios.COLUMNS[0]: Kind("impact_ratios", (), impact_ratios.scored_ratios),
 }
-"""By the first column's name: the kind, and the options that it takes beside those of every table."""
+"""By the first column's name."""
 OF_TESTS: Final = ("engine", "samples", "resume", "fit_share")
 
 
@@ -23,7 +44,8 @@ def kind_of(table: Path, **options: object) -> str:
 
     An option that is not given is None or False; `samples` 0.
     """
-    kind, taken = MEASURED.get(header(table)[0], ("tests", OF_TESTS))
+    measured = MEASURED.get(header(table)[0])
+    kind, taken = ("tests", OF_TESTS) if measured is None else (measured.name, measured.options)
     mistakes = [
         Mistake(
             f"--{name.replace('_', '-')}", "", f"no such option with a table of {kind.replace('_', ' ')}", repr(value)
@@ -36,3 +58,40 @@ def kind_of(table: Path, **options: object) -> str:
     if mistakes:
         raise InputError(mistakes)
     return kind
+
+
+def validate_measured(
+    table: Path,
+    folder: Path,
+    *,
+    body: Path | None = None,
+    models: Sequence[str] | None = None,
+    samples: int = 0,
+    seed: int = 0,
+    jobs: int | None = None,
+    quiet: bool = False,
+    say: Say = str,
+) -> MeasuredRecord:
+    """Hold models against a table of measured tosses, drops or impact ratios; writes result.json into `folder`.
+
+    `body` is a scene file whose statue was thrown; what is fitted is fitted on a seeded third, and scored on the others. Raises
+    `InputError` for a wrong table, scene, model or number.
+    """
+    start_s, kind = time.perf_counter(), MEASURED[header(table)[0]]
+    base = None if body is None else body_alone(body)
+    names = [RECORD, COMING, *PAGES]
+    check_folder(folder, ("measured",), names)
+    check_inputs(folder, names, [table, *([] if base is None else read_files(base.given, base.source))])
+    with closing(LocalPool(jobs)) as pool, progress(table.name, quiet) as on_progress:
+        told = kind.scored(MeasuredSet(table, base, models or (), samples, seed, pool, on_progress))
+    result = MeasuredRecord(
+        **vars(told),
+        about=kind.name,
+        source=table.name,
+        body=None if body is None else body.name,
+        seed=seed,
+        versions=record.versions(),
+        machine=record.machine(),
+        seconds=time.perf_counter() - start_s,
+    )
+    return write_whole(folder, result.texted(say))

@@ -1,65 +1,127 @@
-"""What every measured set takes beside its own reading and scoring: a folder to be written, a body, one record of tables."""
+"""What measured sets have in common: a table of a name and numbers a line, a body that is thrown, models that are asked."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from harness.input.paths import read_files
+from analytic.excitation import ZeroExcitation
+from harness import engines
+from harness.accuracy.simulation import RunTarget
 from harness.input.scene_file import load_scene
-from harness.model import run as record
+from harness.input.text_file import decimals, decoded, read_bytes
 from harness.model.errors import InputError, Mistake
-from harness.model.finding import Say
-from harness.model.scene import Scene
-from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
-from harness.records.validation import About, Cell, MeasuredRecord, MeasuredTable
+from harness.model.finding import Answer, Finding
+from harness.model.history import Array
+from harness.model.scene import BaseExcitation, Contact, Initial, Pose, Scene
+from harness.questions.validate.jobs import Model, parse_model
+from harness.records.validation import Cell, MeasuredTable
+from harness.runs.runner import Pool
 
+LARGEST: Final = 1e9
+"""No length, time, mass or rate in SI units that was measured is larger, and squares of larger ones may overflow."""
 FITTED: Final = 1.0 / 3.0
 """Share of a set on which coefficients are fitted."""
 Rows = list[Sequence[Cell]]
 
 
+@dataclass(frozen=True, eq=False)
 class MeasuredSet:
-    """A table of measurements, the scene of the body where one was thrown, and the folder that its record goes to."""
+    """A table of measurements and what is asked of it: the scene whose statue was thrown, the models, draws of each throw.
 
-    def __init__(self, table: Path, folder: Path, body: Path | None = None) -> None:
-        self._start_s = time.perf_counter()
-        self.table, self._folder, self._body = table, folder, body
-        self._base = None if body is None else _thrown(body)
-        names = [RECORD, COMING, *PAGES]
-        check_folder(folder, ("measured",), names)
-        files = [] if self._base is None else read_files(self._base.given, self._base.source)
-        check_inputs(folder, names, [table, *files])
+    `on_progress` hears how many throws are computed, of how many.
+    """
+
+    table: Path
+    body: Scene | None
+    models: Sequence[str]
+    samples: int
+    seed: int
+    pool: Pool
+    on_progress: Callable[[int, int], None]
 
     @property
     def base(self) -> Scene:
         """The scene whose statue was thrown."""
-        assert self._base is not None
-        return self._base
+        assert self.body is not None
+        return self.body
 
-    def written(
-        self, about: About, title: str, tables: Sequence[MeasuredTable], say: Say, **fields: Any
-    ) -> MeasuredRecord:
-        """The record, written: the first table is the one to read."""
-        result = MeasuredRecord(
-            title=title,
-            about=about,
-            source=self.table.name,
-            body=None if self._body is None else self._body.name,
-            tables=tables,
-            versions=record.versions(),
-            machine=record.machine(),
-            seconds=time.perf_counter() - self._start_s,
-            **fields,
-        )
-        return write_whole(self._folder, result.texted(say))
+    def asked(self, otherwise: Sequence[str]) -> list[Model]:
+        """The models asked for, or the usual ones."""
+        return [parse_model(name) for name in dict.fromkeys(self.models or otherwise)]
+
+    def shares(self, count: int) -> tuple[list[int], list[int]]:
+        """Numbers of the set's members that are fitted on, a seeded third, and of those that are scored."""
+        order = np.random.default_rng(self.seed).permutation(count).tolist()
+        most = max(round(FITTED * count), 1)
+        return sorted(order[:most]), sorted(order[most:])
 
 
-def _thrown(path: Path) -> Scene:
+@dataclass(frozen=True)
+class Told:
+    """What came of a measured set; the first table is the one to read."""
+
+    title: str
+    answer: Answer
+    tables: Sequence[MeasuredTable]
+    findings: Sequence[Finding]
+    samples: int | None = None
+
+
+def header(path: Path) -> tuple[str, ...]:
+    """The names of a table's columns, however they are parted: of a table of something else too."""
+    return tuple(name.strip() for name in _lines(path)[0].split(","))
+
+
+def read_groups(path: Path, columns: Sequence[str]) -> list[tuple[str, Array]]:
+    """The numbers (n, columns − 1) of lines that follow each other with one name in the first column, by that name.
+
+    Raises `InputError` with every line that is wrong, and for a name that comes back after another.
+    """
+    first, *lines = _lines(path)
+    if tuple(name.strip() for name in first.split(",")) != tuple(columns):
+        raise InputError(Mistake(str(path), "header", ", ".join(columns), first or "nothing"))
+    rows: list[tuple[str, list[float]]] = []
+    mistakes = []
+    for number, line in enumerate(lines, 2):
+        if not line.strip():
+            continue
+        name, *cells = line.split(",")
+        try:
+            values = decimals(cells)
+        except ValueError as error:
+            mistakes.append(Mistake(str(path), f"line {number}", "decimal numbers", str(error)))
+            continue
+        if len(values) != len(columns) - 1:
+            mistakes.append(Mistake(str(path), f"line {number}", f"{len(columns)} cells", f"{len(values) + 1}"))
+        for column, value in zip(columns[1:], values, strict=False):
+            if not abs(value) <= LARGEST:
+                wanted = f"a number of at most {LARGEST:g}"
+                mistakes.append(Mistake(str(path), f"line {number}: {column}", wanted, f"{value:g}"))
+        rows.append((name.strip(), values))
+    if not rows and not mistakes:
+        raise InputError(Mistake(str(path), "", "at least one line of numbers", "none"))
+    if mistakes:
+        raise InputError(mistakes)
+    groups = [(name, np.array([values for _, values in same])) for name, same in groupby(rows, lambda row: row[0])]
+    names = [name for name, _ in groups]
+    if again := [name for name in names if names.count(name) > 1]:
+        wanted = f"all lines of a {columns[0]} after each other"
+        raise InputError(Mistake(str(path), f"{columns[0]} {again[0]}", wanted, "others between them"))
+    return groups
+
+
+def _lines(path: Path) -> list[str]:
+    text = decoded(read_bytes(path, "a table"), str(path), "a CSV file with a header")
+    return text.splitlines() or [""]
+
+
+def body_alone(path: Path) -> Scene:
     """The scene whose statue is thrown. Raises `InputError` for one with a pedestal or a wall, which no measured throw has."""
     base = load_scene(path)
     beside = [name for name in ("pedestal", "wall") if getattr(base, name) is not None]
@@ -68,8 +130,40 @@ def _thrown(path: Path) -> Scene:
     return base
 
 
-def shares(count: int, seed: int) -> tuple[list[int], list[int]]:
-    """Numbers of a set's members that are fitted on, a seeded third, and of those that are scored."""
-    order = np.random.default_rng(seed).permutation(count).tolist()
-    most = max(round(FITTED * count), 1)
-    return sorted(order[:most]), sorted(order[most:])
+def thrown(base: Scene, start: Pose, contact: Contact, duration_s: float, frame_s: float) -> Scene:
+    """The body of a scene thrown onto a still floor, looked at in every frame."""
+    still = ZeroExcitation()
+    return replace(
+        base,
+        duration_s=duration_s,
+        contact=contact,
+        base_excitation=BaseExcitation(still, still, still),
+        initial=Initial(pose=start),
+        output_dt_s=frame_s,
+    )
+
+
+def target_of(model: Model, frame_s: float, steps: int) -> RunTarget:
+    """The accuracy of an engine that states its error, else a step: the one that was asked for, or so many in a frame.
+
+    Frames are whole steps: poses between two steps would be interpolated across a turn of an angle.
+    """
+    if model.dt_s is not None:
+        steps = max(round(frame_s / model.dt_s), 1)
+    elif engines.load(model.engine).capabilities.certifies:
+        return RunTarget(model.accuracy_rad)
+    return RunTarget(dt_s=frame_s / steps)
+
+
+def by_name(
+    pool: Pool, work: Callable[[Any], Any], throws: Sequence[Any], told: Callable[[int], None] = lambda done: None
+) -> dict[str, Any]:
+    """What `work` makes of each throw, by its name in their order (a `Crash` where its process died); `told` hears how many."""
+    answers: dict[str, Any] = {}
+
+    def done(throw: Any, answer: Any) -> None:
+        answers[throw.name] = answer
+        told(len(answers))
+
+    pool.run(work, throws, done)
+    return {throw.name: answers[throw.name] for throw in throws}

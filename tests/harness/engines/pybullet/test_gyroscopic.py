@@ -12,7 +12,7 @@ from analytic.excitation import ZeroExcitation
 from harness import engines
 from harness.model.run import Run, RunOptions
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pose, Scene
-from harness.questions.validate.toss_run import poses
+from harness.questions.validate.tosses import poses
 from tests import budgets_bullet as budget
 from tests.measures.seeded_scenes import block
 

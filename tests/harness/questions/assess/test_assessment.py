@@ -194,7 +194,7 @@ def test_the_interval_holds_open_draws_either_way() -> None:
     kind = np.repeat(np.arange(4), (10, 60, 20, 10))
     model = ModelDraws(kind < 2, kind == 0, np.ones(100), np.zeros(100), kind == 2, np.zeros(100, bool))
     fell = dict(zip(range(70, 78), (True, True, True, False, False, False, False, None), strict=True))
-    none, some = probability_of(model, "pymunk", {}), probability_of(model, "pymunk", fell)
+    none, some = probability_of(model), probability_of(model, fell)
     own, sample = wilson(10, 100, 0.9), jeffreys(3, 7)
     assert (none.probability_overturned, none.undecided, none.sampled) == pytest.approx((0.1, 0.3, 0))
     assert (none.low, none.high) == pytest.approx((own.low, own.high + 0.3))

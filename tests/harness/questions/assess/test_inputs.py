@@ -25,7 +25,7 @@ from harness.questions.assess.model_draws import (
     uncertain_inputs,
     varied,
 )
-from harness.questions.assess.options import option_draws, options_of
+from harness.questions.assess.options import in_plane, options_of
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import paestum
 
@@ -187,7 +187,7 @@ def test_the_floor_s_two_coefficients_drawn_apart_keep_their_order(tmp_path: Pat
     alone = [float(model_draws(one, {}).peak_slip_m[0]) for one in each]
     assert model_draws(scene, values).peak_slip_m == pytest.approx(alone, rel=budget.ROUNDING)
     smooth = next(item for item in options_of(scene)[0] if "ptfe" in item.name)
-    slips = option_draws(scene, inputs, smooth, values).peak_slip_m
+    slips = in_plane(scene, inputs, values)(smooth).model.peak_slip_m
     assert np.median(slips) > 1.5 * np.median(alone)
 
 

@@ -17,7 +17,7 @@ from harness.questions.assess import options as made
 from harness.questions.assess.answer import best_option, of_options
 from harness.questions.assess.assessment import assess
 from harness.questions.assess.model_draws import draw, draws_of, model_draws, uncertain_inputs
-from harness.questions.assess.options import PAIRS, Answered, common, compare, option_draws, paired_difference
+from harness.questions.assess.options import PAIRS, Answered, common, compare, in_plane, paired_difference
 from harness.records.assess import OptionsRecord
 from harness.statics.plan import as_one, sliding, turned_block
 from tests import budgets_assess as budget
@@ -37,7 +37,7 @@ def by_draws(
 ) -> OptionsRecord:
     inputs = uncertain_inputs(scene)
     values = draws_of(scene, inputs, draws, 0)
-    return compare(scene, inputs, options, left_out or {}, values, Answered(model_draws(scene, values)))
+    return compare(options, left_out or {}, Answered(model_draws(scene, values)), in_plane(scene, inputs, values))
 
 
 def test_statue_and_pedestal_as_one_body_by_hand() -> None:
@@ -75,7 +75,7 @@ def test_draws_are_common() -> None:
     scene = paestum(0.429, 3.0, duration_s=3.0)
     inputs = uncertain_inputs(scene)
     values = draw(inputs, DRAWS, seed=4)
-    same = option_draws(scene, inputs, made.Option("same", lambda given: given), values)
+    same = in_plane(scene, inputs, values)(made.Option("same", lambda given: given)).model
     np.testing.assert_array_equal(same.overturned, model_draws(scene, values).overturned)
     lower = [replace(inputs[0], value=0.5 * inputs[0].value), *inputs[1:]]
     moved = common(inputs, values, lower, seed=4)
@@ -91,7 +91,7 @@ def test_swept_draws_of_an_option_are_those_of_each_scene_changed() -> None:
     values = draw(inputs, 30, seed=1)
     single = {**values, "pedestal.height_m": np.full(30, 0.2)}
     for option in made.options_of(scene)[0]:
-        swept, slow = option_draws(scene, inputs, option, values), option_draws(scene, by_scene, option, single)
+        swept, slow = in_plane(scene, inputs, values)(option).model, in_plane(scene, by_scene, single)(option).model
         np.testing.assert_array_equal(swept.overturned, slow.overturned, err_msg=option.name)
         np.testing.assert_allclose(swept.peak_slip_m, slow.peak_slip_m, atol=budget.ADDED, err_msg=option.name)
 
@@ -103,7 +103,7 @@ def test_a_fixed_body_on_little_friction_slides_and_on_much_rocks() -> None:
     least = math.tan(min(one.slenderness_rad(side) for side in (1, -1)))
     values = {"contact.floor": np.array([0.9 * least, 1.1 * least])}
     inputs = [Uncertain("contact.floor", "lognormal", scene.contact.floor_static, 0.15)]
-    answer = option_draws(scene, inputs, fixed, values)
+    answer = in_plane(scene, inputs, values)(fixed).model
     assert answer.peak_slip_m[0] > 0.0
     assert answer.peak_share[1] > answer.peak_share[0]
     assert answer.peak_slip_m[1] == 0.0

@@ -12,7 +12,7 @@ import pytest
 from harness.input.scene_file import load_scene
 from harness.model.scene import Uncertain
 from harness.questions.assess.answer import reserve
-from harness.questions.assess.model_draws import draw, model_draws, sweepable, uncertain_inputs
+from harness.questions.assess.model_draws import ModelDraws, draw, model_draws, sweepable, uncertain_inputs
 from harness.questions.assess.sensitivity import LEAST_DRAWS, fragility, fragility_of, indices, indices_of_draws
 from tests import budgets_assess as budget
 from tests.harness.questions.assess.measure_own_runs import SCENE
@@ -88,10 +88,17 @@ def test_a_scene_read_again_for_each_draw_has_the_fragility_of_one_that_is_not()
     assert 0.0 < answer.probability_overturned[12] < 1.0
 
 
+def answered(fell: int, open_: int, size: int) -> ModelDraws:
+    """So many draws that fall, come to no end, and stand."""
+    number = np.arange(size)
+    none = np.zeros(size)
+    return ModelDraws((number < fell) | (number >= fell + open_), number < fell, none, none, none > 0.0, none > 0.0)
+
+
 def test_draws_without_an_end_stand_at_one_edge_of_the_fragility_and_fall_at_the_other() -> None:
     factors, falls = (0.5, 1.0, 2.0, 4.0), (0, 0, 400, 1000)
     decided, some_open = (
-        fragility_of(factors, [(fell, open_, 1000) for fell, open_ in zip(falls, undecided, strict=True)])
+        fragility_of(factors, [answered(fell, open_, 1000) for fell, open_ in zip(falls, undecided, strict=True)])
         for undecided in ((0, 0, 0, 0), (0, 200, 300, 0))
     )
     assert some_open.probability_overturned == decided.probability_overturned
@@ -114,10 +121,10 @@ def test_draws_without_an_end_stand_at_one_edge_of_the_fragility_and_fall_at_the
 
 
 def test_what_no_strength_decides_is_no_reserve() -> None:
-    never = fragility_of((1.0, 2.0), [(0, 0, 1000)] * 2)
+    never = fragility_of((1.0, 2.0), [answered(0, 0, 1000)] * 2)
     told = reserve(never).values
     assert (told["kind"], told["factors"], told["most"], told["soonest"]) == ("some", {}, 2.0, None)
-    unknown = fragility_of((0.5, 1.0, 2.0), [(0, 0, 64), (0, 30, 64), (0, 64, 64)])
+    unknown = fragility_of((0.5, 1.0, 2.0), [answered(0, open_, 64) for open_ in (0, 30, 64)])
     told = reserve(unknown).values
     assert (told["kind"], told["factors"], told["most"]) == ("open", {}, 2.0)
     assert told["soonest"] < 1.0

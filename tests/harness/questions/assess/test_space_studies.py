@@ -12,10 +12,9 @@ from analytic import Pulse
 from harness.input.scene_file import load_scene
 from harness.model.scene import BaseExcitation, Scene
 from harness.questions.assess.assessment import assess
-from harness.questions.assess.in_space import ends_in_space
+from harness.questions.assess.in_space import space_draws
 from harness.questions.assess.model_draws import ModelDraws, draw, uncertain_inputs
 from harness.questions.assess.options import AS_IT_IS, Answered, difference_of, options_of
-from harness.questions.assess.space_studies import OPTION_STEPS
 from harness.records.assess import TURNED
 from tests.scenes_for_tests import block, scene
 
@@ -60,13 +59,14 @@ def test_a_turned_statue_is_one_whose_shaking_is_turned(kind: str, tmp_path: Pat
     given = lopsided() if kind == "block" else scan(tmp_path)
     values = draw(uncertain_inputs(given), DRAWS, seed=4)
     turned = next(item for item in options_of(given)[0] if item.name == TURNED)
-    ends = ends_in_space(given, values, OPTION_STEPS, turned.change)
+    ends = space_draws(given, values, change=turned.change)
     motion = given.base_excitation
     other_way = replace(given, base_excitation=BaseExcitation(x=motion.y, y=motion.x.scaled(-1.0)))
-    expected, as_it_is = (ends_in_space(each, values, OPTION_STEPS) for each in (other_way, given))
-    assert ends.tolist() == expected.tolist()
-    assert len(set(ends)) > 1, "the draws should be of both kinds"
-    assert ends.tolist() != as_it_is.tolist()
+    expected, as_it_is = (space_draws(each, values) for each in (other_way, given))
+    assert ends.decided.tolist() == expected.decided.tolist()
+    assert ends.overturned.tolist() == expected.overturned.tolist()
+    assert 0.0 < ends.probability < 1.0, "the draws should be of both kinds"
+    assert ends.overturned.tolist() != as_it_is.overturned.tolist()
 
 
 def test_options_and_fragility_of_a_scene_in_space_are_the_exact_bodys() -> None:

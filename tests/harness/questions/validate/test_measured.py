@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,24 +14,24 @@ from harness.accuracy.simulation import simulate
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.scene import Contact, Scene
-from harness.questions.validate import drop_run as drops
-from harness.questions.validate import impact_ratios
-from harness.questions.validate.drop_run import (
+from harness.questions.validate import drops, impact_ratios
+from harness.questions.validate.drops import (
     TURNS,
     Drop,
-    DropTask,
     Fit,
     crps,
+    ended,
     fit,
     forecast,
     log_scores,
     read_drops,
     scene_of,
-    validate_drops,
 )
-from harness.questions.validate.impact_ratios import read_ratios, repeats_sd, validate_ratios
+from harness.questions.validate.impact_ratios import read_ratios, repeats_sd
 from harness.questions.validate.jobs import parse_model
-from harness.questions.validate.kinds import kind_of
+from harness.questions.validate.kinds import kind_of, validate_measured
+from harness.questions.validate.measured_set import by_name
+from harness.runs.runner import InlinePool
 from reports.messages import ENGLISH
 from reports.pages.page import write_report
 from reports.terminal import COLUMNS as WIDTH
@@ -150,39 +149,25 @@ def test_a_draw_at_the_coefficients_that_threw_ends_as_it_did(
     """Of drops whose landing is read to a micrometre; one of six may be sent another way by that."""
     read, _ = read_drops(written(tmp_path, {str(seed): thrown(square, seed) for seed in range(6)}), square)
     monkeypatch.setattr(drops, "coefficients", lambda samples, seed: np.array([[RESTITUTION, FRICTION]]))
-    ends = [drops.turns(DropTask(square, drop, parse_model(name), 1, 0))[0] for drop in read]
+    ends = [drops.turns(square, parse_model(name), 1, 0, drop)[0] for drop in read]
     assert sum(end == drop.turn for end, drop in zip(ends, read, strict=True)) >= len(read) - 1
     assert len({drop.turn for drop in read}) > 2
 
 
-def test_a_draw_that_fails_costs_itself_and_a_model_is_lost_with_all_alone(square: Scene) -> None:
-    class Pool:
-        workers = 1
-
-        def run(self, work: object, tasks: Sequence[DropTask], done: Callable[[DropTask, object], None]) -> None:
-            for task in tasks:
-                done(task, "no" if task.drop.name in self.lost else [1, None])
-
-        def close(self) -> None:
-            """Nothing to give back."""
-
-        lost: tuple[str, ...] = ()
-
-    pool, told = Pool(), list[int]()
-    drop = Drop("a", np.zeros((3, 2)), np.zeros((3, 2, 2)), 9.81, 0.1, 0, 0)
-    tasks = [DropTask(square, replace(drop, name=name), parse_model("spatial"), 2, 0) for name in "ab"]
-    pool.lost = ("b",)
-    assert drops.computed(pool, tasks, told.append) == {"a": [1, None], "b": [None, None]}
+def test_a_draw_that_fails_costs_itself_and_a_model_is_lost_with_all_alone() -> None:
+    drop, told = Drop("a", np.zeros((3, 2)), np.zeros((3, 2, 2)), 9.81, 0.1, 0, 0), list[int]()
+    answers = {"a": [1, None], "b": "no"}
+    found = by_name(InlinePool(), lambda each: answers[each.name], [drop, replace(drop, name="b")], told.append)
     assert told == [1, 2]
-    pool.lost = ("a", "b")
-    assert drops.computed(pool, tasks, told.append) == "no"
+    assert ended(found, 2) == {"a": [1, None], "b": [None, None]}
+    assert ended({"a": "no", "b": "no"}, 2) == "no"
 
 
 def test_a_set_of_drops_is_scored_and_told(tmp_path: Path, root: Path, square: Scene) -> None:
     table = written(tmp_path, {str(seed): thrown(square, seed) for seed in range(8)})
     body = root / "scenes" / "square_drop.toml"
     asked = {"models": ["spatial", "analytic"], "samples": 6, "jobs": 1, "quiet": True}
-    record = validate_drops(table, tmp_path / "out", body, say=ENGLISH.say, **asked)  # type: ignore[arg-type]
+    record = validate_measured(table, tmp_path / "out", body=body, say=ENGLISH.say, **asked)  # type: ignore[arg-type]
     models, every = record.tables
     assert [row[0] for row in models.rows] == ["spatial", "all_drops", "first_face"]
     assert len(every.rows) == 8 - round(8 / 3)
@@ -207,7 +192,7 @@ def test_ratios_are_held_against_the_model_and_an_imposed_one(tmp_path: Path) ->
     rows = ["1,1,0.1,0.2,0.1,1,0.68", "1,2,0.1,0.2,0.1,1,0.70", "2,1,0.1,0.3,0.1,1,0.85", "2,2,0.1,0.3,0.1,1,0.89"]
     table = ratios(tmp_path, rows)
     assert repeats_sd(read_ratios(table)) == pytest.approx(math.sqrt((2 * 0.01**2 + 2 * 0.02**2) / 2))
-    record = validate_ratios(table, tmp_path / "out", ENGLISH.say)
+    record = validate_measured(table, tmp_path / "out", quiet=True, say=ENGLISH.say)
     laws, groups = record.tables
     (_, bias, rms, share, count, scatter), imposed = laws.rows
     assert (bias, rms) == (pytest.approx(-0.005), pytest.approx(math.sqrt((0.02**2 + 0.04**2) / 4)))
@@ -255,7 +240,7 @@ def test_a_table_is_known_by_its_columns_and_takes_its_own_options(tmp_path: Pat
 def test_a_body_beside_something_is_refused(tmp_path: Path, root: Path) -> None:
     table = written(tmp_path, {"a": np.zeros((9, 7))})
     with pytest.raises(InputError, match="pedestal: wanted a body alone over the floor"):
-        validate_drops(table, tmp_path / "out", root / "scenes" / "paestum_block.toml")
+        validate_measured(table, tmp_path / "out", body=root / "scenes" / "paestum_block.toml")
     assert not (tmp_path / "out").exists()
 
 
@@ -269,5 +254,5 @@ def test_real_drops_and_ratios_read(data_dir: Path, square: Scene, tmp_path: Pat
     found, refused = read_drops(drops_table, square)
     assert (len(found), len(refused)) == (125, 0)
     assert np.median([drop.fall_m_s2 for drop in found]) == pytest.approx(9.0, abs=budget.PLATES_FALL_M_S2)
-    record = validate_ratios(table, tmp_path / "out")
+    record = validate_measured(table, tmp_path / "out", quiet=True)
     assert record.tables[0].rows[0][1:3] == pytest.approx([0.0134, 0.0427], abs=budget.LIMESTONE)

@@ -19,20 +19,22 @@ from harness.model.errors import InputError
 from harness.model.history import History
 from harness.model.scene import Pose, Scene
 from harness.questions.validate.jobs import parse_model
-from harness.questions.validate.toss_run import (
+from harness.questions.validate.kinds import validate_measured
+from harness.questions.validate.tosses import (
     AFTER_IMPACT,
+    COLUMNS,
     FRICTIONS,
     STEPS_A_FRAME,
     Coefficients,
     Errors,
-    TossTask,
+    Toss,
     errors,
+    nearest_flight,
     poses,
+    read_tosses,
     scene_of,
     scored,
-    validate_tosses,
 )
-from harness.questions.validate.tosses import COLUMNS, Toss, nearest_flight, read_tosses
 from reports.pages.page import write_report
 from reports.terminal import LINES, measured_lines
 from tests import budgets_spatial_reference as budget
@@ -174,7 +176,7 @@ def test_the_coefficient_that_threw_them_is_found_again(tmp_path: Path, root: Pa
     assert FRICTION in FRICTIONS
     table = written(tmp_path, {str(seed): thrown(cube, seed) for seed in STEADY})
     body = root / "scenes" / "cube_toss.toml"
-    found = validate_tosses(table, tmp_path / "out", body, models=["pybullet:plain"], jobs=1)
+    found = validate_measured(table, tmp_path / "out", body=body, models=["pybullet:plain"], jobs=1, quiet=True)
     means, poses, losses, tosses = found.tables
     whole, velocities, drake, *_ = (dict(zip(means.columns, row, strict=True)) for row in means.rows)
     assert (whole["fitted_on"], velocities["fitted_on"], drake["model"]) == ("trajectory", "impact_velocities", "Drake")
@@ -218,10 +220,10 @@ def test_a_run_whose_start_did_not_take_is_refused(
     tmp_path: Path, cube: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     toss = read_tosses(written(tmp_path, {"a": flying()}), cube.statue, cube.gravity_m_s2)[0][0]
-    task = TossTask(cube, toss, parse_model("spatial"), (Coefficients(0.2),))
-    assert isinstance(scored(task)[0], Errors)
-    monkeypatch.setattr("harness.questions.validate.toss_run.scene_of", lambda base, toss, item: base)
-    refused = scored(task)[0]
+    asked = cube, parse_model("spatial"), [Coefficients(0.2)], toss
+    assert isinstance(scored(*asked)[0], Errors)
+    monkeypatch.setattr("harness.questions.validate.tosses.scene_of", lambda base, toss, item: base)
+    refused = scored(*asked)[0]
     assert isinstance(refused, str)
     assert "its start did not take" in refused
 
@@ -232,7 +234,7 @@ def test_velocities_are_held_after_every_impact(tmp_path: Path, cube: Scene) -> 
     frames = 75
     toss = read_tosses(written(tmp_path, {"0": thrown(cube, 0, frames)}), cube.statue, cube.gravity_m_s2)[0][0]
     pairs = (Coefficients(FRICTION), Coefficients(0.5 * FRICTION))
-    same, other = scored(TossTask(cube, toss, parse_model("pybullet:plain"), pairs))
+    same, other = scored(cube, parse_model("pybullet:plain"), pairs, toss)
     assert isinstance(same, Errors)
     assert isinstance(other, Errors)
     assert same.rate_m_s.size == other.rate_m_s.size == (frames - toss.contact - 1) // AFTER_IMPACT
@@ -244,7 +246,7 @@ def test_an_engine_that_cannot_bounce_says_so(tmp_path: Path, cube: Scene) -> No
     pytest.importorskip("pybullet")
     toss = read_tosses(written(tmp_path, {"0": thrown(cube, 0, 20)}), cube.statue, cube.gravity_m_s2)[0][0]
     pairs = (Coefficients(0.2), Coefficients(0.2, 0.3))
-    plastic, bouncing = scored(TossTask(cube, toss, parse_model("pybullet"), pairs))
+    plastic, bouncing = scored(cube, parse_model("pybullet"), pairs, toss)
     assert isinstance(plastic, Errors)
     assert isinstance(bouncing, str)
     assert "plastic impacts only" in bouncing
@@ -257,7 +259,11 @@ def test_real_tosses_slide_with_the_friction_that_their_authors_found(
     table, body = data_dir / "tosses" / "cube_tosses.csv.gz", root / "scenes" / "cube_toss.toml"
     if not table.is_file():
         pytest.skip(f"real data absent: {table}")
-    found = validate_tosses(table, tmp_path / "out", body, models=["pybullet:plain"], jobs=1, most=6)
+    lines = gzip.decompress(table.read_bytes()).decode().splitlines()
+    six = list(dict.fromkeys(line.partition(",")[0] for line in lines[1:]))[:6]
+    few = tmp_path / "few.csv"
+    few.write_text("\n".join([lines[0], *(line for line in lines if line.partition(",")[0] in six)]))
+    found = validate_measured(few, tmp_path / "out", body=body, models=["pybullet:plain"], jobs=1, quiet=True)
     means, poses, *_ = found.tables
     whole = dict(zip(means.columns, means.rows[0], strict=True))
     low, high = budget.MEASURED_FRICTION

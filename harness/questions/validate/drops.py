@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -17,20 +16,16 @@ from scipy.special import expit
 from scipy.stats import norm
 from scipy.stats.qmc import LatinHypercube
 
-from analytic.excitation import ZeroExcitation
 from harness import engines
-from harness.accuracy.simulation import RunTarget, simulate_with
+from harness.accuracy.simulation import simulate_with
 from harness.model.errors import InputError, Mistake
-from harness.model.finding import Answer, Finding, Say, caution, info
+from harness.model.finding import Answer, Finding, caution, info
 from harness.model.history import Array
 from harness.model.run import RunOptions
-from harness.model.scene import BaseExcitation, Contact, Initial, Pose, Scene
-from harness.questions.validate.jobs import Model, parse_model
-from harness.questions.validate.measured_set import MeasuredSet, Rows, shares
-from harness.questions.validate.number_table import read_groups
-from harness.records.validation import Cell, MeasuredRecord, MeasuredTable
-from harness.runs.progress import progress
-from harness.runs.runner import LocalPool, Pool
+from harness.model.scene import Contact, Pose, Scene
+from harness.questions.validate.jobs import Model
+from harness.questions.validate.measured_set import MeasuredSet, Rows, Told, by_name, read_groups, target_of, thrown
+from harness.records.validation import Cell, MeasuredTable
 
 # Measured planar drops: how probable each model makes the final quarter turn that was seen.
 #
@@ -123,30 +118,18 @@ def coefficients(samples: int, seed: int) -> Array:
     return np.asarray(low + (high - low) * LatinHypercube(2, rng=seed).random(samples))
 
 
-@dataclass(frozen=True)
-class DropTask:
-    """One drop with all its draws by one model."""
-
-    base: Scene
-    drop: Drop
-    model: Model
-    samples: int
-    seed: int
-
-
-def turns(task: DropTask) -> list[int | None] | str:
+def turns(base: Scene, model: Model, samples: int, seed: int, drop: Drop) -> list[int | None] | str:
     """The final quarter turn of each draw, None of one that comes to no end; or why the model computes none."""
-    engine, random = engines.load(task.model.engine), np.random.default_rng(task.seed)
+    engine, random = engines.load(model.engine), np.random.default_rng(seed)
+    target = replace(target_of(model, FRAME_S, STEPS_A_FRAME), options=RunOptions(stated=False))
     found: list[int | None] = []
     failed = ""
-    for restitution, friction in coefficients(task.samples, task.seed).tolist():
+    for restitution, friction in coefficients(samples, seed).tolist():
         noise = random.standard_normal((3, 2))
-        start = task.drop.start + np.einsum("kij,kj->ki", task.drop.scatter, noise)
-        bounce = None if task.model.engine in engines.PLASTIC_THROWN else restitution
-        scene = scene_of(task.base, task.drop, start, Contact(friction, friction, friction, bounce))
-        step = RunTarget(dt_s=task.model.dt_s or FRAME_S / STEPS_A_FRAME)
-        target = RunTarget(task.model.accuracy_rad) if engine.capabilities.certifies else step
-        run = simulate_with(engine, scene, replace(target, options=RunOptions(stated=False)))
+        start = drop.start + np.einsum("kij,kj->ki", drop.scatter, noise)
+        bounce = None if model.engine in engines.PLASTIC_THROWN else restitution
+        scene = scene_of(base, drop, start, Contact(friction, friction, friction, bounce))
+        run = simulate_with(engine, scene, target)
         if run.history is None:
             failed = run.message or run.outcome.value
             found.append(None)
@@ -161,15 +144,8 @@ def scene_of(base: Scene, drop: Drop, start: Array, contact: Contact) -> Scene:
     """The body of a scene as it falls onto a still floor; a scene's rotation is clockwise."""
     (x, u), (z, v), (theta, omega) = start.tolist()
     turn = (math.cos(0.5 * theta), 0.0, -math.sin(0.5 * theta), 0.0)
-    still = ZeroExcitation()
-    return replace(
-        base,
-        duration_s=drop.end_s,
-        contact=contact,
-        base_excitation=BaseExcitation(still, still, still),
-        initial=Initial(pose=Pose((x, 0.0, z), turn, (u, 0.0, v), (0.0, -omega, 0.0))),
-        output_dt_s=FRAME_S,
-    )
+    pose = Pose((x, 0.0, z), turn, (u, 0.0, v), (0.0, -omega, 0.0))
+    return thrown(base, pose, contact, drop.end_s, FRAME_S)
 
 
 def smoothed(values: ArrayLike) -> Array:
@@ -248,22 +224,12 @@ def crps(probabilities: Array, seen: Sequence[int]) -> Array:
     return np.asarray(np.sum((np.cumsum(probabilities, axis=1) - reached) ** 2, axis=1))
 
 
-def computed(pool: Pool, tasks: Sequence[DropTask], told: Callable[[int], None]) -> dict[str, list[int | None]] | str:
-    """The answers by drop, or why the model gives none of any; `told` hears how many are there."""
-    answers: dict[str, Any] = {}
-
-    def done(task: DropTask, result: Any) -> None:
-        answers[task.drop.name] = result
-        told(len(answers))
-
-    pool.run(turns, tasks, done)
-    wrong = [str(each) for each in answers.values() if not isinstance(each, list)]
-    if len(wrong) == len(answers):
+def ended(found: Mapping[str, Any], samples: int) -> dict[str, list[int | None]] | str:
+    """The turns of each drop's draws by its name, None where it could not be computed; or why the model gives none of any."""
+    wrong = [str(each) for each in found.values() if not isinstance(each, list)]
+    if len(wrong) == len(found):
         return wrong[0]
-    return {
-        task.drop.name: found if isinstance(found := answers[task.drop.name], list) else [None] * task.samples
-        for task in tasks
-    }
+    return {name: each if isinstance(each, list) else [None] * samples for name, each in found.items()}
 
 
 ENGINES: Final = ("spatial", "pymunk", "pymunk:plain", "pybullet:plain")
@@ -279,110 +245,89 @@ SCORES: Final = (
 ROWS: Final = ("drop", "model", "seen_quarter_turn", "probability", "log_score", "crps_quarter_turns")
 
 
-def validate_drops(
-    table: Path,
-    folder: Path,
-    body: Path,
-    *,
-    models: Sequence[str] | None = None,
-    samples: int = 0,
-    seed: int = 0,
-    jobs: int | None = None,
-    quiet: bool = False,
-    say: Say = str,
-) -> MeasuredRecord:
-    """Score the models on measured planar drops of a scene's body; writes result.json into `folder`.
+def scored_drops(measured: MeasuredSet) -> Told:
+    """How probable each model makes the final quarter turn of every drop that was not fitted on.
 
     Each drop is run in `samples` draws (0: 32) of its measured start and of the two coefficients; how the draws are weighed is
-    fitted on a seeded third. Raises `InputError` for a wrong table, scene, model or number.
+    fitted. Raises `InputError` for a wrong table, model or number.
     """
-    if not 0 <= samples <= MOST_SAMPLES:
-        raise InputError(Mistake("--samples", "", f"a whole number from 0 to {MOST_SAMPLES}", str(samples)))
-    measured, count = MeasuredSet(table, folder, body), samples or SAMPLES
-    base = measured.base
-    known = [parse_model(name) for name in dict.fromkeys(models or ENGINES)]
-    drops, refused = read_drops(table, base)
+    if not 0 <= measured.samples <= MOST_SAMPLES:
+        wanted = f"a whole number from 0 to {MOST_SAMPLES}"
+        raise InputError(Mistake("--samples", "", wanted, str(measured.samples)))
+    base, seed, count, models = measured.base, measured.seed, measured.samples or SAMPLES, measured.asked(ENGINES)
+    drops, refused = read_drops(measured.table, base)
     if len(drops) < 4:
-        raise InputError(Mistake(str(table), "", "four drops that begin in flight and come to rest", str(len(drops))))
-    sets = _Sets(drops, seed)
+        wanted = "four drops that begin in flight and come to rest"
+        raise InputError(Mistake(str(measured.table), "", wanted, str(len(drops))))
+    fitted, rest = measured.shares(len(drops))
+    scored = _Scored(drops, fitted, rest)
     rows: Rows = []
     each: Rows = []
     failed: list[Finding] = []
-    with closing(LocalPool(jobs)) as pool, progress(table.name, quiet) as on_progress:
-        for place, model in enumerate(known):
-            tasks = [DropTask(base, drop, model, count, seed) for drop in drops]
-            answers = computed(pool, tasks, partial(_told, on_progress, place * len(drops), len(known) * len(drops)))
-            if isinstance(answers, str):
-                failed.append(caution("model_not_run", model=model.name, reason=answers))
-                continue
-            row, one = sets.scored(model.name, answers, coefficients(count, seed))
-            if model.engine in engines.PLASTIC_THROWN:
-                row = [None if key.startswith("restitution") else cell for key, cell in zip(SCORES, row, strict=True)]
-            rows.append(row)
-            each += one
-    rows += sets.bare_rows()
-    fall = float(np.median([drops[k].fall_m_s2 for k in sets.fitted]))
-    found = [
-        caution("drops_dragged", fall_m_s2=fall, drag_m_s2=base.gravity_m_s2 - fall),
-        *failed,
-        *([caution("drops_refused", count=len(refused), names=list(refused))] if refused else []),
-    ]
-    return measured.written(
-        "drops",
+    for place, model in enumerate(models):
+
+        def told(done: int, before: int = place * len(drops)) -> None:
+            measured.on_progress(before + done, len(models) * len(drops))
+
+        answers = ended(by_name(measured.pool, partial(turns, base, model, count, seed), drops, told), count)
+        if isinstance(answers, str):
+            failed.append(caution("model_not_run", model=model.name, reason=answers))
+            continue
+        row, one = scored.by_model(model, answers, coefficients(count, seed))
+        rows.append(row)
+        each += one
+    rows += scored.by_none()
+    fall = float(np.median([drops[k].fall_m_s2 for k in fitted]))
+    found = [caution("drops_dragged", fall_m_s2=fall, drag_m_s2=base.gravity_m_s2 - fall), *failed]
+    if refused:
+        found.append(caution("drops_refused", count=len(refused), names=list(refused)))
+    return Told(
         f"{len(drops)} measured planar drops",
+        _answer(rows, len(rest), len(drops)),
         [MeasuredTable("models", SCORES, rows), MeasuredTable("drops", ROWS, each)],
-        say,
-        answer=_answer(rows, len(sets.rest), len(drops)),
-        findings=found,
-        samples=count,
-        seed=seed,
+        found,
+        count,
     )
 
 
-def _told(on_progress: Callable[[int, int], None], before: int, of: int, done: int) -> None:
-    on_progress(before + done, of)
-
-
-class _Sets:
+class _Scored:
     """The drops that are fitted on and those that are scored, with what needs no model of each."""
 
-    def __init__(self, drops: Sequence[Drop], seed: int) -> None:
-        (self.fitted, self.rest), self.drops = shares(len(drops), seed), drops
-        turned = [drops[k].turn - drops[k].face for k in self.fitted]
-        self.behind = np.array([smoothed([turn + drop.face for turn in turned]) for drop in drops])
-        self.seen = [drops[k].turn for k in self.rest]
-        self.bare = {name: values[self.rest] for name, values in baselines(drops).items()}
-        self.bare_scores = {name: log_scores(values, self.seen) for name, values in self.bare.items()}
+    def __init__(self, drops: Sequence[Drop], fitted: Sequence[int], rest: Sequence[int]) -> None:
+        self._drops, self._fitted, self._rest = drops, fitted, rest
+        turned = [drops[k].turn - drops[k].face for k in fitted]
+        self._behind = np.array([smoothed([turn + drop.face for turn in turned]) for drop in drops])
+        self._seen = [drops[k].turn for k in rest]
+        self._bare = {name: values[rest] for name, values in baselines(drops).items()}
 
-    def scored(self, name: str, answers: dict[str, list[int | None]], drawn: Array) -> tuple[Sequence[Cell], Rows]:
+    def by_model(self, model: Model, answers: dict[str, list[int | None]], drawn: Array) -> tuple[Sequence[Cell], Rows]:
         """A model's row, and one for each scored drop."""
-        drops = self.drops
-        fitting, rest = ({drops[k].name: answers[drops[k].name] for k in part} for part in (self.fitted, self.rest))
-        best = fit(drawn, fitting, self.behind[self.fitted], [drops[k].turn for k in self.fitted])
-        likely = forecast(best, drawn, rest, self.behind[self.rest])
-        scores, ranked = log_scores(likely, self.seen), crps(likely, self.seen)
+        drops = self._drops
+        fitting, rest = ({drops[k].name: answers[drops[k].name] for k in part} for part in (self._fitted, self._rest))
+        best = fit(drawn, fitting, self._behind[self._fitted], [drops[k].turn for k in self._fitted])
+        likely = forecast(best, drawn, rest, self._behind[self._rest])
+        scores, ranked = log_scores(likely, self._seen), crps(likely, self._seen)
         lost = float(np.mean([turn is None for found in answers.values() for turn in found]))
         (e, mu), (e_sd, mu_sd) = best.means, best.widths
-        row = [*self._row(name, scores, ranked), e, e_sd, mu, mu_sd, best.background, lost]
+        restitution = (None, None) if model.engine in engines.PLASTIC_THROWN else (e, e_sd)
+        row = [*self._row(model.name, likely), *restitution, mu, mu_sd, best.background, lost]
         one: Rows = [
-            [drop, name, turn, float(np.exp(-score)), float(score), float(rank)]
-            for drop, turn, score, rank in zip(rest, self.seen, scores, ranked, strict=True)
+            [drop, model.name, turn, float(np.exp(-score)), float(score), float(rank)]
+            for drop, turn, score, rank in zip(rest, self._seen, scores, ranked, strict=True)
         ]
         return row, one
 
-    def bare_rows(self) -> Rows:
+    def by_none(self) -> Rows:
         """Rows of the baselines."""
-        return [
-            [*self._row(name, self.bare_scores[name], crps(values, self.seen)), *[None] * 6]
-            for name, values in self.bare.items()
-        ]
+        return [[*self._row(name, values), *[None] * 6] for name, values in self._bare.items()]
 
-    def _row(self, name: str, scores: Array, ranked: Array) -> list[Cell]:
+    def _row(self, name: str, likely: Array) -> list[Cell]:
+        scores = log_scores(likely, self._seen)
         gains: list[Cell] = []
-        for bare in self.bare_scores.values():
-            gain = bare - scores
+        for bare in self._bare.values():
+            gain = log_scores(bare, self._seen) - scores
             gains += [float(gain.mean()), float(gain.std(ddof=1) / np.sqrt(gain.size))]
-        return [name, float(scores.mean()), float(ranked.mean()), *gains]
+        return [name, float(scores.mean()), float(crps(likely, self._seen).mean()), *gains]
 
 
 def _answer(rows: Sequence[Sequence[Cell]], scored: int, count: int) -> Answer:
