@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from harness.comparison.statistics.distributions import wilson
-from harness.questions.assess.stratified import LEVEL
+from harness.questions.assess.engine_draws import LEVEL
 from harness.records.study import RockingSpectrumRecord
 from reports.blocks import Block, Chart, Verdict, facts, grid, repeat, section, table, words
 from reports.blocks import verdict as verdict_of

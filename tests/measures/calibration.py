@@ -19,7 +19,7 @@ import numpy as np
 
 from harness.comparison.statistics.outcomes import FELL, brier, reliability
 from harness.model.scene import Scene
-from harness.questions.assess.engine_runs import DrawnRun, overturns
+from harness.questions.assess.engine_draws import DrawnRun, overturns
 from harness.questions.assess.model_draws import draw, model_draws, row, uncertain_inputs, varied
 from harness.records.validation import ReliabilityBin
 from tests.measures.pages import renew, table

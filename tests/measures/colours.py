@@ -19,9 +19,8 @@ import numpy as np
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene
 from harness.questions.assess.assessment import assess
-from harness.questions.assess.engine_runs import DrawnRun, overturns
+from harness.questions.assess.engine_draws import LEVEL, DrawnRun, overturns
 from harness.questions.assess.model_draws import draw, model_draws, row, uncertain_inputs, varied
-from harness.questions.assess.stratified import LEVEL
 from harness.questions.scene.scene_run import run_scene, write_result
 from reports.pages.assess_page import assess_verdict
 from reports.pages.conservator import of_run

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from harness.model.finding import Answer, Finding, caution, changes_answer, info
 from harness.questions.assess.by_model import MODEL
-from harness.questions.assess.plan import PLANAR_DEG
+from harness.questions.assess.clearance import PLANAR_DEG
 from harness.records.assess import (
     FLOOR,
     MOSTLY,

@@ -21,8 +21,8 @@ from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain
 from harness.questions.assess.answer import answer_of, findings_of
 from harness.questions.assess.by_model import MODEL, RUN_DRAWS, SAMPLE_S, SAMPLER, probability_of, sampled
-from harness.questions.assess.clearance import of_engine, of_model
-from harness.questions.assess.engine_runs import EngineRuns
+from harness.questions.assess.clearance import of_engine, of_model, rest_outline_m
+from harness.questions.assess.engine_draws import EngineRuns, estimate, strata_of
 from harness.questions.assess.in_space import SPACE, clearance_in_space, shaken_across, space_draws
 from harness.questions.assess.model_draws import (
     Array,
@@ -35,7 +35,6 @@ from harness.questions.assess.model_draws import (
     varied,
 )
 from harness.questions.assess.options import Answered, Option, compare, in_plane, in_space, options_of
-from harness.questions.assess.plan import rest_outline_m
 from harness.questions.assess.sensitivity import (
     FRAGILITY_DRAWS,
     fragility,
@@ -43,7 +42,6 @@ from harness.questions.assess.sensitivity import (
     indices,
     indices_of_draws,
 )
-from harness.questions.assess.stratified import estimate
 from harness.records.assess import (
     Assessment,
     AssessRecord,
@@ -174,7 +172,7 @@ def assess(
                 continue
             planar = engines.load(name).capabilities.dimensions < SPACE_DIMENSIONS
             answers[name] = replace(answer, plane_only=planar and shaken_across(scene))
-            room[name] = of_engine(model, runs)
+            room[name] = of_engine(strata_of(model), runs.fell, runs.reach_m)
         counts = RunCounts(campaign.computed + len(campaign.reused), campaign.computed)
     if space is not None:
         answers[SPACE], room[SPACE] = probability_of(space), clearance_in_space(scene, values, space)

@@ -15,14 +15,11 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from harness import engines
-from harness.accuracy.refinement import first_level
 from harness.comparison.statistics.distributions import wilson
-from harness.engines.base import EngineFailure
-from harness.model.run import RunOptions
 from harness.model.scene import Scene
+from harness.questions.assess.engine_draws import LEVEL, jeffreys, run_of
 from harness.questions.assess.in_space import SPACE, SPACE_S, shaken_across, space_draws
 from harness.questions.assess.model_draws import (
-    ENGINE_ERROR_RAD,
     ModelDraws,
     draws_of,
     model_draws,
@@ -30,7 +27,6 @@ from harness.questions.assess.model_draws import (
     uncertain_inputs,
     varied,
 )
-from harness.questions.assess.stratified import LEVEL, jeffreys
 from harness.records.assess import Assessment
 
 MODEL: Final = "analytic"
@@ -104,15 +100,9 @@ def sampled(model: ModelDraws, scene_of: Callable[[int], Scene]) -> dict[int, bo
     for number in np.flatnonzero(model.left)[:MOST_SAMPLED].tolist():
         if steps >= SAMPLE_STEPS:
             break
-        drawn = scene_of(number)
-        try:
-            settings, _ = first_level(engine.refinement_levels(drawn), ENGINE_ERROR_RAD, 1.0)
-            run = engine.simulate(drawn, settings, RunOptions())
-        except EngineFailure:
-            fell[number] = None
-        else:
-            steps += run.steps
-            fell[number] = run.outcome.fell
+        run = run_of(engine, scene_of(number))
+        fell[number] = None if run is None else run.outcome.fell
+        steps += 0 if run is None else run.steps
     return fell
 
 

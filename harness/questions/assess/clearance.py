@@ -1,22 +1,29 @@
-"""The room a statue needs: how far outline, top and pedestal go on a floor plan, over the draws that stand, by each model."""
+"""The room a statue needs: how far outline, top and pedestal go on a floor plan in one run, and over the draws that stand."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.engines import analytic as twoblock
-from harness.model.scene import Scene
-from harness.questions.assess.model_draws import SLOW_DRAWS, Array, ModelDraws, row, sweepable, varied
-from harness.questions.assess.plan import AROUND_DEG, PARTS, PLANAR_DEG, reach_m
-from harness.questions.assess.stratified import strata_of
+from harness.model.scene import SOLID_COLUMNS, Scene, Statue, rotations, support_m
+from harness.questions.assess.model_draws import SLOW_DRAWS, Array, row, sweepable, varied
 from harness.records.assess import ClearanceByModel
+from meshes.footprint import convex_hull
 
-if TYPE_CHECKING:  # a run of the model alone has no campaign
-    from harness.questions.assess.engine_runs import EngineRuns
+Ints = NDArray[np.int64]
 
+PLANAR_DEG: Final = (0.0, 180.0)
+"""Right and left: all that a planar model knows."""
+AROUND_DEG: Final = tuple(22.5 * k for k in range(16))
+"""Directions seen from above, anticlockwise from the statue's right: a convex room drawn by them is 2 % too wide at the most."""
+PARTS: Final = ("outline", "top", "pedestal")
+"""What is followed; the rows of every reach."""
+LOOKS: Final = 4000
+"""Most samples of a history that are looked at: 0.01 s apart in one of 40 s, where a rotation of 3 Hz loses 0.4 % of its peak."""
 CLEARANCE_DRAWS: Final = 1000
 """Draws run with their histories: the 95 % quantile then rests on 50 of them, the 99 % one on 10."""
 STEP_S: Final = 0.01
@@ -45,13 +52,13 @@ def of_model(scene: Scene, values: Mapping[str, Array]) -> ClearanceByModel:
     return clearance(reached, np.ones(len(reached)), size, undecided)
 
 
-def of_engine(model: ModelDraws, runs: EngineRuns) -> ClearanceByModel:
-    """The clearance by the runs of an engine: each stands for its share of the stratum that it was drawn from."""
-    strata, standing = strata_of(model), list(runs.reach_m)
-    decided = strata[[number for number, fell in runs.fell.items() if fell is not None]]
+def of_engine(strata: Ints, fell: Mapping[int, bool | None], reached_m: Mapping[int, Array]) -> ClearanceByModel:
+    """The clearance by the runs of an engine, by number of the draw: each stands for its share of the stratum (n,) that it was
+    drawn from."""
+    decided = strata[[number for number, each in fell.items() if each is not None]]
     each = np.bincount(strata, minlength=3) / np.maximum(np.bincount(decided, minlength=3), 1)
-    undecided = sum(fell is None for fell in runs.fell.values())
-    return clearance([runs.reach_m[number] for number in standing], each[strata[standing]], len(runs.fell), undecided)
+    undecided = sum(each is None for each in fell.values())
+    return clearance(list(reached_m.values()), each[strata[list(reached_m)]], len(fell), undecided)
 
 
 def clearance(reached: Sequence[Array], weights: Array, draws: int, undecided: int = 0) -> ClearanceByModel:
@@ -62,11 +69,73 @@ def clearance(reached: Sequence[Array], weights: Array, draws: int, undecided: i
     every = np.array(reached)
     shares = [share for share in SHARES if (1.0 - share) * count > 1.0 - 1e-9]
     # Each direction has an order of its own: the smallest reach that this share of the weight does not exceed.
-    order = np.argsort(every, axis=0)
-    below = np.cumsum(weights[order], axis=0) / weights.sum()
-    sorted_m = np.take_along_axis(every, order, axis=0)
-    at = [np.argmax(below >= share - 1e-12, axis=0)[None] for share in shares]
-    tables = [np.take_along_axis(sorted_m, index, axis=0)[0] for index in at]
+    tables = np.quantile(every, shares, axis=0, weights=weights, method="inverted_cdf")
     columns = {f"{part}_m": [table[k].tolist() for table in tables] for k, part in enumerate(PARTS)}
     known_deg = AROUND_DEG if every.shape[2] > len(PLANAR_DEG) else PLANAR_DEG
     return ClearanceByModel(draws, count, known_deg, shares, **columns, undecided=undecided)
+
+
+def reach_m(scene: Scene, theta_rad: Array, slip_m: Array, extra: Mapping[str, Array]) -> Array:
+    """How far (parts, directions) outline, top and pedestal go beyond where they are at rest, m, over a history of shape (n,).
+
+    A history with a pose in space has 16 directions, one of a plane two.
+    """
+    chosen = slice(None, None, max(theta_rad.size // LOOKS, 1))
+    moved_m = support_m(scene.pedestal, slip_m, extra)[chosen]
+    if all(name in extra for name in SOLID_COLUMNS):
+        columns = {name: extra[name][chosen] for name in SOLID_COLUMNS}
+        across = extra.get("pedestal_y_m", np.zeros_like(slip_m))[chosen]
+        return _in_space(scene.statue, columns, np.column_stack([moved_m, across]))
+    return _in_plane(scene.statue, theta_rad[chosen], moved_m)
+
+
+def rest_outline_m(statue: Statue) -> Array:
+    """The statue's outline (k, 2) at rest, seen from above."""
+    return np.asarray(convex_hull(_corners(statue)[:, :2]))
+
+
+def _in_plane(statue: Statue, theta_rad: Array, slip_m: Array) -> Array:
+    """Rotated about the outer corner, and slid; a base of several vertices rolls first, which is some millimetres."""
+    x, z = statue.section_m[:, 0], statue.section_m[:, 1]
+    top = _top(statue.section_m)
+    pivot = np.where(theta_rad >= 0.0, statue.corner_right_m, -statue.corner_left_m)[:, None]
+    sine, cosine = np.sin(theta_rad)[:, None], np.cos(theta_rad)[:, None]
+    places = pivot + (x - pivot) * cosine + z * sine + slip_m[:, None]
+    peak = (pivot + (top[0] - pivot) * cosine + top[1] * sine)[:, 0] + slip_m
+    ways = [(places.max(), x.max(), places.min(), x.min()), (peak.max(), top[0], peak.min(), top[0])]
+    beyond = [(high - right, left - low) for high, right, low, left in ways]
+    # At rest rounding may say less than nothing.
+    return np.maximum([*beyond, (slip_m.max(), -slip_m.min())], 0.0)
+
+
+def _in_space(statue: Statue, columns: Mapping[str, Array], slip_m: Array) -> Array:
+    turn = rotations(columns)
+    pivot = np.array([statue.corner_right_m, 0.0, 0.0])
+    place = np.column_stack([columns[name] for name in SOLID_COLUMNS[3:]])
+    corners = _corners(statue)
+    top = _top(corners)
+    angles = np.radians(AROUND_DEG)
+    reached = []
+    for towards in np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)]):
+        seen, moved = turn.transpose(0, 2, 1) @ towards, place @ towards
+        outline = ((corners - pivot) @ seen.T).max(axis=0) + moved
+        peak = seen @ (top - pivot) + moved
+        ways = outline - (corners @ towards).max(), peak - top @ towards, slip_m @ towards[:2]
+        reached.append([max(float(way.max()), 0.0) for way in ways])
+    return np.array(reached).T
+
+
+def _corners(statue: Statue) -> Array:
+    """Corners (k, 3) of the body's convex hull in the statue's frame: no other point ever reaches farther."""
+    points: Array = statue.outer_points_m + np.array([0.0, 0.0, statue.centroid_height_m])
+    if statue.solid is None:
+        return points
+    from scipy.spatial import ConvexHull
+
+    return np.asarray(points[ConvexHull(points).vertices])
+
+
+def _top(points: Array) -> Array:
+    """The middle of the highest points."""
+    highest = points[:, -1] >= points[:, -1].max() - 1e-9
+    return np.asarray(points[highest].mean(axis=0))

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from analytic.excitation import ZeroExcitation
 from harness.engines import stands_alone
 from harness.model.scene import Scene
-from harness.questions.assess.clearance import clearance
+from harness.questions.assess.clearance import clearance, reach_m
 from harness.questions.assess.model_draws import Array, ModelDraws, file_scale, row, varied
-from harness.questions.assess.plan import reach_m
 from harness.records.assess import ClearanceByModel
 
 SPACE: Final = "spatial"

@@ -21,6 +21,7 @@ from harness.input.tables import read_model
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene, Uncertain, scan_azimuth_deg, written
 from harness.questions.assess.by_model import MODEL, NONE_SAMPLED, Outside, probability_of, sampled
+from harness.questions.assess.engine_draws import LEVEL
 from harness.questions.assess.in_space import space_draws
 from harness.questions.assess.model_draws import (
     KINETIC,
@@ -40,7 +41,6 @@ from harness.questions.assess.model_draws import (
     uncertain_inputs,
     varied,
 )
-from harness.questions.assess.stratified import LEVEL
 from harness.records.assess import FLOOR, TURNED, OptionAnswer, OptionsRecord
 from harness.records.scores import Interval
 from harness.statics.plan import as_one, sliding, turned_block, widened

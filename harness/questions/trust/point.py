@@ -17,9 +17,8 @@ from harness.model.history import History, Outcome
 from harness.model.run import MOST_TIMES, Run, RunOptions, to_plain
 from harness.model.scene import Scene
 from harness.questions.assess.by_model import assess_models
-from harness.questions.assess.engine_runs import DrawnRun, overturns
+from harness.questions.assess.engine_draws import DrawnRun, estimate, overturns
 from harness.questions.assess.model_draws import draws_of, model_draws, row, uncertain_inputs, varied
-from harness.questions.assess.stratified import estimate
 from harness.questions.scene.answer import STILL_RAD, counted, outcome_family
 from harness.questions.scene.scene_run import Result, run_scene
 from harness.records.assess import Assessment

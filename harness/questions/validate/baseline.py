@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from statistics import NormalDist
 from typing import Final
 
 import numpy as np
@@ -17,8 +17,8 @@ from harness.records.validation import ContourLine, ContourRecord
 
 RIDGE: Final = 1e-6
 """Weight of the ridge that keeps the contour's Newton steps finite where the classes are separated: one case in a million."""
-STEPS: Final = 60
-"""Newton steps allowed; with the ridge the likelihood is strictly concave, and separated classes take the most."""
+CURVE_POINTS: Final = 60
+"""Points of every curve that a page draws."""
 
 
 def best_threshold(intensity: ArrayLike, fell: ArrayLike) -> float:
@@ -58,65 +58,33 @@ def chances(intensity: ArrayLike, fell: ArrayLike, asked: ArrayLike) -> Array:
     return p
 
 
-@dataclass(frozen=True)
-class Contour:
+def contour(intensities: Sequence[Intensity], fell: Sequence[bool]) -> ContourRecord | None:
     """P(overturned) = Φ(c₀ + c₁ ln PGA + c₂ ln(PGV/PGA)), PGA in g and PGV/PGA in s, by maximum likelihood.
 
     `separated`: a line parts the cases that fell from those that stood; the likelihood then has no maximum, and the
     coefficients (from a ridge that keeps them finite) tell the line, not the spread. After Purvance, Anooshehpoor and Brune
-    (Earthquake Engineering and Structural Dynamics 37, 2008).
+    (Earthquake Engineering and Structural Dynamics 37, 2008). None where only one outcome occurs, or PGA does not raise the
+    probability.
     """
-
-    cases: int
-    fell: int
-    coefficients: tuple[float, float, float]
-    separated: bool
-
-    def pga_g(self, ratio_s: ArrayLike, probability: float = 0.5) -> Array:
-        """PGA in g at which that probability is reached, for each PGV/PGA in s."""
-        from statistics import NormalDist
-
-        c0, c1, c2 = self.coefficients
-        level = NormalDist().inv_cdf(probability)
-        return np.asarray(np.exp((level - c0 - c2 * np.log(ratio_s)) / c1))
-
-    def record(self, ratios_s: ArrayLike) -> ContourRecord:
-        """The record, with the contour of 50 % at the given ratios."""
-        line = ContourLine(np.asarray(ratios_s).tolist(), self.pga_g(ratios_s).tolist())
-        return ContourRecord(self.cases, self.fell, self.coefficients, self.separated, line)
-
-
-def contour(intensities: Sequence[Intensity], fell: Sequence[bool]) -> Contour | None:
-    """Fit the contour; None where only one outcome occurs, or PGA does not raise the probability."""
     y = np.asarray(fell, dtype=np.float64)
     if y.size < 3 or y.sum() in (0, y.size):
         return None
-    logs = np.log([[each.pga_g, each.ratio_s] for each in intensities])
+    ratios = np.array([each.ratio_s for each in intensities])
+    logs = np.log(np.column_stack(([each.pga_g for each in intensities], ratios)))
     middle = logs.mean(axis=0)
     design = np.column_stack((np.ones(y.size), logs - middle))
-    beta = _probit(design, y)
+    beta, _ = fragility.probit(design, y, RIDGE)
     c1, c2 = float(beta[1]), float(beta[2])
     if c1 <= 0.0:
         return None
-    c0 = float(beta[0] - beta[1:] @ middle)
+    coefficients = float(beta[0] - beta[1:] @ middle), c1, c2
     separated = bool(np.all((design @ beta > 0.0) == (y > 0.5)))
-    return Contour(y.size, int(y.sum()), (c0, c1, c2), separated)
+    asked = np.geomspace(ratios.min(), ratios.max(), CURVE_POINTS)
+    line = ContourLine(asked.tolist(), contour_pga_g(coefficients, asked).tolist())
+    return ContourRecord(y.size, int(y.sum()), coefficients, separated, line)
 
 
-def _probit(design: Array, y: Array) -> Array:
-    """Coefficients of greatest (slightly ridged) probit likelihood, by damped Newton steps."""
-    beta = np.zeros(design.shape[1])
-
-    def value(at: Array) -> float:
-        return fragility.probit_terms(design @ at, y)[2] - 0.5 * RIDGE * float(at @ at)
-
-    for _ in range(STEPS):
-        gradient, weight, _ = fragility.probit_terms(design @ beta, y)
-        slope = design.T @ gradient - RIDGE * beta
-        step = np.linalg.solve(design.T @ (weight[:, None] * design) + RIDGE * np.eye(beta.size), slope)
-        while value(beta + step) < value(beta) - 1e-12 * y.size:
-            step = 0.5 * step
-        beta = beta + step
-        if np.max(np.abs(step)) < 1e-9 * max(1.0, float(np.max(np.abs(beta)))):
-            break
-    return beta
+def contour_pga_g(coefficients: tuple[float, float, float], ratio_s: ArrayLike, probability: float = 0.5) -> Array:
+    """PGA in g at which that probability is reached, for each PGV/PGA in s."""
+    c0, c1, c2 = coefficients
+    return np.asarray(np.exp((NormalDist().inv_cdf(probability) - c0 - c2 * np.log(ratio_s)) / c1))

@@ -48,8 +48,6 @@ from harness.records.validation import (
 
 BINS: Final = 3
 """Intensity classes of equal numbers of tests: weak, middle, strong."""
-CURVE_POINTS: Final = 60
-"""Points of every curve that a page draws."""
 LIKELIER: Final = 0.5
 """From this probability on a fall is the likelier outcome."""
 JOINT_DRAWS: Final = 2000
@@ -79,7 +77,8 @@ def _flips(trial: Trial, variant: Variant, answer: CaseRun) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Answered:
-    """One model's answers to all tests: what was chosen of the unknown inputs, every run, `samples` draws of each test.
+    """One model's answers to all tests: what was chosen of the unknown inputs, every run, `samples` draws of each test, and the
+    keys of the runs in the store.
 
     Tests that are not `asked` (None: all are) are another model's, whose boundary is nowhere near.
     """
@@ -88,7 +87,8 @@ class Answered:
     choice: Choice
     answers: Answers
     samples: int
-    asked: frozenset[str] | None = field(default=None, kw_only=True)
+    keys: Mapping[tuple[str, Variant], str] = field(default_factory=dict)
+    asked: frozenset[str] | None = None
 
     def run(self, trial: Trial) -> CaseRun:
         """The nominal run of a test."""
@@ -265,12 +265,8 @@ def curves(
         return Curves(None, None)
     each, fallen = [intensities[trial.name] for trial in known], list(known.values())
     pgv = np.array([one.pgv_m_s for one in each])
-    ratio = np.array([one.ratio_s for one in each])
-    contour = baseline.contour(each, fallen)
-    return Curves(
-        fragility.fit(pgv, fallen).curve(np.geomspace(pgv.min(), pgv.max(), CURVE_POINTS)),
-        None if contour is None else contour.record(np.geomspace(ratio.min(), ratio.max(), CURVE_POINTS)),
-    )
+    curve = fragility.fit(pgv, fallen).curve(np.geomspace(pgv.min(), pgv.max(), baseline.CURVE_POINTS))
+    return Curves(curve, baseline.contour(each, fallen))
 
 
 def score_baseline(

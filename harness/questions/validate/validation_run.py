@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -18,7 +18,6 @@ from harness.input.history_file import read_history
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
-from harness.model.run import Run
 from harness.questions.validate.fit import Answers, Choice, choose, planned
 from harness.questions.validate.jobs import BATCH, BATCH_OTHERWISE, Drawn, Model, asked_of, parse_model
 from harness.questions.validate.motions import Intensity
@@ -30,12 +29,9 @@ from harness.records.result_folder import write_whole
 from harness.records.scores import Interval
 from harness.records.study import CaseRun
 from harness.records.validation import (
-    BaselineRecord,
-    Curves,
     FitShare,
     MeasuredHistory,
     ModelRecord,
-    PairScores,
     TestRow,
     ValidationRecord,
 )
@@ -140,26 +136,29 @@ def run_validation(
     _check(folder, samples, resume, chosen)
     trials = read_table(experiments)
     share = [trial for trial in trials if trial.share == fit_share]
+    rest = [trial for trial in trials if trial.share != fit_share]
     with closing(LocalPool(jobs)) as pool, progress(experiments.name, quiet) as on_progress:
-        of_model = planned(trials, share, samples)
-        plan = _Plan(on_progress, [0 if each.near else of_model for each in chosen])
+        known = sum(not each.near for each in chosen) * planned(trials, share, samples)
+        on_progress(0, known)
         intensities = _intensities(trials)
         with Store(folder / STORE_NAME, "validation") as store:
-            campaign = Campaign(store, pool, plan, BATCH, BATCH_OTHERWISE)
-            answered: list[Computed] = []
+
+            def told(done: int, expected: int) -> None:
+                """What is planned counts before a campaign hears of it; what the store has is not waited for."""
+                on_progress(done, max(expected, known - sum(campaign.reused.values())))
+
+            campaign = Campaign(store, pool, told, BATCH, BATCH_OTHERWISE)
+            answered: list[Answered] = []
             for model in chosen:
-                plan.next_model()
-                runs = Runs(store, campaign, model, seed, plan)
+                runs = Runs(store, campaign, model, seed)
                 base = next((each for each in answered if each.model.name == model.near), None)
                 answered.append(
                     _answered(runs, trials, share, samples) if base is None else _near(runs, trials, base, samples)
                 )
-            plan.next_model()
-            plan(campaign.computed, campaign.computed)
-            scored = _scored(trials, answered, intensities, fit_share)
+            on_progress(campaign.computed, campaign.computed)
+            histories = {item.model.name: _histories(trials, item, store) for item in answered}
     unknown = sorted({name for trial in trials for name in trial.unknown})
     result = ValidationRecord(
-        **vars(scored),
         title=f"Validation against {len(trials)} measured tests",
         tests=len(trials),
         bodies=len({trial.body for trial in trials}),
@@ -167,8 +166,25 @@ def run_validation(
         samples=samples,
         unknown=unknown,
         unfitted=[] if share else unknown,
+        # Where all tests belong to the share they are scored on what they were fitted on, each threshold on all others.
+        models={
+            item.model.name: ModelRecord(
+                engine=item.model.engine,
+                accuracy_rad=item.model.accuracy_rad,
+                dt_s=item.model.dt_s,
+                histories=histories[item.model.name],
+                near=item.model.near,
+                asked=None if item.asked is None else len(item.asked),
+                **vars(score_model(trials, rest or trials, item, intensities)),
+            )
+            for item in answered
+        },
+        pairs=score_pairs(trials, answered),
+        observed=curves(trials, intensities, lambda trial: trial.fell),
+        baseline=score_baseline(share if rest else [], rest or trials, intensities),
+        rows=_rows(trials, answered, intensities),
         unexplained=_unexplained(trials, answered) if samples else [],
-        repeats=repeats_of([trial for trial in trials if trial.share != fit_share] or trials),
+        repeats=repeats_of(rest or trials),
         experiments=experiments.name,
         runs=RunCounts(campaign.computed + sum(campaign.reused.values()), campaign.computed),
         seed=seed,
@@ -180,40 +196,19 @@ def run_validation(
     return write_whole(folder, result.texted(say))
 
 
-class _Plan:
-    """Tells how many runs are done, of all that are planned for the models: those that a campaign has not heard of yet too."""
-
-    def __init__(self, on_progress: Callable[[int, int], None], runs: Sequence[int]) -> None:
-        self._on_progress, self._of_models, self._left = on_progress, list(runs), 0
-        self(0, 0)
-
-    def next_model(self) -> None:
-        """The first model's runs begin, or the next one's: what the one before did not need is none any more."""
-        self._left = self._of_models.pop(0) if self._of_models else 0
-
-    def begin(self, runs: int) -> None:
-        """So many of the model's runs are the campaign's from now on."""
-        self._left = max(self._left - runs, 0)
-
-    def __call__(self, done: int, expected: int) -> None:
-        """Hear the campaign."""
-        self._on_progress(done, expected + self._left + sum(self._of_models))
-
-
 class Runs:
     """The answers of one model, by test and variant; what is asked and not in the store is run."""
 
-    def __init__(self, store: Store, campaign: Campaign, model: Model, seed: int, plan: _Plan) -> None:
-        self._store, self._campaign, self._plan, self._seed = store, campaign, plan, seed
+    def __init__(self, store: Store, campaign: Campaign, model: Model, seed: int) -> None:
+        self._store, self._campaign, self._seed = store, campaign, seed
         self.model = model
         self._answers: dict[tuple[str, Variant], CaseRun | Drawn] = {}
-        self._keys: dict[tuple[str, Variant], str] = {}
+        self.keys: dict[tuple[str, Variant], str] = {}
 
     def __call__(self, pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
         wanted = [pair for pair in dict.fromkeys(pairs) if (pair[0].name, pair[1]) not in self._answers]
         # Those of one body side by side, and of one motion: a worker then makes each statue once, and hears each motion once.
         wanted.sort(key=lambda pair: (pair[0].body, str(pair[0].motion)))
-        self._plan.begin(len(wanted))
         asked = asked_of(wanted, self.model, self._seed)
         found = self._campaign.ask([each.task for each in asked]) if asked else []
         for each, stored in zip(asked, found, strict=True):
@@ -223,32 +218,22 @@ class Runs:
                 )
             for key, answer in each.read(stored):
                 self._answers[key] = answer
-                self._keys[key] = each.task.key
+                self.keys[key] = each.task.key
         return self._answers
 
-    def history(self, trial: Trial, variant: Variant) -> Run | None:
-        """The run of a variant with its history, as the store keeps it."""
-        return self._store.run(self._keys[trial.name, variant])
 
-
-@dataclass(frozen=True, eq=False)
-class Computed(Answered):
-    """One model's answers, with its runs in the store."""
-
-    runs: Runs
-
-
-def _answered(runs: Runs, trials: Sequence[Trial], share: Sequence[Trial], samples: int) -> Computed:
+def _answered(runs: Runs, trials: Sequence[Trial], share: Sequence[Trial], samples: int) -> Answered:
     """Fit the model on its share, then run every test as given and in its draws."""
     choice = choose(share, runs, samples)
-    return Computed(runs.model, choice, runs(_wanted(trials, choice, samples)), samples, runs)
+    return Answered(runs.model, choice, runs(_wanted(trials, choice, samples)), samples, runs.keys)
 
 
-def _near(runs: Runs, trials: Sequence[Trial], base: Computed, samples: int) -> Computed:
+def _near(runs: Runs, trials: Sequence[Trial], base: Answered, samples: int) -> Answered:
     """Run the tests of which another model's draws disagree, at what was fitted for that; all others are as that says."""
     near = [trial for trial in trials if base.disagrees(trial)]
     answers = {**base.answers, **runs(_wanted(near, base.choice, samples))}
-    return Computed(runs.model, base.choice, answers, samples, runs, asked=frozenset(trial.name for trial in near))
+    asked = frozenset(trial.name for trial in near)
+    return Answered(runs.model, base.choice, answers, samples, runs.keys, asked)
 
 
 def _wanted(trials: Sequence[Trial], choice: Choice, samples: int) -> list[tuple[Trial, Variant]]:
@@ -259,7 +244,7 @@ def _wanted(trials: Sequence[Trial], choice: Choice, samples: int) -> list[tuple
     ]
 
 
-def _unexplained(trials: Sequence[Trial], answered: Sequence[Computed]) -> list[str]:
+def _unexplained(trials: Sequence[Trial], answered: Sequence[Answered]) -> list[str]:
     """Tests whose outcome no run of any model gives: not as fitted, in no draw, and at no value that was tried."""
     odd = {trial.name: trial for trial in trials}
     for item in answered:
@@ -297,53 +282,12 @@ def _intensities(trials: Sequence[Trial]) -> dict[str, Intensity]:
     return by_test
 
 
-@dataclass(frozen=True)
-class Scored:
-    """Tests and answers against each other, as the record has them."""
-
-    models: Mapping[str, ModelRecord]
-    pairs: Sequence[PairScores]
-    observed: Curves
-    baseline: BaselineRecord
-    rows: Sequence[TestRow]
-
-
-def _scored(
-    trials: Sequence[Trial], answered: Sequence[Computed], intensities: Mapping[str, Intensity], fit_share: str | None
-) -> Scored:
-    """The scores of all models, of each pair, and of the threshold."""
-    taught = [trial for trial in trials if trial.share == fit_share]
-    scored = [trial for trial in trials if trial.share != fit_share]
-    # Where all tests belong to the share they are scored on what they were fitted on, each threshold on all others.
-    apart = taught if scored else []
-    scored = scored or list(trials)
-    models = {
-        item.model.name: ModelRecord(
-            engine=item.model.engine,
-            accuracy_rad=item.model.accuracy_rad,
-            dt_s=item.model.dt_s,
-            histories=_histories(trials, item),
-            near=item.model.near,
-            asked=None if item.asked is None else len(item.asked),
-            **vars(score_model(trials, scored, item, intensities)),
-        )
-        for item in answered
-    }
-    return Scored(
-        models=models,
-        pairs=score_pairs(trials, answered),
-        observed=curves(trials, intensities, lambda trial: trial.fell),
-        baseline=score_baseline(apart, scored, intensities),
-        rows=_rows(trials, answered, intensities),
-    )
-
-
-def _histories(trials: Sequence[Trial], item: Computed) -> list[MeasuredHistory]:
+def _histories(trials: Sequence[Trial], item: Answered, store: Store) -> list[MeasuredHistory]:
     """Scores against each measured history, which is a history like any other, up to where the run's own error is stated."""
     histories = []
     for trial in trials:
         if trial.history is not None and (item.asked is None or trial.name in item.asked):
-            computed = item.runs.history(trial, item.choice.nominal(trial))
+            computed = store.run(item.keys[trial.name, item.choice.nominal(trial)])
             scores = None
             if computed is not None and not computed.outcome.failed:
                 names = item.model.name, f"measured {trial.name}"
@@ -352,7 +296,7 @@ def _histories(trials: Sequence[Trial], item: Computed) -> list[MeasuredHistory]
     return histories
 
 
-def _measured(trial: Trial, item: Computed) -> Measured | None:
+def _measured(trial: Trial, item: Answered) -> Measured | None:
     """The uncertainty of a test's history, where it is stated; of the inputs is the scatter of the draws' largest rotations."""
     if trial.history_uncertainty_rad is None:
         return None

@@ -19,8 +19,8 @@ from harness.questions.assess import by_model
 from harness.questions.assess.answer import answer_of, findings_of, probability
 from harness.questions.assess.assessment import assess
 from harness.questions.assess.by_model import assess_models, probability_of
+from harness.questions.assess.engine_draws import jeffreys
 from harness.questions.assess.model_draws import ModelDraws, draw, draws_of, model_draws, row, uncertain_inputs, varied
-from harness.questions.assess.stratified import jeffreys
 from harness.records.assess import AssessRecord, NotAssessed
 from reports.text.wording import tone_of_answers, worse_tone
 from tests import budgets_assess as budget

@@ -14,9 +14,16 @@ from harness.model.scene import BaseExcitation, Scene, Statue
 from harness.questions.assess.answer import CLEAR, without_clearance
 from harness.questions.assess.answer import clearance as clearance_finding
 from harness.questions.assess.assessment import assess
-from harness.questions.assess.clearance import clearance, of_model
+from harness.questions.assess.clearance import (
+    AROUND_DEG,
+    PARTS,
+    PLANAR_DEG,
+    clearance,
+    of_model,
+    reach_m,
+    rest_outline_m,
+)
 from harness.questions.assess.model_draws import draw, model_draws, uncertain_inputs
-from harness.questions.assess.plan import AROUND_DEG, PARTS, PLANAR_DEG, reach_m, rest_outline_m
 from harness.records.assess import ClearanceRecord
 from harness.runs.runner import InlinePool
 from reports.drawing.floor_plan import probable_plan

@@ -13,7 +13,7 @@ import trimesh
 from harness.model.errors import InputError
 from harness.model.scene import Wall
 from harness.questions.assess.assessment import assess
-from harness.questions.assess.engine_runs import DrawnRun, overturns
+from harness.questions.assess.engine_draws import DrawnRun, overturns
 from harness.runs.runner import InlinePool
 from harness.runs.store import Store
 from harness.runs.task import Answer
@@ -48,7 +48,7 @@ def test_a_killed_assessment_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyP
             raise KeyboardInterrupt
         return overturns(drawn)
 
-    monkeypatch.setattr("harness.questions.assess.engine_runs.overturns", interrupted)
+    monkeypatch.setattr("harness.questions.assess.engine_draws.overturns", interrupted)
     with Store(tmp_path / "store.sqlite") as store, pytest.raises(KeyboardInterrupt):
         assess(scene, ["pymunk"], store=store, pool=InlinePool(), **FEW)
     monkeypatch.undo()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness.questions.assess.assessment import assess
-from harness.questions.assess.engine_runs import DrawnRun, overturns
+from harness.questions.assess.engine_draws import DrawnRun, overturns
 from harness.questions.assess.model_draws import draw, row, uncertain_inputs, varied
 from tests import budgets_assess as budget
 from tests.engines_for_tests import ready

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from harness.questions.assess.engine_draws import estimate
 from harness.questions.assess.model_draws import ModelDraws
-from harness.questions.assess.stratified import estimate
 from harness.records.assess import Assessment
 from tests import budgets_assess as budget
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from harness.questions.validate.baseline import best_threshold, chances, contour
+from harness.questions.validate.baseline import best_threshold, chances, contour, contour_pga_g
 from harness.questions.validate.motions import Intensity
 from harness.questions.validate.scenes import GRAVITY_M_S2
 from tests.budgets_compare import QUANTILE_SE
@@ -69,8 +69,10 @@ def test_a_known_contour_is_recovered() -> None:
     assert not found.separated
     ratios = np.array([0.08, 0.15, 0.25])
     expected = np.exp(-(8.0 + 3.0 * np.log(ratios)) / 3.0)
-    assert np.log(found.pga_g(ratios)) == pytest.approx(np.log(expected), abs=QUANTILE_SE * 3.0 / np.sqrt(4000))
-    assert np.all(found.pga_g(ratios, 0.9) > found.pga_g(ratios))
+    assert np.log(contour_pga_g(found.coefficients, ratios)) == pytest.approx(
+        np.log(expected), abs=QUANTILE_SE * 3.0 / np.sqrt(4000)
+    )
+    assert np.all(contour_pga_g(found.coefficients, ratios, 0.9) > contour_pga_g(found.coefficients, ratios))
 
 
 def test_separated_classes_have_a_line_between_them() -> None:
@@ -78,7 +80,7 @@ def test_separated_classes_have_a_line_between_them() -> None:
     fell = [each.pga_g > 0.5 for each in shaken]
     found = contour(shaken, fell)
     assert found.separated
-    above = [each.pga_g > found.pga_g(each.ratio_s) for each in shaken]
+    above = [each.pga_g > contour_pga_g(found.coefficients, each.ratio_s) for each in shaken]
     assert above == fell
 
 
