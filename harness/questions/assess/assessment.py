@@ -21,9 +21,9 @@ from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain
 from harness.questions.assess.answer import answer_of, findings_of
 from harness.questions.assess.by_model import MODEL, RUN_DRAWS, SAMPLE_S, SAMPLER, probability_of, sampled
-from harness.questions.assess.clearance import of_engine, of_model, rest_outline_m
+from harness.questions.assess.clearance import of_engine, of_model, of_space, rest_outline_m
 from harness.questions.assess.engine_draws import EngineRuns, estimate, strata_of
-from harness.questions.assess.in_space import SPACE, clearance_in_space, shaken_across, space_draws
+from harness.questions.assess.in_space import SPACE, shaken_across, space_draws
 from harness.questions.assess.model_draws import (
     Array,
     ModelDraws,
@@ -175,7 +175,7 @@ def assess(
             room[name] = of_engine(strata_of(model), runs.fell, runs.reach_m)
         counts = RunCounts(campaign.computed + len(campaign.reused), campaign.computed)
     if space is not None:
-        answers[SPACE], room[SPACE] = probability_of(space), clearance_in_space(scene, values, space)
+        answers[SPACE], room[SPACE] = probability_of(space), of_space(scene, values, space)
     sampler = next((name for name in fell if name in SAMPLERS), SAMPLER)
     own = Answered(model, fell.get(sampler) or sampled(model, lambda number: varied(scene, row(values, number))))
     answers = {MODEL: probability_of(*own, sampler, plane_only=shaken_across(scene)), **answers}

@@ -51,16 +51,13 @@ def estimate(model: ModelDraws, run: Runs, *, half_width: float, most_runs: int,
     """Run the engine on draws until the interval's half width is reached, or `most_runs` are made."""
     strata = strata_of(model)
     queues = [np.flatnonzero(strata == h).tolist() for h in range(3)]
-    weights = [len(queue) / strata.size for queue in queues]
-    tally = _Tally(weights)
+    tally = _Tally(np.bincount(strata, minlength=3) / strata.size)
     tally.add(run, [(h, queues[h].pop(0)) for h in range(3) for _ in range(min(PILOT, len(queues[h])))])
     while tally.runs < most_runs and tally.half_width > half_width:
         picks: list[tuple[int, int]] = []
-        pending = [0, 0, 0]
-        for _ in range(min(batch, most_runs - tally.runs)):
+        pending = np.zeros(3)
+        while len(picks) < min(batch, most_runs - tally.runs) and any(queues):
             h = tally.neediest(pending, [bool(queue) for queue in queues])
-            if h is None:
-                break
             pending[h] += 1
             picks.append((h, queues[h].pop(0)))
         if not picks:
@@ -69,7 +66,7 @@ def estimate(model: ModelDraws, run: Runs, *, half_width: float, most_runs: int,
     return tally.estimate(strata.size)
 
 
-def jeffreys(fell: int, runs: int, level: float = LEVEL) -> tuple[float, float, float]:
+def jeffreys(fell: float, runs: float, level: float = LEVEL) -> tuple[float, float, float]:
     """The share that fell of so many runs (a half of none), and its interval at a level (Jeffreys)."""
     from scipy.special import betaincinv
 
@@ -80,58 +77,52 @@ def jeffreys(fell: int, runs: int, level: float = LEVEL) -> tuple[float, float, 
 
 
 class _Tally:
-    """Runs and falls of each stratum."""
+    """Runs and falls of each stratum (3,), of known weights."""
 
-    def __init__(self, weights: Sequence[float]) -> None:
-        self.weights, self.runs, self.undecided = list(weights), 0, 0
-        self.decided, self.fell = [0] * len(weights), [0] * len(weights)
+    def __init__(self, weights: Array) -> None:
+        self._weights, self.runs, self._undecided = weights, 0, 0
+        self._decided, self._fell = np.zeros((2, weights.size))
 
     def add(self, run: Runs, picks: Sequence[tuple[int, int]]) -> None:
         """Run the engine on these draws and count."""
         for (h, _), fell in zip(picks, run([draw for _, draw in picks]), strict=True):
             self.runs += 1
             if fell is None:
-                self.undecided += 1
+                self._undecided += 1
             else:
-                self.decided[h] += 1
-                self.fell[h] += fell
+                self._decided[h] += 1
+                self._fell[h] += fell
 
-    def neediest(self, pending: Sequence[int], left: Sequence[bool]) -> int | None:
-        """The stratum in which one more run takes most off the variance; None where no draw is left."""
-        gains = [
-            w**2 * self._spread(h) / ((n := self.decided[h] + pending[h] + 1) * (n + 1)) if left[h] else -1.0
-            for h, w in enumerate(self.weights)
-        ]
-        h = int(np.argmax(gains))
-        return h if gains[h] > 0.0 else None
+    def neediest(self, pending: Array, left: Sequence[bool]) -> int:
+        """Of the strata with draws that are left, the one in which one more run takes most off the variance."""
+        runs = self._decided + pending + 1.0
+        return int(np.argmax(np.where(left, self._weights**2 * self._spread() / (runs * (runs + 1.0)), -1.0)))
 
-    def _spread(self, h: int) -> float:
-        """p (1 − p) of a stratum, p drawn towards a half by two runs (Agresti and Coull): never nothing, however few the runs."""
-        p = (self.fell[h] + 1.0) / (self.decided[h] + 2.0)
-        return p * (1.0 - p)
+    def _spread(self) -> Array:
+        """p (1 − p), p drawn towards a half by two runs (Agresti and Coull): never nothing, however few the runs."""
+        p = (self._fell + 1.0) / (self._decided + 2.0)
+        return np.asarray(p * (1.0 - p))
 
     @property
     def half_width(self) -> float:
         """Half width at which runs end, of a normal interval: wider than the one told, so what fell so far moves the end less."""
-        variance = sum(w**2 * self._spread(h) / max(self.decided[h], 1) for h, w in enumerate(self.weights) if w > 0.0)
+        variance = np.sum(self._weights**2 * self._spread() / np.maximum(self._decided, 1.0))
         return NormalDist().inv_cdf(0.5 + 0.5 * LEVEL) * math.sqrt(variance)
 
-    def _interval(self) -> tuple[float, float]:
-        """The interval of Σ w p_h from those of each p_h (Jeffreys), their arms added as squares (Zou, Huang and Zhang 2009)."""
-        weights = np.array(self.weights)
-        share, low, high = np.array([jeffreys(*each) for each in zip(self.fell, self.decided, strict=True)]).T
-        middle = float(weights @ share)
-        below, above = (math.hypot(*(weights * arms)) for arms in (share - low, high - share))
-        return max(middle - below, 0.0), min(middle + above, 1.0)
-
     def estimate(self, draws: int) -> Assessment:
-        """The probability so far, of so many draws; no number where every run came to no end."""
-        known = [(w, self.fell[h] / self.decided[h]) for h, w in enumerate(self.weights) if self.decided[h]]
-        p = sum(w * share for w, share in known) / sum(w for w, _ in known) if known else math.nan
-        low, high = self._interval() if known else (0.0, 1.0)
-        undecided = self.undecided / self.runs
-        low, high = low * (1.0 - undecided), high + undecided * (1.0 - high)
-        return Assessment(p, min(low, p), max(high, p), LEVEL, draws, self.runs, undecided)
+        """The probability so far, of so many draws; no number where every run came to no end.
+
+        Its interval is that of Σ w p_h from those of each p_h (Jeffreys), arms added as squares (Zou, Huang and Zhang 2009).
+        """
+        known, undecided = self._decided > 0.0, self._undecided / self.runs
+        if not known.any():
+            return Assessment(math.nan, 0.0, 1.0, LEVEL, draws, self.runs, undecided)
+        share, low, high = np.array([jeffreys(*each) for each in zip(self._fell, self._decided, strict=True)]).T
+        p = float(np.sum((self._weights * share)[known]) / np.sum(self._weights[known]))
+        middle = float(self._weights @ share)
+        below, above = (math.hypot(*(self._weights * arms)) for arms in (share - low, high - share))
+        least, most = max(middle - below, 0.0) * (1.0 - undecided), min(middle + above, 1.0)
+        return Assessment(p, min(least, p), max(most + undecided * (1.0 - most), p), LEVEL, draws, self.runs, undecided)
 
 
 # The engine's runs: each a keyed task of one campaign, so that a killed assessment goes on.

@@ -13,9 +13,7 @@ from numpy.typing import NDArray
 from analytic.excitation import ZeroExcitation
 from harness.engines import stands_alone
 from harness.model.scene import Scene
-from harness.questions.assess.clearance import clearance, reach_m
 from harness.questions.assess.model_draws import Array, ModelDraws, file_scale, row, varied
-from harness.records.assess import ClearanceByModel
 
 SPACE: Final = "spatial"
 MOST_STEPS: Final = 300_000
@@ -26,14 +24,6 @@ RUN_STEPS: Final = 20_000
 """steps after which one run is given up: what stands or falls in a record of a minute takes a thousand at the median."""
 RUN_COST: Final = 20
 """Steps for which one run is counted at least: what never leaves the floor costs the setting up alone."""
-CLEARANCE_RUNS: Final = 100
-"""Standing draws that are run with their histories: some 0.1 s each for a record of 40 s; 99 of 100 then stay within the second
-largest."""
-HISTORY_STEP_S: Final = 0.02
-"""Between two looks: a rotation of 1 Hz, fast for a statue, is caught within (2π · 0.02)²/8 = 0.2 % of its peak.
-Each look costs a step."""
-OUTCOME_TOLERANCE: Final = 1e-7
-"""Local error: that of the runs for their outcome."""
 BATCH: Final = 16
 """Draws before the first look at the steps; later batches take at most a quarter of what is left."""
 
@@ -74,27 +64,6 @@ def space_draws(
     fell, unknown = ends == "overturned", np.full(ends.size, np.nan)
     # A run that was given up, or left the exact body's domain, is not decided.
     return ModelDraws(fell | (ends == "stands"), fell, unknown, unknown, *np.zeros((2, ends.size), dtype=bool))
-
-
-def clearance_in_space(scene: Scene, values: Mapping[str, Array], draws: ModelDraws) -> ClearanceByModel:
-    """The clearance all round by the exact body, on the first draws in which it stands."""
-    standing = np.flatnonzero(draws.decided & ~draws.overturned).tolist()
-    chosen = standing[:CLEARANCE_RUNS]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        reached = list(pool.map(lambda number: _reach_m(varied(scene, row(values, number))), chosen))
-    decided = draws.decided if len(chosen) == len(standing) else draws.decided[: chosen[-1] + 1]
-    return clearance(reached, np.ones(len(reached)), decided.size, int((~decided).sum()))
-
-
-def _reach_m(scene: Scene) -> Array:
-    from analytic import spatial
-    from harness.engines.spatial import problem_of, trajectory_of
-
-    problem = problem_of(scene)
-    history = trajectory_of(
-        scene, spatial.solve(problem, tolerance=OUTCOME_TOLERANCE, dt_out_s=HISTORY_STEP_S, events=False)
-    )
-    return reach_m(scene, history.theta_rad, history.slip_m, history.extra)
 
 
 def _batch(

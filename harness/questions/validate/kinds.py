@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -20,22 +19,12 @@ from harness.records.validation import About, MeasuredRecord
 from harness.runs.progress import progress
 from harness.runs.runner import LocalPool
 
-
-@dataclass(frozen=True)
-class Kind:
-    """One kind of measured set: what scores it, and the options that it takes beside those of every table."""
-
-    name: About
-    options: Sequence[str]
-    scored: Callable[[MeasuredSet], Told]
-
-
-MEASURED: Final = {
-    tosses.COLUMNS[0]: Kind("tosses", ("body", "engine"), tosses.scored_tosses),
-    drops.COLUMNS[0]: Kind("drops", ("body", "engine", "samples"), drops.scored_drops),
-    impact_ratios.COLUMNS[0]: Kind("impact_ratios", (), impact_ratios.scored_ratios),
+MEASURED: Final[Mapping[str, tuple[About, Sequence[str], Callable[[MeasuredSet], Told]]]] = {
+    tosses.COLUMNS[0]: ("tosses", ("body", "engine"), tosses.scored_tosses),
+    drops.COLUMNS[0]: ("drops", ("body", "engine", "samples"), drops.scored_drops),
+    impact_ratios.COLUMNS[0]: ("impact_ratios", (), impact_ratios.scored_ratios),
 }
-"""By the first column's name."""
+"""By the first column's name: the kind, the options that it takes beside those of every table, and what scores it."""
 OF_TESTS: Final = ("engine", "samples", "resume", "fit_share")
 
 
@@ -44,8 +33,7 @@ def kind_of(table: Path, **options: object) -> str:
 
     An option that is not given is None or False; `samples` 0.
     """
-    measured = MEASURED.get(header(table)[0])
-    kind, taken = ("tests", OF_TESTS) if measured is None else (measured.name, measured.options)
+    kind, taken, _ = MEASURED.get(header(table)[0], ("tests", OF_TESTS, None))
     mistakes = [
         Mistake(
             f"--{name.replace('_', '-')}", "", f"no such option with a table of {kind.replace('_', ' ')}", repr(value)
@@ -77,16 +65,16 @@ def validate_measured(
     `body` is a scene file whose statue was thrown; what is fitted is fitted on a seeded third, and scored on the others. Raises
     `InputError` for a wrong table, scene, model or number.
     """
-    start_s, kind = time.perf_counter(), MEASURED[header(table)[0]]
+    start_s, (about, _, scored) = time.perf_counter(), MEASURED[header(table)[0]]
     base = None if body is None else body_alone(body)
     names = [RECORD, COMING, *PAGES]
     check_folder(folder, ("measured",), names)
     check_inputs(folder, names, [table, *([] if base is None else read_files(base.given, base.source))])
     with closing(LocalPool(jobs)) as pool, progress(table.name, quiet) as on_progress:
-        told = kind.scored(MeasuredSet(table, base, models or (), samples, seed, pool, on_progress))
+        told = scored(MeasuredSet(table, base, models or (), samples, seed, pool, on_progress))
     result = MeasuredRecord(
         **vars(told),
-        about=kind.name,
+        about=about,
         source=table.name,
         body=None if body is None else body.name,
         seed=seed,

@@ -284,10 +284,7 @@ def errors(toss: Toss, body: Statue, history: History) -> Errors:
     reached = np.minimum(np.arange(count), len(turn) - 1)
     turn, place = turn[reached], place[reached]
     measured, seen = rotation_matrices(toss.quaternions), toss.places_m
-    apart = np.einsum("nij,nik->njk", measured, turn)
-    # The angle of a rotation from both its sine and its cosine: neither is good near 0 and π alone.
-    axis = np.stack([apart[:, 2, 1] - apart[:, 1, 2], apart[:, 0, 2] - apart[:, 2, 0], apart[:, 1, 0] - apart[:, 0, 1]])
-    angle = np.arctan2(np.linalg.norm(axis, axis=0), np.trace(apart, axis1=1, axis2=2) - 1.0)
+    angle = np.asarray((_rotations(toss.quaternions).inv() * Rotation.from_matrix(turn)).magnitude())
     points = body.outer_points_m
     shift = place - seen
     moved = points @ np.swapaxes(turn - measured, 1, 2) + shift[:, None, :]

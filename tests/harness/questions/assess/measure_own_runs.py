@@ -13,7 +13,7 @@ from typing import Final
 
 from harness.input.scene_file import load_scene
 from harness.model.scene import Scene
-from harness.questions.assess.engine_runs import DrawnRun, overturns
+from harness.questions.assess.engine_draws import DrawnRun, overturns
 from harness.questions.assess.model_draws import draw, row, uncertain_inputs, varied
 
 SCENE: Final = Path(__file__).parents[4] / "scenes" / "paestum_pedestal.toml"
