@@ -11,7 +11,10 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from harness.questions.validate.scenes import Variant
+from harness.accuracy.simulation import simulate
+from harness.model.history import Outcome
+from harness.model.run import RunOptions
+from harness.questions.validate.scenes import Variant, scene_of
 from harness.questions.validate.table import Trial
 from harness.questions.validate.validation_run import run_validation
 from harness.records.base import as_file
@@ -56,6 +59,18 @@ def write_experiments(folder: Path, amplitudes: Sequence[float], **columns: Any)
         row = {"test": f"t{number}", "mesh": "stone.ply", "motion": f"burst{number}.csv", "column": "table"}
         rows.append(row | {"motion_unit": "m/s2", "observed": "stands"} | columns)
     return write_table(folder / "experiments.csv", rows)
+
+
+def read_rows(path: Path) -> list[dict[str, Any]]:
+    """The rows of a table as they stand in it."""
+    with path.open(newline="", encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+def seen(trial: Trial, **chosen: Any) -> Outcome:
+    """How the analytic model says that a test ends at these values of what it does not know."""
+    scene = scene_of(trial, variant(trial, **chosen))
+    return simulate(scene, "analytic", options=RunOptions(history=False)).outcome
 
 
 def variant(trial: Trial, sample: int = 0, **chosen: Any) -> Variant:

@@ -9,7 +9,7 @@ import pytest
 
 from harness.model.errors import InputError
 from harness.questions.validate.table import COLUMNS, Inputs, read_table
-from tests.harness.questions.validate.experiments import write_experiments, write_table
+from tests.harness.questions.validate.experiments import read_rows, write_experiments, write_table
 
 
 def test_a_table_is_read_with_its_defaults(tmp_path: Path) -> None:
@@ -106,8 +106,7 @@ def test_every_input_of_a_test_may_be_a_list_each_body_s_own(tmp_path: Path) -> 
         "bandpass_hz": (None, (0.2, 20.0), (0.5, 30.0)),
     }
     assert first.inputs() == Inputs(scale=0.9)
-    with path.open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = read_rows(path)
     (tmp_path / "other.ply").write_bytes((tmp_path / "stone.ply").read_bytes())
     rows.append(rows[0] | {"test": "t1", "mesh": "other.ply", "scale": "0.5;0.6"})
     assert [trial.scale for trial in read_table(write_table(path, rows))] == [(0.9, 1.0, 1.1), (0.5, 0.6)]

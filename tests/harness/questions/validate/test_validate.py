@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,56 +18,49 @@ from typer.testing import CliRunner
 from harness.accuracy.simulation import simulate
 from harness.comparison.statistics.outcomes import FELL
 from harness.model.errors import InputError
-from harness.model.run import RunOptions
 from harness.questions.validate import validation_run as run
 from harness.questions.validate.jobs import parse_model
 from harness.questions.validate.scenes import intensity_of, scene_of
 from harness.questions.validate.table import read_table
 from harness.records.validation import Fitted, FittedInput
+from harness.runs.runner import InlinePool
 from reports.cli import app
 from reports.pages.page import write_report
 from reports.terminal import LINES
-from tests.harness.questions.validate.experiments import validate, variant, write_experiments, write_table
+from tests.harness.questions.validate.experiments import (
+    read_rows,
+    seen,
+    validate,
+    variant,
+    write_experiments,
+    write_table,
+)
 
 intensities = run._intensities
 AMPLITUDES = (2.0, 3.0, 4.0, 5.0, 7.0, 8.0, 9.0, 10.0)
 TRUE_AZIMUTH_DEG = 90.0
 
 
-class Inline:
-    """A pool of none: every task in this process, in order; it counts them, and stops after `limit` batches."""
+class Interrupted(InlinePool):
+    """A pool that is interrupted after three batches."""
 
-    def __init__(self, jobs: int | None = None, limit: int | None = None) -> None:
-        self.workers = jobs or 1
-        self.batches = 0
-        self.limit = limit
-
-    def run(self, work: Callable[[Any], Any], tasks: Sequence[Any], done: Callable[[Any, Any], None]) -> None:
-        for task in tasks:
-            if self.limit is not None and self.batches >= self.limit:
-                raise KeyboardInterrupt
-            self.batches += 1
-            done(task, work(task))
-
-    def close(self) -> None:
-        """Nothing to give back."""
+    def run(self, work: Callable[[Any], Any], tasks: Iterable[Any], done: Callable[[Any, Any], None]) -> None:
+        super().run(work, islice(tasks, 3), done)
+        raise KeyboardInterrupt
 
 
 @pytest.fixture(autouse=True)
 def inline(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "LocalPool", Inline)
+    monkeypatch.setattr(run, "LocalPool", lambda jobs: InlinePool())
 
 
 def measured(folder: Path) -> Path:
     """A table whose observations are the model's own at the second of three azimuths, two thirds of them a share to fit on."""
     path = write_experiments(folder, AMPLITUDES, azimuth_deg="0;90;180")
-    with path.open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = read_rows(path)
     for number, (row, trial) in enumerate(zip(rows, read_table(path), strict=True)):
-        true = simulate(
-            scene_of(trial, variant(trial, azimuth_deg=TRUE_AZIMUTH_DEG)), "analytic", options=RunOptions(history=False)
-        )
-        row["observed"] = FELL if true.outcome.overturned else true.outcome.value
+        true = seen(trial, azimuth_deg=TRUE_AZIMUTH_DEG)
+        row["observed"] = FELL if true.overturned else true.value
         row["share"] = "rest" if number % 3 == 2 else "fit"
     return write_table(path, rows)
 
@@ -96,13 +89,10 @@ def test_the_unknown_azimuth_is_found_and_the_rest_predicted(tmp_path: Path) -> 
 
 def test_what_was_fitted_on_one_share_is_scored_by_the_falls_of_the_other(tmp_path: Path) -> None:
     path = write_experiments(tmp_path, AMPLITUDES, azimuth_deg="0;90;180")
-    with path.open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = read_rows(path)
     for number, (row, trial) in enumerate(zip(rows, read_table(path), strict=True)):
-        true = simulate(
-            scene_of(trial, variant(trial, azimuth_deg=180.0)), "analytic", options=RunOptions(history=False)
-        )
-        row["observed"] = FELL if true.outcome.overturned else true.outcome.value
+        true = seen(trial, azimuth_deg=180.0)
+        row["observed"] = FELL if true.overturned else true.value
         row["share"] = "fit" if number % 2 else "rest"
     rest = rows[::2]
     assert [row["observed"] for row in rest] == ["stands", "stands", FELL, FELL]
@@ -127,8 +117,7 @@ def test_a_wrong_observation_costs_exactly_itself(tmp_path: Path) -> None:
     path = write_experiments(tmp_path, AMPLITUDES)
     before = validate(path, tmp_path / "out", models=["analytic"], quiet=True)
     falls = {row["test"]: row["predicted"]["analytic"] for row in before["rows"]}
-    with path.open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = read_rows(path)
     for row in rows:
         row["observed"] = falls[row["test"]]
     right = validate(write_table(path, rows), tmp_path / "out", models=["analytic"], resume=True, quiet=True)
@@ -144,10 +133,10 @@ def test_a_wrong_observation_costs_exactly_itself(tmp_path: Path) -> None:
 def test_an_interrupted_call_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = write_experiments(tmp_path, AMPLITUDES)
     monkeypatch.setattr(run, "BATCH", {"analytic": 1})
-    monkeypatch.setattr(run, "LocalPool", lambda count: Inline(count, limit=3))
+    monkeypatch.setattr(run, "LocalPool", lambda jobs: Interrupted())
     with pytest.raises(KeyboardInterrupt):
         validate(path, tmp_path / "out", models=["analytic"], quiet=True)
-    monkeypatch.setattr(run, "LocalPool", Inline)
+    monkeypatch.setattr(run, "LocalPool", lambda jobs: InlinePool())
     found = validate(path, tmp_path / "out", models=["analytic"], resume=True, quiet=True)
     assert found["runs"] == {"wanted": len(AMPLITUDES), "computed": len(AMPLITUDES) - 3}
 
@@ -219,11 +208,9 @@ def test_models_stand_beside_each_other_with_the_four_verdicts(tmp_path: Path) -
 def test_a_swapped_label_is_named_on_terminal_and_page(tmp_path: Path) -> None:
     """Observed as the model has it, but for the strongest test, which is said to have stood."""
     path = write_experiments(tmp_path, AMPLITUDES)
-    with path.open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = read_rows(path)
     for row, trial in zip(rows, read_table(path), strict=True):
-        true = simulate(scene_of(trial, variant(trial)), "analytic", options=RunOptions(history=False))
-        row["observed"] = str(int(true.outcome.overturned))
+        row["observed"] = str(int(seen(trial).overturned))
     assert rows[-1]["observed"] == "1"
     rows[-1]["observed"] = "0"
     write_table(path, rows)
@@ -253,19 +240,10 @@ def test_a_label_that_another_value_of_the_list_explains_is_none_to_doubt(tmp_pa
     """Worn by a tenth of its base the stone falls in what it stands whole; nothing was fitted, so draws take both."""
     path = write_experiments(tmp_path, [4.0, 4.25, 6.0], inset_m="0;0.02", observed="stands")
     trials = read_table(path)
-    ends = [
-        [
-            simulate(
-                scene_of(trial, variant(trial, inset_m=worn)), "analytic", options=RunOptions(history=False)
-            ).outcome
-            for worn in (0.0, 0.02)
-        ]
-        for trial in trials
-    ]
+    ends = [[seen(trial, inset_m=worn) for worn in (0.0, 0.02)] for trial in trials]
     differ = [k for k, (whole, worn) in enumerate(ends) if worn.overturned and not whole.overturned]
     assert differ
-    with path.open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = read_rows(path)
     for row, (whole, _) in zip(rows, ends, strict=True):
         row["observed"] = str(int(whole.overturned))
     rows[differ[0]]["observed"] = "1"
@@ -281,8 +259,7 @@ def test_a_motion_of_any_named_columns_is_read(tmp_path: Path) -> None:
     lines = (";".join(f"{value:.9g}" for value in row) for row in zip(times, table, 7.0 * times, strict=True))
     text = "# lab 2\n\nMesszeit;Tisch;Seilzug mm\ns;m/s2;mm\n" + "\n".join(lines)
     (tmp_path / "burst1.csv").write_text(text.replace(".", ","))
-    with path.open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = read_rows(path)
     rows[1] |= {"time_column": "Messzeit", "column": "Tisch"}
     first, second = read_table(write_table(path, rows))
     assert intensity_of(second) == intensity_of(first)
@@ -297,12 +274,12 @@ def test_a_motion_of_any_named_columns_is_read(tmp_path: Path) -> None:
 
 def test_a_measured_history_is_a_history_like_any_other(tmp_path: Path) -> None:
     path = write_experiments(tmp_path, [4.5], history="measured.csv")
-    trial = replace(read_table(_with_history(tmp_path, path))[0])
+    (tmp_path / "measured.csv").write_text("t_s,theta_rad\n0,0\n1,0\n")
+    (trial,) = read_table(path)
     true = simulate(scene_of(trial, variant(trial)), "analytic")
     louder = replace(true.history, theta_rad=1.1 * true.history.theta_rad)
     louder.write_csv(tmp_path / "measured.csv")
-    with path.open(newline="") as stream:
-        rows = [row | {"history_uncertainty_rad": 0.001} for row in csv.DictReader(stream)]
+    rows = [row | {"history_uncertainty_rad": 0.001} for row in read_rows(path)]
     found = validate(write_table(path, rows), tmp_path / "out", models=["analytic"], samples=6, quiet=True)
     scores = found["models"]["analytic"]["histories"][0]["scores"]
     error = scores["comparison_error"]
@@ -313,11 +290,6 @@ def test_a_measured_history_is_a_history_like_any_other(tmp_path: Path) -> None:
     assert scores["evidence"]["uncertainty_a_rad"] == true.numerical_uncertainty_rad
     assert scores["horizon_s"] == true.reliable_until_s
     assert scores["peak_ratio"] == pytest.approx(1.0 / 1.1, rel=1e-3)  # the scaled rates were left as they were
-
-
-def _with_history(folder: Path, path: Path) -> Path:
-    (folder / "measured.csv").write_text("t_s,theta_rad\n0,0\n1,0\n")
-    return path
 
 
 @pytest.mark.parametrize(
