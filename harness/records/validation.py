@@ -221,7 +221,7 @@ class ContourLine:
 
 @dataclass(frozen=True)
 class ContourRecord:
-    """The fitted contour (`harness.questions.validate.baseline.contour`) with its line."""
+    """The fitted contour (`harness.questions.validate.scoring.contour`) with its line."""
 
     cases: int
     fell: int

@@ -23,13 +23,15 @@ from harness.questions.assess.answer import answer_of, findings_of
 from harness.questions.assess.by_model import MODEL, RUN_DRAWS, SAMPLE_S, SAMPLER, probability_of, sampled
 from harness.questions.assess.clearance import of_engine, of_model, of_space, rest_outline_m
 from harness.questions.assess.engine_draws import EngineRuns, estimate, strata_of
-from harness.questions.assess.in_space import SPACE, shaken_across, space_draws
 from harness.questions.assess.model_draws import (
+    SPACE,
     Array,
     ModelDraws,
     draws_of,
     model_draws,
     row,
+    shaken_across,
+    space_draws,
     sweepable,
     uncertain_inputs,
     varied,

@@ -18,12 +18,15 @@ from harness import engines
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene
 from harness.questions.assess.engine_draws import LEVEL, jeffreys, run_of
-from harness.questions.assess.in_space import SPACE, SPACE_S, shaken_across, space_draws
 from harness.questions.assess.model_draws import (
+    SPACE,
+    SPACE_S,
     ModelDraws,
     draws_of,
     model_draws,
     row,
+    shaken_across,
+    space_draws,
     uncertain_inputs,
     varied,
 )

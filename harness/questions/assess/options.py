@@ -22,7 +22,6 @@ from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene, Uncertain, scan_azimuth_deg, written
 from harness.questions.assess.by_model import MODEL, NONE_SAMPLED, Outside, probability_of, sampled
 from harness.questions.assess.engine_draws import LEVEL
-from harness.questions.assess.in_space import space_draws
 from harness.questions.assess.model_draws import (
     KINETIC,
     LEAST_SHARE,
@@ -37,6 +36,7 @@ from harness.questions.assess.model_draws import (
     repeated,
     reread,
     row,
+    space_draws,
     sweepable,
     uncertain_inputs,
     varied,

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene, Uncertain
 from harness.questions.assess.engine_draws import LEVEL
-from harness.questions.assess.in_space import SPACE, space_draws
 from harness.questions.assess.model_draws import (
+    SPACE,
     Array,
     Flags,
     ModelDraws,
@@ -22,6 +22,7 @@ from harness.questions.assess.model_draws import (
     groups,
     model_draws,
     row,
+    space_draws,
     sweepable,
     varied,
 )

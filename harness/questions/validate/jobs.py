@@ -16,8 +16,7 @@ from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
 from harness.model.run import RunOptions
-from harness.questions.validate.motions import SHIFT_M
-from harness.questions.validate.scenes import Variant, digest_of, motion_of, scene_of
+from harness.questions.validate.scenes import SHIFT_M, Variant, digest_of, motion_of, scene_of
 from harness.questions.validate.table import Trial
 from harness.records.study import CaseRun
 from harness.runs.runner import Crash

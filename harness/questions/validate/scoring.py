@@ -7,10 +7,11 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
+from statistics import NormalDist
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from harness.comparison.comparator import COVERAGE
 from harness.comparison.statistics import fragility
@@ -27,16 +28,16 @@ from harness.comparison.statistics.outcomes import (
 from harness.model.history import Array, Outcome
 from harness.questions.study.case_blocks import KeyedRow
 from harness.questions.study.ensembles import score_sets
-from harness.questions.validate import baseline
 from harness.questions.validate.fit import Answers, Choice, counted, fitted
 from harness.questions.validate.jobs import Drawn, Model
-from harness.questions.validate.motions import Intensity
-from harness.questions.validate.scenes import Variant, scene_of
+from harness.questions.validate.scenes import Intensity, Variant, scene_of
 from harness.questions.validate.table import Trial
 from harness.records.study import CaseRun
 from harness.records.validation import (
     BaselineRecord,
     BodyScores,
+    ContourLine,
+    ContourRecord,
     Curves,
     FallScores,
     IntensityClass,
@@ -265,8 +266,8 @@ def curves(
         return Curves(None, None)
     each, fallen = [intensities[trial.name] for trial in known], list(known.values())
     pgv = np.array([one.pgv_m_s for one in each])
-    curve = fragility.fit(pgv, fallen).curve(np.geomspace(pgv.min(), pgv.max(), baseline.CURVE_POINTS))
-    return Curves(curve, baseline.contour(each, fallen))
+    curve = fragility.fit(pgv, fallen).curve(np.geomspace(pgv.min(), pgv.max(), CURVE_POINTS))
+    return Curves(curve, contour(each, fallen))
 
 
 def score_baseline(
@@ -285,20 +286,20 @@ def score_baseline(
         own = [each for each in others if each.body == trial.body]
         pgv, fell = _intensity_and_fall(own if len(own) >= LEAST_OF_BODY else others, intensities)
         strength = intensities[trial.name].pgv_m_s
-        predicted.append(bool(strength >= baseline.best_threshold(pgv, fell)))
-        likely.append(float(baseline.chances(pgv, fell, [strength])[0]))
+        predicted.append(bool(strength >= best_threshold(pgv, fell)))
+        likely.append(float(chances(pgv, fell, [strength])[0]))
     seen = [trial.fell for trial in scored]
     right = {trial.name: said == trial.fell for trial, said in zip(scored, predicted, strict=True)}
     by_body = {trial.body: [each for each in taught if each.body == trial.body] for trial in scored}
     return BaselineRecord(
         rule="overturns when PGV reaches its body's threshold",
-        threshold_m_s=baseline.best_threshold(*_intensity_and_fall(taught, intensities)),
+        threshold_m_s=best_threshold(*_intensity_and_fall(taught, intensities)),
         fitted_on="the named share" if apart else "all tests but the one that is predicted",
         outcomes=_of_falls(predicted, seen),
         probability=score_probabilities(likely, seen),
         by_intensity=by_intensity(scored, intensities, lambda trial: right[trial.name]),
         threshold_by_body_m_s={
-            Path(body).name: baseline.best_threshold(*_intensity_and_fall(own, intensities))
+            Path(body).name: best_threshold(*_intensity_and_fall(own, intensities))
             for body, own in by_body.items()
             if len(own) >= LEAST_OF_BODY
         },
@@ -330,3 +331,81 @@ def score_pairs(trials: Sequence[Trial], answered: Sequence[Answered]) -> list[P
 
 def _row(trial: Trial, item: Answered) -> KeyedRow:
     return KeyedRow(number=trial.row, engine=item.model.name, reason="", varied={}, run=item.run(trial), key=None)
+
+
+# What needs no model: a bare PGV threshold and probability, and the fragility contour in PGA against PGV/PGA.
+
+
+RIDGE: Final = 1e-6
+"""Weight of the ridge that keeps the contour's Newton steps finite where the classes are separated: one case in a million."""
+CURVE_POINTS: Final = 60
+"""Points of every curve that a page draws."""
+
+
+def best_threshold(intensity: ArrayLike, fell: ArrayLike) -> float:
+    """The threshold t with the most cases right under "falls when intensity ≥ t"; the lowest where several are as good.
+
+    Raises `ValueError` for an empty set.
+    """
+    x, y = np.asarray(intensity, dtype=np.float64), np.asarray(fell, dtype=np.bool_)
+    if x.size == 0:
+        raise ValueError("at least one case is wanted")
+    order = np.argsort(x, kind="stable")
+    x, y = x[order], y[order]
+    # With the threshold before case k, those below stand rightly and those from k on fall rightly.
+    right = np.concatenate(([0], np.cumsum(~y))) + (y.sum() - np.concatenate(([0], np.cumsum(y))))
+    # Equal intensities cannot be parted.
+    right[1:-1][x[1:] == x[:-1]] = -1
+    k = int(np.argmax(right))
+    if k == 0:
+        return float(x[0])
+    return float(np.nextafter(x[-1], math.inf)) if k == x.size else float(0.5 * (x[k - 1] + x[k]))
+
+
+def chances(intensity: ArrayLike, fell: ArrayLike, asked: ArrayLike) -> Array:
+    """P(overturned) at the `asked` intensities by the lognormal curve fitted to the cases (`statistics.fragility`).
+
+    Where no rising curve fits (one outcome only, or no order in the intensity) it is the share of the cases that fell, after
+    Laplace (fell + 1)/(cases + 2); a motion of no intensity overturns nothing.
+    """
+    x, y, at = (np.asarray(values, dtype=np.float64) for values in (intensity, fell, asked))
+    shaken = x > 0.0
+    p = np.full(at.shape, (y.sum() + 1.0) / (y.size + 2.0))
+    if shaken.any():
+        curve = fragility.fit(x[shaken], y[shaken])
+        if curve.median is not None:
+            p[at > 0.0] = curve.probability(at[at > 0.0])
+    p[at <= 0.0] = 0.0
+    return p
+
+
+def contour(intensities: Sequence[Intensity], fell: Sequence[bool]) -> ContourRecord | None:
+    """P(overturned) = Φ(c₀ + c₁ ln PGA + c₂ ln(PGV/PGA)), PGA in g and PGV/PGA in s, by maximum likelihood.
+
+    `separated`: a line parts the cases that fell from those that stood; the likelihood then has no maximum, and the
+    coefficients (from a ridge that keeps them finite) tell the line, not the spread. After Purvance, Anooshehpoor and Brune
+    (Earthquake Engineering and Structural Dynamics 37, 2008). None where only one outcome occurs, or PGA does not raise the
+    probability.
+    """
+    y = np.asarray(fell, dtype=np.float64)
+    if y.size < 3 or y.sum() in (0, y.size):
+        return None
+    ratios = np.array([each.ratio_s for each in intensities])
+    logs = np.log(np.column_stack(([each.pga_g for each in intensities], ratios)))
+    middle = logs.mean(axis=0)
+    design = np.column_stack((np.ones(y.size), logs - middle))
+    beta, _ = fragility.probit(design, y, RIDGE)
+    c1, c2 = float(beta[1]), float(beta[2])
+    if c1 <= 0.0:
+        return None
+    coefficients = float(beta[0] - beta[1:] @ middle), c1, c2
+    separated = bool(np.all((design @ beta > 0.0) == (y > 0.5)))
+    asked = np.geomspace(ratios.min(), ratios.max(), CURVE_POINTS)
+    line = ContourLine(asked.tolist(), contour_pga_g(coefficients, asked).tolist())
+    return ContourRecord(y.size, int(y.sum()), coefficients, separated, line)
+
+
+def contour_pga_g(coefficients: tuple[float, float, float], ratio_s: ArrayLike, probability: float = 0.5) -> Array:
+    """PGA in g at which that probability is reached, for each PGV/PGA in s."""
+    c0, c1, c2 = coefficients
+    return np.asarray(np.exp((NormalDist().inv_cdf(probability) - c0 - c2 * np.log(ratio_s)) / c1))

@@ -20,8 +20,7 @@ from harness.model.errors import InputError, Mistake
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
 from harness.questions.validate.fit import Answers, Choice, choose, planned
 from harness.questions.validate.jobs import BATCH, BATCH_OTHERWISE, Drawn, Model, asked_of, parse_model
-from harness.questions.validate.motions import Intensity
-from harness.questions.validate.scenes import Variant, intensity_of
+from harness.questions.validate.scenes import Intensity, Variant, intensity_of
 from harness.questions.validate.scoring import Answered, curves, repeats_of, score_baseline, score_model, score_pairs
 from harness.questions.validate.table import Trial, read_table
 from harness.records.base import RunCounts

@@ -12,8 +12,7 @@ from analytic import Pulse
 from harness.input.scene_file import load_scene
 from harness.model.scene import BaseExcitation, Scene
 from harness.questions.assess.assessment import assess
-from harness.questions.assess.in_space import space_draws
-from harness.questions.assess.model_draws import ModelDraws, draw, uncertain_inputs
+from harness.questions.assess.model_draws import ModelDraws, draw, space_draws, uncertain_inputs
 from harness.questions.assess.options import AS_IT_IS, Answered, difference_of, options_of
 from harness.records.assess import TURNED
 from tests.scenes_for_tests import block, scene

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from harness.questions.validate.baseline import best_threshold, chances, contour, contour_pga_g
-from harness.questions.validate.motions import Intensity
-from harness.questions.validate.scenes import GRAVITY_M_S2
+from harness.questions.validate.scenes import GRAVITY_M_S2, Intensity
+from harness.questions.validate.scoring import best_threshold, chances, contour, contour_pga_g
 from tests.budgets_compare import QUANTILE_SE
 
 

@@ -13,8 +13,7 @@ from harness.accuracy.simulation import simulate
 from harness.model.history import Outcome
 from harness.model.run import RunOptions
 from harness.questions.validate.jobs import Drawn, asked_of, lost_draws, parse_model
-from harness.questions.validate.motions import SHIFT_M, thinned
-from harness.questions.validate.scenes import Variant, motion_of, scene_of
+from harness.questions.validate.scenes import SHIFT_M, Variant, motion_of, scene_of, thinned
 from harness.questions.validate.table import Inputs, read_table
 from harness.records.study import CaseRun
 from harness.runs.runner import Crash

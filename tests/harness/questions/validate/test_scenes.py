@@ -11,12 +11,12 @@ import pytest
 from analytic.excitation import SampledAcceleration
 from harness.model.errors import InputError
 from harness.questions.study.rocking_spectrum import RING_DOWN_S
-from harness.questions.validate.motions import intensity
 from harness.questions.validate.scenes import (
     BASE_SD_M,
     FRICTION_SD,
     GRAVITY_M_S2,
     digest_of,
+    intensity,
     intensity_of,
     scene_of,
 )

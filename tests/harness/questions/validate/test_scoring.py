@@ -30,8 +30,7 @@ from harness.questions.validate.fit import (
     planned,
 )
 from harness.questions.validate.jobs import parse_model
-from harness.questions.validate.motions import Intensity
-from harness.questions.validate.scenes import GRAVITY_M_S2, Variant
+from harness.questions.validate.scenes import GRAVITY_M_S2, Intensity, Variant
 from harness.questions.validate.scoring import (
     Answered,
     by_intensity,
