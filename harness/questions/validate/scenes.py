@@ -54,22 +54,6 @@ class Intensity:
         return Intensity(scale * self.pga_g, scale * self.pgv_m_s)
 
 
-def shaking(trial: Trial, inputs: Inputs, fewer: bool = False) -> BaseExcitation:
-    """The motion that a test's file holds, treated as its inputs say but for sign and scale; `fewer`: in as few samples as say as
-    much. Raises `InputError`.
-    """
-    if trial.motion is None:
-        raise InputError(Mistake(trial.body, f"test {trial.name}: motion", "a file with the table's motion", "nothing"))
-    treatment = (trial.motion_unit, trial.time_column, inputs.baseline, inputs.bandpass_hz)
-    read = _thinned if fewer else _component
-    x = read(trial.motion, trial.column, treatment)
-    y, z = (
-        ZeroExcitation() if column is None else read(trial.motion, column, treatment)
-        for column in (trial.column_y, trial.column_z)
-    )
-    return BaseExcitation(x, y, z)
-
-
 def scaled(motion: BaseExcitation, sign: int, scale: float) -> BaseExcitation:
     """A motion times a factor, turned about the vertical where the sign is −1."""
     if sign == 1 and scale == 1.0:
@@ -250,10 +234,23 @@ def _duration_s(trial: Trial, motion: BaseExcitation, otherwise_s: float) -> flo
 
 
 def motion_of(trial: Trial, inputs: Inputs, fewer: bool = False) -> BaseExcitation:
-    """The motion of a test before its sign and scale: of its file (see `shaking`), or of its scene. Raises `InputError`."""
-    if trial.motion is None and trial.scene is not None:
+    """The motion of a test before its sign and scale: of its file, treated as its inputs say, or of its scene.
+
+    `fewer`: a file's in as few samples as say as much. Raises `InputError`.
+    """
+    if trial.motion is None:
+        if trial.scene is None:
+            wanted = "a file with the table's motion"
+            raise InputError(Mistake(trial.body, f"test {trial.name}: motion", wanted, "nothing"))
         return _scene(trial.scene).base_excitation
-    return shaking(trial, inputs, fewer)
+    treatment = (trial.motion_unit, trial.time_column, inputs.baseline, inputs.bandpass_hz)
+    read = _thinned if fewer else _component
+    x = read(trial.motion, trial.column, treatment)
+    y, z = (
+        ZeroExcitation() if column is None else read(trial.motion, column, treatment)
+        for column in (trial.column_y, trial.column_z)
+    )
+    return BaseExcitation(x, y, z)
 
 
 def _scatter(trial: Trial, variant: Variant, seed: int) -> tuple[float, float, float]:
