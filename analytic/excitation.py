@@ -48,16 +48,20 @@ class Excitation(ABC):
         """Acceleration at the times t_s (any shape, s), in m/s²."""
 
     @abstractmethod
+    def _integrals(self, t_s: ArrayLike) -> tuple[Floats, Floats]:
+        """Velocity, m/s, and displacement, m, at the times t_s (any shape, s ≥ 0): the exact integrals from rest at t = 0."""
+
     def velocity_m_s(self, t_s: ArrayLike) -> Floats:
         """Velocity at the times t_s (any shape, s ≥ 0), in m/s: the exact integral from rest at t = 0."""
+        return self._integrals(t_s)[0]
 
     def velocity_at(self, t_s: float) -> float:
         """Velocity at one instant, m/s."""
         return float(self.velocity_m_s(t_s))
 
-    @abstractmethod
     def displacement_m(self, t_s: ArrayLike) -> Floats:
         """Displacement at the times t_s (any shape, s ≥ 0), in m: the exact double integral from rest at t = 0."""
+        return self._integrals(t_s)[1]
 
     @abstractmethod
     def breaks_s(self, duration_s: float) -> Floats:
@@ -94,8 +98,8 @@ class ZeroExcitation(Excitation):
         """Zeros of the shape of t_s."""
         return np.zeros_like(np.asarray(t_s, dtype=np.float64))
 
-    velocity_m_s = accel_m_s2
-    displacement_m = accel_m_s2
+    def _integrals(self, t_s: ArrayLike) -> tuple[Floats, Floats]:
+        return self.accel_m_s2(t_s), self.accel_m_s2(t_s)
 
     def breaks_s(self, duration_s: float) -> Floats:
         """None."""
@@ -167,7 +171,7 @@ class SampledAcceleration(Excitation):
         )
 
     @cached_property
-    def _integrals(self) -> tuple[Floats, Floats, Floats]:
+    def _at_samples(self) -> tuple[Floats, Floats, Floats]:
         """Slope of each segment (n − 1,), velocity and displacement at each sample (n,)."""
         step, a = np.diff(self.t_s), self.samples_m_s2
         slope = np.diff(a) / step
@@ -175,24 +179,20 @@ class SampledAcceleration(Excitation):
         gained = velocity[:-1] * step + (a[:-1] / 2.0 + slope * step / 6.0) * step**2
         return slope, velocity, np.concatenate([[0.0], np.cumsum(gained)])
 
-    def _state(self, t_s: ArrayLike) -> tuple[Floats, Floats]:
+    def _integrals(self, t_s: ArrayLike) -> tuple[Floats, Floats]:
         t, a = np.asarray(t_s, dtype=np.float64), self.samples_m_s2
-        slope, velocity, displacement = self._integrals
+        slope, velocity, displacement = self._at_samples
         i = np.clip(np.searchsorted(self.t_s, t, side="right") - 1, 0, slope.size - 1)
         tau = np.clip(t, self.t_s[0], self.t_s[-1]) - self.t_s[i]
         v = velocity[i] + (a[i] + 0.5 * slope[i] * tau) * tau
         d = displacement[i] + (velocity[i] + (a[i] / 2.0 + slope[i] * tau / 6.0) * tau) * tau
         return np.asarray(v), np.asarray(d + velocity[-1] * np.maximum(t - self.t_s[-1], 0.0))
 
-    def velocity_m_s(self, t_s: ArrayLike) -> Floats:
-        """Velocity, m/s."""
-        return self._state(t_s)[0]
-
     @cached_property
     def _numbers(self) -> tuple[list[float], list[tuple[float, float, float]]]:
         """Times of the samples, and velocity, acceleration and half the slope from each on, none from the last: for one instant
         an array takes ten times as long as a number."""
-        slope, velocity, _ = self._integrals
+        slope, velocity, _ = self._at_samples
         numbers = np.column_stack([velocity, self.samples_m_s2, np.append(0.5 * slope, 0.0)])
         numbers[-1, 1] = 0.0
         return self.t_s.tolist(), [(v, a, half) for v, a, half in numbers.tolist()]
@@ -206,10 +206,6 @@ class SampledAcceleration(Excitation):
         velocity, accel, half_slope = numbers[i]
         tau = t_s - times[i]
         return velocity + (accel + half_slope * tau) * tau
-
-    def displacement_m(self, t_s: ArrayLike) -> Floats:
-        """Displacement, m."""
-        return self._state(t_s)[1]
 
     def breaks_s(self, duration_s: float) -> Floats:
         """Every sample's time."""
@@ -289,7 +285,7 @@ class Harmonic(Excitation):
         displacement = scale * (-t * sin / w**2 - 2.0 * (cos - cos0) / w**3 - sin0 * t / w**2)
         return np.asarray(velocity), np.asarray(displacement)
 
-    def _state(self, t_s: ArrayLike) -> tuple[Floats, Floats]:
+    def _integrals(self, t_s: ArrayLike) -> tuple[Floats, Floats]:
         t = np.maximum(np.asarray(t_s, dtype=np.float64), 0.0)
         start, v0, d0 = self.ramp_s, np.float64(0.0), np.float64(0.0)
         if self.ramp_s > 0.0:
@@ -307,15 +303,11 @@ class Harmonic(Excitation):
         return np.asarray(velocity), np.asarray(displacement)
 
     def velocity_m_s(self, t_s: ArrayLike) -> Floats:
-        """Velocity, m/s."""
+        """Velocity, m/s: without a ramp alone, which engines ask for at every step."""
         if self.ramp_s > 0.0:
-            return self._state(t_s)[0]
+            return self._integrals(t_s)[0]
         t = np.maximum(np.asarray(t_s, dtype=np.float64), 0.0)
         return np.asarray(self.amplitude_m_s2 * (math.cos(self.phase_rad) - np.cos(self._angle(t))) / self.omega_rad_s)
-
-    def displacement_m(self, t_s: ArrayLike) -> Floats:
-        """Displacement, m."""
-        return self._state(t_s)[1]
 
     def breaks_s(self, duration_s: float) -> Floats:
         """The end of the ramp."""
@@ -395,16 +387,11 @@ class Pulse(Excitation):
         shape = self._shape(np.clip(tau, 0.0, self.duration_s))[0]
         return np.asarray(np.where(inside, self.amplitude_m_s2 * shape, 0.0))
 
-    def velocity_m_s(self, t_s: ArrayLike) -> Floats:
-        """Velocity, m/s."""
-        tau = np.asarray(t_s, dtype=np.float64) - self.start_s
-        return np.asarray(self.amplitude_m_s2 * self._shape(np.clip(tau, 0.0, self.duration_s))[1])
-
-    def displacement_m(self, t_s: ArrayLike) -> Floats:
-        """Displacement, m."""
+    def _integrals(self, t_s: ArrayLike) -> tuple[Floats, Floats]:
         tau = np.asarray(t_s, dtype=np.float64) - self.start_s
         _, first, second = self._shape(np.clip(tau, 0.0, self.duration_s))
-        return np.asarray(self.amplitude_m_s2 * (second + first * np.maximum(tau - self.duration_s, 0.0)))
+        after = np.maximum(tau - self.duration_s, 0.0)
+        return np.asarray(self.amplitude_m_s2 * first), np.asarray(self.amplitude_m_s2 * (second + first * after))
 
     def breaks_s(self, duration_s: float) -> Floats:
         """The pulse's start and end."""

@@ -9,7 +9,7 @@ import numpy as np
 from meshes.beside import Floor, attached_beside, attached_floor
 from meshes.mesh import Array, Doubt, Faces, MeshError, RawMesh
 from meshes.orientation import up_doubted
-from meshes.processing_log import parts
+from meshes.processing_log import by_part
 from meshes.self_intersection import crossings, pinched, wrongly_sided
 from meshes.solid import mass_properties
 
@@ -47,9 +47,8 @@ def floor_refused(floor: Floor | None, how: str) -> MeshError | None:
 
 def other_attached(vertices: Array, faces: Faces, how: str) -> MeshError | None:
     """Why a body with z up, in metres, seems to have a wall or a second body on it; None where it does not (`how` as above)."""
-    shell = parts(faces)
-    if shell.any():  # the section of a hollow body is narrow, and no neck
-        shells = [faces[shell == k] for k in range(int(shell.max()) + 1)]
+    shells = by_part(faces)
+    if len(shells) > 1:  # the section of a hollow body is narrow, and no neck
         faces = np.vstack([each for each in shells if mass_properties(vertices, each).volume_m3 > 0.0])
     other = attached_beside(vertices, faces)
     if other is None:
@@ -70,4 +69,4 @@ def doubts(vertices: Array, faces: Faces, how: str) -> tuple[Doubt, ...]:
     attached = floor_refused(attached_floor(vertices, faces), how) or other_attached(vertices, faces, how)
     refusals = attached, not_one_body(vertices, faces)
     told = [each.doubt for each in refusals if each is not None and each.doubt is not None]
-    return (*told, *up_doubted(RawMesh(vertices, faces, "")), *crossings(vertices, faces).doubts)
+    return (*told, *up_doubted(RawMesh(vertices, faces, "")), *crossings(vertices, faces))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,38 +15,11 @@ from meshes.processing_log import EdgeCount, parts
 from meshes.solid import CONTACT_TOLERANCE_M, Solid
 
 
-@dataclass(frozen=True)
-class Raw:
-    """The file as it came: size in its own units, and what keeps it from being a solid."""
-
-    vertices: int
-    faces: int
-    size: tuple[float, float, float]
-    parts: int
-    edges: EdgeCount
-
-    @classmethod
-    def of(cls, mesh: RawMesh) -> Raw:
-        """Counted on the mesh as read."""
-        x, y, z = (float(extent) for extent in np.ptp(mesh.vertices, axis=0))
-        count = int(parts(mesh.faces).max()) + 1
-        return cls(len(mesh.vertices), len(mesh.faces), (x, y, z), count, EdgeCount.of(mesh.faces))
-
-    def __str__(self) -> str:
-        size = " × ".join(f"{extent:.4g}" for extent in self.size)
-        state = "closed" if self.edges.closed else "not closed"
-        return (
-            f"{self.vertices} vertices, {self.faces} triangles, {size} units, {self.parts} parts; {state}:"
-            f" {self.edges.boundary} open, {self.edges.branching} branching, {self.edges.misoriented}"
-            " misoriented edges"
-        )
-
-
 @dataclass(frozen=True, eq=False)
 class Inspection:
-    """A scan inspected: raw, prepared, and its solid (None with the reason where it does not stand)."""
+    """A scan inspected: as read, prepared, and its solid (None with the reason where it does not stand)."""
 
-    raw: Raw
+    raw: RawMesh
     prepared: Prepared
     solid: Solid | None
     refusal: MeshError | None
@@ -63,11 +36,9 @@ class Inspection:
 
     def as_dict(self) -> dict[str, object]:
         """The inspection as plain values."""
-        from dataclasses import asdict
-
         return {
             "schema_version": 1,
-            "raw": asdict(self.raw),
+            "raw": _counts(self.raw),
             "refusal": None if self.refusal is None else str(self.refusal),
             "solid": None if self.solid is None else _numbers(self.solid),
             "rose": self.rose(10),
@@ -76,7 +47,7 @@ class Inspection:
     def facts(self) -> list[str]:
         """The file as read, and the solid in words, or why there is none."""
         return [
-            f"as read: {self.raw}",
+            f"as read: {_counted(self.raw)}",
             *(["no solid: " + str(self.refusal)] if self.solid is None else _sentences(self.solid)),
         ]
 
@@ -109,7 +80,29 @@ def inspect(
         solid = prepared.solid(density_kg_m3=density_kg_m3, mass_kg=mass_kg, contact_tolerance_m=contact_tolerance_m)
     except MeshError as error:
         refusal = error
-    return Inspection(Raw.of(mesh), prepared, solid, refusal)
+    return Inspection(mesh, prepared, solid, refusal)
+
+
+def _counts(mesh: RawMesh) -> dict[str, object]:
+    """The file as it came: size in its own units, and what keeps it from being a solid."""
+    return {
+        "vertices": len(mesh.vertices),
+        "faces": len(mesh.faces),
+        "size": np.ptp(mesh.vertices, axis=0).tolist(),
+        "parts": int(parts(mesh.faces).max()) + 1,
+        "edges": asdict(EdgeCount.of(mesh.faces)),
+    }
+
+
+def _counted(mesh: RawMesh) -> str:
+    """The same in words."""
+    edges, count = EdgeCount.of(mesh.faces), _counts(mesh)
+    size = " × ".join(f"{extent:.4g}" for extent in np.ptp(mesh.vertices, axis=0))
+    return (
+        f"{count['vertices']} vertices, {count['faces']} triangles, {size} units, {count['parts']} parts;"
+        f" {'closed' if edges.closed else 'not closed'}: {edges.boundary} open, {edges.branching} branching,"
+        f" {edges.misoriented} misoriented edges"
+    )
 
 
 def _numbers(solid: Solid) -> dict[str, object]:

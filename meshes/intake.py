@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from meshes.mesh import Array, Faces, MeshError, RawMesh, weld
 from meshes.orientation import turn_axis
-from meshes.processing_log import EdgeCount, parts
+from meshes.processing_log import EdgeCount, by_part
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, mass_properties, solid_from_mesh, turn_about_z
 
 # What a glTF file says of itself: a kilobyte may ask for gigabytes of zeros, or for one mesh ten thousand
@@ -351,11 +351,10 @@ def must_be_closed(mesh: RawMesh) -> None:
 
 def must_be_one(mesh: RawMesh) -> None:
     """Refuse several bodies in one file; a closed shell with its faces inward, inside the body, is a hollow in it."""
-    number = parts(mesh.faces)
-    count = int(number.max()) + 1
-    if count == 1:
+    shells = by_part(mesh.faces)
+    if len(shells) == 1:
         return
-    volumes = [mass_properties(mesh.vertices, mesh.faces[number == k]).volume_m3 for k in range(count)]
+    volumes = [mass_properties(mesh.vertices, shell).volume_m3 for shell in shells]
     bodies = sum(volume > 0.0 for volume in volumes)
     if bodies > 1:
         sizes = ", ".join(f"{volume:.3g} m³" for volume in sorted(volumes, reverse=True)[:4])

@@ -323,4 +323,4 @@ def _checked(state: Prepared) -> Prepared:
             f"too much would be invented; scan again what is missing\n{log}",
             place=mesh.source,
         )
-    return state.doubted(*crossings(mesh.vertices, mesh.faces).doubts)
+    return state.doubted(*crossings(mesh.vertices, mesh.faces))

@@ -82,6 +82,12 @@ def parts(faces: Faces) -> Indices:
     return np.argsort(np.argsort(first))[number].astype(np.int64)
 
 
+def by_part(faces: Faces) -> list[Faces]:
+    """The faces of each part."""
+    number = parts(faces)
+    return [faces[number == k] for k in range(int(number.max(initial=-1)) + 1)]
+
+
 def rims(faces: Faces) -> list[Indices]:
     """The rims of all holes: vertices in order along the half-edges of the faces beside the hole, longest first.
 

@@ -23,7 +23,7 @@ from meshes.mesh import (
     unique_rows,
 )
 from meshes.outline import fit_outline
-from meshes.processing_log import Change, EdgeCount, Edges, Indices, measure, parts, rims, wound_alike
+from meshes.processing_log import Change, EdgeCount, Edges, Indices, by_part, measure, parts, rims, wound_alike
 from meshes.solid import CONTACT_TOLERANCE_M
 from meshes.survey import OUTSIDE_REL
 
@@ -239,11 +239,10 @@ def join_bodies(mesh: RawMesh) -> Repaired:
 
     Raises MeshError for parts that stay apart, and a shell that faces inward partly outside.
     """
-    number = parts(mesh.faces)
-    count = int(number.max()) + 1
+    pieces = _apart((mesh.vertices, mesh.faces))
+    count = len(pieces)
     if count == 1:
         return mesh, None
-    pieces = [drop_unused(mesh.vertices, mesh.faces[number == k]) for k in range(count)]
     if all(EdgeCount.of(faces).closed for _, faces in pieces):
         body, kinds = _assembled(pieces, mesh.source)
         if sum(measure(RawMesh(*part, "")).volume_m3 > 0.0 for part in _apart(body)) == 1:
@@ -260,8 +259,7 @@ def join_bodies(mesh: RawMesh) -> Repaired:
 
 
 def _apart(surface: Part) -> list[Part]:
-    number = parts(surface[1])
-    return [drop_unused(surface[0], surface[1][number == k]) for k in range(int(number.max(initial=-1)) + 1)]
+    return [drop_unused(surface[0], faces) for faces in by_part(surface[1])]
 
 
 def _assembled(pieces: Sequence[Part], source: str) -> tuple[Part, dict[str, int]]:

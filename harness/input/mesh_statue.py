@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from harness.input import paths
-from harness.input.tables import InnerTable, MeshTable, StatueTable
+from harness.input.tables import MeshTable, StatueTable
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Finding, Say, Shown, caution, info, new_axes
 from harness.model.history import Array
@@ -184,7 +184,15 @@ def statue_from_mesh(table: StatueTable, mesh: MeshTable, path: Path, found: lis
         solid = _solid(file, inner, changed, mesh, table.mass_kg)
         found.extend(findings_of(_doubts(file, changed, mesh.unit, mesh.up)))
         if mesh.inner is not None:
-            found.append(_hollowed(solid, mesh.inner, table.mass_kg))
+            hollow = {
+                "file": mesh.inner.file,
+                "inside_kg_m3": mesh.inner.density_kg_m3,
+                "mass_kg": solid.mass_kg,
+                "weighed_kg": table.mass_kg,
+                "mean_kg_m3": solid.density_kg_m3,
+                "centroid_height_m": solid.centroid_height_m,
+            }
+            found.append(info("mesh_hollow", **hollow))
         solid = _reconciled(solid, table, mesh, found)
         return statue_of(_adjusted(solid, mesh, found))
     except meshes.MeshError as error:
@@ -246,18 +254,6 @@ def _doubts(file: Path, changed_ns: tuple[int, ...], unit: str | float, up: str)
     code = b"".join(each.read_bytes() for each in sorted(Path(meshes.__file__).parent.glob("*.py")))
     state = b"\0".join((file.read_bytes(), code, os.fsencode(how)))
     return tuple(Doubt(**each) for each in json.loads(made_once("doubts", state, looked_at)))
-
-
-def _hollowed(solid: Solid, inner: InnerTable, weighed_kg: float | None) -> Finding:
-    return info(
-        "mesh_hollow",
-        file=inner.file,
-        inside_kg_m3=inner.density_kg_m3,
-        mass_kg=solid.mass_kg,
-        weighed_kg=weighed_kg,
-        mean_kg_m3=solid.density_kg_m3,
-        centroid_height_m=solid.centroid_height_m,
-    )
 
 
 def _surveyed(key: str, survey: float, mesh: float, used: str) -> Finding:

@@ -40,7 +40,7 @@ def measure(file: Path) -> dict[str, Any]:
     begin = time.perf_counter()
     rose = footprint.slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, np.arange(360.0))
     return {
-        "faces": found.raw.faces,
+        "faces": len(found.raw.faces),
         "kept_faces": len(found.prepared.mesh.faces),
         "wall_s": wall,
         "cpu_s": cpu,

@@ -174,9 +174,9 @@ def test_noise_that_folds_a_few_faces_is_said_and_refuses_nothing() -> None:
     clean, noisy = (
         prepare_mesh(quiet.moved(vertices + each), Wanted(unit="m", up="z")) for each in (0.0 * noise, noise)
     )
-    pairs = crossings(noisy.mesh.vertices, noisy.mesh.faces)
-    assert pairs.share > FORMER_LIMIT
-    assert pairs.doubts[0] in noisy.log.found
+    (doubt,) = crossings(noisy.mesh.vertices, noisy.mesh.faces)
+    assert doubt.values["share"] > FORMER_LIMIT
+    assert doubt in noisy.log.found
     masses = [each.solid(density_kg_m3=2700.0).mass_kg for each in (clean, noisy)]
     assert masses[1] == pytest.approx(masses[0], rel=NOISE_REL)
 
@@ -188,7 +188,7 @@ def test_a_fan_of_20_000_triangles_is_looked_at_within_bounds(monkeypatch: pytes
     vertices = np.vstack([np.column_stack([np.cos(turn), np.sin(turn), 0.0 * turn]), [[0.0, 0.0, 0.0]]])
     faces = np.column_stack([np.arange(around), (np.arange(around) + 1) % around, np.full(around, around)])
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    pairs = crossings(vertices, faces)
-    assert pairs.faces == 0
-    assert 0 < pairs.looked_at < around
+    piercing, looked_at = self_intersection._piercing(vertices, faces, np.arange(around), shared=0)
+    assert not piercing.size
+    assert 0 < looked_at < around
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 1_000_000  # KiB; all pairs are 6 GB

@@ -13,19 +13,18 @@ from numpy.typing import NDArray
 
 from harness.input.motions.check import refuse_fillers
 from harness.input.motions.process import clock_of
-from harness.input.motions.readers.table import LABEL, NO_COMPONENT, heading, likely_unit
-from harness.input.motions.recordfile import UNIT_NAMES, Channel, RecordFile, unit_named
+from harness.input.motions.readers.table import LABEL, NO_COMPONENT, SECONDS, heading, is_unit, likely_unit
+from harness.input.motions.recordfile import UNIT_NAMES, Channel, RecordFile
 from harness.input.motions.text import mistake
 from harness.input.text_file import decimals, is_decimal, numbers_at_once
 from harness.model.finding import info
 
 _WORD = re.compile(r"\b(?!nan|inf|null)[^\W\d_]{3}", re.IGNORECASE)
-_SECONDS: Final = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3, "us": 1e-6, "min": 60.0}
 _HEAD: Final = 2000
 """Characters at a file's beginning that may speak of a unit."""
 UNIT: Final = "an acceleration unit"
 _TIME = re.compile(
-    rf"^(?:t|times?|elapsed(?:[\s_]time)?|seconds?|secs?|zeit|tempo|temps|tiempo|epoch|timestamp)[\s_\-]*[\[(]?({'|'.join(_SECONDS)})?[\])]?$",
+    rf"^(?:t|times?|elapsed(?:[\s_]time)?|seconds?|secs?|zeit|tempo|temps|tiempo|epoch|timestamp)[\s_\-]*[\[(]?({'|'.join(SECONDS)})?[\])]?$",
     re.IGNORECASE,
 )
 _OTHER_UNIT = re.compile(
@@ -75,13 +74,11 @@ def read(text: str, where: str, *, unit: str | None = None) -> RecordFile:
     clock = clock_of(table.values[:, time] * _seconds(table.headers[time]), where, table.lines)
     channels: list[Channel] = []
     units: set[str] = set()
-    counted = {
-        header
-        for header, of in zip(table.headers, table.values.T, strict=True)
-        if of.size > 2 and (np.diff(of) == 1.0).all()
-    }
+    counts = (np.diff(table.values, axis=0) == 1.0).all(axis=0) & (len(table.values) > 2)
     others = [
-        header for header in table.headers if header in table.words or header in counted or NO_COMPONENT.search(header)
+        header
+        for header, counted in zip(table.headers, counts, strict=True)
+        if counted or header in table.words or NO_COMPONENT.search(header)
     ]
     for column, header in enumerate(table.headers):
         if column == time or header in others:
@@ -113,15 +110,17 @@ def read(text: str, where: str, *, unit: str | None = None) -> RecordFile:
 def _seconds(header: str) -> float:
     """The factor from the unit that a column of times names to seconds, one where it names none."""
     match = _TIME.match(header)
-    return _SECONDS[match.group(1).casefold()] if match and match.group(1) else 1.0
+    return SECONDS[match.group(1).casefold()] if match and match.group(1) else 1.0
 
 
 def _split(line: str, decimal_comma: bool = False) -> list[str]:
     """The cells of a line; commas are decimal ones where `decimal_comma`."""
-    for mark in (";", "\t", "|", *(() if decimal_comma else ",")):
-        if mark in line:
-            return [part.strip().strip('"') for part in line.split(mark)]
-    return [part.strip('"') for part in line.split()]
+    return [part.strip().strip('"') for part in line.split(_mark(line, decimal_comma))]
+
+
+def _mark(line: str, decimal_comma: bool) -> str | None:
+    """What stands between the cells of a line; None for blanks."""
+    return next((each for each in (";", "\t", "|", *(() if decimal_comma else ",")) if each in line), None)
 
 
 def _has_decimal_commas(line: str) -> bool:
@@ -137,7 +136,7 @@ def _table(text: str, where: str) -> _Table:
     comma = _has_decimal_commas(rows[-1][1])
 
     def cells(line: str) -> list[str]:
-        return [part.replace(",", ".") for part in _split(line, True)] if comma else _split(line)
+        return [part.replace(",", ".") if comma else part for part in _split(line, comma)]
 
     rows = rows[_titles([line for _, line in rows], len(cells(rows[-1][1]))) :]
     first = _split(rows[0][1]) if comma and not _has_decimal_commas(rows[0][1]) else cells(rows[0][1])
@@ -148,21 +147,19 @@ def _table(text: str, where: str) -> _Table:
     headed = not all(map(is_decimal, first)) and not _alike(first, cells(rows[min(1, len(rows) - 1)][1]))
     body = rows[1:] if headed else rows
     headers = tuple(first) if headed else _commented(every, rows[0][0], len(first))
-    if (
-        headed
-        and body
-        and len(units := cells(body[0][1])[: len(headers)]) == len(headers)
-        and all(map(_is_unit, units))
-    ):
+    if headed and body and len(units := cells(body[0][1])[: len(headers)]) == len(headers) and all(map(is_unit, units)):
         headers, body = tuple(f"{name} ({unit})" for name, unit in zip(headers, units, strict=True)), body[1:]
     if len(set(headers)) < len(headers):
         raise mistake(where, f"line {rows[0][0]}", "column headers that differ", ", ".join(headers))
     if len(body) < 2:
         raise mistake(where, "", "two samples or more", str(len(body)), "the file holds no motion")
     numbers = tuple(number for number, _ in body)
-    mark = next((each for each in (";", "\t", "|", *(() if comma else ",")) if each in body[0][1]), None)
     plain = [line.replace(",", ".") if comma else line for _, line in body]
-    if not trailing and (bulk := numbers_at_once(plain, mark)) is not None and bulk.shape[1] == len(headers):
+    if (
+        not trailing
+        and (bulk := numbers_at_once(plain, _mark(body[0][1], comma))) is not None
+        and bulk.shape[1] == len(headers)
+    ):
         return _Table(headers, frozenset(), bulk, numbers)
     values = np.empty((len(body), len(headers)))
     split = [cells(line)[:-1] if trailing else cells(line) for _, line in body]
@@ -226,10 +223,6 @@ def _titles(lines: Sequence[str], width: int) -> int:
         if len(names) == width and _names_times(names):
             return place
     return 0
-
-
-def _is_unit(cell: str) -> bool:
-    return bare in _SECONDS or unit_named(bare) is not None if (bare := cell.strip("[]() ").lower()) else False
 
 
 def _commented(every: list[tuple[int, str]], first: int, count: int) -> tuple[str, ...]:

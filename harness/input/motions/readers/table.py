@@ -74,6 +74,8 @@ _COUNT = re.compile(
     r"|\b(\d{1,9})[\s,]+\S{1,20}[\s,]+NPTS\s*,\s*DT\b|\b(\d{1,9})\s+(?:data )?(?:points|samples|values|pts)\b(?!\s*(?:/|per))",
     re.IGNORECASE,
 )
+SECONDS: Final = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3, "us": 1e-6, "min": 60.0}
+"""Units of a column of times."""
 _SAME: Final = 0.01
 """Steps that differ by less are one, rounded."""
 _RISING: Final = 0.95
@@ -99,6 +101,12 @@ def heading(header: str) -> tuple[Orientation, str | None]:
     unit = unit_named(match.group(2)) if match else None
     name = _PREFIX.sub("", match.group(1) if match and unit else header)
     return parse_orientation(name), unit
+
+
+def is_unit(cell: str) -> bool:
+    """Whether a cell names a unit of time or of acceleration."""
+    bare = cell.strip("[]() ").lower()
+    return bare in SECONDS or unit_named(bare) is not None
 
 
 def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFile:
@@ -180,9 +188,7 @@ def _rows(lines: Sequence[str], skip: int, where: str, *, other: bool) -> tuple[
 
     Where `other` than numbers may stand in columns that are not asked for, dates, times of day and words are NaN.
     """
-    used = [
-        (i + 1, line) for i, line in enumerate(lines) if i >= skip and line.strip() and line.lstrip()[0] not in "#%"
-    ]
+    used = _used(lines, skip)
     plain = [line.strip().strip(";,") for _, line in used]
     mark = "," if plain and "," in plain[0] else None
     # A comma may be a decimal one where no point stands.
@@ -247,7 +253,8 @@ def proposal(text: str, where: str, *, headed: bool = False) -> str:
         layout = replace(layout, dt_s=_dated_step([line for line in lines[skip:] if line.strip()][: len(rows)]))
     steps = _steps(head, rows)
     if layout.time_column:
-        clock = clock_of(np.array(rows)[:, layout.time_column - 1], where, tuple(_places(lines, skip)))
+        places = tuple(number for number, _ in _used(lines, skip))
+        clock = clock_of(np.array(rows)[:, layout.time_column - 1], where, places)
         steps = [clock.dt_s, *steps]
     elif layout.dt_s is None and steps:
         layout = replace(layout, dt_s=steps[0])
@@ -255,7 +262,7 @@ def proposal(text: str, where: str, *, headed: bool = False) -> str:
         steps = [layout.dt_s, *steps] if layout.dt_s else []
     if steps and max(steps) > (1.0 + _SAME) * min(steps):
         raise mistake(where, "", "one step", " and ".join(f"{each:g} s" for each in dict.fromkeys(steps)), CONTRADICTS)
-    used = [column for column in range(rows[0].size) if samples.ndim == 2 and column in _used(layout, rows[0].size)]
+    used = [] if samples.ndim == 1 or layout.columns == WHOLE else sorted(_named(layout, rows[0].size, ""))
     stated = {unit for column in used if (unit := heading(headers[column])[1])} or set(_units(head))
     unit, remark = (stated.pop(), "") if len(stated) == 1 else likely_unit(head, float(np.abs(samples).max()))
     if stated:  # more than one
@@ -315,11 +322,6 @@ def _rises(values: Floats, by: tuple[float, float]) -> bool:
     return by[0] <= usual <= by[1] and bool(near.mean() >= _RISING)
 
 
-def _used(layout: Layout, width: int) -> list[int]:
-    """The columns (from 0) that a layout takes for accelerations."""
-    return [] if layout.columns == WHOLE else list(_named(layout, width, ""))
-
-
 def _headers(head: str, width: int) -> list[str]:
     """For every column the words that the last line above it, or the one above that line's units, names it by; or ""."""
     above = [line.lstrip(" #%") for line in head.splitlines() if line.strip()][-2:]
@@ -327,11 +329,7 @@ def _headers(head: str, width: int) -> list[str]:
     if not cells or not cells[-1]:
         return [""] * width
     last = cells[-1]
-    if (
-        len(cells) == 2
-        and cells[0]
-        and all(unit_named(cell) or cell.strip("[]() ").lower() in ("s", "sec", "ms") for cell in last)
-    ):
+    if len(cells) == 2 and cells[0] and all(map(is_unit, last)):
         return [f"{name} ({unit})" for name, unit in zip(cells[0], last, strict=True)]
     return last
 
@@ -349,8 +347,11 @@ def _named_by(header: str) -> str:
     return f":{word}" if re.fullmatch(r"\w+", word) else ""
 
 
-def _places(lines: Sequence[str], skip: int) -> list[int]:
-    return [i + 1 for i, line in enumerate(lines) if i >= skip and line.strip() and line.lstrip()[0] not in "#%"]
+def _used(lines: Sequence[str], skip: int) -> list[tuple[int, str]]:
+    """The lines below the first `skip`, by their number in the file; comments and blank lines are left out."""
+    return [
+        (i + 1, line) for i, line in enumerate(lines) if i >= skip and line.strip() and line.lstrip()[0] not in "#%"
+    ]
 
 
 def _dated_step(lines: Sequence[str]) -> float | None:
