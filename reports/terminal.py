@@ -16,7 +16,7 @@ from harness.model.run import Run, to_plain
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import AssessRecord
 from harness.records.base import Record
-from harness.records.run import RunRecord, outside_domain, peak_lean_rad, standing_m
+from harness.records.run import RunRecord, outside_domain, peak_lean_rad, peak_slip_m, standing_m
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval, Scores, Verdict
 from harness.statics.plan import Step
@@ -218,7 +218,7 @@ def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
     if run.numerical_uncertainty_rad is not None and run.reliable_until_s is not None:
         until = min(run.reliable_until_s, run.end_s)
         known = f"{run.numerical_uncertainty_rad:.0e} rad to {digits(until, 3)} s"
-    slip_m = standing_m(run, "statue_slip_m") if scene.pedestal is None else run.peak_slip_m
+    slip_m = standing_m(run, "statue_slip_m") if scene.pedestal is None else peak_slip_m(run)
     slip = "–" if slip_m is None else length(slip_m).replace("\u00a0", " ")
     return [outcome, peak, slip, known, f"{digits(run.wall_s, 2)} s"]
 

@@ -129,10 +129,10 @@ def _aside(a: Side, b: Side) -> dict[str, float]:
     given the motion across it; empty where it did neither."""
     if not _not_given(a, b):
         return {}
-    side = max((a, b), key=lambda each: (each.out_of_plane_rad, each.statue_slip_m))
+    side = max((a, b), key=lambda each: (each.out_of_plane_rad, each.slip_across_m))
     leans = side.out_of_plane_rad > max(COVERAGE * side.open_rad, ROUNDING)
     aside = {"aside_rad": side.out_of_plane_rad} if leans else {}
-    return aside | ({"aside_m": side.statue_slip_m} if side.statue_slip_m > SLIDES_M else {})
+    return aside | ({"aside_m": side.slip_across_m} if side.slip_across_m > SLIDES_M else {})
 
 
 def _beyond(a: Side, b: Side, at_s: float) -> Verdict:

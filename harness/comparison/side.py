@@ -27,8 +27,8 @@ class Side:
     left the rocking plane's balance across it: fell for good over its front or back, or ends leaning beyond it.
     `resolution_rad` and `resolution_m` are how far the digits of a file leave its history open. `floor_impact` is the coefficient
     of the floor that an engine takes at impacts, whatever the scene's choice; empty of one that takes the scene's.
-    `statue_slip_m` is how far a statue that stands slid on its support at most, which no slip that is compared tells,
-    `out_of_plane_rad` how far it left the rocking plane at most, which no rotation that is compared does.
+    Of what no slip and no rotation that is compared tells, `statue_slip_m` is how far a statue that stands slid on its support,
+    `slip_across_m` how far it slid across the plane, alone or with its pedestal, `out_of_plane_rad` how far it left the plane.
     """
 
     name: str
@@ -45,6 +45,7 @@ class Side:
     resolution_m: float = 0.0
     floor_impact: str = ""
     statue_slip_m: float = 0.0
+    slip_across_m: float = 0.0
     out_of_plane_rad: float = 0.0
 
     @property
@@ -95,6 +96,7 @@ def side_of(
         _across_s(answer),
         floor_impact=str(answer.settings.get("floor_impact") or "") if isinstance(answer, Run) else "",
         statue_slip_m=standing_m(answer, "statue_slip_m") or 0.0,
+        slip_across_m=number(answer.validity, "slip_across_m", 0.0),
         out_of_plane_rad=number(answer.validity, "out_of_plane_rad", 0.0),
     )
 

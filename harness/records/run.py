@@ -79,6 +79,11 @@ def standing_m(run: RunRow, name: str) -> float | None:
     return most_m if isinstance(most_m, float) and run.outcome is Outcome.STANDS else None
 
 
+def peak_slip_m(run: RunRow) -> float:
+    """The pedestal's largest slip, m: along the rocking plane, by an engine in space in any direction."""
+    return max(run.peak_slip_m, number(run.validity, "pedestal_slip_m", 0.0))
+
+
 def peak_lean_rad(run: RunRow) -> float:
     """The statue's largest lean, rad: in the rocking plane, by an engine in space in any direction."""
     return max(run.peak_theta_rad, number(run.validity, "peak_lean_rad", 0.0))

@@ -202,12 +202,21 @@ def standstill(scene: Scene, runs: Iterable[Run]) -> Finding | None:
     return changes_answer("nothing_moves", push_g=push.peak, share=share, cause=cause, least=_least(scene))
 
 
+SLIPS: Final = ("statue_slip_m", "statue_y_m", "pedestal_y_m")
+
+
 def _moves(run: Run) -> bool:
     if run.outcome is not Outcome.STANDS or abs(run.peak_theta_rad) > STILL_RAD or abs(run.peak_slip_m) > STILL_M:
         return True
     # Across the rocking plane, about the vertical, and over its support a statue moves in columns of its own.
     extra = {} if run.history is None else run.history.extra
-    limits = {"roll_rad": STILL_RAD, "yaw_rad": STILL_RAD, "statue_slip_m": STILL_M, "statue_y_m": STILL_M}
+    limits = {
+        "roll_rad": STILL_RAD,
+        "yaw_rad": STILL_RAD,
+        "statue_slip_m": STILL_M,
+        "statue_y_m": STILL_M,
+        "pedestal_y_m": STILL_M,
+    }
     return any(np.ptp(extra[name]) > limit for name, limit in limits.items() if name in extra)
 
 

@@ -15,7 +15,7 @@ from harness.model.run import Run, number
 from harness.model.scene import base_shift_m
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import MOSTLY, Assessment, worst
-from harness.records.run import OWN_MOVES, RunRecord, has_answer, standing_m, tips_s
+from harness.records.run import OWN_MOVES, RunRecord, has_answer, peak_slip_m, standing_m, tips_s
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import SupportRecord
 from reports.blocks import Block, Drawing, Section, Text, Verdict
@@ -188,7 +188,7 @@ def _shaking(source: RunSource, say: Language) -> list[str]:
 def _todo(source: RunSource, answered: Mapping[str, Run], plan: Plan, say: Language) -> list[str]:
     """What the record gives reason to do: room to keep free, a fall to reckon with, remedies to have compared."""
     rooms, unsafe = _rooms(plan, say), tone(source) != "agree"
-    slip_m = max((run.peak_slip_m for run in answered.values()), default=0.0)
+    slip_m = max(map(peak_slip_m, answered.values()), default=0.0)
     reasons = {
         "free": rooms,
         "wall": any(run.outcome is Outcome.TOUCHES_WALL for run in answered.values()),
@@ -355,7 +355,7 @@ def _pedestal_slip(source: RunSource, answered: Mapping[str, Run], say: Language
     """How far its pedestal slides and tips; that it stays put only where no model says that it tips."""
     if source.scene.pedestal is None or not answered:
         return []
-    most = max(run.peak_slip_m for run in answered.values())
+    most = max(map(peak_slip_m, answered.values()))
     tilt = max(tilt_rad(run, source.histories.get(name)) for name, run in answered.items())
     said = [say("run.slides", length=say.length(most))] if most > VISIBLE_M else []
     said += [say("run.tips", degrees=say.digits(math.degrees(tilt), 2))] if tilt > TIPS_RAD else []
@@ -391,7 +391,8 @@ def reach_picture(source: RunSource, say: Language, heading: str = "reach.headin
     outline, shape = silhouette_m(source.scene, source.mesh), section(source.scene)
     statue, (_, lean_rad, balance_rad, side) = source.scene.statue, _worst_lean(source)
     own = _own_moves_m(source)
-    aside = side == 0 or ("statue_slides" in own and not extremes)
+    across = max((number(source.runs[name].validity, "slip_across_m", 0.0) for name in standing), default=0.0)
+    aside = side == 0 or (across > VISIBLE_M and not extremes)
     moves = {"dashed": bool(extremes), "aside": aside, "still": not (extremes or aside or own)}
     words = [say(f"reach.{key}") for key, told in moves.items() if told] if standing else []
     wall = source.scene.wall

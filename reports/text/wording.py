@@ -16,7 +16,7 @@ from harness.model.run import Intervention, Run
 from harness.model.scene import base_shift_m
 from harness.records.assess import Assessment
 from harness.records.base import Table
-from harness.records.run import RunRecord, has_answer
+from harness.records.run import RunRecord, has_answer, peak_slip_m
 from harness.records.scores import AfterHorizon, Scores
 from harness.records.study import CaseRun, StudyRow, Value
 from reports.blocks import Chip, Text, Verdict, code, verdict, words
@@ -229,7 +229,7 @@ def _slip(source: RunSource) -> list[Finding]:
     answered = {name: run for name, run in source.runs.items() if has_answer(run)}
     if source.scene.pedestal is None or not answered:
         return []
-    peaks = [run.peak_slip_m for run in answered.values()]
+    peaks = [peak_slip_m(run) for run in answered.values()]
     slides = info("pedestal_slips", slip_m=[min(peaks), max(peaks)]) if max(peaks) >= STUCK_M else None
     tilts = {name: tilt_rad(run, source.histories.get(name)) for name, run in answered.items()}
     most = max(tilts, key=lambda name: tilts[name])

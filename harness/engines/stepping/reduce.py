@@ -651,21 +651,25 @@ def _validity(scene: Scene, motion: Trajectory, derived: _Derived) -> dict[str, 
 
 def _in_space(statue: Statue, motion: Trajectory, slip_m: Array) -> dict[str, object]:
     """What the rotation in the plane and the slip along it do not tell: leans from where the statue stood at first in any
-    direction, as a share of the one at which it balances in that direction, and how far its base slid in any.
+    direction, as a share of the one at which it balances in that direction, and how far base and pedestal slid in any, and the
+    base across.
     """
     across = np.abs(motion.extra["out_of_plane_rad"] - motion.extra["out_of_plane_rad"][0])
     lean = np.arccos(np.clip(np.cos(motion.theta_rad) * np.cos(across), -1.0, 1.0))
     worst = int(lean.argmax())
     up = _up(motion, worst)[:1]
     balance = _tilt_rad(up) - _Body.of(statue, motion).excess_rad(up)
-    aside = motion.extra["statue_y_m"] - motion.extra.get("pedestal_y_m", 0.0)
+    pedestal_m = motion.extra.get("pedestal_y_m", np.zeros_like(slip_m))
     # Leaning, the centroid is not over the same place of the base.
-    slid = np.hypot(slip_m, aside)[lean < FLAT_RAD]
+    flat = lean < FLAT_RAD
+    slid = np.hypot(slip_m, motion.extra["statue_y_m"] - pedestal_m)[flat]
     return {
         "out_of_plane_rad": float(across.max()),
         "peak_lean_rad": float(lean[worst]),
         "peak_lean_share": float(lean[worst] / balance[0]),
         "statue_slip_m": float(max(np.abs(slip_m).max(), slid.max(initial=0.0))),
+        "pedestal_slip_m": float(np.hypot(motion.slip_m, pedestal_m).max()),
+        "slip_across_m": float(np.abs(motion.extra["statue_y_m"][flat]).max(initial=0.0)),
     }
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from analytic import Harmonic
-from harness.model.scene import BaseExcitation
+from harness.model.scene import BaseExcitation, Pedestal
 from harness.questions.scene.scene_run import Result, run_scene
-from harness.records.run import peak_lean_rad, standing_m
+from harness.records.run import peak_lean_rad, peak_slip_m, standing_m
 from harness.records.scores import Verdict
 from tests.budgets_reports import SAMPLED_M
 from tests.engines_for_tests import ready
@@ -52,7 +52,8 @@ def test_a_slide_to_the_front_is_the_statues_slide() -> None:
     assert slid_m == pytest.approx(float(np.abs(run.history.extra["statue_y_m"]).max()), abs=SAMPLED_M)
     assert slid_m > 2e-3
     assert [found.values["models"] for found in result.findings() if found.code == "statue_slides"] == [["spatial"]]
-    assert [pair.verdict for pair in result.scores.values()] == [Verdict.PLANE]
+    (pair,) = result.scores.values()
+    assert (pair.verdict, pair.evidence.aside_m) == (Verdict.PLANE, slid_m)
     told = [found for found in result.findings() if found.code == "motion_not_given"]
     assert len(told) == 1
 
@@ -66,6 +67,23 @@ def test_no_motion_across_leaves_nothing_aside() -> None:
 
 def test_a_slide_to_the_front_is_no_standstill() -> None:
     assert "no_model_moves" not in [found.code for found in _shaken_across(0.2, 0.1).findings()]
+
+
+def test_a_pedestal_that_slides_to_the_front_slips() -> None:
+    """Its slip along the plane is none; what it slides across moves the statue, too."""
+    ready("pybullet")
+    stone = Pedestal(mass_kg=250.0, width_m=0.6, depth_m=0.6, height_m=0.2)
+    still = scene(rectangle(0.3, 0.6, depth_m=0.3), pedestal=stone, mu=0.15, duration_s=0.8)
+    floor = BaseExcitation(y=Harmonic(0.4 * GRAVITY_M_S2, 3.0))
+    result = run_scene(replace(still, base_excitation=floor), ["analytic", "pybullet"])
+    run = result.runs["pybullet"]
+    assert run.history is not None
+    assert peak_slip_m(run) == pytest.approx(float(np.abs(run.history.extra["pedestal_y_m"]).max()), abs=SAMPLED_M)
+    assert peak_slip_m(run) > 5e-3 > run.peak_slip_m
+    (pair,) = result.scores.values()
+    assert pair.verdict is Verdict.PLANE
+    assert pair.evidence.aside_m == pytest.approx(peak_slip_m(run), abs=SAMPLED_M)
+    assert "no_model_moves" not in [found.code for found in result.findings()]
 
 
 def test_a_hop_is_no_rest() -> None:
