@@ -41,12 +41,6 @@ FALL_ORDER: Final = 1.95
 """Observed order over three halvings while a statue falls about one corner: measured 2.0; 1.5 with the spin that a step loses."""
 UPLIFT_RAD: Final = 1.4e-5
 """Measured 7.2e-6 rad at 4 ms, 0.25 s after a pulse has begun, wherever in a step the uplift comes; uncorrected up to 2.7e-5."""
-UPLIFT_ORDER: Final = 1.9
-"""Order of that largest error over two halvings: measured 2.0."""
-BLOCKS_RAD: Final = 1e-7
-"""Measured 2.5e-8 rad between blocks of one step and of 512: after each, a step takes all iterations again."""
-LONGEST_STEP_RAD: Final = 6e-4
-"""Measured 3.0e-4 rad at 8 ms over four impacts; 1.3e-2 where a slow statue's contact is lost for a step."""
 IMPACT_AFTER_STICK_ONSET_RAD: Final = 3e-5
 """Measured 9e-6 rad at 1 ms; an impact left to a whole step because the pedestal has just stuck costs 1.2e-4."""
 STICK_ONSET_RAD: Final = 3e-5
@@ -72,8 +66,6 @@ LAID_RAD: Final = 1e-6
 """By what a statue at rest is laid down a loop without that differs: a lean of 1e-3 rad/s over the step of 1 ms."""
 CREEP: Final = 1e-9
 """At rest nothing moves: m, rad over a minute; what is left is rounding (asked: 1e-6)."""
-CREEP_TURN_RAD: Final = 1e-6
-"""A resting statue's turn in a minute, as asked; measured 1.3e-8 rad at 4 ms, 4.7e-6 with half of the iterations."""
 ORDER_LEAST: Final = 0.8
 """Observed order of convergence before the first impact, over three halvings."""
 FREE_ROCKING_TIME_S: Final = 1e-4
@@ -98,8 +90,6 @@ MOVING_TABLE_RAD: Final = 1e-3
 """What every engine's moving table must keep of its accelerating frame at 0.25 ms."""
 KEPT_KIB: Final = 20.0
 """Memory kept by a run, KiB: a leaked body, manifold and history of a run this short take 50 and more."""
-KEPT_OF_MANY_KIB: Final = 2.0
-"""Memory kept by each of 300 runs, KiB: measured 0.3; a recorder's array that is not freed keeps 9."""
 ROUNDING_RAD: Final = 1e-15
 """The same states read through interpolation at their own instants: a few units in the last place of 0.1."""
 PROFILE_RAD: Final = 6e-5

@@ -68,11 +68,6 @@ def test_scaling_law() -> None:
     assert np.abs(a.theta_rad[:n] - b.theta_rad[:n]).max() < 1e-8
 
 
-def centroid_lever(run_theta: np.ndarray, pivot_x: np.ndarray) -> np.ndarray:
-    """Height of the centroid above the pivot."""
-    return pivot_x * np.sin(run_theta) + STATUE.centroid_height_m * np.cos(run_theta)
-
-
 def test_energy_changes_by_the_floor_and_the_impacts_only() -> None:
     motion = Harmonic(0.334 * GRAVITY, 6.0)
     run = simulate(STATUE, motion, duration_s=2.0, dt_s=1e-4, gravity_m_s2=GRAVITY)

@@ -71,14 +71,6 @@ def quaternion_rate(q: Array, omega: Array) -> Array:
     return 0.5 * np.concatenate([[-v @ omega], w * omega + np.cross(v, omega)])
 
 
-def rotation_vector(matrix: Array) -> Array:
-    """Axis times angle of a rotation matrix below half a turn."""
-    twice_sine = np.array([matrix[2, 1] - matrix[1, 2], matrix[0, 2] - matrix[2, 0], matrix[1, 0] - matrix[0, 1]])
-    size = float(np.linalg.norm(twice_sine))
-    angle = np.arctan2(size, np.trace(matrix) - 1.0)
-    return twice_sine * (angle / size if size > 0.0 else 0.5)
-
-
 def skew(v: Array) -> Array:
     """The matrix of v ×."""
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
