@@ -103,7 +103,7 @@ def test_mirrored_and_turned_scenes_give_mirrored_and_turned_histories(angle: fl
 @pytest.mark.parametrize("friction", [0.35, 0.5, 1.0, 5.0])
 def test_impacts_balance_and_keep_their_cones(friction: float) -> None:
     case = known_block(friction)
-    run = standing(case, 1.2, 0.01)
+    run = standing(case, 1.05, 0.01)  # after it the impacts follow one another without end
     assert run.impacts()
     for event in run.impacts():
         now = Kinematics.of(case, event.before)
