@@ -39,12 +39,15 @@ class Case:
     gravity_m_s2: float = 9.81
     breaks_s: tuple[float, ...] = ()
     inverse_mass: Array = field(init=False)
+    skews_m: Array = field(init=False)
+    """The matrices (n, 3, 3) of the vertices ×."""
 
     def __post_init__(self) -> None:
         inverse = np.zeros((6, 6))
         inverse[:3, :3] = np.eye(3) / self.mass_kg
         inverse[3:, 3:] = np.linalg.inv(self.inertia_kg_m2)
         object.__setattr__(self, "inverse_mass", inverse)
+        object.__setattr__(self, "skews_m", np.array([skew(r) for r in self.vertices_m]))
 
     def gravity(self, t: float) -> Array:
         """What a mass at rest on the floor feels, m/s²."""
@@ -68,7 +71,7 @@ def rotation(q: Array) -> Array:
 def quaternion_rate(q: Array, omega: Array) -> Array:
     """q̇ = q ∘ (0, ω) / 2 with ω in the body's frame."""
     w, v = q[0], q[1:]
-    return 0.5 * np.concatenate([[-v @ omega], w * omega + np.cross(v, omega)])
+    return 0.5 * np.concatenate([[-v @ omega], w * omega + skew(v) @ omega])
 
 
 def skew(v: Array) -> Array:
@@ -90,15 +93,18 @@ class Kinematics:
     def of(cls, case: Case, y: Array) -> Kinematics:
         """The kinematics of a state."""
         turn, omega, speeds = rotation(y[6:10]), y[10:13], np.concatenate([y[3:6], y[10:13]])
-        jacobians = np.array([np.hstack([np.eye(3), -turn @ skew(r)]) for r in case.vertices_m])
-        centripetal = np.cross(omega, np.cross(omega, case.vertices_m)) @ turn.T
+        turning = skew(omega)
+        jacobians = np.empty((len(case.vertices_m), 3, 6))
+        jacobians[:, :, :3] = np.eye(3)
+        jacobians[:, :, 3:] = -turn @ case.skews_m
+        centripetal = case.vertices_m @ (turn @ turning @ turning).T
         return cls(y[:3] + case.vertices_m @ turn.T, jacobians, jacobians @ speeds, centripetal, speeds)
 
 
 def unforced(case: Case, t: float, y: Array) -> Array:
     """(v̇_G, ω̇) without contact: gravity, and Euler's equations."""
     omega = y[10:13]
-    gyroscopic = np.linalg.solve(case.inertia_kg_m2, -np.cross(omega, case.inertia_kg_m2 @ omega))
+    gyroscopic = np.linalg.solve(case.inertia_kg_m2, -skew(omega) @ (case.inertia_kg_m2 @ omega))
     return np.concatenate([case.gravity(t), gyroscopic])
 
 
