@@ -19,6 +19,7 @@ from reports.charts.figure import (
     INK,
     MUTED,
     Look,
+    Row,
     across,
     axis,
     band,
@@ -59,7 +60,7 @@ def compare_figure(names: tuple[str, str], a: History, b: History, say: Language
     if any(history.slip_m.any() for history in (a, b)):
         data["slips"] = [{"name": name, "t": each.t_s, "slip": 1e3 * each.slip_m} for name, each in known.items()]
         shown.append(reading("slips", "slip", "", "mm", 5))
-    rows: list[tuple[list[Json], float, Json | None]] = []
+    rows: list[Row] = []
     for read in shown:
         y = axis(read["of"], say(f"chart.{read['of']}"), tickCount=5, format="~g")
         lines = [marks("line", read["data"], {"y": y} | named(looks, legend=not rows))]

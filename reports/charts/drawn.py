@@ -19,7 +19,7 @@ from harness.model.errors import printable_lines
 from harness.model.run import to_plain
 from reports.charts import Json
 from reports.charts.figure import CONFIG, HATCHES, LETTER
-from reports.charts.histories import packed_array, shown_together
+from reports.charts.histories import DISPLAYED_SAMPLES, packed_array, shown_samples
 
 WIDE: Final = 1060
 """Width in pixels of a chart that fills the page."""
@@ -37,6 +37,15 @@ FINER: Final = re.compile(r"(?<=\d\.\d)\d+")
 """Digits of a place in pixels after the first behind the point."""
 
 
+def thinned(part: Json, most: int) -> Json:
+    """A part with as many samples of its curves as are seen of so many points, every peak among them."""
+    curves = [value for value in part.values() if isinstance(value, np.ndarray)]
+    if not curves:
+        return part
+    shown = np.unique(np.concatenate([shown_samples(each, most) for each in curves[1:]]))
+    return {key: value[shown] if isinstance(value, np.ndarray) else value for key, value in part.items()}
+
+
 def rows(parts: Iterable[Json], most: int, chosen: Json) -> list[Json]:
     """The rows of a chart's data as the library takes them; of curves at most so many, with every peak.
 
@@ -46,26 +55,22 @@ def rows(parts: Iterable[Json], most: int, chosen: Json) -> list[Json]:
     for part in parts:
         if any(part.get(name, value) != value for name, value in chosen.items()):
             continue
-        columns = {key: value for key, value in part.items() if isinstance(value, (list, tuple, np.ndarray))}
-        if samples := [value for value in columns.values() if isinstance(value, np.ndarray)]:
-            shown = shown_together(samples[1:], most)
-            columns = {key: np.asarray(value)[shown].tolist() for key, value in columns.items()}
-        alike = {key: value for key, value in part.items() if key not in columns}
-        found += [alike | dict(zip(columns, each, strict=True)) for each in zip(*columns.values(), strict=True)]
+        shown = to_plain(thinned(part, most))
+        listed = {key: value for key, value in shown.items() if isinstance(value, list)}
+        alike = {key: value for key, value in shown.items() if key not in listed}
+        found += [alike | dict(zip(listed, each, strict=True)) for each in zip(*listed.values(), strict=True)]
     return found
 
 
 def packed_data(data: Mapping[str, Sequence[Json]]) -> Json:
     """A chart's data as a page carries them: samples thinned and packed, all else as it is."""
-    return {name: [_packed(part) for part in parts] for name, parts in data.items()}
-
-
-def _packed(part: Json) -> Json:
-    samples = {key: value for key, value in part.items() if isinstance(value, np.ndarray)}
-    if not samples:
-        return part
-    shown = shown_together(list(samples.values())[1:])
-    return part | {key: packed_array(value[shown]) for key, value in samples.items()}
+    return {
+        name: [
+            {key: packed_array(value) if isinstance(value, np.ndarray) else value for key, value in part.items()}
+            for part in (thinned(each, DISPLAYED_SAMPLES) for each in parts)
+        ]
+        for name, parts in data.items()
+    }
 
 
 def sized(spec: Any, width: float, alone: bool = True) -> Any:
@@ -94,9 +99,7 @@ def svg(spec: Json, width: float = WIDE, most: int = POINTS, words: str = "", ba
     params = [*({key: value for key, value in each.items() if key != "bind"} for each in spec["params"])]
     params.append({"name": "W", "value": width})
     whole = (
-        sized(spec, width)
-        | {"datasets": to_plain(data), "config": {**CONFIG, "background": background}, "params": params}
-        | over
+        sized(spec, width) | {"datasets": data, "config": {**CONFIG, "background": background}, "params": params} | over
     )
     drawn = str(vl_convert.vegalite_to_svg(legible(whole)))
     # The library counts what cuts over all that it ever drew; on a page each picture has its own.

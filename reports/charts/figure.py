@@ -292,13 +292,12 @@ def rows_of(rows: Sequence[tuple[Sequence[Json], float]], x: Json, data: Mapping
     }  # fmt: skip
 
 
-def over_time(
-    rows: Sequence[tuple[Sequence[Json], float, Json | None]],
-    title: str,
-    data: Mapping[str, Sequence[Json]],
-    views: Json,
-) -> Json:
-    """Rows over time, which open on the event of `views`: each of its layers, its height, and what a pointer is told there."""
+Row = tuple[list[Json], float, Json | None]
+"""A row over time: its layers, its height, and what a pointer is told there."""
+
+
+def over_time(rows: Sequence[Row], title: str, data: Mapping[str, Sequence[Json]], views: Json) -> Json:
+    """Rows over time, which open on the event of `views`."""
     x = across("t", title, {"domain": views["event_s"], "padding": 0})
     drawn = rows_of([(layers, height) for layers, height, _ in rows], x, data)
     return drawn | {"usermeta": {"views": views, "read": [read for *_, read in rows]}}

@@ -16,6 +16,7 @@ from reports.charts.figure import (
     MUTED,
     PATTERN_FILLS,
     Look,
+    Row,
     axis,
     chosen,
     columns,
@@ -64,11 +65,6 @@ def shown_samples(values: Array, most: int = DISPLAYED_SAMPLES) -> NDArray[np.in
     block = values[padded]
     chosen += [starts + np.argmin(block, axis=1), starts + np.argmax(block, axis=1)]
     return np.unique(np.concatenate(chosen))
-
-
-def shown_together(curves: Sequence[Array], most: int = DISPLAYED_SAMPLES) -> NDArray[np.intp]:
-    """Indices of the samples to draw of curves over one axis: at most so many of each, its extremes among them."""
-    return np.unique(np.concatenate([shown_samples(each, most) for each in curves]))
 
 
 def packed_array(values: ArrayLike, levels: int = LEVELS) -> Json:
@@ -129,31 +125,27 @@ def histories_figure(source: RunSource, say: Language = ENGLISH) -> Json:
             for axis, accel in motion.accel_m_s2.items()
         ],
     }
-    rows: list[tuple[list[Json], float, Json | None]] = [
-        (_rotation(source, looks, views, say), 320, reading("histories", "theta", "θ", "rad", 5))
-    ]
+    rows: list[Row] = [(_rotation(source, looks, views, say), 320, reading("histories", "theta", "θ", "rad", 5))]
     if data["patterns"]:
         rows.append((_strip(data["patterns"], say), 8 + 22 * len(data["patterns"]), None))
     curves = named(looks, legend=False)
     if source.scene.pedestal is not None:
-        slip = reading("histories", "slip", say("word.slip"), "mm", 3)
-        rows.append((_curves(slip, say("chart.slip_u"), curves), 130, slip))
+        rows.append(_curves(say("chart.slip_u"), 130, curves, reading("histories", "slip", say("word.slip"), "mm", 3)))
     if any("across" in part for part in data["histories"]):
         turned = reading("histories", "across", say("chart.out_of_plane"), "rad", 4)
-        rows.append((_curves(turned, say("chart.across"), curves), 110, turned))
+        rows.append(_curves(say("chart.across"), 110, curves, turned))
     if floor:
         title = f"{say('chart.floor') if len(floor) > 1 else floor[next(iter(floor))]}  [g]"
         drawn = named({name: AXIS_LOOKS[axis] for axis, name in floor.items()}, len(floor) > 1, chosen=False)
-        shaking = reading("floor", "accel", "", "g", 3)
-        rows.append((_curves(shaking, title, drawn), 100, shaking))
+        rows.append(_curves(title, 100, drawn, reading("floor", "accel", "", "g", 3)))
     doubt = _doubt(source)
     under = [([*doubt, *layers], height, read) for layers, height, read in rows]
     return over_time(under, say("chart.time"), data, views)
 
 
-def _curves(read: Json, title: str, drawn: Json) -> list[Json]:
-    """What a pointer reads, as curves."""
-    return [marks("line", read["data"], {"y": axis(read["of"], title, tickCount=4)} | drawn)]
+def _curves(title: str, height: float, drawn: Json, read: Json) -> Row:
+    """A row of the curves that a pointer reads there."""
+    return [marks("line", read["data"], {"y": axis(read["of"], title, tickCount=4)} | drawn)], height, read
 
 
 def _columns(source: RunSource, name: str) -> Json:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
@@ -25,25 +24,19 @@ SMOOTHED: Final = 1.0 / 800.0
 """Bends of the outline smaller than this share of the height are left out: less than a pixel in every picture."""
 
 
-@dataclass(frozen=True, eq=False)
-class DisplayMesh:
-    """Vertices (n, 3) in the statue frame, faces (m, 3); `source_faces` is the count before decimation."""
+def display_mesh(
+    path: Path | None, shape: Section, depth_m: float, most_faces: int = MOST_FACES
+) -> tuple[Array, Faces]:
+    """Vertices (n, 3) in the statue frame and faces (m, 3) of the mesh of a result folder, split along its creases.
 
-    vertices_m: Array
-    faces: Faces
-    source_faces: int
-
-
-def display_mesh(path: Path | None, shape: Section, depth_m: float, most_faces: int = MOST_FACES) -> DisplayMesh:
-    """The mesh of a result folder, or the block that stands for a statue given by numbers."""
+    Of a statue given by numbers those of the block that stands for it.
+    """
     if path is None:
-        vertices, faces = _prism(shape.outline_m, depth_m)
-        return DisplayMesh(vertices, faces, len(faces))
+        return _prism(shape.outline_m, depth_m)
     vertices, faces = read_mesh(path)
-    count = len(faces)
-    if count > most_faces:
+    if len(faces) > most_faces:
         vertices, faces = decimated(vertices, faces, most_faces)
-    return DisplayMesh(*_creased(vertices, faces), count)
+    return _creased(vertices, faces)
 
 
 def read_mesh(path: Path) -> tuple[Array, Faces]:

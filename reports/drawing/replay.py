@@ -30,7 +30,7 @@ def replay_payload(source: RunSource) -> str:
     """The replay's data, packed."""
     shape = section(source.scene)
     statue, pedestal = source.scene.statue, source.scene.pedestal
-    mesh = display_mesh(source.mesh, shape, statue.depth_m)
+    vertices, faces = display_mesh(source.mesh, shape, statue.depth_m)
     end = max(float(item.t_s[-1]) for item in source.histories.values())
     step = max(FRAME_S, end / MOST_FRAMES)
     names = list(source.runs)
@@ -41,15 +41,12 @@ def replay_payload(source: RunSource) -> str:
         "corner_left_m": shape.corner_left_m,
         "corner_right_m": shape.corner_right_m,
         "height_m": statue.height_m,
-        "centroid_height_m": statue.centroid_height_m,
         "depth_m": statue.depth_m,
         "pedestal": pedestal,
         "wall": source.scene.wall,
         "mesh": {
-            "positions": [packed_array(column, MESH_LEVELS) for column in mesh.vertices_m.T],
-            "index": [packed_array(column) for column in mesh.faces.T],
-            "faces": len(mesh.faces),
-            "source_faces": mesh.source_faces,
+            "positions": [packed_array(column, MESH_LEVELS) for column in vertices.T],
+            "index": [packed_array(column) for column in faces.T],
             "own": source.mesh is not None,
         },
         "models": [

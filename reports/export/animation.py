@@ -115,8 +115,8 @@ def _frames(source: RunSource, solid: str, window_s: tuple[float, float], chart:
     from PIL import ImageDraw
 
     scene, histories = source.scene, source.histories
-    mesh = display_mesh(source.mesh, section(scene), scene.statue.depth_m, most_faces=4000)
-    height_m = float(mesh.vertices_m[:, 2].max())
+    vertices_m, faces = display_mesh(source.mesh, section(scene), scene.statue.depth_m, most_faces=4000)
+    height_m = float(vertices_m[:, 2].max())
     place = _projection(scene, height_m)
     outline = np.insert(silhouette_m(scene, source.mesh), 1, 0.0, axis=1)
     corner, pedestal = scene.statue.corner_right_m, scene.pedestal
@@ -126,16 +126,16 @@ def _frames(source: RunSource, solid: str, window_s: tuple[float, float], chart:
     theta_rad = np.interp(times, histories[solid].t_s, histories[solid].theta_rad)
     for k, t in enumerate(times):
         at = {name: {key: float(column[k]) for key, column in each.items()} for name, each in moves.items()}
-        bodies = [(posed_in_space_m(mesh.vertices_m, corner, at[solid]), mesh.faces, GREYS - 1)]
+        bodies = [(posed_in_space_m(vertices_m, corner, at[solid]), faces, GREYS - 1)]
         if pedestal is not None:
             bodies.insert(0, (posed_pedestal_m(pedestal, pedestal.depth_m, at[solid]), BOX, GREYS // 2))
         frame = chart.copy()
         draw = ImageDraw.Draw(frame)
         draw.polygon(place(1.1 * height_m * FLOOR).ravel().tolist(), fill=PAPER, outline=STONE)
-        for vertices, faces, bright in bodies:
-            order, normals = facing(vertices, faces, VIEW[2])
+        for vertices, corners, bright in bodies:
+            order, normals = facing(vertices, corners, VIEW[2])
             shade = np.round(bright * (0.35 + 0.65 * np.clip(normals[order] @ SUN, 0.0, 1.0))).astype(int)
-            for points, grey in zip(place(vertices)[faces[order]], shade, strict=True):
+            for points, grey in zip(place(vertices)[corners[order]], shade, strict=True):
                 draw.polygon(points.ravel().tolist(), fill=STONES[grey])
         label = f"{t:5.2f} s   {solid}: {theta_rad[k]:+.3f} rad"
         if ghost is not None:

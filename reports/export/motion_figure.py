@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 from harness.input.motions.inspect import DAMPING, PERIODS_S, Inspection, in_g
@@ -11,7 +11,21 @@ from harness.input.motions.recordfile import displacement_m, velocity_m_s
 from harness.input.motions.spectra import arias_share
 from harness.model.errors import printable
 from reports.charts import Json
-from reports.charts.figure import LOOKING, MUTED, Look, across, axis, figure, level, log, marks, named, rows_of
+from reports.charts.figure import (
+    LOOKING,
+    MUTED,
+    ZOOMED,
+    Look,
+    across,
+    axis,
+    figure,
+    level,
+    log,
+    marks,
+    named,
+    rows_of,
+    span,
+)
 from reports.messages import ENGLISH
 
 WIDE: Final = 1290
@@ -29,19 +43,15 @@ _ORIGIN_WIDTH: Final = 170
 def motion_picture(inspection: Inspection) -> Json:
     """The picture of an inspection, a sheet wide."""
     title, origin = _title(inspection)
-    left, right = histories_figure(inspection), [spectrum_figure(inspection), build_up_figure(inspection)]
-    charts = [left, *right]
-    data = {name: parts for chart in charts for name, parts in chart.pop("datasets").items()}
-    params = left.pop("params")
-    for row in left["vconcat"]:
-        row["width"] = SHARE
-    for chart in right:
-        chart |= {"width": 1.0 - SHARE}
-        chart.pop("params")
-    alone = dict.fromkeys(LOOKING, "independent")
+    charts = [histories_figure(inspection), spectrum_figure(inspection), build_up_figure(inspection)]
+    data = {name: parts for chart in charts for name, parts in chart["datasets"].items()}
+    left, *right = ({key: chart[key] for key in chart if key not in ("datasets", "params")} for chart in charts)
+    alone = {"scale": dict.fromkeys(LOOKING, "independent")}
+    beside = {"vconcat": [chart | {"width": 1.0 - SHARE} for chart in right], "resolve": alone}
+    rows = [row | {"width": SHARE} for row in left["vconcat"]]
     return {
-        "datasets": data, "params": params, "title": {"text": title, "subtitle": origin, "fontSize": 19, "subtitleFontSize": 14},
-        "hconcat": [left, {"vconcat": right, "resolve": {"scale": alone}}], "resolve": {"scale": alone},
+        "datasets": data, "params": [*ZOOMED], "hconcat": [left | {"vconcat": rows}, beside], "resolve": alone,
+        "title": {"text": title, "subtitle": origin, "fontSize": 19, "subtitleFontSize": 14},
     }  # fmt: skip
 
 
@@ -96,15 +106,10 @@ def spectrum_figure(inspection: Inspection) -> Json:
         looks = {target.name: Look("#000000", "6 4", 1.8)} | looks
         parts.append({"name": target.name, "x": PERIODS_S, "y": wanted})
         data["target"] = [{"x": PERIODS_S, "low": 0.9 * wanted, "high": 1.1 * wanted}]
-        layers.append(marks("area", "target", {"y": {"field": "low"}, "y2": {"field": "high"}}, color="#dddddd"))
+        layers.append(marks("area", "target", span("low", "high"), color="#dddddd"))
     damping = DAMPING if target is None else target.damping
-    x = across(
-        "x",
-        ENGLISH("chart.period"),
-        log(domain=[float(PERIODS_S[0]), float(PERIODS_S[-1])]),
-        values=TICKS_S,
-        format="~g",
-    )
+    periods = log(domain=[float(PERIODS_S[0]), float(PERIODS_S[-1])])
+    x = across("x", ENGLISH("chart.period"), periods, values=TICKS_S, format="~g")
     y = axis("y", ENGLISH("chart.spectrum", damping=f"{damping:.0%}"), scale={"domain": [0.0, _HEAD_ROOM * most]})
     return figure([*layers, marks("line", "spectra", named(looks, chosen=False))], 330, data, x, y)
 
@@ -112,23 +117,20 @@ def spectrum_figure(inspection: Inspection) -> Json:
 def build_up_figure(inspection: Inspection) -> Json:
     """How the Arias intensity of every trace builds up, in per cent."""
     end = max(float(each.series.t_s[-1]) for each in inspection.traces)
-    shaken: Mapping[str, Json] = {
-        ENGLISH(
-            "chart.arias", name=each.name, arias=f"{each.measures.arias_m_s:.2f}",
-            time=f"{each.measures.significant_5_95_s:.1f}",
-        ): {
-            "t": each.series.t_s, "share": 100.0 * arias_share(each.series.accel_m_s2**2)
+    parts: list[Json] = [
+        {
+            "name": ENGLISH(
+                "chart.arias", name=each.name, arias=f"{each.measures.arias_m_s:.2f}",
+                time=f"{each.measures.significant_5_95_s:.1f}",
+            ),
+            "t": each.series.t_s, "share": 100.0 * arias_share(each.series.accel_m_s2**2),
         }
         for each in inspection.traces if each.measures.arias_m_s > 0.0
-    }  # fmt: skip
-    parts = [{"name": name, **columns} for name, columns in shaken.items()]
-    lines = [layer for at in (5.0, 95.0) for layer in level(at, line=Look(MUTED, "2 3", 1.0))]
-    drawn = [marks("line", "shares", named(_looks(list(shaken), 1.6), chosen=False))] if parts else []
+    ]  # fmt: skip
+    layers = [layer for at in (5.0, 95.0) for layer in level(at, line=Look(MUTED, "2 3", 1.0))]
+    if parts:
+        looks = _looks([part["name"] for part in parts], 1.6)
+        layers.insert(0, marks("line", "shares", named(looks, chosen=False)))
     x = across("t", ENGLISH("chart.time"), {"domain": [0.0, end], "padding": 0})
-    return figure(
-        [*drawn, *lines],
-        170,
-        {"shares": parts},
-        x,
-        axis("share", ENGLISH("chart.arias_share"), scale={"domain": [0.0, 100.0]}),
-    )
+    y = axis("share", ENGLISH("chart.arias_share"), scale={"domain": [0.0, 100.0]})
+    return figure(layers, 170, {"shares": parts}, x, y)

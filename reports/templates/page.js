@@ -18,7 +18,7 @@ rockcheck.unpack = async (holder) => {
   return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
 };
 
-/* Arrays come as differences of whole multiples of a step (charts/samples.py); columns of one table come one after another. */
+/* Arrays come as differences of whole multiples of a step (charts/histories.py); columns of one table come one after another. */
 const summed = ({ step, order, deltas }) => {
   const values = Float64Array.from(deltas);
   for (let k = 0; k < order; k += 1) for (let n = 1; n < values.length; n += 1) values[n] += values[n - 1];
