@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 import vl_convert
 
-from reports.charts import library
 from reports.pages import assets as module
 from reports.pages.assets import made_once
 
@@ -79,9 +78,9 @@ def test_the_chart_library_is_bundled_once(cache: Path, monkeypatch: pytest.Monk
         return f"/* bundle {len(asked)} */"
 
     monkeypatch.setattr(vl_convert, "javascript_bundle", bundle)
-    first = library.chart_library.__wrapped__()
-    assert library.chart_library.__wrapped__() == first
+    first = module.chart_library.__wrapped__()
+    assert module.chart_library.__wrapped__() == first
     assert len(asked) == 1, "the bundle was made again for the same version"
-    monkeypatch.setattr(library, "PAGES_SCRIPT", "window.other = vegaEmbed;")
-    assert library.chart_library.__wrapped__() != first
+    monkeypatch.setattr(module, "PAGES_SCRIPT", "window.other = vegaEmbed;")
+    assert module.chart_library.__wrapped__() != first
     assert len(asked) == 2, "another script was not bundled"
