@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from harness.model.run import MANY, RUN_FIELDS, Run
+from harness.model.run import MANY, RUN_FIELDS, Run, number
 from harness.records.run import RunRecord, outside_domain
 from reports.blocks import (
     Block,
@@ -154,13 +154,13 @@ def chip(name: str, names: list[str], run: Run | None, say: Language, share: flo
 
 
 def balance_share(source: RunSource, name: str) -> float | None:
-    """A model's largest lean as a share of the balance angle on its side; None without a history, and of a fall."""
+    """A model's largest lean as a share of the balance angle in its direction; None without a history, and of a fall."""
     run, history = source.runs[name], source.histories.get(name)
     if history is None or run.outcome.overturned:
         return None
     statue = source.scene.statue
     right, left = (float((side * history.theta_rad).max()) / statue.slenderness_rad(side) for side in (1, -1))
-    return max(right, left, 0.0)
+    return max(right, left, number(run.validity, "peak_lean_share", 0.0))
 
 
 def replay(source: RunSource, chips: list[Chip]) -> Replay:

@@ -27,6 +27,7 @@ from reports.messages import ENGLISH
 from reports.pages import conservator, conservator_study
 from reports.pages.conservator import of_run
 from reports.pages.page import write_report
+from reports.pages.run_page import balance_share
 from reports.source import run_source
 from reports.text.giving_way import (
     bearing,
@@ -372,6 +373,24 @@ def test_a_statue_that_slides_on_its_support_is_not_said_to_keep_still(
     assert ENGLISH("run.statue_slides", length=ENGLISH.length(slid_m)) in text
     assert ENGLISH("reach.still") not in text
     assert max(floor_plan(source, ["pymunk"]).room_m.values()) == pytest.approx(slid_m, abs=SAMPLED_M)
+
+
+def test_a_lean_to_the_front_is_told_on_both_pages(tmp_path: Path) -> None:
+    """Of a model in space its largest lean in any direction counts, against the angle at which it balances there."""
+    source = run_source(write_invented(tmp_path))
+    name = next(iter(source.histories))
+    lean_rad, share = 0.9 * source.scene.statue.slenderness_rad(1), 0.75
+    runs = {each: replace(run, outcome=Outcome.STANDS) for each, run in source.record.runs.items()}
+    space = {"peak_lean_rad": lean_rad, "peak_lean_share": share, "slip_across_m": 0.03}
+    runs[name] = replace(runs[name], peak_theta_rad=0.0, validity={**runs[name].validity, **space})
+    still = {each: replace(item, theta_rad=np.zeros_like(item.theta_rad)) for each, item in source.histories.items()}
+    leaning = replace(source, record=replace(source.record, runs=runs, assessment=None), histories=still)
+    degrees = ENGLISH.digits(math.degrees(lean_rad), 2)
+    balance = ENGLISH.digits(math.degrees(lean_rad / share), 2)
+    text = spoken(of_run(leaning))
+    assert ENGLISH("run.leans", degrees=degrees, share="75", balance=balance) in text
+    assert ENGLISH("reach.aside") in text
+    assert balance_share(leaning, name) == share
 
 
 def test_a_pedestal_that_one_model_lets_tip_is_not_said_to_stay_put(tmp_path: Path) -> None:
