@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
@@ -162,9 +163,22 @@ def walk(blocks: Iterable[Block]) -> Iterator[Block]:
         yield from walk(getattr(block, "blocks", ()))
 
 
-def verdict(record: Record, tone: str, more: Sequence[str] = (), chips: Sequence[Chip] = ()) -> Verdict:
-    """A record's answer as headline and points, and what else a page says with it."""
+TONES: Final[Mapping[str, Mapping[str, str]]] = {
+    "bench": {"met": "agree"},
+    "effects3d": {"plane_safe": "agree"},
+    "measured": {"drops_not_told": "differ", "otherwise": "agree"},
+    "stress": {"sound": "agree", "wrong": "failed"},
+    "validation": {"better": "agree", "no_threshold": "agree", "no_answer": "failed", "": "failed"},
+}
+"""The colour of an answer by its code, of kinds whose answer decides it; otherwise `differ`."""
+
+
+def verdict(record: Record, tone: str = "", more: Sequence[str] = (), chips: Sequence[Chip] = ()) -> Verdict:
+    """A record's answer as headline and points, and what else a page says with it; without a `tone` the one of its code."""
     first, *points = [each.text for each in record.answer.findings] if record.answer else [record.title or record.kind]
+    if not tone:
+        of_codes = TONES[record.kind]
+        tone = of_codes.get(code(record), of_codes.get("otherwise", "differ"))
     return Verdict(first, tone, [*points, *more], chips)
 
 
@@ -246,6 +260,16 @@ def grid(charts: Iterable[Chart | Drawing]) -> Group | None:
         Group("", [chart], chart.words if isinstance(chart, Chart) else " ".join(chart.caption)) for chart in charts
     ]
     return Group("grid", there) if there else None
+
+
+def command_line(name: str, *words: str, **options: object) -> str:
+    """A command with what is given of its options, each once for every item of a list."""
+    line = ["rockcheck", *name.split(), *words]
+    for option, value in options.items():
+        flag = f"-{option}" if len(option) == 1 else f"--{option}"
+        for each in value if isinstance(value, (list, tuple)) else [value]:
+            line += [flag, str(each)] if each else []
+    return shlex.join(line)
 
 
 def repeat(say: Language, record: Record, *commands: str, more: Sequence[Block | None] = ()) -> list[Section]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import sysconfig
 import time
@@ -12,21 +13,24 @@ from typing import Final
 
 from harness.input.paths import data_folder
 from harness.input.scene_file import load_scene
+from harness.model.finding import Answer as Answered
+from harness.model.finding import Say, info
 from harness.model.history import Outcome
-from harness.model.run import Run
+from harness.model.run import Run, machine, versions
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.questions.trust.trust_run import run_trust
+from harness.records.result_folder import write_whole
 from harness.records.study import StudyRecord, StudyRow
 from harness.records.trust import TrustRecord
+from harness.records.validation import MeasuredRecord, MeasuredTable
 from harness.runs.runner import Crash, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, stored_runs
 from harness.runs.task import Answer
-from reports.checked import write_checked
 from reports.cli import studies
 from reports.cli.ending import guarded
 from reports.messages import ENGLISH
 from reports.pages.page import write_report
-from reports.terminal import run_lines, study_lines, trust_lines
+from reports.terminal import record_lines
 
 BESIDE_THE_CODE: Final = Path(__file__).resolve().parent.parent / "scenes"
 INSTALLED: Final = Path(sysconfig.get_path("data")) / "share" / "rockcheck" / "scenes"
@@ -42,6 +46,13 @@ ALWAYS: Final = ("free_rocking",)
 WITH_DATA: Final = ("maria",)
 
 
+ROWS: Final = Path(__file__).with_name("checked.json")
+"""Renewed by `python -m tests.measures.checked`."""
+PARTS: Final = ("verification", "agreement", "validation")
+"""Are the equations solved right; do independent codes say the same; does it happen so?"""
+COLUMNS: Final = ("compared", "with", "on_how_many", "figure", "does_not_prove", "source")
+
+
 def example(asked: tuple[str, Mapping[str, Run]]) -> Answer:
     """Run one scene (what is known of it aside), write its result and page; its summary, and the seconds that it took."""
     begin = time.perf_counter()
@@ -49,37 +60,31 @@ def example(asked: tuple[str, Mapping[str, Run]]) -> Answer:
     result = run_scene(load_scene(SCENES / f"{name}.toml"), stored=known, assess=True)
     write_result(result, OUT / name, ENGLISH.say)
     write_report(OUT / name)
+    text = "\n".join(record_lines(result.record().texted(ENGLISH.say)))
     failed = result.failed_but(tuple(result.runs))
-    lines = run_lines(result.record().texted(ENGLISH.say))
-    return Answer(
-        "example",
-        {"text": "\n".join(lines)},
-        time.perf_counter() - begin,
-        failed=failed,
-    )
-
-
-def examples(known: Mapping[str, Mapping[str, Run]], pool: Pool) -> dict[str, Answer]:
-    """The answers of the scenes by name, with the runs that are known of each; that of a process that died says so."""
-    answers: dict[str, Answer] = {}
-
-    def done(asked: tuple[str, object], answer: Answer | Crash) -> None:
-        lost = Answer("example", {"text": f"{asked[0]}: {answer}"}, 0.0, failed=True)
-        answers[asked[0]] = lost if isinstance(answer, Crash) else answer
-
-    pool.run(example, known.items(), done)
-    return answers
-
-
-def of_study() -> dict[str, dict[str, Run]]:
-    """The scenes that the study holds, with their runs."""
-    with Store(OUT / STUDY / STORE_NAME) as store:
-        return {name: stored_runs(store, load_scene(SCENES / f"{name}.toml")) for name in IN_STUDY}
+    return Answer("example", {"text": text}, time.perf_counter() - begin, failed=failed)
 
 
 def trust_map(pool: Pool) -> TrustRecord:
     """The coarse trust map of the statue on its pedestal, and without it."""
     return run_trust(SCENES / f"{MAPPED}.toml", OUT / MAP, coarse=True, pool=pool, say=ENGLISH.say)
+
+
+def write_checked(folder: Path, say: Say = str) -> MeasuredRecord:
+    """Write the record of what has been checked into `folder`."""
+    rows = json.loads(ROWS.read_text(encoding="utf-8"))
+    found = MeasuredRecord(
+        title="What has been checked",
+        answer=Answered("checked", [info("checked", checks=sum(len(rows[part]) for part in PARTS))]),
+        findings=[],
+        about="checked",
+        source=ROWS.name,
+        tables=[MeasuredTable(part, COLUMNS, rows[part]) for part in PARTS],
+        versions=versions(),
+        machine=machine(),
+        seconds=0.0,
+    )
+    return write_whole(folder, found.texted(say))
 
 
 def main() -> int:
@@ -90,10 +95,19 @@ def main() -> int:
         names += WITH_DATA
     else:
         print(f"left out: {', '.join(WITH_DATA)} (real data absent: set ROCKCHECK_DATA)", file=sys.stderr)
+    answers: dict[str, Answer] = {}
+
+    def done(asked: tuple[str, object], answer: Answer | Crash) -> None:
+        """Keep the answer of a scene; that of a process that died says so."""
+        lost = Answer("example", {"text": f"{asked[0]}: {answer}"}, 0.0, failed=True)
+        answers[asked[0]] = lost if isinstance(answer, Crash) else answer
+
     with closing(LocalPool()) as pool:
         record = studies.run(SCENES / f"{STUDY}.toml", OUT / STUDY, pool=pool, say=ENGLISH.say)
         known: dict[str, Mapping[str, Run]] = {name: {} for name in names}
-        answers = examples(known | of_study(), pool)
+        with Store(OUT / STUDY / STORE_NAME) as store:
+            known |= {name: stored_runs(store, load_scene(SCENES / f"{name}.toml")) for name in IN_STUDY}
+        pool.run(example, known.items(), done)
         mapped = trust_map(pool)
     assert isinstance(record, StudyRecord)
     assert record.usage is not None
@@ -103,8 +117,8 @@ def main() -> int:
     seconds = time.perf_counter() - start
     busy_s = record.usage.busy_s + sum(answer.seconds for answer in answers.values()) + mapped.summary.cpu_s
     busy = f"{pool.workers} workers {100.0 * busy_s / (seconds * pool.workers):.0f} % busy"
-    texts = [*(str(answer.record["text"]) for answer in answers.values()), "\n".join(trust_lines(mapped))]
-    print("\n".join([*study_lines(record), *texts]))
+    texts = [str(answer.record["text"]) for answer in answers.values()]
+    print("\n".join([*record_lines(record), *texts, *record_lines(mapped)]))
     print("\n".join([f"\ndone in {seconds:.0f} s, {busy}. Reports:", *(f"  {page}" for page in pages)]))
     return int(_failed(record.rows) or mapped.summary.failed > 0 or any(answer.failed for answer in answers.values()))
 

@@ -12,12 +12,12 @@ import numpy as np
 
 from harness.input.history_file import read_history
 from harness.model.errors import InputError, Mistake
-from harness.model.history import History, history_file
+from harness.model.history import History, Outcome, history_file
 from harness.model.run import Run
-from harness.records.base import REWRITE
+from harness.records.base import REWRITE, Record
 from harness.records.kinds import read_result
 from harness.records.result_folder import RECORD, as_written
-from harness.records.run import RunRecord
+from harness.records.run import RunRecord, has_answer
 from harness.records.scene import SceneRecord
 
 MOVED_SHARE: Final = 0.01
@@ -48,6 +48,17 @@ class RunSource:
         """All engines' answers by name."""
         return self.record.runs
 
+    @property
+    def answered(self) -> dict[str, Run]:
+        """The answers of the models that say something of the statue."""
+        return {name: run for name, run in self.runs.items() if has_answer(run)}
+
+    @property
+    def standing(self) -> list[str]:
+        """The models that answered with a history and in which the statue stands."""
+        answered = self.answered
+        return [name for name in self.histories if name in answered and answered[name].outcome is Outcome.STANDS]
+
 
 def run_source(folder: Path) -> RunSource:
     """The record of a run and its histories; raises `InputError` for a damaged folder, or one of another kind."""
@@ -61,30 +72,31 @@ def run_source(folder: Path) -> RunSource:
 def source_of(folder: Path, record: RunRecord) -> RunSource:
     """The record of a run with what lies beside it, read once for all pages; raises `InputError` where that is lost."""
     # Records of older versions do not say which histories they kept: what lies there is all.
-    names = record.runs if record.histories is None else record.histories
-    paths = {name: folder / history_file(name) for name in names}
-    lost = [path for path in paths.values() if record.histories is not None and not path.is_file()]
+    every = {
+        name: folder / history_file(name) for name in (record.runs if record.histories is None else record.histories)
+    }
+    paths = {name: path for name, path in every.items() if record.histories is not None or path.is_file()}
     # Of a statue of numbers none was written: a mesh that lies there is another's.
     mesh = None if record.scene.statue.mesh is None else folder / "statue.glb"
-    if mesh is not None and not mesh.is_file():
-        lost.append(mesh)
-    if lost:
-        raise InputError(
-            [Mistake(str(path), "", "the file that result.json names", "none there", REWRITE) for path in lost]
-        )
-    every = [*paths.values(), *([] if mesh is None else [mesh])]
-    changed = [path for path in every if path.is_file() and not as_written(path, record)]
-    if changed:
-        wanted = "the file that result.json lists"
-        raise InputError([Mistake(str(path), "", wanted, "another content", REWRITE) for path in changed])
+    check_files([*paths.values(), *([] if mesh is None else [mesh])], record)
     # What has its checksum is as it was written; of older records it is read as another's file is.
     listed = record.files or {}
     histories = {
-        name: History.read_csv(path) if path.name in listed else read_history(path)
-        for name, path in paths.items()
-        if path.is_file()
+        name: History.read_csv(path) if path.name in listed else read_history(path) for name, path in paths.items()
     }
     return RunSource(folder, record, histories, mesh)
+
+
+def check_files(paths: Iterable[Path], record: Record) -> None:
+    """Raise `InputError` for files of a result that are lost or were changed."""
+    found = {
+        path: "another content" if path.is_file() else "none there"
+        for path in paths
+        if not (path.is_file() and as_written(path, record))
+    }
+    if found:
+        wanted = "the file that result.json names"
+        raise InputError([Mistake(str(path), "", wanted, got, REWRITE) for path, got in found.items()])
 
 
 def event_s(histories: Iterable[History], level_rad: float, end_s: float) -> tuple[float, float]:

@@ -5,28 +5,26 @@ from __future__ import annotations
 import math
 import textwrap
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final
 
 from harness.input.mesh_statue import findings_of
 from harness.model.errors import printable
 from harness.model.finding import Finding, Severity, texted, weighed
-from harness.model.run import Run, to_plain
+from harness.model.run import Run
 from harness.questions.scene.answer import STILL_RAD
-from harness.records.assess import AssessRecord
 from harness.records.base import Record
 from harness.records.run import RunRecord, outside_domain, peak_lean_rad, peak_slip_m, standing_m
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval, Scores, Verdict
-from harness.statics.plan import Step
 from reports.blocks import Table
 from reports.messages import ENGLISH
 from reports.messages.numbers import digits, length
 
 if TYPE_CHECKING:
     from harness.input.motions.inspect import Inspection
-    from harness.records.study import StudyRow
+    from harness.records.assess import AssessRecord
+    from harness.records.study import StudyRecord
     from harness.records.trust import TrustRecord
     from harness.records.validation import BaselineRecord, MeasuredRecord, ModelRecord, ValidationRecord
     from meshes.inspection import Inspection as Scan
@@ -47,21 +45,32 @@ LAST_LINES: Final = 2
 MARK: Final = {Severity.CHANGES_ANSWER: "!!", Severity.CAUTION: "! ", Severity.INFO: "  "}
 
 
-def run_lines(record: RunRecord, *, verbose: bool = False) -> list[str]:
-    """A run: title, answer, a row for each engine and pair, what to beware of; `verbose`: every finding by severity."""
-    lines = [_cut(record.title), *_answer(record), *table(_engine_rows(record))]
+def record_lines(record: Record, *, verbose: bool = False) -> list[str]:
+    """What is printed of a record: title, answer, the rows of its kind, what to beware of; `verbose`: every finding."""
+    if isinstance(record, RunRecord):
+        pairs = list(record.scores.values())
+        heading = ["engine", "outcome", "peak lean", "slip", "numerical error", "time"]
+        engines = table([heading, *([name, *_engine_cells(run, record.scene)] for name, run in record.runs.items())])
+        lines = [_cut(record.title), *_answer(record, ANSWER_LINES), *engines]
+        lines += _pair_rows(pairs, len(pairs) if verbose else min(PAIR_LINES, LINES - LAST_LINES - len(lines)))
+        # Each pair's verdict has a row of its own.
+        told = [each.findings[0] for each in pairs if each.findings]
+    else:
+        rows = ROWS[record.kind](record, verbose) if record.kind in ROWS else []
+        room = max(LINES - LAST_LINES - 1 - len(rows), SHORT_ANSWER_LINES)
+        lines = [_cut(record.title), *_answer(record, min(room, LONG_ANSWER_LINES)), *rows]
+        told = []
     if verbose:
-        return [*lines, *_pair_rows(list(record.scores.values()), len(record.scores)), *finding_lines(record.findings)]
-    lines += _pair_rows(list(record.scores.values()), min(PAIR_LINES, LINES - LAST_LINES - len(lines)))
-    said = [each for each in record.findings if each.severity is not Severity.INFO and each not in _of_pairs(record)]
+        return [*lines, *finding_lines(record.findings)]
+    said = [each for each in record.findings if each.severity is not Severity.INFO and each not in told]
     return [*lines, *beware_lines(said, len(record.findings), LINES - len(lines) - 1)]
 
 
-def assess_lines(record: AssessRecord, *, verbose: bool = False) -> list[str]:
-    """An assessment: title, answer, a row for each model, what to beware of."""
+def _assess_rows(record: AssessRecord, _verbose: bool) -> list[str]:
+    """A row for each model."""
     from reports.pages.assess_page import models_table
 
-    return _headed(record, _block(models_table(record, ENGLISH)), verbose=verbose)
+    return _block(models_table(record, ENGLISH))
 
 
 def _block(shown: Table | None) -> list[str]:
@@ -71,30 +80,22 @@ def _block(shown: Table | None) -> list[str]:
     return table(told) if told else []
 
 
-def study_lines(record: Record, *, verbose: bool = False) -> list[str]:
-    """A study of any kind: title, answer, of one with rows a line for each model, what to beware of."""
-    from harness.records.study import StudyRecord  # not for a run
-
-    rows = _model_rows(record.rows) if isinstance(record, StudyRecord) else []
-    more = [] if len(rows) <= MODEL_LINES or verbose else [f"  {len(rows) - MODEL_LINES} further models (--verbose)"]
-    return _headed(record, [*table(rows if verbose else rows[:MODEL_LINES]), *more] if rows else [], verbose=verbose)
-
-
-def _model_rows(rows: Sequence[StudyRow]) -> list[list[str]]:
+def _study_rows(record: StudyRecord, verbose: bool) -> list[str]:
     """How many runs of each model ended how."""
     from reports.text.wording import family
 
     ends: dict[str, Counter[str]] = {}
-    for row in rows:
+    for row in record.rows:
         if row.run is not None:
             ends.setdefault(row.model, Counter())[family(row.run.outcome)] += 1
     kinds = list(dict.fromkeys(kind for count in ends.values() for kind in count))
     cells = [[model, str(count.total()), *(str(count[kind]) for kind in kinds)] for model, count in ends.items()]
-    return [["model", "runs", *(ENGLISH.strings[f"ends.{kind}"] for kind in kinds)], *cells]
+    heading = ["model", "runs", *(ENGLISH.strings[f"ends.{kind}"] for kind in kinds)]
+    return _first([heading], cells, None if verbose else MODEL_LINES - 1, "models")
 
 
-def validation_lines(record: ValidationRecord, *, verbose: bool = False) -> list[str]:
-    """A validation: title, answer, how often each model and the bare threshold are right, the same by body, what to beware of."""
+def _validation_rows(record: ValidationRecord, verbose: bool) -> list[str]:
+    """How often each model and the bare threshold are right, and the same by body."""
     bare, ceiling = record.baseline, record.repeats
     cells = [
         [
@@ -111,22 +112,20 @@ def validation_lines(record: ValidationRecord, *, verbose: bool = False) -> list
         cells.append(["best by repeats", best, best, digits(ceiling.best_brier), "–"])
     heading = ["model", "right", "right by P ≥ 1/2", "Brier score", "area under the curve"]
     shown = cells if verbose or len(cells) <= MODEL_LINES else [*cells[: MODEL_LINES - 1], cells[-1]]
-    bodies = _body_rows(record)
-    room = LINES - LAST_LINES - SHORT_ANSWER_LINES - len(shown) - 3
-    few = bodies if verbose or len(bodies) <= room else bodies[: max(room, 1)]
-    more = [] if len(few) == len(bodies) else [f"  {len(bodies) - len(few)} further bodies (--verbose)"]
-    return _headed(record, [*table([heading, *shown]), *(table(few) if len(few) > 1 else []), *more], verbose=verbose)
+    room = LINES - LAST_LINES - SHORT_ANSWER_LINES - len(shown) - 4
+    return [*table([heading, *shown]), *_body_rows(record, None if verbose else max(room, 0))]
 
 
-def _body_rows(record: ValidationRecord) -> list[list[str]]:
-    """How many tests of each body every model has right: by P ≥ ½ where there are draws."""
+def _body_rows(record: ValidationRecord, most: int | None) -> list[str]:
+    """How many tests of each body every model has right, of `most` bodies: by P ≥ ½ where there are draws."""
     by_body: dict[str, list[str]] = {}
     for item in record.models.values():
         for each in item.by_body:
             row = by_body.setdefault(each.body, [each.body, str(each.tests), str(each.fell)])
             known = each.by_probability or each.accuracy
             row.append("–" if known is None else ENGLISH.percent(known.value))
-    return [["body", "tests", "fell", *record.models], *by_body.values()] if len(by_body) > 1 else []
+    heading = ["body", "tests", "fell", *record.models]
+    return _first([heading], [*by_body.values()], most, "bodies") if len(by_body) > 1 else []
 
 
 def _chances(item: ModelRecord | BaselineRecord) -> list[str]:
@@ -139,38 +138,31 @@ def rate(item: Interval | None) -> str:
     return ENGLISH.value(item and [item.value, item.low, item.high], "rate").replace("\u00a0", " ")
 
 
-def _headed(record: Record, rows: Sequence[str], *, verbose: bool) -> list[str]:
-    """Title, answer and rows, then what to beware of, in what room is left; an answer leaves room to rows and last lines."""
-    room = max(LINES - LAST_LINES - 1 - len(rows), SHORT_ANSWER_LINES)
-    lines = [_cut(record.title), *_answer(record, min(room, LONG_ANSWER_LINES)), *rows]
-    if verbose:
-        return [*lines, *finding_lines(record.findings)]
-    said = [each for each in record.findings if each.severity is not Severity.INFO]
-    return [*lines, *beware_lines(said, len(record.findings), LINES - len(lines) - 1)]
-
-
-def trust_lines(record: TrustRecord, *, verbose: bool = False) -> list[str]:
-    """A trust map: title, answer, the share of each class, what it rests on."""
+def _trust_rows(record: TrustRecord, _verbose: bool) -> list[str]:
+    """The share of each class."""
     kinds = [kind for kind in record.maps[0].shares if any(each.shares[kind] for each in record.maps)]
     rows = [[ENGLISH.word(kind), *(ENGLISH.percent(each.shares[kind]) for each in record.maps)] for kind in kinds]
-    return _headed(
-        record, table([["class", *(f"on the {each.stands_on}" for each in record.maps)], *rows]), verbose=verbose
-    )
+    return table([["class", *(f"on the {each.stands_on}" for each in record.maps)], *rows])
 
 
-def measured_lines(record: MeasuredRecord, *, verbose: bool = False) -> list[str]:
-    """A measured set: title, answer, the first columns of its first table, what to beware of."""
+def _measured_rows(record: MeasuredRecord, _verbose: bool) -> list[str]:
+    """The first columns of its first table."""
     from reports.pages.measured_page import measured_table
 
-    return _headed(record, _block(measured_table(record.tables[0], ENGLISH)), verbose=verbose)
+    return _block(measured_table(record.tables[0], ENGLISH))
 
 
-def _of_pairs(record: RunRecord) -> list[Finding]:
-    """Each pair's verdict, which has a row of its own."""
-    return [each.findings[0] for each in record.scores.values() if each.findings]
+ROWS: Final[Mapping[str, Callable[[Any, bool], list[str]]]] = {
+    "assess": _assess_rows,
+    "study": _study_rows,
+    "validation": _validation_rows,
+    "trust": _trust_rows,
+    "measured": _measured_rows,
+}
+"""What stands between the answer and the findings, by the kind of record."""
 
 
-def _answer(record: Record, most: int = ANSWER_LINES) -> list[str]:
+def _answer(record: Record, most: int) -> list[str]:
     return [] if record.answer is None else wrapped(record.answer.text, most)
 
 
@@ -194,9 +186,12 @@ def table(rows: Sequence[Sequence[str]]) -> list[str]:
     return [_cut(f"  {line}".rstrip()) for line in lines]
 
 
-def _engine_rows(record: RunRecord) -> list[list[str]]:
-    heading = ["engine", "outcome", "peak lean", "slip", "numerical error", "time"]
-    return [heading, *([name, *_engine_cells(run, record.scene)] for name, run in record.runs.items())]
+def _first(heading: Sequence[Sequence[str]], rows: Sequence[Sequence[str]], most: int | None, what: str) -> list[str]:
+    """The first rows under their heading, and how many more there are; None: all of them."""
+    shown = rows[:most]
+    lines = table([*heading, *shown]) if shown else []
+    further = len(rows) - len(shown)
+    return [*lines, f"  {further} further {what} (--verbose)"] if further else lines
 
 
 def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
@@ -229,13 +224,9 @@ def _pair_rows(pairs: Sequence[Scores], most: int) -> list[str]:
     rows = [
         [f"{each.a} – {each.b}", ENGLISH.strings[f"pair.{each.verdict.name.lower()}"], _when(each)] for each in order
     ]
-    shown = rows if len(rows) <= most else rows[: max(most - 1, 0)]
-    lines = table(shown) if shown else []
-    return (
-        lines
-        if len(rows) == len(shown) or most < 1
-        else [*lines, f"  {len(rows) - len(shown)} further pairs (--verbose)"]
-    )
+    if most < 1:
+        return []
+    return _first([], rows, most if len(rows) <= most else most - 1, "pairs")
 
 
 def _when(scores: Scores) -> str:
@@ -296,10 +287,3 @@ def scan_lines(found: Scan, beside: int, *, verbose: bool = False) -> list[str]:
     steps = ENGLISH.listed(dict.fromkeys(change.step for change in log.changes)) or "nothing"
     lines += wrapped(f"changed: {steps}", 1)
     return [*lines, *found_lines(findings, len(lines) + beside)]
-
-
-def explained(steps: Sequence[Step]) -> tuple[list[object], str]:
-    """A plan as plain values with its sentences, and as lines."""
-    told = [replace(step, reason=replace(step.reason, text=ENGLISH.say(step.reason))) for step in steps]
-    lines = [f"{'skip' if step.applies else 'keep'} {step.skip} ({step.engine}): {step.reason.text}" for step in told]
-    return to_plain(told), "\n".join(map(printable, lines))

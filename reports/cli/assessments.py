@@ -54,14 +54,13 @@ class Scanned:
             return
         if path.suffix.lower() == ".toml":
             raise InputError(Mistake("--motion", "", "a scan beside it: a scene has its own [motion]", str(path)))
-        from harness.input.motions.recordfile import Layout
         from reports.cli.scans import new
 
         folder.parent.mkdir(parents=True, exist_ok=True)
         # At the depth of the result's folder: the scene's relative path to the record is then the same in both.
         with tempfile.TemporaryDirectory(dir=folder.parent, prefix=FRESH) as made:
             first = Path(made) / SCENE_NAME
-            yield new(path, self.motion, first, self.known, self.around, Layout(**vars(self.layout)), say)[0]
+            yield new(path, self.motion, first, self.known, self.around, self.layout.layout(), say)[0]
 
 
 def run(

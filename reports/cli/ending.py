@@ -8,15 +8,18 @@ import signal
 import sys
 import threading
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import typer
 
 from harness.model.errors import InputError, printable
 from reports.cli.options import OutputOptions
+
+if TYPE_CHECKING:
+    from harness.records.base import Record
 
 OK: Final = 0
 FAILED: Final = 1
@@ -36,7 +39,31 @@ def guarded(action: Any) -> int:
     """
     with _ending_cleanly(), warnings.catch_warnings():
         warnings.showwarning = lambda *_: None
-        return _guarded(action)
+        try:
+            code = action()
+        except InputError as error:
+            for mistake in error.mistakes:
+                print(f"error: {mistake}", file=sys.stderr)
+            return WRONG_INPUT
+        except (KeyboardInterrupt, SystemExit) as ending:
+            # Typer turns an interrupt into this exit code and says nothing.
+            if isinstance(ending, SystemExit) and ending.code != INTERRUPTED:
+                raise
+            again = shlex.join(["rockcheck", *sys.argv[1:]])
+            kept = [note for each in _causes(ending) for note in getattr(each, "__notes__", ())]
+            told = f"{kept[0]}, and this goes on" if kept else "the same again"
+            print(f"interrupted; {told}: {again}", file=sys.stderr)
+            return INTERRUPTED
+        except BrokenPipeError:
+            sys.stderr.close()
+            return FAILED
+        except OSError as error:
+            what = "the output could not be"
+            if error.filename:
+                what = f"{printable(repr(str(error.filename)))} could not be read or"
+            print(f"error: {what} written: {error.strerror or error}", file=sys.stderr)
+            return WRONG_INPUT if error.errno in NO_SUCH_PLACE else FAILED
+    return int(code or OK)
 
 
 @contextmanager
@@ -58,47 +85,17 @@ def _causes(ending: BaseException | None) -> Iterator[BaseException]:
         ending = ending.__context__
 
 
-def _guarded(action: Any) -> int:
-    try:
-        code = action()
-    except InputError as error:
-        for mistake in error.mistakes:
-            print(f"error: {mistake}", file=sys.stderr)
-        return WRONG_INPUT
-    except (KeyboardInterrupt, SystemExit) as ending:
-        # Typer turns an interrupt into this exit code and says nothing.
-        if isinstance(ending, SystemExit) and ending.code != INTERRUPTED:
-            raise
-        again = shlex.join(["rockcheck", *sys.argv[1:]])
-        kept = [note for each in _causes(ending) for note in getattr(each, "__notes__", ())]
-        told = f"{kept[0]}, and this goes on" if kept else "the same again"
-        print(f"interrupted; {told}: {again}", file=sys.stderr)
-        return INTERRUPTED
-    except BrokenPipeError:
-        sys.stderr.close()
-        return FAILED
-    except OSError as error:
-        what = (
-            f"{printable(repr(str(error.filename)))} could not be read or"
-            if error.filename
-            else "the output could not be"
-        )
-        print(f"error: {what} written: {error.strerror or error}", file=sys.stderr)
-        return WRONG_INPUT if error.errno in NO_SUCH_PLACE else FAILED
-    return int(code or OK)
-
-
 # Where a command's result goes, and how it is said: as JSON or as text, then its pages.
 
 
-def say_result(
-    record: Mapping[str, object], text: str, folder: Path, saying: OutputOptions, language: str = "en"
-) -> None:
+def say_record(record: Record, folder: Path, saying: OutputOptions, language: str = "en") -> None:
     """Say what was computed, then write its pages, none with `--json`: most of a short run's time, for a program that reads the
     record. A page that cannot be made is no mistake of the user's, and costs no other.
     """
-    if text or saying.as_json:
-        saying.say(record, text)
+    from harness.records.base import as_file
+    from reports.terminal import record_lines
+
+    saying.say(as_file(record), "\n".join(record_lines(record, verbose=saying.verbose)))
     if saying.as_json:
         return
     from reports.pages.page import write_report
@@ -121,10 +118,3 @@ def say_result(
         raise typer.Exit(FAILED) from fault
     if not saying.silent:
         typer.echo(printable(f"report: {page}"))
-
-
-def check_language(code: str) -> None:
-    """Raise `InputError` for a language that the conservator's page does not speak, before anything is computed."""
-    from reports.messages import language
-
-    language(code)

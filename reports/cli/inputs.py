@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.model.errors import printable
+from harness.model.errors import InputError, Mistake, printable
 from reports.cli.app import app, command
-from reports.cli.options import OUT, OutputOptions, ScanOptions, SupportOptions, TextLayout
+from reports.cli.options import OutputOptions, ScanOptions, SupportOptions, TextLayout, folder_of
+from reports.messages import ENGLISH
 
 if TYPE_CHECKING:
     from harness.input.motions.inspect import Inspection as MotionInspection
-    from harness.input.motions.recordfile import Layout
     from meshes.inspection import Inspection
 
 Scan = Annotated[Path, typer.Argument(metavar="SCAN", help="A scan: PLY, OBJ, STL, GLB or glTF.", show_default=False)]
@@ -44,11 +44,14 @@ def mesh_inspect(
     if picture is not None:
         _check_picture(picture)
     inspection = inspect(scan, known)
-    if picture is None:
-        _say_scan(inspection, saying)
-        return
+    if picture is not None:
+        _draw(inspection, scan, picture)
+    _say_scan(inspection, saying, *([f"picture: {picture}"] if picture is not None else []))
+
+
+def _draw(inspection: Inspection, scan: Path, picture: Path) -> None:
+    """Draw a scan. Raises `InputError` for one that cannot stand."""
     from harness.input.mesh_statue import mesh_mistake
-    from harness.model.errors import InputError
     from reports.drawing.scan_picture import scan_picture
     from reports.export.figures import printed, write_picture
 
@@ -57,12 +60,10 @@ def mesh_inspect(
     assert inspection.solid is not None  # without a refusal there is one
     drawn = scan_picture(inspection.solid, inspection.prepared.rotation, scan.name)
     write_picture(printed(drawn, drawn.width), picture, dpi=150)
-    _say_scan(inspection, saying, f"picture: {picture}")
 
 
 def _say_scan(inspection: Inspection, saying: OutputOptions, *last: str) -> None:
     from reports.cli.scans import record_of
-    from reports.messages import ENGLISH
     from reports.terminal import scan_lines
 
     lines = scan_lines(inspection, len(last), verbose=saying.verbose)
@@ -71,7 +72,6 @@ def _say_scan(inspection: Inspection, saying: OutputOptions, *last: str) -> None
 
 def _check_picture(picture: Path) -> None:
     """Raise `InputError` unless a picture of that name can be written without a loss."""
-    from harness.model.errors import InputError, Mistake
     from harness.model.files import check_own
     from reports.export.figures import FORMATS
 
@@ -92,7 +92,6 @@ def mesh_prepare(
 ) -> None:
     """Write a scan as a closed mesh in metres, z up, with a log of every change beside it."""
     from reports.cli.scans import prepare
-    from reports.messages import ENGLISH
 
     inspection, log = prepare(scan, out, known, ENGLISH.say)
     _say_scan(inspection, saying, f"mesh: {out}", f"processing log: {log}")
@@ -111,15 +110,13 @@ def new(
     ] = None,
 ) -> None:
     """Write a first, commented scene from a scan and a record; it runs as it is."""
-    from harness.input.motions.recordfile import Layout
     from harness.model.finding import texted, weighed
     from harness.model.run import to_plain
     from reports.cli.scans import new as write_scene
-    from reports.messages import ENGLISH
     from reports.terminal import found_lines
 
     path = out or Path(f"{scan.stem}.toml")
-    written, found = write_scene(scan, motion_file, path, known, around, Layout(**vars(text)), ENGLISH.say)
+    written, found = write_scene(scan, motion_file, path, known, around, text.layout(), ENGLISH.say)
     findings = texted(weighed(found), ENGLISH.say)
     lines = [f"scene: {written}", *found_lines(findings, 2, verbose=saying.verbose), f"run it: rockcheck run {written}"]
     texts = [each.text for each in findings if each.code.startswith("scan_")]
@@ -145,20 +142,18 @@ def motion_inspect(
     out: Annotated[Path | None, typer.Option("--out", help="Folder of picture and record. Default: out/NAME.")] = None,
 ) -> None:
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
-    from harness.input.motions.recordfile import Layout
     from harness.model.finding import texted
     from harness.model.run import write_json
     from harness.records.inspection import inspection_record
-    from harness.records.result_folder import INSPECTED, check_folder, listing, named_after
+    from harness.records.result_folder import INSPECTED, check_folder, listing
     from reports.export.figures import printed, write_picture
     from reports.export.motion_figure import WIDE, motion_picture
-    from reports.messages import ENGLISH
     from reports.terminal import motion_lines
 
-    folder = out or OUT / named_after(file.with_name(file.name.split(".")[0] or file.name))
+    folder = folder_of(out, file.with_name(file.name.split(".")[0] or file.name))
     picture, record = (folder / name for name in INSPECTED)
     check_folder(folder, names=INSPECTED)
-    inspected = _inspected(file, unit, axis, Layout(**vars(text)))
+    inspected = _inspected(file, unit, axis, text)
     folder.mkdir(parents=True, exist_ok=True)
     write_picture(printed(motion_picture(inspected), WIDE), picture, dpi=150)
     shown = inspection_record(inspected, ENGLISH.say)
@@ -167,19 +162,18 @@ def motion_inspect(
     saying.say(shown, "\n".join([*lines, printable(f"picture: {picture}")]))
 
 
-def _inspected(file: Path, unit: str | None, axis: str, layout: Layout) -> MotionInspection:
+def _inspected(file: Path, unit: str | None, axis: str, text: TextLayout) -> MotionInspection:
     """The record in a file, or the named component of a scene."""
     from harness.input.motions import SceneMotion
     from harness.input.motions.inspect import inspect_component, inspect_file
     from harness.input.tables import parse, read
-    from harness.model.errors import InputError, Mistake
 
     if file.suffix != ".toml":
         if not file.is_file():
             raise InputError(
                 Mistake(str(file), "", "an existing record", "a folder" if file.is_dir() else "no such file")
             )
-        return inspect_file(file, unit=unit, layout=layout)
+        return inspect_file(file, unit=unit, layout=text.layout())
     model, _ = parse(read(file), str(file))
     component = SceneMotion.of(model, axis, file) if axis in ("x", "y", "z") else None
     if component is None:

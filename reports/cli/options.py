@@ -5,18 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
 from harness.model.errors import InputError, Mistake, json_text, printable_lines
 
+if TYPE_CHECKING:
+    from harness.input.motions.recordfile import Layout
+
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (TOML).", show_default=False)]
-Accuracy = Annotated[
-    float | None,
-    typer.Option("--accuracy", metavar="RAD", help="Target of the rotation's numerical error. Default: 1e-3."),
-]
-Step = Annotated[float | None, typer.Option("--dt", metavar="S", help="Fixed time step, instead of --accuracy.")]
 JsonOnly = Annotated[
     bool,
     typer.Option("--json", help="Print the record as JSON and nothing else; `rockcheck report DIR` writes its pages."),
@@ -24,6 +22,14 @@ JsonOnly = Annotated[
 
 
 OUT: Final = Path("out")
+
+
+def folder_of(out: Path | None, file: Path, ending: str = "") -> Path:
+    """The folder of a result: the one that is named, else one after the file that is asked about."""
+    from harness.records.result_folder import named_after
+
+    return out or OUT / f"{named_after(file)}{ending}"
+
 
 Out = Annotated[Path | None, typer.Option("--out", help="Folder of the result. Default: out/NAME.", show_default=False)]
 Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes. Default: one for each core.", min=1)]
@@ -93,7 +99,7 @@ class Sampling:
     """How many draws, of which seed, and how far a contact engine's interval is narrowed with at most how many runs."""
 
     draws: Annotated[int, typer.Option("--draws", help="Draws of what is uncertain.", min=10, max=1_000_000)] = 10_000
-    seed: Annotated[int, typer.Option("--seed", help="Seed of the draws.", min=0)] = 0
+    seed: Seed = 0
     half_width: Annotated[
         float, typer.Option("--half-width", help="Half width of an engine's interval at 90 %.", min=0.005, max=0.5)
     ] = 0.05
@@ -104,8 +110,13 @@ class Sampling:
 class Target:
     """To what accuracy, or at which step, engines run."""
 
-    accuracy: Accuracy = None
-    dt: Step = None
+    accuracy: Annotated[
+        float | None,
+        typer.Option("--accuracy", metavar="RAD", help="Target of the rotation's numerical error. Default: 1e-3."),
+    ] = None
+    dt: Annotated[float | None, typer.Option("--dt", metavar="S", help="Fixed time step, instead of --accuracy.")] = (
+        None
+    )
 
 
 @dataclass(frozen=True)
@@ -189,7 +200,7 @@ class SupportOptions:
 
 @dataclass(frozen=True)
 class TextLayout:
-    """How the numbers of a record stand in a text that no reader knows (`harness.input.motions.recordfile.Layout`)."""
+    """How the numbers of a record stand in a text that no reader knows."""
 
     dt_s: Annotated[
         float | None, typer.Option("--dt", metavar="S", help="Unknown text format: time step between samples.")
@@ -207,3 +218,9 @@ class TextLayout:
     time_column: Annotated[
         int | None, typer.Option("--time-column", metavar="N", help="Unknown text format: time column, counted from 1.")
     ] = None
+
+    def layout(self) -> Layout:
+        """What the reader of records takes."""
+        from harness.input.motions.recordfile import Layout
+
+        return Layout(**vars(self))

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from harness.model.errors import InputError, Mistake
 from harness.runs.progress import ProgressMessages
 from reports.cli.app import app, command
-from reports.cli.ending import FAILED, OK, check_language, say_result
+from reports.cli.ending import FAILED, OK, say_record
 from reports.cli.options import (
     OUT,
     Dask,
@@ -25,9 +26,13 @@ from reports.cli.options import (
     Seed,
     SupportOptions,
     TextLayout,
+    folder_of,
 )
+from reports.messages import ENGLISH
+from reports.messages import language as known_language
 
 if TYPE_CHECKING:
+    from harness.records.base import Record
     from harness.runs.parts import Measurement, R
 
 
@@ -63,19 +68,15 @@ def assess(
     out: Out = None,
 ) -> None:
     """Compute the overturning probability by each model from the uncertain inputs of the scene."""
-    from harness.records.base import plain
-    from harness.records.result_folder import named_after
     from reports.cli import assessments
-    from reports.messages import ENGLISH
-    from reports.terminal import assess_lines
 
-    folder = out or OUT / f"{named_after(scene)}-assess"
+    folder = folder_of(out, scene, "-assess")
     record = assessments.run(
         scene, folder, asked, sampling, no_options=no_options, options=options,
         csv=csv, jobs=jobs, resume=resume, dask=dask, quiet=saying.silent,
         scanned=assessments.Scanned(motion_file, known, around, text), say=ENGLISH.say,
     )  # fmt: skip
-    say_result(plain(record), "\n".join(assess_lines(record, verbose=saying.verbose)), folder, saying)
+    say_record(record, folder, saying)
 
 
 @command(app, None, "rockcheck study scenes/paestum_table2.toml --jobs 2")
@@ -96,19 +97,15 @@ def study(
     out: Out = None,
 ) -> None:
     """Run many scenes with several engines; results are cached."""
-    from harness.records.base import as_file
-    from harness.records.result_folder import named_after
     from reports.cli import studies
-    from reports.messages import ENGLISH
-    from reports.terminal import study_lines
 
-    folder = out or OUT / named_after(study_file)
-    check_language(language)
+    folder = folder_of(out, study_file)
+    known_language(language)
     record = studies.run(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent,
         witness=witness, say=ENGLISH.say,
     )  # fmt: skip
-    say_result(as_file(record), "\n".join(study_lines(record, verbose=saying.verbose)), folder, saying, language)
+    say_record(record, folder, saying, language)
     raise typer.Exit(FAILED if getattr(getattr(record, "summary", None), "failed", 0) else OK)
 
 
@@ -138,17 +135,13 @@ def trust(
 ) -> None:
     """Map over strength and frequency how far the analytic model is confirmed by the engines for this statue."""
     from harness.questions.trust.trust_run import run_trust
-    from harness.records.base import plain
-    from harness.records.result_folder import named_after
-    from reports.messages import ENGLISH
-    from reports.terminal import trust_lines
 
-    folder = out or OUT / f"{named_after(scene)}-trust"
+    folder = folder_of(out, scene, "-trust")
     record = run_trust(
         scene, folder, asked.engine, asked.overrides or (), motion=motion, coarse=coarse, seed=seed, jobs=jobs,
         resume=resume, dask=dask, quiet=saying.silent, say=ENGLISH.say,
     )  # fmt: skip
-    say_result(plain(record), "\n".join(trust_lines(record, verbose=saying.verbose)), folder, saying)
+    say_record(record, folder, saying)
     raise typer.Exit(FAILED if record.summary.failed else OK)
 
 
@@ -181,41 +174,29 @@ def validate(
     """Run the models on measured tests, tosses or drops and score them against what was observed; or on impact ratios."""
     from harness.questions.validate.kinds import kind_of, validate_measured
     from harness.questions.validate.validation_run import run_validation
-    from harness.records.base import as_file
-    from harness.records.result_folder import check_folder, named_after
-    from reports.messages import ENGLISH
-    from reports.terminal import measured_lines, validation_lines
+    from harness.records.result_folder import check_folder
 
-    folder = out or OUT / named_after(experiments)
+    folder = folder_of(out, experiments)
     kind = kind_of(experiments, samples=samples, resume=resume, fit_share=fit_share, body=body, engine=engine)
-    if kind != "tests":
-        measured = validate_measured(
+    record: Record
+    if kind == "tests":
+        check_folder(folder, ("validation",))
+        record = run_validation(
+            experiments, folder, models=engine, samples=samples, fit_share=fit_share or "fit", seed=seed, jobs=jobs,
+            resume=resume, quiet=saying.silent, say=ENGLISH.say,
+        )  # fmt: skip
+    else:
+        record = validate_measured(
             experiments, folder, body=body, models=engine, samples=samples, seed=seed, jobs=jobs, quiet=saying.silent,
             say=ENGLISH.say,
         )  # fmt: skip
-        say_result(as_file(measured), "\n".join(measured_lines(measured, verbose=saying.verbose)), folder, saying)
-        return
-    check_folder(folder, ("validation",))
-    record = run_validation(
-        experiments,
-        folder,
-        models=engine,
-        samples=samples,
-        fit_share=fit_share or "fit",
-        seed=seed,
-        jobs=jobs,
-        resume=resume,
-        quiet=saying.silent,
-        say=ENGLISH.say,
-    )
-    say_result(as_file(record), "\n".join(validation_lines(record, verbose=saying.verbose)), folder, saying)
+    say_record(record, folder, saying)
 
 
 # The commands that make something of finished records: pages, figures, an animation.
 
 
 READERS: Final = ("engineer", "conservator")
-
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.json.", show_default=False)]
 
 
@@ -228,7 +209,6 @@ def report(
     language: InLanguage = "en",
 ) -> None:
     """Write the pages of a result folder again from its records: report.html, and conservator.html where there is one."""
-    from harness.model.errors import InputError, Mistake
     from reports.export.figures import browser, write_pdf
     from reports.pages.page import CONSERVATOR_NAME, write_report
 
@@ -309,13 +289,10 @@ def stress(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out
 
 def measured(measurement: Measurement[R], saying: OutputOptions, quick: bool, parts: str | None, out: Path | None) -> R:
     """The record of a measurement of these parts (comma-separated; None: of all), once it is said."""
-    from harness.records.base import as_file
-    from reports.messages import ENGLISH
-    from reports.terminal import study_lines
 
     folder = out or OUT / measurement.name
     only = None if parts is None else [name.strip() for name in parts.split(",") if name.strip()]
     with ProgressMessages(saying.silent) as messages:
         record = measurement.run(folder, quick, only, messages.engine, ENGLISH.say)
-    say_result(as_file(record), "\n".join(study_lines(record, verbose=saying.verbose)), folder, saying)
+    say_record(record, folder, saying)
     return record

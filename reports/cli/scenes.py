@@ -4,34 +4,25 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from harness.model.errors import InputError, Mistake, nearest, printable
 from harness.runs.progress import ProgressMessages
 from reports.cli.app import app, command
-from reports.cli.ending import FAILED, OK, check_language, say_result
-from reports.cli.options import OUT, EngineOptions, InLanguage, JsonOnly, Out, OutputOptions, SceneFile, Target
+from reports.cli.ending import FAILED, OK, say_record
+from reports.cli.options import EngineOptions, InLanguage, JsonOnly, Out, OutputOptions, SceneFile, Target, folder_of
+from reports.messages import ENGLISH
+from reports.messages import language as known_language
 
 if TYPE_CHECKING:
-    from harness.comparison.scores.pointwise import Measured
     from harness.model.run import RunOptions
-    from harness.model.scene import Scene
     from harness.questions.scene.scene_run import Result
     from harness.records.scores import Scores
     from harness.records.validation import SetScores
-    from harness.statics.plan import Step
-
-
-@dataclass(frozen=True)
-class Compared:
-    """Scores by pair (and scene), and of several scenes each model's against a reference over all of them, by model."""
-
-    pairs: dict[str, Scores]
-    over_all: dict[str, SetScores] = field(default_factory=dict)
 
 
 @command(
@@ -58,22 +49,14 @@ def run(
     language: InLanguage = "en",
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""
-    from harness.accuracy.simulation import check_target
     from harness.questions.scene.scene_run import Ended, write_result
-    from harness.records.base import plain
-    from harness.records.result_folder import check_folder, named_after
-    from reports.messages import ENGLISH
-    from reports.terminal import explained, run_lines
+    from harness.records.result_folder import check_folder
 
-    folder = out or OUT / named_after(scene)
+    folder = folder_of(out, scene)
     check_folder(folder, ("run",))
-    check_language(language)
+    known_language(language)
     if explain:
-        from harness.input.scene_file import load_scene
-
-        check_target(target.accuracy, target.dt)
-        steps = plan_of(load_scene(scene, asked.overrides or ()), asked.engine, no_skip)
-        saying.say(*explained(steps))
+        saying.say(*plan_of(scene, asked, target, no_skip))
         return
     try:
         result = compute(
@@ -86,12 +69,29 @@ def run(
         )
         raise
     write_result(result, folder, ENGLISH.say)
-    record = result.record().texted(ENGLISH.say)
-    lines = run_lines(record, verbose=saying.verbose)
-    say_result(plain(record), "\n".join(lines), folder, saying, language)
+    say_record(result.record().texted(ENGLISH.say), folder, saying, language)
     # An engine that nobody named and that has no wheels here is said, and no failure.
     failed = result.failed_but(() if asked.engine else tuple(result.runs))
     raise typer.Exit(FAILED if failed else OK)
+
+
+def plan_of(
+    scene_file: Path, asked: EngineOptions, target: Target, no_skip: Sequence[str] | None
+) -> tuple[list[object], str]:
+    """What a run would skip and why: as plain values with its sentences, and as lines."""
+    from harness.accuracy.simulation import check_target
+    from harness.engines import REGISTRY, default_engines, load
+    from harness.input.scene_file import load_scene
+    from harness.model.run import to_plain
+    from harness.statics.plan import plan
+
+    check_target(target.accuracy, target.dt)
+    scene = load_scene(scene_file, asked.overrides or ())
+    engines = [load(name) for name in asked.engine or default_engines(scene)]
+    steps = plan(scene, engines, options_without(no_skip), REGISTRY)
+    told = [replace(step, reason=replace(step.reason, text=ENGLISH.say(step.reason))) for step in steps]
+    lines = [f"{'skip' if step.applies else 'keep'} {step.skip} ({step.engine}): {step.reason.text}" for step in told]
+    return to_plain(told), "\n".join(map(printable, lines))
 
 
 @command(app, None, "rockcheck compare scenes/free_rocking.toml", "rockcheck compare A.csv B.csv --out out/ab")
@@ -130,42 +130,81 @@ def compare(
     ] = None,
 ) -> None:
     """Score histories against each other: of engines on a scene, or of any software from two CSV files."""
+    from harness.comparison.scores.pointwise import Measured
     from harness.model.finding import info
     from harness.model.run import to_plain
-    from reports.messages import ENGLISH
     from reports.text.wording import scores_text
 
-    compared = compared_of(
-        files,
-        asked,
-        target,
-        quiet=saying.silent,
-        iso=iso,
-        horizon=horizon,
-        uncertainty=uncertainty,
-        slip_uncertainty=slip_uncertainty,
-        measured=_measured(measured, from_inputs),
-        out=out,
-    )
-    lines = [scores_text(pair, scores) for pair, scores in compared.pairs.items()]
-    for name, scores in compared.over_all.items():
-        same = info("same_outcome", model=name, reference=scores.reference, same=scores.same, cases=scores.cases)
-        lines += [ENGLISH.say(each) for each in (same, *scores.findings(name))]
+    if from_inputs and measured is None:
+        raise InputError(Mistake("--input-uncertainty", "", "beside --measured-uncertainty", "alone"))
+    over_all: dict[str, SetScores] = {}
+    if any(path.suffix == ".csv" for path in files):
+        if (asked, target, horizon) != (EngineOptions(), Target(), False):
+            no_run = "no -e, --set, --accuracy, --dt or --horizon with histories: nothing is run"
+            raise InputError(Mistake("compare", "", no_run, "one of them"))
+        pairs = compared_histories(
+            files, out, uncertainty_rad=uncertainty, slip_uncertainty_m=slip_uncertainty, iso=iso,
+            measured=None if measured is None else Measured(measured, from_inputs),
+        )  # fmt: skip
+    else:
+        of_files = {
+            "--uncertainty": uncertainty,
+            "--slip-uncertainty": slip_uncertainty,
+            "--measured-uncertainty": measured,
+        }
+        for named in (name for name, value in of_files.items() if value is not None):
+            raise InputError(Mistake(named, "", "two .csv histories: runs state their own", "scenes"))
+        if out is not None:
+            raise InputError(
+                Mistake("--out", "", "two .csv histories", "scenes", "`rockcheck run SCENE` writes their page")
+            )
+        pairs, over_all = compared_scenes(files, asked, target, quiet=saying.silent, iso=iso, horizon=horizon)
+    lines = [scores_text(pair, scores) for pair, scores in pairs.items()]
+    for name, found in over_all.items():
+        same = info("same_outcome", model=name, reference=found.reference, same=found.same, cases=found.cases)
+        lines += [ENGLISH.say(each) for each in (same, *found.findings(name))]
     if out is not None:
         from reports.pages.page import write_report
 
         lines.append(f"report: {write_report(out)}")
-    over_all = {"over_all_scenes": compared.over_all} if compared.over_all else {}
-    saying.say(to_plain(compared.pairs | over_all), "\n".join(lines))
+    saying.say(to_plain(pairs | ({"over_all_scenes": over_all} if over_all else {})), "\n".join(lines))
 
 
-def _measured(data_rad: float | None, input_rad: float) -> Measured | None:
-    """What is stated of a measured history. Raises `InputError` for what is stated of inputs alone."""
-    from harness.comparison.scores.pointwise import Measured
+def compared_histories(files: Sequence[Path], out: Path | None, **stated: Any) -> dict[str, Scores]:
+    """The scores of two history files, written into `out` where it is given. Raises `InputError` for other files."""
+    from harness.comparison.history_files import compare_files, write_comparison
 
-    if data_rad is None and input_rad:
-        raise InputError(Mistake("--input-uncertainty", "", "beside --measured-uncertainty", "alone"))
-    return None if data_rad is None else Measured(data_rad, input_rad)
+    if len(files) != 2 or not all(path.suffix == ".csv" for path in files):
+        got = ", ".join(str(path) for path in files)
+        raise InputError(Mistake("compare", "", "scenes, or exactly two .csv histories", got))
+    a, b = files
+    scores = compare_files(a, b, **stated)
+    if out is not None:
+        write_comparison(a, b, scores, out)
+    return {f"{a.name}_vs_{b.name}": scores}
+
+
+def compared_scenes(
+    files: Sequence[Path], asked: EngineOptions, target: Target, *, quiet: bool, iso: bool, horizon: bool
+) -> tuple[dict[str, Scores], dict[str, SetScores]]:
+    """The scores of engines by pair (and scene), and of several scenes each model's against a reference over all of them."""
+    from harness.questions.study.case_blocks import KeyedRow
+    from harness.questions.study.ensembles import score_sets
+    from harness.records.study import CaseRun
+    from harness.runs.task import answer_of
+
+    by_pair: dict[str, Scores] = {}
+    rows: list[KeyedRow] = []
+    for number, path in enumerate(files):
+        result = compute(path, asked, target, quiet=quiet, iso=iso, horizon=horizon)
+        prefix = f"{path.stem}: " if len(files) > 1 else ""
+        by_pair |= {f"{prefix}{pair}": scores for pair, scores in result.scores.items()}
+        for name, run in result.runs.items():
+            case = CaseRun.stored(answer_of(run, False).record)
+            rows.append(KeyedRow(number=number, engine=name, reason="", varied={}, run=case, key=None))
+    names = [row.engine for row in rows]
+    reference = "analytic" if "analytic" in names else names[0]
+    return by_pair, score_sets(rows, reference=reference) if len(files) > 1 else {}
 
 
 @command(app, None, "rockcheck engines")
@@ -200,71 +239,6 @@ def schema(
         wanted = f"one of {', '.join(KINDS)}"
         raise InputError(Mistake("KIND", "", wanted, repr(kind), nearest(kind, KINDS)))
     OutputOptions(as_json=True).say(schema_of(class_of(kind)), "")
-
-
-def compared_of(
-    files: Sequence[Path],
-    asked: EngineOptions,
-    target: Target,
-    *,
-    quiet: bool,
-    iso: bool = False,
-    horizon: bool = False,
-    uncertainty: float | None = None,
-    slip_uncertainty: float | None = None,
-    measured: Measured | None = None,
-    out: Path | None = None,
-) -> Compared:
-    """The scores of engines on scenes, or of two history files (written into `out` where it is given).
-
-    Raises `InputError` for a mixture of both, and for options of the one with the other.
-    """
-    tables = [path.suffix == ".csv" for path in files]
-    if any(tables):
-        if not all(tables) or len(files) != 2:
-            got = ", ".join(str(path) for path in files)
-            raise InputError(Mistake("compare", "", "scenes, or exactly two .csv histories", got))
-        if (asked, target, horizon) != (EngineOptions(), Target(), False):
-            no_run = "no -e, --set, --accuracy, --dt or --horizon with histories: nothing is run"
-            raise InputError(Mistake("compare", "", no_run, "one of them"))
-        from harness.comparison.history_files import compare_files, write_comparison
-
-        a, b = files
-        scores = compare_files(
-            a, b, uncertainty_rad=uncertainty, slip_uncertainty_m=slip_uncertainty, iso=iso, measured=measured
-        )
-        if out is not None:
-            write_comparison(a, b, scores, out)
-        return Compared({f"{a.name}_vs_{b.name}": scores})
-    from harness.questions.study.case_blocks import KeyedRow
-    from harness.questions.study.ensembles import score_sets
-    from harness.records.study import CaseRun
-    from harness.runs.task import answer_of
-
-    of_files = {
-        "--uncertainty": uncertainty,
-        "--slip-uncertainty": slip_uncertainty,
-        "--measured-uncertainty": measured,
-    }
-    for named in (name for name, value in of_files.items() if value is not None):
-        raise InputError(Mistake(named, "", "two .csv histories: runs state their own", "scenes"))
-    if out is not None:
-        raise InputError(
-            Mistake("--out", "", "two .csv histories", "scenes", "`rockcheck run SCENE` writes their page")
-        )
-    by_pair: dict[str, Scores] = {}
-    rows: list[KeyedRow] = []
-    for number, path in enumerate(files):
-        result = compute(path, asked, target, quiet=quiet, iso=iso, horizon=horizon)
-        prefix = f"{path.stem}: " if len(files) > 1 else ""
-        by_pair |= {f"{prefix}{pair}": scores for pair, scores in result.scores.items()}
-        for name, run in result.runs.items():
-            case = CaseRun.stored(answer_of(run, False).record)
-            rows.append(KeyedRow(number=number, engine=name, reason="", varied={}, run=case, key=None))
-    if len(files) == 1:
-        return Compared(by_pair)
-    names = [row.engine for row in rows]
-    return Compared(by_pair, score_sets(rows, reference="analytic" if "analytic" in names else names[0]))
 
 
 def compute(
@@ -306,26 +280,9 @@ def compute(
         if forecast:
             messages.say(forecast)
         return run_scene(
-            scene,
-            names,
-            accuracy_rad=accuracy,
-            dt_s=dt,
-            options=options,
-            on_progress=messages.engine,
-            iso=iso,
-            horizon=horizon,
-            apart=True,
-            assess=assess,
-            witness=witness,
-        )
-
-
-def plan_of(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None) -> Sequence[Step]:
-    """The plan of a scene."""
-    from harness.engines import REGISTRY, default_engines, load
-    from harness.statics.plan import plan
-
-    return plan(scene, [load(name) for name in names or default_engines(scene)], options_without(no_skip), REGISTRY)
+            scene, names, accuracy_rad=accuracy, dt_s=dt, options=options, on_progress=messages.engine, iso=iso,
+            horizon=horizon, apart=True, assess=assess, witness=witness,
+        )  # fmt: skip
 
 
 def options_without(no_skip: Sequence[str] | None) -> RunOptions:

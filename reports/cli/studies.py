@@ -17,13 +17,13 @@ from harness.model.files import check_own, checksum, is_sealed
 from harness.model.finding import Say
 from harness.questions.study import estimate
 from harness.questions.study.cases import base_of
-from harness.questions.study.file import StudyFile, load_study
+from harness.questions.study.file import load_study
 from harness.questions.study.study_record import export_csv, export_parquet, study_record
 from harness.questions.study.study_run import run_study, study_name
 from harness.questions.study.witnessed import witness_study
 from harness.records.base import Record
 from harness.records.result_folder import RECORD, check_folder, read_own, write_whole
-from harness.records.study import ExportRecord, StudyRecord
+from harness.records.study import ExportRecord
 from harness.runs.progress import progress
 from harness.runs.runner import LIMIT_S, DaskPool, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, check_begun
@@ -56,44 +56,30 @@ def run(
     for a wrong study, a store that cannot be used, or `resume` where there is nothing to go on with.
     """
     kind = kind_of(path)
-    question: Any = import_module(QUESTIONS[kind]) if isinstance(kind, str) and kind in QUESTIONS else None
-    check_folder(folder, ("study" if question is None else str(kind),))
     with ExitStack() as stack:
-        study = load_study(path) if question is None else None
-        if study is not None:
-            _check(folder, resume, export)
-        for name, given in (("--export", export), ("--resume", resume), ("--dask", dask)):
-            if given and question is not None and name in question.REFUSES:
-                raise InputError(Mistake(name, "", question.REFUSES[name], str(given)))
-        if pool is None:
-            limit_s = LIMIT_S if study is None else estimate.limit_s(study, base_of(study, path).scene({}))
-            pool = stack.enter_context(closing(LocalPool(jobs, limit_s) if dask is None else DaskPool(dask, limit_s)))
-        if study is None:
+        if isinstance(kind, str) and kind in QUESTIONS:
+            question: Any = import_module(QUESTIONS[kind])
+            check_folder(folder, (kind,))
+            for name, given in (("--export", export), ("--resume", resume), ("--dask", dask)):
+                if given and name in question.REFUSES:
+                    raise InputError(Mistake(name, "", question.REFUSES[name], str(given)))
+            pool = pool or stack.enter_context(_pool(jobs, dask, LIMIT_S))
             on_progress = stack.enter_context(progress(path.stem, quiet))
             answered: Record = question.run_file(path, folder, pool, on_progress, resume=resume, say=say)
             return answered
-        return _run(study, path, folder, pool, export, large, quiet, witness, say)
-
-
-def _run(
-    study: StudyFile,
-    path: Path,
-    folder: Path,
-    pool: Pool,
-    export: Path | None,
-    large: bool,
-    quiet: bool,
-    witness: bool,
-    say: Say,
-) -> StudyRecord:
-    """A study of cases: its size is told, or refused, before anything is begun."""
-    start = time.perf_counter()
-    workers, after_s = pool.workers, estimate.RESULT_S
-    cost = estimate.cost(study, base_of(study, path), workers, witness=witness)
-    size = estimate.check(study, cost.cpu_s, workers, str(path), large=large)
-    with ExitStack() as stack:
-        at_work = progress(study.title, quiet, size, workers=workers, each_s=cost.each_s / workers, after_s=after_s)
-        on_progress = stack.enter_context(at_work)
+        check_folder(folder, ("study",))
+        study = load_study(path)
+        _check(folder, resume, export)
+        base = base_of(study, path)
+        pool = pool or stack.enter_context(_pool(jobs, dask, estimate.limit_s(study, base.scene({}))))
+        start = time.perf_counter()
+        # Its size is told, or refused, before anything is begun.
+        cost = estimate.cost(study, base, pool.workers, witness=witness)
+        size = estimate.check(study, cost.cpu_s, pool.workers, str(path), large=large)
+        each_s = cost.each_s / pool.workers
+        on_progress = stack.enter_context(
+            progress(study.title, quiet, size, workers=pool.workers, each_s=each_s, after_s=estimate.RESULT_S)
+        )
         stack.enter_context(unbegun(folder))
         store = stack.enter_context(Store(folder / STORE_NAME))
         summary = run_study(study, path, store, pool, on_progress, singly=witness)
@@ -132,15 +118,20 @@ def unbegun(folder: Path) -> Iterator[None]:
         raise
 
 
+def _pool(jobs: int | None, dask: str | None, limit_s: float) -> closing[LocalPool | DaskPool]:
+    return closing(LocalPool(jobs, limit_s) if dask is None else DaskPool(dask, limit_s))
+
+
 def _check(folder: Path, resume: bool, export: Path | None) -> None:
-    if export is not None and export.suffix not in (".csv", ".parquet"):
-        raise InputError(Mistake("--export", "", "a file ending in .csv or .parquet", str(export)))
-    if export is not None and not export.resolve().parent.is_dir():
-        raise InputError(Mistake("--export", "", "a file in an existing folder", str(export)))
-    if export is not None:
-        check_own(export, _exported(export, folder), "--export")
     if resume:
         check_begun(folder, "a study")
+    if export is None:
+        return
+    if export.suffix not in (".csv", ".parquet"):
+        raise InputError(Mistake("--export", "", "a file ending in .csv or .parquet", str(export)))
+    if not export.resolve().parent.is_dir():
+        raise InputError(Mistake("--export", "", "a file in an existing folder", str(export)))
+    check_own(export, _exported(export, folder), "--export")
 
 
 def _exported(export: Path, folder: Path) -> set[str]:

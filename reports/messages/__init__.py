@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Final
 
@@ -28,10 +27,16 @@ FIELD: Final = re.compile(r"\{(\w+)(?::(\w+))?\}")
 
 @dataclass(frozen=True, eq=False)
 class Language:
-    """A language by its code (`en`), with its strings by `table.key`."""
+    """A language by its code (`en`)."""
 
     code: str
-    strings: Mapping[str, str]
+
+    @cached_property
+    def strings(self) -> Mapping[str, str]:
+        """Its strings by `table.key`, read when the first is said."""
+        import tomllib
+
+        return dict(_flat(tomllib.loads((FOLDER / f"{self.code}.toml").read_text(encoding="utf-8"))))
 
     def __call__(self, key: str, /, **values: object) -> str:
         """The string of a key, its braces filled. Raises `KeyError` for an unknown key."""
@@ -232,8 +237,7 @@ def language(code: str) -> Language:
     """The language of a code. Raises `InputError` for one without a file."""
     if code not in LANGUAGES:
         raise InputError(Mistake("--language", "", f"one of {', '.join(LANGUAGES)}", repr(code)))
-    with (FOLDER / f"{code}.toml").open("rb") as file:
-        return Language(code, dict(_flat(tomllib.load(file))))
+    return Language(code)
 
 
 def _flat(table: Mapping[str, Any], above: str = "") -> Iterable[tuple[str, str]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 
@@ -64,13 +64,6 @@ def percent(share: float, count: int = 2) -> str:
     return f"{short(100.0 * share, count)} %"
 
 
-def spread(values: Sequence[float], name: str, count: int = 3) -> str:
-    """One number, or the range from least to largest when they differ in `count` digits."""
-    low, high = digits(min(values), count), digits(max(values), count)
-    space = "" if name == "°" else "\u00a0"
-    return f"{low}{space}{name}" if low == high else f"{low} to {high}{space}{name}"
-
-
 def plain(value: Any, count: int = 4) -> str:
     """Any value of a record in one table cell, its numbers to `count` digits."""
     if value is None:
@@ -116,14 +109,3 @@ def split_unit(key: str) -> tuple[str, str]:
         if key.lower().endswith(f"_{ending}"):
             return key[: -len(ending) - 1].replace("_", " "), name
     return key.replace("_", " "), ""
-
-
-def heading(key: str) -> str:
-    """A scene's dotted key as a short heading: its last part (`motion.x.amplitude_g` → `amplitude [g]`)."""
-    return label(key.rsplit(".", 1)[-1])
-
-
-def label(key: str) -> str:
-    """A record's key as a heading: words, then the unit in brackets."""
-    words, name = split_unit(key)
-    return f"{words} [{name}]" if name else words

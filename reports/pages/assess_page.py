@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 from harness.input.uncertain import assumption
@@ -61,8 +60,8 @@ def blocks(_folder: Path, record: AssessRecord, say: Language) -> list[Block]:
 def models_table(record: AssessRecord, say: Language) -> Table | None:
     """How probable a fall is by each model, or why it says nothing; the terminal shows the same."""
     rows = [
-        {"model": name, "probability": _share(say, item.probability_overturned), "interval": _between(say, item),
-         "draws": item.draws, "runs": item.engine_runs, "undecided": _share(say, item.undecided)}
+        {"model": name, "probability": say.value(item.probability_overturned, "share"), "interval": _between(say, item),
+         "draws": item.draws, "runs": item.engine_runs, "undecided": say.value(item.undecided, "share")}
         if isinstance(item, Assessment) else
         {"model": name, "probability": say("text.not_assessed"), "interval": item.message if item else "",
          **dict.fromkeys(("draws", "runs", "undecided"), "")}
@@ -76,12 +75,8 @@ def assess_verdict(record: AssessRecord) -> Verdict:
     return verdict(record, tone_of_answers(record.answers) if record.answers else "failed")
 
 
-def _share(say: Language, value: float) -> str:
-    return say.value(value, "share")
-
-
 def _between(say: Language, item: Assessment | OptionAnswer) -> str:
-    return say.range([_share(say, item.low), _share(say, item.high)]).replace(" ", "\u00a0")
+    return say.range([say.value(item.low, "share"), say.value(item.high, "share")]).replace(" ", "\u00a0")
 
 
 def _changed(item: OptionAnswer, say: Language) -> str:
@@ -109,8 +104,8 @@ def _options(record: AssessRecord, say: Language) -> list[Section]:
     rows = [
         {
             "option": say.word(item.name),
-            "probability": (_share(say, item.probability_overturned) if item.tells else "–")
-            + (f" ({say('text.no_end', share=_share(say, item.undecided))})" if item.undecided else ""),
+            "probability": (say.value(item.probability_overturned, "share") if item.tells else "–")
+            + (f" ({say('text.no_end', share=say.value(item.undecided, 'share'))})" if item.undecided else ""),
             "shown": "" if item.difference is None
             else say("text.helps" if item.helps else "text.harms" if item.harms else "text.not_shown"),
             "interval": _between(say, item),
@@ -135,7 +130,7 @@ def _options(record: AssessRecord, say: Language) -> list[Section]:
         for name, reason in options.left_out.items()
     ]
     columns = "option probability shown interval change_points slip_median slip_high"
-    level = _share(say, options.difference_level)
+    level = say.value(options.difference_level, "share")
     return section(
         say, "options", table(say, "options", columns, rows, "options", model=options.model),
         words(say, "options", draws=options.draws, some=some, level=level),
@@ -182,7 +177,7 @@ def _inputs(record: AssessRecord, say: Language) -> list[Section]:
     """What is uncertain, whence its width comes, and how much of the answer hangs on it."""
     rows = [
         {"input": item.key, "value": float(item.value), "distribution": say(f"text.{item.kind}"),
-         "width": " ".join(_width(item, say)), "source": _source(item, say, assumed=record.assumed)}
+         "width": _width(item, say), "source": _source(item, say, assumed=record.assumed)}
         for item in record.uncertainty
     ]  # fmt: skip
     indices = [
@@ -201,10 +196,11 @@ def _inputs(record: AssessRecord, say: Language) -> list[Section]:
     )  # fmt: skip
 
 
-def _width(item: Uncertain, say: Language) -> Iterator[str]:
-    yield say(f"text.width_{item.kind}", width=say.digits(item.width))
-    if item.correlated_with is not None:
-        yield say("text.correlated", rho=say.short(item.rho), other=item.correlated_with)
+def _width(item: Uncertain, say: Language) -> str:
+    width = say(f"text.width_{item.kind}", width=say.digits(item.width))
+    if item.correlated_with is None:
+        return width
+    return f"{width} {say('text.correlated', rho=say.short(item.rho), other=item.correlated_with)}"
 
 
 def _source(item: Uncertain, say: Language, *, assumed: bool) -> str:

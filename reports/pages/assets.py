@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+import base64
 import gzip
 import json
 import zipfile
 from collections.abc import Callable
 from functools import cache
 from importlib.metadata import distribution
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
-import numpy as np
 from jinja2 import Environment, FileSystemBytecodeCache, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
@@ -25,8 +24,6 @@ from reports.charts.figure import CONFIG
 from reports.messages.numbers import given, length, unit
 
 TEMPLATES: Final = Path(__file__).resolve().parents[1] / "templates"
-LETTERS: Final = np.array([code for code in range(33, 127) if chr(code) not in "<&>"], dtype=np.uint8)
-"""The 91 letters of packed data: two of them hold 13 bits, so that text is 1.23 times as long as its bytes (base64: 1.33)."""
 VIEWER_OWN_CODE: Final = "var camera,controls,scene,renderer,tracklight;"
 """Where trimesh's own page begins behind the three.js library in the viewer that its wheel ships."""
 
@@ -35,21 +32,9 @@ PAGES_SCRIPT: Final = "window.vegaEmbed = vegaEmbed;"
 MAKERS: Final = "Vega, Vega-Lite and Vega-Embed: University of Washington Interactive Data Lab; bundled by VlConvert"
 
 ROOM: Final = "pages"
+"""Where the user keeps what pages carry; nowhere where no folder is safe: what lies there runs in the reader's browser."""
 MOST_TEXTS: Final = 2
 """Texts kept of each name: of this installed version, and of the one before, to which one may go back."""
-
-
-def package_folder(name: str) -> Path:
-    """The folder of an installed package, which is not imported. Raises `ModuleNotFoundError`."""
-    spec = find_spec(name)
-    if spec is None or not spec.submodule_search_locations:
-        raise ModuleNotFoundError(f"{name} is not installed: install the requirements of the lock file")
-    return Path(next(iter(spec.submodule_search_locations)))
-
-
-def folder() -> Path | None:
-    """The user's own folder for what pages carry; None where none is safe: what lies there runs in the reader's browser."""
-    return text_cache.folder(ROOM)
 
 
 def made_once(name: str, state: bytes, make: Callable[[], str]) -> str:
@@ -63,7 +48,7 @@ def three_js() -> Markup:
 
     Raises `LookupError` when the wheel's viewer no longer has the shape that is known here.
     """
-    archive = package_folder("trimesh") / "resources" / "templates" / "viewer.zip"
+    archive = Path(str(distribution("trimesh").locate_file("trimesh/resources/templates/viewer.zip")))
     state = archive.read_bytes() + Path(__file__).read_bytes()
     return Markup(made_once("three-js", state, lambda: pack_text(_script(archive))))
 
@@ -84,22 +69,13 @@ def chart_library() -> Markup:
 
     wheel = distribution("vl-convert-python")
     head = f"/* {MAKERS}.\n\n{wheel.read_text('licenses/LICENSE')} */\n"
-    state = f"{wheel.version} {PAGES_SCRIPT} {head}".encode()
+    state = f"base64 {wheel.version} {PAGES_SCRIPT} {head}".encode()
     return Markup(made_once("vega", state, lambda: pack_text(head + vl_convert.javascript_bundle(PAGES_SCRIPT))))
 
 
 def pack_text(text: str) -> Markup:
-    """Text as gzip: the number of its bytes, then `LETTERS` (page.js unpacks it); the same text always packs the same."""
-    packed = np.frombuffer(gzip.compress(text.encode("utf-8"), compresslevel=9, mtime=0), dtype=np.uint8)
-    bits = np.unpackbits(packed, bitorder="little")
-    words = np.pad(bits, (0, -len(bits) % 13)).reshape(-1, 13) @ (1 << np.arange(13))
-    return Markup(f"{len(packed)} {LETTERS[np.column_stack([words % 91, words // 91])].tobytes().decode('ascii')}")
-
-
-def json_for_script(value: Any) -> Markup:
-    """JSON that may stand inside a script element: no sequence in it can end the element."""
-    text = json.dumps(to_plain(value), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return Markup(text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029"))
+    """Text as gzip in base64 (page.js unpacks it); the same text always packs the same."""
+    return Markup(base64.b64encode(gzip.compress(text.encode("utf-8"), compresslevel=9, mtime=0)).decode("ascii"))
 
 
 def packed_json(value: Any) -> Markup:
@@ -120,7 +96,7 @@ def _shown(value: Any) -> Any:
 @cache
 def environment() -> Environment:
     """The templates, everything in them escaped, a missing value an error; compiled once for each state of theirs."""
-    home = folder()
+    home = text_cache.folder(ROOM)
     templates = Environment(
         bytecode_cache=None if home is None else FileSystemBytecodeCache(str(home)),
         loader=FileSystemLoader(TEMPLATES),
@@ -135,7 +111,6 @@ def environment() -> Environment:
         "metres": length,
         "bound": lambda text: text.replace(" %", "\u00a0%"),
         "kind": lambda block: type(block).__name__.lower(),
-        "script_json": json_for_script,
     }
     return templates
 

@@ -19,8 +19,6 @@ from reports.blocks import (
     Section,
     Table,
     Text,
-    Verdict,
-    code,
     grid,
     notes,
     repeat,
@@ -51,7 +49,7 @@ def blocks(_folder: Path, record: BenchRecord, say: Language) -> list[Block]:
         for name, item in record.coverage.items()
     ]
     return [
-        bench_verdict(record),
+        verdict(record),
         *section(say, "notes", *notes(say, record.findings)),
         *section(say, "work", words(say, "work"), grid(work)),
         *section(
@@ -68,11 +66,6 @@ def blocks(_folder: Path, record: BenchRecord, say: Language) -> list[Block]:
         ),
         *repeat(say, record, record.command, more=[table(say, "parts", "part wall_s tasks left", record.parts)]),
     ]  # fmt: skip
-
-
-def bench_verdict(record: BenchRecord) -> Verdict:
-    """Who meets the target on every scene, and how fast on the slowest of them."""
-    return verdict(record, "agree" if code(record) == "met" else "differ")
 
 
 def _choices(say: Language, name: str, items: Sequence[Choice], target_rad: float = 0.0) -> Table | None:

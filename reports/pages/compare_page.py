@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 
 from harness.input.history_file import read_history
-from harness.model.errors import InputError, Mistake
-from harness.records.base import REWRITE
-from harness.records.result_folder import as_written
 from harness.records.scores import FILES, CompareRecord
 from harness.records.scores import Verdict as ScoredVerdict
-from reports.blocks import Block, Cell, Chart, Row, Table, Verdict, repeat, section
+from reports.blocks import Block, Cell, Chart, Row, Table, Verdict, command_line, repeat, section
 from reports.charts.curve_figures import compare_figure
 from reports.messages import Language
+from reports.source import check_files
 from reports.text.wording import score_rows
 
 
 def blocks(folder: Path, record: CompareRecord, say: Language) -> list[Block]:
     """The blocks of the page; raises `InputError` for a history that is lost or was changed."""
     paths = [folder / name for name in FILES]
-    lost = [path for path in paths if not path.is_file() or not as_written(path, record)]
-    if lost:
-        raise InputError([Mistake(str(path), "", "the file that result.json lists", "none", REWRITE) for path in lost])
+    check_files(paths, record)
     a, b = map(read_history, paths)
     scores = record.scores
     # Both may have the same name, in two folders.
@@ -35,5 +30,5 @@ def blocks(folder: Path, record: CompareRecord, say: Language) -> list[Block]:
             say, "histories", Chart("histories", say("text.compare_chart"), compare_figure(names, a, b, say), 1060)
         ),
         *section(say, "scores", Table(say("table.compare"), ["", say("label.value")], rows)),
-        *repeat(say, record, shlex.join(["rockcheck", "compare", scores.a, scores.b, "--out", folder.name])),
+        *repeat(say, record, command_line("compare", scores.a, scores.b, out=folder.name)),
     ]

@@ -1,42 +1,60 @@
-"""The conservator's page of a run: what happens to the statue, in plain words and pictures; no model is named here."""
+"""The conservator's page of a run or a study: what happens to the statue, in plain words and pictures; no model is named here."""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from harness.model.history import Outcome
-from harness.model.run import Run, number
+from harness.model.run import number
 from harness.model.scene import base_shift_m
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import MOSTLY, Assessment, worst
-from harness.records.run import OWN_MOVES, RunRecord, has_answer, peak_slip_m, standing_m, tips_s
+from harness.records.effects3d import EffectsRecord
+from harness.records.run import OWN_MOVES, RunRecord, peak_slip_m, standing_m, tips_s
 from harness.records.scene import MotionRecord, SceneRecord
-from harness.records.study import SupportRecord
+from harness.records.study import StudyRecord, StudyRow, SupportRecord, Value
 from reports.blocks import Block, Drawing, Section, Text, Verdict
+from reports.charts.drawn import still
+from reports.charts.map_figures import map_axes, map_figures
 from reports.drawing.conservator_pictures import order_svg, plan_svg, push_svg, reach_svg
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import Plan, floor_plan
 from reports.drawing.kinematics import Array, section
 from reports.messages import ENGLISH, Language, probability_text
-from reports.source import RunSource, source_of
-from reports.text.giving_way import compass, levels, order_words, slips, support_of, weakest_words
-from reports.text.wording import TIPS_RAD, horizon_s, prediction_s, tilt_rad, tone, unlike_motions
+from reports.source import RunSource, run_source, source_of
+from reports.text.giving_way import (
+    compass,
+    levels,
+    order_words,
+    pedestal_effect,
+    scan_turn_deg,
+    slips,
+    support_of,
+    weakest_words,
+)
+from reports.text.wording import (
+    TIPS_RAD,
+    Condition,
+    conditions,
+    family,
+    horizon_s,
+    prediction_s,
+    runs_of,
+    tilt_rad,
+    tone,
+    tone_of_study,
+    varying_keys,
+)
 
 LIMITS: Final = ("hard", "steady", "friction", "next")
-ENDS: Final = {
-    Outcome.STANDS: "stands",
-    Outcome.TOUCHES_WALL: "wall",
-    Outcome.LEFT_PEDESTAL: "left",
-    Outcome.LIFT_OFF: "lifted",
-    Outcome.UNDECIDED: "undecided",
-}
-"""The key of each outcome's words; other ends are none that a model can follow."""
 
 
 def plain_page(
@@ -58,10 +76,15 @@ def plain_page(
     ]
 
 
-def end_words(outcome: str, say: Language) -> str:
-    """An outcome in a museum's words."""
-    kind = Outcome(outcome)
-    return say("end.falls" if kind.overturned else f"end.{ENDS.get(kind, 'other')}")
+def end_key(outcome: Outcome) -> str:
+    """The key of an outcome's words: of every fall, and of every failure of a model, the same."""
+    kind = family(outcome)
+    return kind if kind in ("overturns", "failed") else str(outcome)
+
+
+def begun(text: str) -> str:
+    """A text as a sentence begins."""
+    return text[0].upper() + text[1:]
 
 
 def push_picture(
@@ -135,28 +158,29 @@ STRONG: Final = 0.05
 """From the first to the last instant at which it has this share of its strongest push the shaking lasts."""
 
 
-def blocks(folder: Path, record: RunRecord, say: Language = ENGLISH) -> list[Block]:
-    """The blocks of the conservator's page of a run."""
-    return of_run(source_of(folder, record), say)
+def blocks(folder: Path, record: RunRecord | StudyRecord | EffectsRecord, say: Language = ENGLISH) -> list[Block]:
+    """The blocks of the conservator's page of a run, a study or an effects study."""
+    if isinstance(record, RunRecord):
+        return of_run(source_of(folder, record), say)
+    return of_study(record, say) if isinstance(record, StudyRecord) else of_effects(folder, record, say)
 
 
 def of_run(source: RunSource, say: Language = ENGLISH) -> list[Block]:
     """Headline, first points, what to do, pictures, and what the answer rests on, of one run."""
-    answered = {name: run for name, run in source.runs.items() if has_answer(run)}
-    nominal = _nominal(source, answered, say)
+    nominal = _nominal(source, say)
     headline, basis = _answer(source, nominal, say)
     given = [] if headline == nominal else [say("chance.given", what=nominal[0].lower() + nominal[1:])]
     support, motion = support_of(source.scene), source.record.motion
-    plan = floor_plan(source, _standing(source))
+    plan = floor_plan(source, source.standing)
     points = [*_shaking(source, say), *given, *_lean(source, say)]
     pictures = [
         reach_picture(source, say),
-        plan_picture(source, plan, _pedestal_slip(source, answered, say), say),
+        plan_picture(source, plan, _pedestal_slip(source, say), say),
         push_picture(source.scene, support, say, motion),
         order_picture(source.scene, support, say, motion),
     ]
-    rests = [*basis, *_who(source.runs, answered, say), *_trust(source, say)]
-    return plain_page(headline, tone(source), points, _todo(source, answered, plan, say), pictures, rests, say)
+    rests = [*basis, *_who(source, say), *_trust(source, say)]
+    return plain_page(headline, tone(source), points, _todo(source, plan, say), pictures, rests, say)
 
 
 def _shaking(source: RunSource, say: Language) -> list[str]:
@@ -176,24 +200,22 @@ def _shaking(source: RunSource, say: Language) -> list[str]:
     if len(rates) == 1 and isinstance(rate := rates.pop(), int | float):
         fast = rate > SLOW_HZ
         pace = say("shaking.fast" if fast else "shaking.slow", count=say.short(rate if fast else 1.0 / rate, 2))
-    strong = np.zeros(len(motion.t_s), dtype=bool)
-    for values in axes.values():
-        size = np.abs(values)
-        strong |= size >= STRONG * size.max()
+    sizes = [np.abs(values) for values in axes.values()]
+    strong = np.any([size >= STRONG * size.max() for size in sizes], axis=0)
     at = np.asarray(motion.t_s)[strong]
     lasts = say.short(float(at[-1] - at[0]), 2)
     return [say("shaking.of", push=say.percent(peak), ways=say.listed(ways), pace=pace, time=lasts)]
 
 
-def _todo(source: RunSource, answered: Mapping[str, Run], plan: Plan, say: Language) -> list[str]:
+def _todo(source: RunSource, plan: Plan, say: Language) -> list[str]:
     """What the record gives reason to do: room to keep free, a fall to reckon with, remedies to have compared."""
-    rooms, unsafe = _rooms(plan, say), tone(source) != "agree"
+    rooms, unsafe, answered = _rooms(plan, say), tone(source) != "agree", source.answered
     slip_m = max(map(peak_slip_m, answered.values()), default=0.0)
     reasons = {
         "free": rooms,
         "wall": any(run.outcome is Outcome.TOUCHES_WALL for run in answered.values()),
         "slide": source.scene.pedestal is not None and slip_m > VISIBLE_M,
-        "fall": unsafe and _may_fall(source, answered),
+        "fall": unsafe and _may_fall(source),
         "ask": unsafe,
     }
     lengths = {"length": say.length(slip_m), "height": say.length(source.scene.statue.height_m)}
@@ -201,14 +223,14 @@ def _todo(source: RunSource, answered: Mapping[str, Run], plan: Plan, say: Langu
     return said or [say("todo.nothing")]
 
 
-def _may_fall(source: RunSource, answered: Mapping[str, Run]) -> bool:
+def _may_fall(source: RunSource) -> bool:
     """Whether a fall is to be reckoned with: in a run, among the draws, or because neither tells."""
     chances = (source.record.assessment or {}).values()
-    falls = any(run.outcome.overturned for run in answered.values())
+    falls = any(run.outcome.overturned for run in source.answered.values())
     return (
         falls
         or bool(_leaning(source))
-        or not (answered and chances)
+        or not (source.answered and chances)
         or any(item.high >= NEXT_TO_NONE for item in chances)
     )
 
@@ -250,14 +272,15 @@ def _share(value: float, say: Language) -> str:
     return probability_text(value).replace(".", say.strings["decimal"])
 
 
-def _nominal(source: RunSource, answered: Mapping[str, Run], say: Language) -> str:
+def _nominal(source: RunSource, say: Language) -> str:
     """What happens with the values as given; one that leans past its balance when its run ends is not taken to stay upright."""
     leaning = [source.runs[name].outcome for name in _leaning(source)]
-    ends = dict.fromkeys(end_words(outcome, say) for outcome in [*(run.outcome for run in answered.values()), *leaning])
+    answered = [run.outcome for run in source.answered.values()]
+    ends = list(dict.fromkeys(map(end_key, [*answered, *leaning])))
     if not ends:
         return say("run.none")
-    key = "one_end" if len(ends) == 1 else "may_fall" if say("end.falls") in ends else "disagree"
-    return say(f"run.{key}", begins=_begins(source, say), end=next(iter(ends)))
+    key = "one_end" if len(ends) == 1 else "may_fall" if "overturns" in ends else "disagree"
+    return say(f"run.{key}", begins=_begins(source, say), end=say(f"end.{ends[0]}"))
 
 
 def _begins(source: RunSource, say: Language) -> str:
@@ -268,36 +291,26 @@ def _begins(source: RunSource, say: Language) -> str:
     return say(f"begin.{shaken}{kind}", lean=say.digits(math.degrees(abs(start.theta_rad)), 2))
 
 
-def _who(runs: Mapping[str, Run], answered: Mapping[str, Run], say: Language) -> list[str]:
+def _who(source: RunSource, say: Language) -> list[str]:
     """How many models say what; which they are stands in the engineer's report."""
-    silent, total = len(runs) - len(answered), say.count(len(answered))
-    none = [say("run.silent_one" if silent == 1 else "run.silent", count=_begun(say.count(silent)))] if silent else []
+    answered = source.answered
+    silent, total = len(source.runs) - len(answered), say.count(len(answered))
+    none = [say("run.silent_one" if silent == 1 else "run.silent", count=begun(say.count(silent)))] if silent else []
     if len(answered) == 1:
         return [say("run.answered_one" if silent else "run.asked_one"), *none]
-    unlike = [say("run.motion")] if unlike_motions(answered.values()) else []
-    ends = Counter(end_words(run.outcome, say) for run in answered.values())
+    # Not all models were given the same axes of the floor's motion.
+    axes = {tuple(run.motion_axes) for run in answered.values() if run.motion_axes is not None}
+    unlike = [say("run.motion")] if len(axes) > 1 else []
+    ends = Counter(end_key(run.outcome) for run in answered.values())
     if len(ends) == 1:
         sides = {run.outcome for run in answered.values()}
         side = [say("run.only_side")] if len(sides) > 1 and all(end.overturned for end in sides) else []
-        return [" ".join([say("run.all_agree", count=_begun(total)), *side]), *unlike, *none]
+        return [" ".join([say("run.all_agree", count=begun(total)), *side]), *unlike, *none]
     each = [
-        say("run.some_one" if count == 1 else "run.some", end=end, count=say.count(count), total=total)
+        say("run.some_one" if count == 1 else "run.some", end=say(f"end.{end}"), count=say.count(count), total=total)
         for end, count in ends.items()
     ]
     return [*each, *unlike, *none]
-
-
-def _begun(word: str) -> str:
-    return word[0].upper() + word[1:]
-
-
-def _answering(source: RunSource) -> list[str]:
-    """The models that answered and left a history."""
-    return [name for name in source.histories if has_answer(source.runs[name])]
-
-
-def _standing(source: RunSource) -> list[str]:
-    return [name for name in _answering(source) if source.runs[name].outcome == Outcome.STANDS]
 
 
 def _leaning(source: RunSource) -> list[str]:
@@ -314,7 +327,7 @@ def _worst_lean(source: RunSource) -> tuple[float, float, float, int]:
     """The largest lean of the models in which it stands as a share of the angle at which it balances there, both in rad, and the
     side; 0 for the side of one out of the plane of the pictures."""
     leans = [(0.0, 0.0, source.scene.statue.slenderness_rad(1), 1)]
-    for name in _standing(source):
+    for name in source.standing:
         run = source.runs[name]
         for side in (1, -1):
             peak, balance = (
@@ -329,14 +342,15 @@ def _worst_lean(source: RunSource) -> tuple[float, float, float, int]:
 
 def _lean(source: RunSource, say: Language) -> list[str]:
     """The largest lean against the one at which it balances, of the models in which it stands; past it, what brought it back."""
-    standing = _standing(source)
+    standing = source.standing
     if not standing:
         return []
     share, lean_rad, balance_rad, _ = _worst_lean(source)
     degrees, balance = (say.digits(math.degrees(value), 2) for value in (lean_rad, balance_rad))
     back = "floor_back" if source.record.motion.accel_m_s2 else "swing_back"
     keys = ["no_rocking"] if lean_rad < STILL_RAD else ["leans"] if share < 1.0 else ["leans_past", back]
-    keys = keys if standing == _answering(source) and not _leaning(source) else ["of_standing", *keys]
+    followed = [name for name in source.histories if name in source.answered]
+    keys = keys if standing == followed and not _leaning(source) else ["of_standing", *keys]
     values = {"degrees": degrees, "balance": balance, "share": f"{100.0 * share:.0f}"}
     moves = [say(f"run.{code}", length=say.length(most_m)) for code, most_m in _own_moves_m(source).items()]
     return [" ".join([*(say(f"run.{key}", **values) for key in keys), *moves])]
@@ -344,15 +358,16 @@ def _lean(source: RunSource, say: Language) -> list[str]:
 
 def _own_moves_m(source: RunSource) -> dict[str, float]:
     """How far at most the statue slides on its support, and hops, where it stands and that is seen."""
-    runs = [source.runs[name] for name in _standing(source)]
+    runs = [source.runs[name] for name in source.standing]
     most_m = {
         code: max((standing_m(run, name) or 0.0 for run in runs), default=0.0) for code, name in OWN_MOVES.items()
     }
     return {code: value for code, value in most_m.items() if value > VISIBLE_M}
 
 
-def _pedestal_slip(source: RunSource, answered: Mapping[str, Run], say: Language) -> list[str]:
+def _pedestal_slip(source: RunSource, say: Language) -> list[str]:
     """How far its pedestal slides and tips; that it stays put only where no model says that it tips."""
+    answered = source.answered
     if source.scene.pedestal is None or not answered:
         return []
     most = max(map(peak_slip_m, answered.values()))
@@ -374,7 +389,7 @@ def _trust(source: RunSource, say: Language) -> list[str]:
 def _extremes(source: RunSource) -> list[tuple[float, float]]:
     """Rotation and the support's displacement at the top's farthest shifts to each side, over the models in which it stands."""
     shape, stone = section(source.scene), source.scene.pedestal
-    standing = [source.histories[name] for name in _standing(source)]
+    standing = [source.histories[name] for name in source.standing]
     poses = [(item.theta_rad, base_shift_m(stone, item.slip_m, item.extra)) for item in standing]
     extremes = []
     for side in (-1.0, 1.0):
@@ -387,7 +402,7 @@ def _extremes(source: RunSource) -> list[tuple[float, float]]:
 
 def reach_picture(source: RunSource, say: Language, heading: str = "reach.heading") -> Drawing:
     """Its farthest positions against the lean at which it balances, and its wall; of a statue that falls, the latter alone."""
-    extremes, title, standing = _extremes(source), say(heading), _standing(source)
+    extremes, title, standing = _extremes(source), say(heading), source.standing
     outline, shape = silhouette_m(source.scene, source.mesh), section(source.scene)
     statue, (_, lean_rad, balance_rad, side) = source.scene.statue, _worst_lean(source)
     own = _own_moves_m(source)
@@ -404,7 +419,7 @@ def reach_picture(source: RunSource, say: Language, heading: str = "reach.headin
         left = gap - _beyond(outline, shape, extremes, sign)
         remains = say("reach.remain", left=say.length(left)) if left > 0 else say("reach.strikes")
         words.append(f"{say('reach.free', gap=say.length(gap))} {remains}")
-    ends = [run.outcome for run in source.runs.values() if has_answer(run)]
+    ends = [run.outcome for run in source.answered.values()]
     fell = [end for end in ends if end.overturned]
     if fell:
         many = "fell_all" if len(fell) == len(ends) else "fell_one" if len(fell) == 1 else "fell"
@@ -429,7 +444,7 @@ def _rooms(plan: Plan, say: Language) -> str:
 
 def plan_picture(source: RunSource, plan: Plan, slip: Sequence[str], say: Language) -> Drawing:
     """The space that the statue needs while it rocks, all round where a model follows it in space, and its pedestal's slip."""
-    heading, standing = say("plan.heading"), _standing(source)
+    heading, standing = say("plan.heading"), source.standing
     rooms = _rooms(plan, say)
     words = [say("plan.seen"), *([say("plan.stone")] if source.scene.pedestal is not None else [])]
     words.append(say("plan.room", rooms=rooms) if rooms else say("plan.still"))
@@ -451,3 +466,218 @@ def _beyond(outline: Array, shape: Any, poses: Sequence[tuple[float, float]], si
     """How far the outline at these poses stands out beyond its own outline at rest, on one side."""
     rest = _farthest(outline, shape, (0.0, 0.0), sign)
     return max([0.0, *(_farthest(outline, shape, pose, sign) - rest for pose in poses)])
+
+
+# Of a study: how often the statue falls, how strong a shaking it bore, what the pedestal changed.
+
+
+WIDTH: Final = 480
+"""Width of the charts among the page's pictures."""
+AXES: Final = {"frequency_hz": "plain.frequency", "amplitude_g": "plain.strength", "pga_g": "plain.strength"}
+"""The words of a map's axis with their unit, by the last part of its key; others have the key's own."""
+SEVERE: Final = ("stands", "failed", "other", "wall", "overturns")
+"""Families of outcomes, the worst for the statue last."""
+STRENGTHS: Final = (
+    "motion.scale",
+    *(f"motion.{axis}.{name}" for axis in "xy" for name in ("amplitude_g", "scale", "pga_g")),
+)
+"""Keys that vary the strength of a level shaking."""
+
+
+def of_study(record: StudyRecord, say: Language = ENGLISH) -> list[Block]:
+    """Headline, points and pictures of a study."""
+    models, cases = conditions(record.rows)
+    ends = {model: [run.outcome for _, run in runs_of(cases, model)] for model in models}
+    ends = {model: outcomes for model, outcomes in ends.items() if outcomes}
+    said = [*_asked(record, models, say), *_by_variant(ends, say), *_bore(cases, say)]
+    tone = tone_of_study(family(outcome) for outcomes in ends.values() for outcome in outcomes)
+    basis = [*_agree(record, say), say("chance.unknown")]
+    pictures = [*_map(record, cases, say), *_pictures(record, models, cases, say)]
+    return plain_page(_headline(ends, say), tone, said, [say("todo.ask")], pictures, basis, say)
+
+
+def _headline(ends: Mapping[str, Sequence[Outcome]], say: Language) -> str:
+    """In how many situations it falls, by the models that answered the most of them."""
+    if not ends:
+        return say("study.nothing")
+    most = max(map(len, ends.values()))
+    whole = {model: outcomes for model, outcomes in ends.items() if len(outcomes) == most}
+    falls = {_fallen(outcomes) for outcomes in whole.values()}
+    if len(falls) == 1:
+        return say("study.falls", falls=falls.pop(), total=most)
+    parts = [{model.partition(" (")[0] for model in whole}, {model.partition(" (")[2] for model in whole}]
+    named = zip(("study.model", "study.variant"), parts, strict=True)
+    by = say.listed(say(key) for key, names in named if len(names) > 1)
+    return say("study.falls_between", least=min(falls), most=max(falls), total=most, by=by)
+
+
+def _by_variant(ends: Mapping[str, Sequence[Outcome]], say: Language) -> list[str]:
+    """What the models say of each variant; whatever is neither a fall nor standing is named."""
+    variants: dict[str, list[Sequence[Outcome]]] = {}
+    for model, outcomes in ends.items():
+        variants.setdefault(model.partition(" (")[2][:-1], []).append(outcomes)
+    sentences = []
+    for variant, answers in variants.items():
+        kinds = [Counter(map(end_key, outcomes)) for outcomes in answers]
+        others = dict.fromkeys(key for counts in kinds for key in counts if key not in ("overturns", "stands"))
+        each = [
+            say("study.more_silent", count=_between([counts[key] for counts in kinds], say))
+            if key == "failed"
+            else say("study.more_end", end=say(f"end.{key}"), count=_between([counts[key] for counts in kinds], say))
+            for key in others
+        ]
+        more = say("study.more", ends=say.listed(each)) if each else ""
+        falls, total = _between([counts["overturns"] for counts in kinds], say), _between(list(map(len, answers)), say)
+        key = "study.by_one" if len(variants) == 1 else "study.by_variant"
+        sentences.append(say(key, variant=variant, falls=falls, total=total, more=more))
+    return sentences
+
+
+def _between(counts: Sequence[int], say: Language) -> str:
+    least, most = min(counts), max(counts)
+    return str(least) if least == most else say("study.between", least=least, most=most)
+
+
+def _fallen(outcomes: Sequence[Outcome]) -> int:
+    return sum(outcome.overturned for outcome in outcomes)
+
+
+def _asked(record: StudyRecord, models: Sequence[str], say: Language) -> list[str]:
+    varied = [say.key(key) or say("key.other") for key in record.vary]
+    variants = list(dict.fromkeys(model.partition(" (")[2][:-1] for model in models))
+    said = [say("study.varied", keys=say.listed(dict.fromkeys(varied)))] if varied else []
+    names = say.listed(f"“{name}”" for name in variants)
+    return [*said, *([say("study.variants", names=names)] if len(variants) > 1 else [])]
+
+
+def _strength(cases: Sequence[Condition]) -> str | None:
+    """The key that varies the strength of the shaking."""
+    keys = cases[0].varied if cases else ()
+    return next((key for key in keys if key in STRENGTHS), None)
+
+
+def _borne(cases: Sequence[Condition], key: str) -> float | None:
+    """The strongest level of the shaking up to which the statue stood in every situation and every model; None without one."""
+    ends: dict[float, set[str]] = {}
+    for item in cases:
+        answered = {family(row.run.outcome) for row in item.answers.values() if row.run is not None}
+        ends.setdefault(abs(float(item.varied[key])), set()).update(answered)
+    safe = itertools.takewhile(lambda level: ends[level] == {"stands"}, sorted(level for level in ends if ends[level]))
+    return max(safe, default=None)
+
+
+def _bore(cases: Sequence[Condition], say: Language) -> list[str]:
+    """The strongest shaking that it bore; where there is none, the weakest that was tried."""
+    key = _strength(cases)
+    if key is None:
+        return []
+    safe, tried = _borne(cases, key), [abs(float(item.varied[key])) for item in cases]
+    level = min(tried) if safe is None else safe
+    return [say("study.weakest" if safe is None else "study.borne", level=_level(key, level, say))]
+
+
+def _level(key: str, value: float, say: Language) -> str:
+    """How strong a shaking is, by the key that varies it."""
+    kind = "weight" if key.endswith("_g") else "record" if key.endswith("scale") else "other"
+    words, number = say.key(key) or say("key.other"), say.short(value)
+    return say(f"study.level_{kind}", push=say.percent(value), factor=number, key=words, value=number)
+
+
+def _by_direction(record: StudyRecord, cases: Sequence[Condition]) -> dict[float, float]:
+    """The strongest shaking borne by direction of the push, where the study turned the statue and varied the amplitude in g.
+
+    A statue turned by an angle under a shaking along x is one shaken along minus that angle, to both sides.
+    """
+    turn = next((key for item in cases for key in item.varied if key.endswith("azimuth_deg")), None)
+    strength = _strength(cases)
+    if turn is None or strength is None or not strength.endswith("_g"):
+        return {}
+    own = scan_turn_deg(record.scene)
+    borne = {}
+    for angle in {float(item.varied[turn]) for item in cases}:
+        safe = _borne([item for item in cases if float(item.varied[turn]) == angle], strength)
+        for side in (0.0, 180.0):
+            borne[(own - angle + side) % 360.0] = safe or 0.0
+    return borne
+
+
+def _agree(record: StudyRecord, say: Language) -> list[str]:
+    """How often the other models end as the reference does: the record's own count."""
+    scores = [each for each in (record.scores or {}).values() if each.cases]
+    if not scores:
+        return []
+    same, total = sum(each.same for each in scores), sum(each.cases for each in scores)
+    return [say("study.agree", count=begun(say.count(len(scores) + 1)), same=same, total=total)]
+
+
+def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], say: Language) -> list[Drawing]:
+    """Reach and effect of the pedestal where the study varied it; else what gives way first."""
+    scene, support = record.scene, record.supports or support_of(record.scene)
+    push = push_picture(scene, support, say, borne=_by_direction(record, cases))
+    effect = pedestal_effect(record, models, cases, say, "plain")
+    if effect is None:
+        return [push, order_picture(scene, support, say)]
+    finding, charts = effect
+    saved_words = say("study.saved", **finding.values)
+    if not charts:
+        order = order_picture(scene, support, say)
+        return [push, replace(order, caption=[*order.caption, saved_words])]
+    saved, moved = (still(each.figure, WIDTH) for each in charts)
+    return [
+        Drawing(moved, [say("study.far")], heading=say("study.top")),
+        push,
+        Drawing(saved, [saved_words], heading=say("order.heading_pedestal")),
+    ]
+
+
+def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list[Drawing]:
+    """Where it falls, over the two keys of the study's own map: at each place the worst that any answer there says."""
+    axes = map_axes(cases, [key for key in record.vary if key in varying_keys(cases)])
+    if axes is None or record.panels:
+        return []
+    worst: dict[tuple[Value, ...], StudyRow] = {}
+    for item in cases:
+        place = tuple(item.varied[key] for key in axes)
+        for row in item.answers.values():
+            if place not in worst or _severity(row) > _severity(worst[place]):
+                worst[place] = row
+    places = [Condition(dict(zip(axes, place, strict=True)), {"": row}) for place, row in worst.items()]
+    figures = map_figures([""], places, axes, say)
+    if not figures:
+        return []
+    _, figure = figures[0]
+    for side, key in zip("xy", axes, strict=True):
+        last = key.rsplit(".", 1)[-1]
+        named = say(AXES[last]) if last in AXES else say.key(key) or say("key.other")
+        figure["encoding"][side]["title"] = named
+    figure["layer"][0]["encoding"]["fill"]["legend"] = None
+    seen = sorted({_severity(row) for row in worst.values()} - {-1}, reverse=True)
+    words = [say("map.seen"), " ".join(say(f"map.{SEVERE[k]}") for k in seen)]
+    return [Drawing(still(figure, WIDTH), words, heading=say("map.heading"))]
+
+
+def _severity(row: StudyRow) -> int:
+    """Place of what a row says among `SEVERE`; nothing computed is the least."""
+    return -1 if row.run is None else SEVERE.index(family(row.run.outcome))
+
+
+def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> list[Block]:
+    """Headline, points and pictures of an effects study: the shaking borne by direction, over all its conditions and models."""
+    borne: dict[float, float] = {}
+    for row in record.rows:
+        borne[row.azimuth_deg] = min(borne.get(row.azimuth_deg, math.inf), row.stands_at_g)
+    weak, strong = (choose(borne, key=lambda key: borne[key]) for choose in (min, max))
+    scene, support = record.scene, support_of(record.scene)
+    pictures = [push_picture(scene, support, say, borne=borne), order_picture(scene, support, say)]
+    if record.replay:
+        pictures.insert(0, reach_picture(run_source(folder / record.replay.folder), say, "reach.replayed"))
+    variants = len({row.condition for row in record.rows})
+    strongest = say.percent(borne[strong])
+    points = [
+        say("study.effects_least", weak=compass(weak, say), strong=compass(strong, say), push=strongest),
+        say("study.effects_directions", count=len(borne), variants=variants),
+        say("study.effects_form"),
+    ]
+    # What shaking is borne says nothing of how probable a fall is: never green.
+    headline = say("study.effects", push=say.percent(borne[weak]))
+    return plain_page(headline, "differ", points, [say("todo.ask")], pictures, [], say)

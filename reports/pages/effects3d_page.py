@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -15,8 +14,7 @@ from reports.blocks import (
     Group,
     Legend,
     Table,
-    Verdict,
-    code,
+    command_line,
     notes,
     repeat,
     section,
@@ -59,9 +57,9 @@ def blocks(folder: Path, record: EffectsRecord, say: Language) -> list[Block]:
         ),
         replay(source, [chip(name, engines, None, say) for name in engines]),
     ] if source and chosen and source.histories else []  # fmt: skip
-    commands = [f"rockcheck study {shlex.quote(record.file)}", *([chosen.command] if chosen and chosen.command else [])]
+    commands = [command_line("study", record.file), *([chosen.command] if chosen and chosen.command else [])]
     return [
-        effects_verdict(record),
+        verdict(record),
         *section(say, "rose", Group("grid", [Group("", pictures), Group("", told)]),
             Details(say("text.rose_numbers"), [_rose(record, say)]),
         ),
@@ -75,11 +73,6 @@ def blocks(folder: Path, record: EffectsRecord, say: Language) -> list[Block]:
         *moving,
         *repeat(say, record, *commands),
     ]  # fmt: skip
-
-
-def effects_verdict(record: EffectsRecord) -> Verdict:
-    """The record's answer; green where the planar model is nowhere too safe."""
-    return verdict(record, "agree" if code(record) == "plane_safe" else "differ")
 
 
 def _rose(record: EffectsRecord, say: Language) -> Table:

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 
 from harness.records.validation import MeasuredRecord, MeasuredTable
-from reports.blocks import Block, Table, code, repeat, section, verdict
+from reports.blocks import Block, Table, command_line, repeat, section, verdict
 from reports.messages import Language
 
 
 def blocks(_folder: Path, record: MeasuredRecord, say: Language) -> list[Block]:
     """The blocks of the page."""
-    tone = "differ" if code(record) == "drops_not_told" else "agree"
     return [
-        verdict(record, tone, [each.text for each in record.findings]),
+        verdict(record, more=[each.text for each in record.findings]),
         *section(say, "tables", *(measured_table(each, say) for each in record.tables)),
         *repeat(say, record, command(record)),
     ]
@@ -32,13 +30,7 @@ def command(record: MeasuredRecord) -> str:
     """The command that repeats it."""
     if record.about == "checked":
         return "python -m tests.measures.checked"
-    parts = [f"rockcheck validate {shlex.quote(record.source)}"]
-    if record.body is not None:
-        rows = [row for row in record.tables[0].rows if row[-1] is not None and "published" not in row]
-        models = dict.fromkeys(str(row[0]) for row in rows)
-        parts += [
-            f"--body {shlex.quote(record.body)}",
-            *(f"-e {name}" for name in models),
-            *([] if record.samples is None else [f"--samples {record.samples}"]),
-        ]
-    return " ".join([*parts, f"--seed {record.seed}"] if record.seed else parts)
+    rows = record.tables[0].rows if record.body else ()
+    models = dict.fromkeys(str(row[0]) for row in rows if row[-1] is not None and "published" not in row)
+    samples = record.samples if record.body else None
+    return command_line("validate", record.source, body=record.body, e=[*models], samples=samples, seed=record.seed)

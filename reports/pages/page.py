@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Final
@@ -21,16 +20,8 @@ from reports.pages.assets import chart_library, environment, source_text
 
 REPORT_NAME: Final = "report.html"
 CONSERVATOR_NAME: Final = "conservator.html"
-CONSERVATOR_PAGES: Final[Mapping[str, str]] = {
-    "run": "reports.pages.conservator",
-    "study": "reports.pages.conservator_study",
-    "effects3d": "reports.pages.conservator_study",
-}
-"""Which module knows the conservator's page of a kind of record."""
-COUNTED: Final = {"validation": "tests"}
-"""What a page's title counts of a kind of record, which has no title of its own."""
-SCRIPTS: Final[Mapping[type, str]] = {Replay: "replay.js"}
-"""What a page needs to run where it holds such a block."""
+FOR_CONSERVATORS: Final = ("run", "study", "effects3d")
+"""Kinds of record that have a conservator's page."""
 
 
 def write_report(folder: Path, language_code: str = "en") -> Path:
@@ -45,9 +36,12 @@ def write_report(folder: Path, language_code: str = "en") -> Path:
     record = read_result(folder).texted(say.say)
     mistakes: list[Mistake] = []
     faults: list[Exception] = []
-    for name, build in _pages(record, say).items():
+    builders: dict[str, Callable[[Path, Record, Language], str]] = {REPORT_NAME: _report}
+    if record.kind in FOR_CONSERVATORS:
+        builders[CONSERVATOR_NAME] = _conservator
+    for name, build in builders.items():
         try:
-            text = build(folder, record)
+            text = build(folder, record, say)
         except InputError as error:
             mistakes += error.mistakes
         except Exception as fault:  # noqa: BLE001 - raised below: one page's failure must not cost the other
@@ -62,12 +56,6 @@ def write_report(folder: Path, language_code: str = "en") -> Path:
     return folder / REPORT_NAME
 
 
-def _pages(record: Record, say: Language) -> dict[str, Callable[[Path, Record], str]]:
-    """What builds each page of a record, by file name."""
-    plain = {CONSERVATOR_NAME: partial(_conservator, say=say)} if record.kind in CONSERVATOR_PAGES else {}
-    return {REPORT_NAME: partial(_report, say=say), **plain}
-
-
 def page_blocks(folder: Path, record: Record, say: Language = ENGLISH) -> list[Block]:
     """The blocks of the engineer's page of a record, whatever its kind."""
     blocks: list[Block] = import_module(f"reports.pages.{record.kind}_page").blocks(folder, record, say)
@@ -76,18 +64,18 @@ def page_blocks(folder: Path, record: Record, say: Language = ENGLISH) -> list[B
 
 def _report(folder: Path, record: Record, say: Language) -> str:
     blocks = page_blocks(folder, record, say)
-    plain = [(CONSERVATOR_NAME, say("page.plain"))] if record.kind in CONSERVATOR_PAGES else []
+    plain = [(CONSERVATOR_NAME, say("page.plain"))] if record.kind in FOR_CONSERVATORS else []
     names = {each.name: each.heading for each in walk(blocks) if isinstance(each, Section)}
-    kinds = {type(each) for each in walk(blocks)}
-    if Replay in kinds:
+    scripts = ["page.js", "units.js"]
+    if any(isinstance(each, Replay) for each in walk(blocks)):
         names = {"replay": say("section.replay"), **names}
-    scripts = ["page.js", "units.js", *(SCRIPTS[kind] for kind in SCRIPTS if kind in kinds)]
+        scripts.append("replay.js")
     links = [*plain, *((f"#{name}", words) for name, words in names.items())]
     return _render(record, say(f"kind.{record.kind}"), blocks, links, say, scripts)
 
 
 def _conservator(folder: Path, record: Record, say: Language) -> str:
-    blocks = import_module(CONSERVATOR_PAGES[record.kind]).blocks(folder, record, say)
+    blocks = import_module("reports.pages.conservator").blocks(folder, record, say)
     return _render(record, say("page.kind"), blocks, [(REPORT_NAME, say("page.full_report"))], say)
 
 
@@ -99,8 +87,9 @@ def _render(
     say: Language,
     scripts: Sequence[str] = (),
 ) -> str:
-    count = getattr(record, COUNTED.get(record.kind, ""), None)
-    title = str(record.title) if count is None else say(f"text.title_{record.kind}", count=count)
+    # A validation has no title of its own.
+    tests = getattr(record, "tests", None) if record.kind == "validation" else None
+    title = record.title if tests is None else say("text.title_validation", count=tests)
     live = {"chart_library": chart_library()} if scripts else {}
     return environment().get_template("page.html.j2").render(
         live, title=printable(title), kind=kind, blocks=blocks, links=links, say=say,

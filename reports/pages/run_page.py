@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
@@ -22,6 +21,7 @@ from reports.blocks import (
     Row,
     Table,
     Text,
+    command_line,
     facts,
     notes,
     repeat,
@@ -126,7 +126,8 @@ def _details(source: RunSource, say: Language) -> list[Block]:
     scores = Table(say("table.scores"), ["", *map(_pair, record.scores)], rows)
     by_model = Group("columns", [Group("", [Facts(pairs)], name) for name, pairs in limits.items()])
     settings = Group("columns", [Group("", [facts(say, run.settings)], name) for name, run in source.runs.items()])
-    again = [command(source), *([toml_text(source.scene.toml)] if source.scene.toml else [])]
+    command = command_line("run", source.scene.file or "scene.toml", e=[*source.runs])
+    again = [command, *([toml_text(source.scene.toml)] if source.scene.toml else [])]
     made = repeat(say, record)[0].blocks
     return [
         *([Details(say("section.scores"), [scores], "scores")] if rows else ()),
@@ -169,13 +170,6 @@ def replay(source: RunSource, chips: list[Chip]) -> Replay:
     ghost = "analytic" if "analytic" in names and solid != "analytic" else ""
     shown = [each for each in chips if each.name in names]
     return Replay(shown, solid, ghost, source.mesh is not None, replay_payload(source), three_js())
-
-
-def command(source: RunSource) -> str:
-    """The command that repeats the run (accuracy or step as the settings say)."""
-    file = source.scene.file or "scene.toml"
-    engines: Sequence[str] = [f"-e {name}" for name in source.runs]
-    return f"rockcheck run {shlex.quote(file)} {' '.join(engines)}"
 
 
 def toml_text(content: Mapping[str, object]) -> str:

@@ -18,8 +18,6 @@ from reports.blocks import (
     Row,
     Table,
     Text,
-    Verdict,
-    code,
     notes,
     repeat,
     section,
@@ -43,7 +41,7 @@ def blocks(_folder: Path, record: StressRecord, say: Language) -> list[Block]:
     signs = Legend([(sign, say(f"text.{name}")) for name, sign in SIGNS.items()], say("text.signs"))
     maps = [block for engine in engines for block in _map(engine, record.cells, say)]
     return [
-        stress_verdict(record),
+        verdict(record),
         *section(say, "notes", *notes(say, record.findings)),
         *section(say, "scenes", scenes if record.scenes else None),
         *section(say, "maps", signs, *maps),
@@ -52,11 +50,6 @@ def blocks(_folder: Path, record: StressRecord, say: Language) -> list[Block]:
         ),
         *repeat(say, record, record.command),
     ]  # fmt: skip
-
-
-def stress_verdict(record: StressRecord) -> Verdict:
-    """How many hard scenes came out as they must."""
-    return verdict(record, {"wrong": "failed", "sound": "agree"}.get(code(record), "differ"))
 
 
 def measured(each: Measure, say: Language) -> str:
@@ -101,6 +94,9 @@ def _scene(scene: HardRow, engines: Sequence[str], say: Language) -> list[str | 
 def _map(engine: str, cells: Sequence[Found], say: Language) -> list[Block]:
     """An engine's stability map: as a table, as a chart for print, what explains it, and the evidence of every cell."""
     settings, rows = stability_map(engine, cells)
+    printed = stability_figure(settings, rows, say)
+    # For print, where a page has its table.
+    chart = Chart(f"stability-{engine.replace(':', '-')}", say("chart.stability", engine=engine), printed, width=0)
     shown: list[Row] = [
         [
             name,
@@ -123,7 +119,7 @@ def _map(engine: str, cells: Sequence[Found], say: Language) -> list[Block]:
     map_of = Table(say("table.stability", engine=engine), [say("label.difficulty"), *settings], shown, "matrix")
     explained = Text([f"* {text}" for text in explanations(engine, cells, say)], "variant")
     more = Details(say("text.evidence"), [Text(evidence, "plan")])
-    return [Group("", [map_of, stability_chart(engine, cells, say), explained, more], engine)]
+    return [Group("", [map_of, chart, explained, more], engine)]
 
 
 def evidence_of(cell: Found, say: Language) -> str:
@@ -143,13 +139,6 @@ def stability_map(engine: str, cells: Sequence[Found]) -> tuple[list[str], list[
     difficulties = list(dict.fromkeys(cell.difficulty for cell in mine))
     by_place = {(cell.difficulty, cell.setting): cell for cell in mine}
     return settings, [(row, [by_place.get((row, column)) for column in settings]) for row in difficulties]
-
-
-def stability_chart(engine: str, cells: Sequence[Found], say: Language) -> Chart:
-    """The map for print, where a page has its table."""
-    name = f"stability-{engine.replace(':', '-')}"
-    figure = stability_figure(*stability_map(engine, cells), say)
-    return Chart(name, say("chart.stability", engine=engine), figure, width=0)
 
 
 def explanations(engine: str, cells: Sequence[Found], say: Language) -> list[str]:

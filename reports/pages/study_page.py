@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import shlex
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from harness.records.study import StudyRecord
+from harness.records.study import StudyRecord, StudyRow
 from reports.blocks import (
     Block,
     Cell,
@@ -22,6 +21,7 @@ from reports.blocks import (
     Text,
     Verdict,
     code,
+    command_line,
     grid,
     notes,
     repeat,
@@ -45,10 +45,10 @@ from reports.messages.numbers import plain, short
 from reports.text.giving_way import pedestal_effect
 from reports.text.wording import (
     Condition,
-    cell,
     conditions,
     family,
     runs_of,
+    symbol,
     symbols,
     tone_of_study,
     varying_keys,
@@ -80,16 +80,22 @@ def blocks(_folder: Path, record: StudyRecord, say: Language) -> list[Block]:
     return [
         study_verdict(record, models, cases, say),
         *_claims(record, say),
-        *_panels(record, say),
+        *(
+            section(
+                say, "panels", Chart("panels", say("text.panels_chart"), panels_figure(record.panels, say=say), 1060),
+                words(say, "panels", shown=f"{SHOWN_RAD:g}"),
+            )
+            if record.panels else ()
+        ),
         *section(
             say, "maps", grid(drawn)
         ),
-        *(section(say, "pedestal", Text([say.say(effect.finding)]), grid(effect.charts)) if effect else ()),
+        *(section(say, "pedestal", Text([say.say(effect[0])]), grid(effect[1])) if effect else ()),
         *(section(say, "matrix", Legend(symbols(say), say("text.matrix")), shown) if shown else ()),
         *section(say, "scene", Group("split", [picture, Facts(vary, "")])),
         *section(say, "asked", Text(reasons, "plan"), *notes(say, record.findings)),
         *repeat(
-            say, record, f"rockcheck study {shlex.quote(record.file)}", more=[Group("", [seconds], say("text.engine_time"))]
+            say, record, command_line("study", record.file), more=[Group("", [seconds], say("text.engine_time"))]
         ),
     ]  # fmt: skip
 
@@ -112,14 +118,6 @@ def _head(model: str) -> Cell:
     return Cell(engine, below=variant[:-1])
 
 
-def _panels(record: StudyRecord, say: Language) -> list[Section]:
-    """The histories in the paper's arrangement."""
-    if not record.panels:
-        return []
-    drawn = Chart("panels", say("text.panels_chart"), panels_figure(record.panels, say=say), 1060)
-    return section(say, "panels", drawn, words(say, "panels", shown=f"{SHOWN_RAD:g}"))
-
-
 def study_charts(
     record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str], say: Language
 ) -> list[Chart]:
@@ -127,13 +125,15 @@ def study_charts(
     axes = [key for key in record.vary if key in keys]
     if record.panels:  # the paper's arrangement shows the same as histories
         return []
+    found = {
+        "map": map_figures(models, cases, axes, say),
+        "map-design": design_figures(models, cases, map_axes(cases, axes), say),
+        "curve": curve_figures(models, cases, axes, say),
+    }
     charts = [
-        Chart(f"map-{k}", title, figure) for k, (title, figure) in enumerate(map_figures(models, cases, axes, say))
-    ]
-    designs = design_figures(models, cases, map_axes(cases, axes), say)
-    charts += [Chart(f"map-design-{k}", title, figure) for k, (title, figure) in enumerate(designs)]
-    charts += [
-        Chart(f"curve-{k}", title, figure) for k, (title, figure) in enumerate(curve_figures(models, cases, axes, say))
+        Chart(f"{name}-{k}", title, figure)
+        for name, figures in found.items()
+        for k, (title, figure) in enumerate(figures)
     ]
     scattered = len(axes) < len(keys)
     for key in axes if scattered else ():
@@ -160,13 +160,31 @@ def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str
     """What was varied, and every model's answer; `differs` where models of one variant do not agree (different falls do)."""
     rows: list[list[str | Cell]] = []
     for item in cases:
-        cells = [cell(item.answers.get(model), say) for model in models]
         by_variant: dict[str, set[str]] = {}
-        for model, shown in zip(models, cells, strict=True):
-            if shown.family != "none":
-                end = shown.family if shown.family == "overturns" else shown.words
+        for model in models:
+            run = item.run(model)
+            if run is not None:
+                kind = family(run.outcome)
+                end = kind if kind == "overturns" else symbol(run.outcome, say)[1]
                 by_variant.setdefault(model.partition(" (")[2], set()).add(end)
         style = "differs" if any(len(ends) > 1 for ends in by_variant.values()) else ""
         varied = [Cell(_shown(item.varied[key]), style) for key in keys]
-        rows.append([*varied, *(Cell("", f"o-{each.family}", each.tip, each.sign, each.words) for each in cells)])
+        rows.append([*varied, *(_answer(item.answers.get(model), say) for model in models)])
     return Table(say("table.matrix"), [*map(say.heading, keys), *map(_head, models)], rows, "matrix")
+
+
+def _answer(row: StudyRow | None, say: Language) -> Cell:
+    """One model's answer under one condition: a sign, in its colour, with its numbers under the pointer."""
+    if row is None or row.run is None:
+        sign, words = symbols(say)[-1]
+        return Cell("", "o-none", words if row is None else say.word(str(row.reason)), sign, words)
+    run = row.run
+    sign, words = symbol(run.outcome, say)
+    stood = run.outcome == "stands" and run.peak_theta_rad is not None
+    told = {
+        "peak": abs(run.peak_theta_rad) if stood else None,
+        "no_return": run.no_return_time_s,
+        "error": run.numerical_uncertainty_rad,
+    }
+    known = [say(f"text.tip_{name}", value=say.digits(value, 4)) for name, value in told.items() if value is not None]
+    return Cell("", f"o-{family(run.outcome)}", "; ".join([words, *known]), sign, words)

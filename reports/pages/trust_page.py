@@ -9,7 +9,7 @@ from typing import Final
 from harness.questions.trust.point import MODEL
 from harness.questions.trust.trust_run import CELLS_NAME
 from harness.records.trust import CLASSES, HELD, TrustRecord
-from reports.blocks import Block, Chart, Facts, Group, Text, facts, grid, repeat, section, verdict, words
+from reports.blocks import Block, Chart, Facts, Group, Text, command_line, facts, grid, repeat, section, verdict, words
 from reports.charts.map_figures import POINT, point_figure, sets, trust_map
 from reports.messages import Language
 
@@ -31,9 +31,7 @@ def blocks(_folder: Path, record: TrustRecord, say: Language) -> list[Block]:
         "points": record.summary.points,
         "cpu_time": say.value(record.summary.cpu_s, "s"),
     }
-    asked = [word for name in record.engines for word in ("-e", name)]
-    keys = [word for each in record.overrides for word in ("--set", each)]
-    command = shlex.join(["rockcheck", "run", record.scene.file or "SCENE", *asked, *keys])
+    command = command_line("run", record.scene.file or "SCENE", e=record.engines, set=record.overrides)
     *_, floor = record.maps
     run = point_figure(record.maps, say)
     return [

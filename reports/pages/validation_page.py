@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 from typing import Any, Final
 
@@ -10,7 +9,7 @@ from harness.comparison.statistics.outcomes import FELL
 from harness.model.finding import info
 from harness.records.scores import Scores
 from harness.records.scores import Verdict as Verdicts
-from harness.records.validation import Fitted, PairScores, TestRow, ValidationRecord
+from harness.records.validation import PairScores, TestRow, ValidationRecord
 from reports.blocks import (
     Block,
     Cell,
@@ -19,12 +18,12 @@ from reports.blocks import (
     Group,
     Table,
     Text,
-    Verdict,
-    code,
+    command_line,
     grid,
     notes,
     repeat,
     section,
+    table,
     verdict,
 )
 from reports.charts.curve_figures import charts
@@ -42,20 +41,24 @@ def blocks(_folder: Path, record: ValidationRecord, say: Language) -> list[Block
     unstated = sorted({name for pair in record.pairs for name in pair.unstated})
     pairs = [Facts([(say("text.and", a=each.a, b=each.b), _both(each, say)) for each in record.pairs], "sentences")]
     beside = Text([say("text.pairs"), *([say("text.unstated", names=say.listed(unstated))] if unstated else [])])
-    fitted = Facts([(name, _fitted(item.fitted, say)) for name, item in models.items()], "")
-    chosen = [
+    fitted = Facts(
         [
-            name,
-            each.body,
-            each.day,
-            say.word(each.input).replace("_", " "),
-            say.plain(each.value),
-            say.percent(each.weight),
-        ]
+            (name, say.say(info("fitted", any=bool(item.fitted.tests), **vars(item.fitted))))
+            for name, item in models.items()
+        ],
+        "",
+    )
+    chosen = [
+        {
+            **vars(each),
+            "model": name,
+            "input": say.word(each.input).replace("_", " "),
+            "weight": say.percent(each.weight),
+        }
         for name, item in models.items()
         for each in item.fitted.inputs
     ]
-    inputs = Table(say("table.fitted"), [*map(say.label, ("model", "body", "day", "input", "value", "weight"))], chosen)
+    inputs = table(say, "fitted", "model body day input value weight", chosen, count=4)
     told = [
         (f"{name}, {item.test}", _history(item.scores, say))
         for name, scores in models.items()
@@ -70,27 +73,26 @@ def blocks(_folder: Path, record: ValidationRecord, say: Language) -> list[Block
         )
         for name, item in models.items()
     ]
+    share = record.fit_share.name
+    again = command_line(
+        "validate", record.experiments, e=[*models], samples=record.samples, seed=record.seed,
+        **{"fit-share": "" if share == "fit" else share},
+    )  # fmt: skip
     return [
-        validation_verdict(record),
+        verdict(record),
         *section(say, "notes", *notes(say, record.findings)),
         *section(
             say, "scores", _scores(record, say),
             Group("", [*pairs, beside], say("text.beside_each_other")) if record.pairs else None,
-            Group("", [fitted, *([inputs] if chosen else [])], say("text.fitted")),
+            Group("", [fitted, *([inputs] if inputs else [])], say("text.fitted")),
         ),
         *section(say, "charts", grid(Chart(*each) for each in charts(record, say))),
         *section(
             say, "tests", _tests(record, say),
             Group("", [Facts(told, "sentences")], say("text.measured_histories")) if told else None,
         ),
-        *repeat(say, record, command(record), more=[Group("", [Facts(settings)], say("text.settings"))]),
+        *repeat(say, record, again, more=[Group("", [Facts(settings)], say("text.settings"))]),
     ]  # fmt: skip
-
-
-def validation_verdict(record: ValidationRecord) -> Verdict:
-    """The record's answer; green where a model beats the bare threshold."""
-    tones = {"": "failed", "no_answer": "failed", "better": "agree", "no_threshold": "agree"}
-    return verdict(record, tones.get(code(record), "differ"))
 
 
 def _scores(record: ValidationRecord, say: Language) -> Table:
@@ -133,18 +135,6 @@ def _both(pair: PairScores, say: Language) -> str:
     return say.say(info("pair_in_tests", same=rate, cases=pair.cases, verdicts=shares, flips=pair.flips))
 
 
-def _fitted(own: Fitted, say: Language) -> str:
-    """On how many tests a model's inputs were fitted, and how wide draws scatter."""
-    values = {
-        "tests": own.tests,
-        "runs": own.runs,
-        "log_score": own.log_score,
-        "width": own.width,
-        "counts": own.counts,
-    }
-    return say.say(info("fitted", any=bool(own.tests), **values))
-
-
 def _history(own: Scores | None, say: Language) -> str:
     """How far a computed history is from the measured one."""
     if own is None:
@@ -174,12 +164,3 @@ def _predicted(row: TestRow, name: str, say: Language, *, fell: bool) -> Cell:
     right = end.startswith(FELL) == fell
     style, note = ("o-stands", "") if right else ("o-overturns", say("text.wrong"))
     return Cell(note, style, said, sign, said)
-
-
-def command(record: ValidationRecord) -> str:
-    """The command that repeats the validation, with every option that is not at its default."""
-    parts = [f"rockcheck validate {shlex.quote(record.experiments)}", *(f"-e {name}" for name in record.models)]
-    parts += [f"--samples {record.samples}"] if record.samples else []
-    parts += [f"--seed {record.seed}"] if record.seed else []
-    name = record.fit_share.name
-    return " ".join([*parts, f"--fit-share {name}"] if name != "fit" else parts)

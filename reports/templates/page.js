@@ -3,18 +3,8 @@
 const rockcheck = { charts: {}, whenReady: [], time: 0 };
 window.rockcheck = rockcheck;
 
-/* Two letters of 91 hold 13 bits; the number of bytes stands first (pages/assets.py). */
-rockcheck.bytes = (text) => {
-  const [size, letters] = text.split(" "), bytes = new Uint8Array(Number(size)), values = new Uint8Array(127);
-  for (let code = 33, value = 0; code < 127; code += 1) if (!"<&>".includes(String.fromCharCode(code))) values[code] = value++;
-  for (let k = 0, at = 0, bits = 0, held = 0; at < bytes.length; k += 2) {
-    held |= (values[letters.charCodeAt(k)] + 91 * values[letters.charCodeAt(k + 1)]) << bits;
-    for (bits += 13; bits >= 8 && at < bytes.length; bits -= 8, held >>>= 8) bytes[at++] = held & 255;
-  }
-  return bytes;
-};
 rockcheck.unpack = async (holder) => {
-  const packed = rockcheck.bytes(holder.textContent);
+  const packed = Uint8Array.from(atob(holder.textContent), (letter) => letter.charCodeAt(0));
   return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
 };
 

@@ -43,27 +43,17 @@ from reports.text.wording import Condition, runs_of
 WALL_COLOUR: Final = "#8c1d2f"
 
 
-@dataclass(frozen=True)
-class PedestalEffect:
-    """What a model says it saves, and charts of the share of falls (`saved`) and of the reach (`moved`).
-
-    There are charts where the study varies a frequency.
-    """
-
-    finding: Finding
-    charts: Sequence[Chart] = ()
-
-
 def pedestal_effect(
     record: StudyRecord,
     models: Sequence[str],
     cases: Sequence[Condition],
     say: Language = ENGLISH,
     words: str = "chart",
-) -> PedestalEffect | None:
-    """The effect in a study with and without pedestal, by its first analytic model; None for other studies.
+) -> tuple[Finding, list[Chart]] | None:
+    """What the pedestal saves in a study with and without it, by its first analytic model; None for other studies.
 
-    `words` is the table of the catalogue that names what the charts show.
+    Where the study varies a frequency, charts of the share of falls (`saved`) and of the reach (`moved`). `words` is the table of
+    the catalogue that names what the charts show.
     """
     keys = list(cases[0].varied) if cases else []
     paces = (key for key in keys if key.endswith("frequency_hz"))
@@ -74,7 +64,7 @@ def pedestal_effect(
     shape = section(record.scene)
     model = next((name for name in models if name.startswith("analytic")), models[0])
     if pace is None:
-        return PedestalEffect(_saved(cases, model))
+        return _saved(cases, model), []
     fell: dict[tuple[float, str], list[bool]] = {}
     reach: dict[tuple[float, str], float] = {}
     for item, run in runs_of(cases, model):
@@ -90,7 +80,7 @@ def pedestal_effect(
     }
     drawn = {"saved": _by_setting(fell, named), "moved": _reach_by_setting(reach, named, record)}
     charts = [Chart(name, say(f"text.pedestal_{name}", model=model), figure) for name, figure in drawn.items()]
-    return PedestalEffect(_saved(cases, model), charts)
+    return _saved(cases, model), charts
 
 
 def _saved(cases: Sequence[Condition], model: str) -> Finding:

@@ -5,7 +5,7 @@ study's rows in words.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Final, Literal
 
 import numpy as np
@@ -16,13 +16,13 @@ from harness.model.run import Intervention, Run
 from harness.model.scene import base_shift_m
 from harness.records.assess import Assessment
 from harness.records.base import Table
-from harness.records.run import RunRecord, has_answer, peak_slip_m
+from harness.records.run import RunRecord, peak_slip_m
 from harness.records.scores import AfterHorizon, Scores
 from harness.records.study import CaseRun, StudyRow, Value
 from reports.blocks import Chip, Text, Verdict, code, verdict, words
 from reports.drawing.kinematics import section
 from reports.messages import ENGLISH, Language
-from reports.messages.numbers import digits, split_unit
+from reports.messages.numbers import digits
 from reports.source import RunSource
 
 # A study's rows arranged for tables and pictures: conditions down, models across.
@@ -34,16 +34,6 @@ SIGNS: Final = {
 }  # fmt: skip
 """The sign of each outcome: told apart without colour."""
 FAMILY: Final = {"stands": "stands", "touches_wall": "wall"}
-
-
-@dataclass(frozen=True)
-class Cell:
-    """One model's answer under one condition."""
-
-    sign: str
-    words: str
-    family: str
-    tip: str
 
 
 @dataclass(frozen=True)
@@ -111,23 +101,6 @@ def symbols(say: Language) -> list[tuple[str, str]]:
     return [*(symbol(each, say) for each in (*SIGNS, "failed")), ("·", say("text.not_sent"))]
 
 
-def cell(row: StudyRow | None, say: Language) -> Cell:
-    """What a table shows of one row."""
-    run = None if row is None else row.run
-    if run is None:
-        sign, words = symbols(say)[-1]
-        return Cell(sign, words, "none", words if row is None else say.word(str(row.reason)))
-    sign, words = symbol(run.outcome, say)
-    stood = run.outcome == "stands"
-    told = {
-        "peak": abs(run.peak_theta_rad) if stood and run.peak_theta_rad is not None else None,
-        "no_return": run.no_return_time_s,
-        "error": run.numerical_uncertainty_rad,
-    }
-    known = [say(f"text.tip_{name}", value=say.digits(value, 4)) for name, value in told.items() if value is not None]
-    return Cell(sign, words, family(run.outcome), "; ".join([words, *known]))
-
-
 def varying_keys(cases: Sequence[Condition]) -> list[str]:
     """The keys that take more than one value."""
     keys = list(cases[0].varied) if cases else []
@@ -186,8 +159,7 @@ def run_verdict(source: RunSource, chips: Sequence[Chip] = (), say: Language = E
 
 def tone(source: RunSource) -> str:
     """The colour of a run: one run is one draw: a shaking that it stands is no reason for green, nor are models that differ."""
-    answered = [run for run in source.runs.values() if has_answer(run)]
-    colour: Tone = tone_of_outcomes(family(run.outcome) for run in answered)
+    colour: Tone = tone_of_outcomes(family(run.outcome) for run in source.answered.values())
     if colour == "agree" and code(source.record) not in ("agree", "agree_until", "one_model"):
         colour = "differ"
     if source.record.assessment:
@@ -226,7 +198,7 @@ def _reach(source: RunSource) -> list[Finding]:
 
 def _slip(source: RunSource) -> list[Finding]:
     """How far the pedestal slides, and whether it tips."""
-    answered = {name: run for name, run in source.runs.items() if has_answer(run)}
+    answered = source.answered
     if source.scene.pedestal is None or not answered:
         return []
     peaks = [peak_slip_m(run) for run in answered.values()]
@@ -237,11 +209,6 @@ def _slip(source: RunSource) -> list[Finding]:
     return [info("pedestal_still") if slides is None else slides, *tips]
 
 
-def unlike_motions(runs: Iterable[Run]) -> bool:
-    """Whether not all models were given the same axes of the floor's motion."""
-    return len({tuple(run.motion_axes) for run in runs if run.motion_axes is not None}) > 1
-
-
 def prediction_s(source: RunSource) -> float | None:
     """The measured horizon of prediction: from then on nobody can follow the motion; None where none was measured."""
     return min((each.intrinsic_s for each in (source.record.horizons or {}).values()), default=None)
@@ -249,42 +216,24 @@ def prediction_s(source: RunSource) -> float | None:
 
 def horizon_s(source: RunSource) -> float | None:
     """Up to when every model's history is reliable: the least `reliable_until_s`; None when no model states one."""
-    times = [
-        run.reliable_until_s
-        for run in source.runs.values()
-        if run.reliable_until_s is not None and run.reliable_until_s < run.end_s
-    ]
-    return min(times) if times else None
+    known = [(run.reliable_until_s, run.end_s) for run in source.runs.values() if run.reliable_until_s is not None]
+    return min((until_s for until_s, end_s in known if until_s < end_s), default=None)
 
 
-SCORES: Final = (
-    "together_until_s together_tolerance_rad horizon_s compared_until_s rms_theta_rad largest_difference_rad peak_theta_a_rad "
-    "peak_theta_b_rad peak_ratio peak_time_difference_s uplift_time_differences_s impact_times_a_s impact_time_differences_s "
-    "impacts_alone_a impacts_alone_b uplifts_alone_a uplifts_alone_b impact_energy_lost_a_j impact_energy_lost_b_j "
-    "impact_energy_share_lost_a impact_energy_share_lost_b rms_slip_m residual_slip_difference_m residual_theta_difference_rad "
-    "magnitude phase combined no_return_time_difference_s coverage outcome_agrees side_agrees after_horizon"
-)
-"""The scores in the order of the table; any other follows."""
 LISTED: Final = 6
 """Items of a list that fit on a terminal's line."""
-SCORES_LEFT_OUT: Final = frozenset(
-    {
-        *("a", "b", "outcome_a", "outcome_b", "verdict", "verdict_sentence", "compared_from_s"),
-        *("numerical_uncertainty", "evidence", "iso", "findings"),
-    }
-)
-"""Keys whose content stands elsewhere on the page, or in the record alone."""
 
 
 def score_rows(scores: Mapping[str, Scores], say: Language = ENGLISH) -> list[tuple[str, str, list[str]]]:
-    """The table of scores: words, meaning, one cell per pair; each with its numerical uncertainty where it is stated."""
-    keys = dict.fromkeys([*SCORES.split(), *(each.name for each in fields(Scores))])
+    """The table of scores, in the order of the catalogue's meanings: words, meaning, one cell per pair.
+
+    Each has its numerical uncertainty where it is stated.
+    """
     rows = []
-    for key in keys:
-        values = [getattr(item, key) for item in scores.values()]
-        if key not in SCORES_LEFT_OUT and not all(value is None or value == [] for value in values):
-            cells = [_score(item, key, say) for item in scores.values()]
-            rows.append((say.label(key), say.strings.get(f"meaning.{key}", ""), cells))
+    for name in (name for name in say.strings if name.startswith("meaning.")):
+        key = name.removeprefix("meaning.")
+        if any(getattr(item, key) not in (None, []) for item in scores.values()):
+            rows.append((say.label(key), say(name), [_score(item, key, say) for item in scores.values()]))
     return rows
 
 
@@ -328,28 +277,6 @@ def after_horizon_values(item: AfterHorizon) -> dict[str, object]:
     }
 
 
-def validity_rows(
-    validity: Table, before: Mapping[str, float], until_s: float | None, say: Language = ENGLISH
-) -> Sequence[tuple[str, str]]:
-    """The limits met in one run: words and value with unit; what did not happen is left out.
-
-    `before` holds values until the outcome was decided, at `until_s`, which are told beside those of the whole run.
-    """
-    rows = []
-    for key, value in validity.items():
-        if value is None or value in ("", []):
-            continue
-        words, name = split_unit(key)
-        told = say.plain(value).replace("_", " ")
-        if name and not isinstance(value, list):
-            told = f"{told} {name}"
-        if key in before:
-            low, until = f"{say.digits(before[key], 2)} {name}", say.plain(until_s)
-            told = say("text.before_fall", before=low, until=until, whole=told)
-        rows.append((say.strings.get(f"label.{key}", words), told))
-    return rows
-
-
 FOLLOWED: Final[Mapping[str, str]] = {
     "yaw_rad": "yaw_rad",
     "out_of_plane_rad": "out_of_plane_rad",
@@ -363,15 +290,27 @@ TIPS_RAD: Final = 1e-3
 """A pedestal that tips by more is said to."""
 
 
-def limit_rows(source: RunSource, say: Language = ENGLISH) -> dict[str, Sequence[tuple[str, str]]]:
-    """Each model's limits as words and value; of one that overturns also what they were until its point of no return."""
-    by_name: dict[str, Sequence[tuple[str, str]]] = {}
+def limit_rows(source: RunSource, say: Language = ENGLISH) -> dict[str, list[tuple[str, str]]]:
+    """Each model's limits as words and value with unit; what did not happen is left out.
+
+    Of one that overturns also what they were until its point of no return.
+    """
+    by_name: dict[str, list[tuple[str, str]]] = {}
     for name, run in source.runs.items():
-        if not run.validity:
-            continue
         before = before_fall(run, source.histories.get(name))
-        rows = validity_rows(run.validity, before, run.no_return_time_s, say)
-        by_name[name] = [*rows, *interventions_row(run.interventions, run.validity, say)]
+        for key, value in run.validity.items():
+            if value is None or value in ("", []):
+                continue
+            words, unit = say.named(key)
+            told = say.plain(value).replace("_", " ")
+            if unit and not isinstance(value, list):
+                told = f"{told} {unit}"
+            if key in before:
+                low, until = f"{say.digits(before[key], 2)} {unit}", say.plain(run.no_return_time_s)
+                told = say("text.before_fall", before=low, until=until, whole=told)
+            by_name.setdefault(name, []).append((words, told))
+        if run.validity:
+            by_name.setdefault(name, []).extend(interventions_row(run.interventions, run.validity, say))
     return by_name
 
 

@@ -56,7 +56,7 @@ from harness.runs.store import STORE_NAME, Store
 from reports.cli import app
 from reports.cli.ending import WRONG_INPUT
 from reports.messages import ENGLISH
-from reports.terminal import run_lines
+from reports.terminal import record_lines
 from tests.fuzz.records import at2
 from tests.stores_for_tests import put
 
@@ -194,7 +194,7 @@ def title(path: Path) -> None:
         telling.now(scene.title)
     result = run_scene(_short(scene), ("analytic",))
     write_result(result, path.parent / WRITTEN)
-    said = stream.getvalue() + "\n".join(run_lines(result.record().texted(ENGLISH.say)))
+    said = stream.getvalue() + "\n".join(record_lines(result.record().texted(ENGLISH.say)))
     if any(mark in said for mark in STEERING):
         raise AssertionError(f"a title steers the terminal: {said[:200]!r}")
 

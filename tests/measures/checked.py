@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
-from reports.checked import COLUMNS, PARTS, ROWS
+from reports.build_examples import COLUMNS, PARTS, ROWS
 from tests.measures.pages import DOCS, renew, table
 
 MODULE: Final = "tests.measures.checked"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from reports.checked import COLUMNS, PARTS, write_checked
+from reports.build_examples import COLUMNS, PARTS, write_checked
 from reports.messages import ENGLISH
 from reports.pages.page import write_report
 

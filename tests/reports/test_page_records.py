@@ -21,15 +21,13 @@ from harness.records.kinds import read_result
 from harness.records.scores import Interval
 from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import SetScores, ValidationRecord
-from reports.blocks import Cell, Chart, Group, Section, Table, Text
+from reports.blocks import Cell, Chart, Group, Section, Table, Text, verdict
 from reports.charts.curve_figures import on_front, precision_figure, scaling_figure
 from reports.charts.study_figures import rose_picture
 from reports.messages import ENGLISH
-from reports.pages import conservator_study
-from reports.pages.bench_page import bench_verdict
+from reports.pages import conservator
 from reports.pages.page import page_blocks, write_report
-from reports.pages.stress_page import explanations, measured, stress_verdict
-from reports.pages.validation_page import validation_verdict
+from reports.pages.stress_page import explanations, measured
 from reports.text.wording import conditions
 from tests.reports import invented_records, invented_study
 from tests.reports.charts.parts import part
@@ -105,11 +103,11 @@ def test_a_validation_is_held_against_the_bare_threshold(tmp_path: Path) -> None
     good = validation(invented_records.write_validation(tmp_path / "good", skill=1.0))
     told = validation_answer(good)
     assert (told.code, told.findings[-1].values["models"]) == ("better", ["analytic", "pymunk"])
-    assert validation_verdict(replace(good, answer=told)).tone == "agree"
+    assert verdict(replace(good, answer=told)).tone == "agree"
     poor = validation(invented_records.write_validation(tmp_path / "poor", skill=0.5))
     told = validation_answer(poor)
     assert (told.code, told.findings[-1].values["models"]) == ("worse", ["analytic", "pymunk"])
-    assert validation_verdict(replace(poor, answer=told)).tone == "differ"
+    assert verdict(replace(poor, answer=told)).tone == "differ"
     html = shown(tmp_path / "good")
     assert html.count('class="o-stands"') == 120
     assert 'class="o-overturns"' not in html
@@ -145,18 +143,18 @@ def test_the_front_holds_what_nothing_beats() -> None:
 
 def test_a_bench_names_who_meets_the_target_and_keeps_failures(tmp_path: Path) -> None:
     folder, record = invented_records.write_bench(tmp_path), invented_records.bench()
-    assert bench_verdict(record).tone == "agree"
+    assert verdict(record).tone == "agree"
     html = shown(folder)
     assert "diverged" in html
     missed = replace(record, answer=Answer("not_met", [caution("no_engine_timed")]))
-    assert bench_verdict(missed).tone == "differ"
+    assert verdict(missed).tone == "differ"
 
 
 def test_a_stress_run_is_sound_or_says_what_is_wrong(tmp_path: Path) -> None:
     sound, wrong = (invented_records.stress(sound=sound) for sound in (True, False))
     invented_records.write_stress(tmp_path / "wrong", sound=False)
     assert (sound.answer and sound.answer.findings[0].values) == {"right": 2, "scenes": 2}
-    assert stress_verdict(wrong).tone == "failed"
+    assert verdict(wrong).tone == "failed"
     assert {"hard_scene_wrong", "cell_unexplained"} <= {each.code for each in wrong.findings}
     assert shown(tmp_path / "wrong").count('class="claim does-not-hold"') == 1
 
@@ -228,7 +226,7 @@ def test_a_stress_run_of_one_part_does_not_say_that_hard_scenes_come_out() -> No
     missing = {"pybullet": "no wheel here"}
     record = replace(invented_records.stress(), scenes=[], parts=[left], absent=missing)
     told = stress_answer(record)
-    assert (told.code, stress_verdict(replace(record, answer=told)).tone) == ("not_run", "differ")
+    assert (told.code, verdict(replace(record, answer=told)).tone) == ("not_run", "differ")
     found = {each.code: each.values for each in stress_findings(record)}
     assert found["parts_left"] == {"parts": {"scenes": 2}}
     assert found["not_measured"] == {"what": "pybullet", "reason": "no wheel here"}
@@ -298,6 +296,6 @@ def test_the_conservators_page_counts_as_the_terminal_does(tmp_path: Path) -> No
     scores = SetScores(
         reference="analytic", cases=1234, same=1201, outcomes=score_outcomes([]), verdicts={}, flips=0, peaks=None
     )
-    said = conservator_study.blocks(tmp_path, replace(given, scores={"pymunk": scores}))
+    said = conservator.blocks(tmp_path, replace(given, scores={"pymunk": scores}))
     told = [line for each in every(said, Text) for line in each.lines]
     assert ENGLISH("study.agree", count="Two", same=1201, total=1234) in told

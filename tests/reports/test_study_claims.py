@@ -14,7 +14,7 @@ from harness.questions.study.file import load_study
 from harness.records.base import as_file
 from reports.cli import studies
 from reports.messages import ENGLISH
-from reports.pages.conservator_study import blocks
+from reports.pages.conservator import blocks
 from reports.pages.page import write_report
 from reports.pages.study_page import study_verdict
 from reports.text.wording import conditions

@@ -13,7 +13,7 @@ from harness.model.history import Outcome
 from harness.records.run import RunRecord
 from reports.messages import ENGLISH
 from reports.source import run_source
-from reports.terminal import COLUMNS, LINES, motion_lines, run_lines
+from reports.terminal import COLUMNS, LINES, motion_lines, record_lines
 from tests.reports.invented_run import write_invented
 
 
@@ -24,7 +24,7 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> RunRecord:
 
 def printed(record: RunRecord) -> list[str]:
     """All lines, that of the report's path among them."""
-    return [*run_lines(record), "report: out/run/report.html"]
+    return [*record_lines(record), "report: out/run/report.html"]
 
 
 def test_title_answer_engines_and_pairs_stand_in_this_order(record: RunRecord) -> None:
@@ -53,19 +53,19 @@ def test_many_findings_engines_and_long_names_still_fit(record: RunRecord) -> No
 
 def test_verbose_prints_every_finding_by_severity(record: RunRecord) -> None:
     said = replace(record, findings=[info("histories_agree"), changes_answer("near_tie", margin=1e-4)])
-    text = " ".join(run_lines(said.texted(ENGLISH.say), verbose=True))
+    text = " ".join(record_lines(said.texted(ENGLISH.say), verbose=True))
     assert text.index("near tie") < text.index("Histories agree throughout")
 
 
 def test_a_peak_of_a_fall_and_of_a_failure_is_not_told(record: RunRecord, tmp_path: Path) -> None:
-    lines = run_lines(record)
+    lines = record_lines(record)
     row = next(line for line in lines if line.lstrip().startswith("pybullet"))
     assert "overturns right at" in row
     assert " rad to " in row
     failed = replace(record.runs["pybullet"], outcome=Outcome.UNAVAILABLE, message="no wheels")
     row = next(
         line
-        for line in run_lines(replace(record, runs={**record.runs, "pybullet": failed}))
+        for line in record_lines(replace(record, runs={**record.runs, "pybullet": failed}))
         if line.lstrip().startswith("pybullet")
     )
     assert "not installed" in row
@@ -90,5 +90,5 @@ def test_an_outcome_outside_the_models_domain_stands_in_brackets(record: RunReco
     own = record.runs["analytic"]
     for validity, told in ((own.validity, "  analytic  stands "), ({**own.validity, **tips}, "  analytic  (stands) ")):
         run = replace(own, outcome=Outcome.STANDS, no_return_time_s=None, validity=validity)
-        lines = run_lines(replace(record, runs={**record.runs, "analytic": run}))
+        lines = record_lines(replace(record, runs={**record.runs, "analytic": run}))
         assert any(line.startswith(told) for line in lines), lines

@@ -15,7 +15,7 @@ from harness.runs.progress import ProgressMessages, progress
 from reports.cli import app
 from reports.cli.ending import guarded
 from reports.messages import ENGLISH
-from reports.terminal import run_lines
+from reports.terminal import record_lines
 from tests.reports.claim_scenes import HOSTILE, content, write_scene
 
 
@@ -48,7 +48,7 @@ def test_what_is_told_at_work_takes_any_name(capsys: pytest.CaptureFixture[str])
 def test_a_title_is_one_line(tmp_path: Path) -> None:
     scene = load_scene(write_scene(tmp_path, content(0)))
     record = run_scene(scene, ["analytic"]).record().texted(ENGLISH.say)
-    first = run_lines(record)[0]
+    first = record_lines(record)[0]
     assert first.removesuffix("…") == printable(HOSTILE)[: len(first) - first.endswith("…")]
 
 

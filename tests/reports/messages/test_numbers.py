@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from reports.messages import ENGLISH
-from reports.messages.numbers import digits, heading, label, length, plain, spread
+from reports.messages.numbers import digits, length, plain
 from reports.pages.run_page import toml_text
 
 
@@ -41,15 +41,15 @@ def test_lengths(value_m: float, text: str) -> None:
 def test_lists_and_ranges() -> None:
     assert ENGLISH.listed(["a"]) == "a"
     assert ENGLISH.listed(["a", "b", "c"]) == "a, b and c"
-    assert spread([0.2131, 0.2132], "rad") == "0.213\u00a0rad"
-    assert spread([0.213, 0.178], "rad") == "0.178 to 0.213\u00a0rad"
+    assert ENGLISH.range(["0.213", "0.213"]) == "0.213"
+    assert ENGLISH.range(["0.178", "0.213"]) == "0.178 to 0.213"
 
 
 def test_keys_become_headings() -> None:
-    assert label("peak_theta_rad") == "peak theta [rad]"
-    assert label("accel_m_s2") == "accel [m/s²]"
-    assert label("steps") == "steps"
-    assert heading("motion.x.amplitude_g") == "amplitude [g]"
+    assert ENGLISH.label("lean_rad") == "lean [rad]"
+    assert ENGLISH.label("accel_m_s2") == "accel [m/s²]"
+    assert ENGLISH.label("own_steps") == "own steps"
+    assert ENGLISH.heading("motion.x.amplitude_g") == "amplitude [g]"
 
 
 def test_any_value_of_a_record_fits_a_cell() -> None:

@@ -17,14 +17,14 @@ from harness.model.scene import BaseExcitation, Pedestal
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.assess import Assessment
 from harness.records.kinds import read_result
-from harness.records.run import RunRecord, has_answer
+from harness.records.run import has_answer
 from harness.records.scores import Verdict
 from harness.records.study import SupportRecord
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import floor_plan
 from reports.drawing.kinematics import section
 from reports.messages import ENGLISH
-from reports.pages import conservator, conservator_study
+from reports.pages import conservator
 from reports.pages.conservator import of_run
 from reports.pages.page import write_report
 from reports.pages.run_page import balance_share
@@ -197,8 +197,7 @@ def test_what_remains_before_the_wall_is_said(tmp_path: Path) -> None:
 def test_four_pictures_at_most_no_jargon_and_both_pages_know_each_other(tmp_path: Path, write: Any) -> None:
     folder = write(tmp_path)
     record = read_result(folder)
-    of = conservator if isinstance(record, RunRecord) else conservator_study
-    told = of.blocks(folder, record)
+    told = conservator.blocks(folder, record)
     assert 2 <= len(pictures(told)) <= 4
     text = spoken(told)
     assert [word for word in JARGON if re.search(rf"(?<![a-z]){word}", text)] == []
@@ -213,9 +212,9 @@ def test_four_pictures_at_most_no_jargon_and_both_pages_know_each_other(tmp_path
 def test_what_the_pedestal_prevents_is_counted_by_condition(tmp_path: Path) -> None:
     record = study(write_table_study(tmp_path))
     found = pedestal_effect(record, *conditions(record.rows))
-    told = found.finding.values
+    told = found[0].values
     assert (told["total"], told["bare"], told["prevented"], told["caused"]) == (30, 12, 6, 0)
-    figures = {each.name: each.figure for each in found.charts}
+    figures = {each.name: each.figure for each in found[1]}
     assert figures["saved"]["datasets"]["falls"][0]["count"] == ["6/6", "6/6", "0/6", "0/6", "0/6"]
 
 
@@ -223,7 +222,7 @@ def test_a_frequency_that_is_kept_is_no_number(tmp_path: Path) -> None:
     record = study(write_table_study(tmp_path))
     rows = [replace(row, varied={**row.varied, "motion.x.frequency_hz": "keep"}) for row in record.rows]
     found = pedestal_effect(record, *conditions(rows))
-    assert not found.charts
+    assert not found[1]
 
 
 def test_a_study_without_pedestals_has_no_such_effect(tmp_path: Path) -> None:

@@ -16,9 +16,9 @@ from harness.questions.effects3d.answer import answer_of, findings_of
 from harness.records.base import as_file
 from harness.records.effects3d import EffectsRecord
 from harness.records.kinds import read_result
+from reports.blocks import verdict
 from reports.charts.figure import Look
 from reports.drawing.effects_figures import Curve, changes, rose, rose_of, turned_scan
-from reports.pages.effects3d_page import effects_verdict
 from reports.pages.page import write_report
 from reports.source import run_source
 from tests.budgets_reports import BASE_M
@@ -56,7 +56,7 @@ def test_the_verdict_counts_where_the_planar_model_is_too_safe(tmp_path: Path, r
     rows = [replace(row, peak_g=0.5) if (row.engine, row.azimuth_deg) == wrong else row for row in record.rows]
     repaired = answered(replace(record, rows=rows))
     assert "plane_safe" in told(repaired)
-    assert (effects_verdict(repaired).tone, effects_verdict(record).tone) == ("agree", "differ")
+    assert (verdict(repaired).tone, verdict(record).tone) == ("agree", "differ")
 
 
 def told(record: EffectsRecord) -> dict[str, Mapping[str, Any]]:

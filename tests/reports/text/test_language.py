@@ -122,7 +122,9 @@ def test_no_string_of_the_page_stands_outside_the_file(
 ) -> None:
     """With marks around every string of the file, nothing but numbers, units and the user's own words is left outside."""
     marked = {key: text if key in BARE or key.endswith(".by") else f"⟦{text}⟧" for key, text in ENGLISH.strings.items()}
-    monkeypatch.setattr("reports.pages.page.language", lambda _: Language("en", marked))
+    shown = Language("en")
+    vars(shown)["strings"] = marked
+    monkeypatch.setattr("reports.pages.page.language", lambda _: shown)
     for name, folder in folders.items():
         record = read_result(folder)
         own = {str(record.title), "rockcheck"}

@@ -37,7 +37,7 @@ from reports.charts.map_figures import point_figure, trust_map
 from reports.cli import app
 from reports.messages import ENGLISH
 from reports.pages.page import write_report
-from reports.terminal import COLUMNS, LINES, trust_lines
+from reports.terminal import COLUMNS, LINES, record_lines
 from tests.harness.questions.trust.test_plane import BLOCK
 from tests.reports import invented_records
 from tests.reports.charts.parts import kind_at
@@ -364,7 +364,7 @@ def test_a_map_s_picture_has_its_contours_and_where_the_statue_falls_without_the
 
 def test_a_map_of_every_class_fits_the_terminal_and_its_page_names_each(tmp_path: Path) -> None:
     record = invented_records.trust().texted(ENGLISH.say)
-    lines = trust_lines(record)
+    lines = record_lines(record)
     assert len(lines) < LINES
     assert max(map(len, lines)) <= COLUMNS
     assert record.answer.code == "refuted"

@@ -35,7 +35,7 @@ from harness.runs.runner import InlinePool
 from reports.messages import ENGLISH
 from reports.pages.page import write_report
 from reports.terminal import COLUMNS as WIDTH
-from reports.terminal import LINES, measured_lines
+from reports.terminal import LINES, record_lines
 from tests import budgets_spatial_reference as budget
 
 RESTITUTION, FRICTION = 0.4, 0.15
@@ -174,7 +174,7 @@ def test_a_set_of_drops_is_scored_and_told(tmp_path: Path, root: Path, square: S
     scores = [row[every.columns.index("log_score")] for row in every.rows]
     assert np.mean(scores) == pytest.approx(models.rows[0][1])
     assert {each.code for each in record.findings} == {"drops_dragged", "model_not_run"}
-    lines = measured_lines(record)
+    lines = record_lines(record)
     assert len(lines) <= LINES
     assert max(map(len, lines)) <= WIDTH
     assert json.loads((tmp_path / "out" / "result.json").read_text(encoding="utf-8"))["answer"]["text"]

@@ -36,7 +36,7 @@ from harness.questions.validate.tosses import (
     scored,
 )
 from reports.pages.page import write_report
-from reports.terminal import LINES, measured_lines
+from reports.terminal import LINES, record_lines
 from tests import budgets_spatial_reference as budget
 from tests.analytic.spatial.reference import initial_state
 from tests.analytic.spatial.reference import simulate as flown
@@ -185,7 +185,7 @@ def test_the_coefficient_that_threw_them_is_found_again(tmp_path: Path, root: Pa
     assert velocities["friction"] == pytest.approx(FRICTION, abs=budget.FITTED_ON_ONE_IMPACT)
     said = {each.code: each.values for each in found.findings}
     assert said["clock_calibrated"]["rate_hz"] == pytest.approx(1.0 / FRAME_S, rel=1e-3)
-    assert len(measured_lines(found)) <= LINES
+    assert len(record_lines(found)) <= LINES
     assert len(tosses.rows) == 2
     frames = dict(zip(poses.columns, poses.rows[0], strict=True))
     assert frames["at_s"] == "all_frames"
