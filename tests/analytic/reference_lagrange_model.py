@@ -51,12 +51,8 @@ def lagrangian_functions() -> tuple[Callable[..., NDArray[np.float64]], Callable
         equation = sympy.expand((momentum.diff(t) - lagrangian.diff(q)).subs(accelerations).subs(rates).subs(values))
         rows.append([equation.coeff(theta_dd), equation.coeff(u_dd), equation.subs({theta_dd: 0, u_dd: 0})])
         masses.append([sympy.expand(kinetic.diff(q.diff(t))).diff(p.diff(t)).subs({theta: 0}) for p in coordinates])
-    equations = sympy.lambdify(
-        (theta_s, omega_s, ax, az, m1, m2, h, c, inertia, g),
-        sympy.simplify(sympy.Matrix(rows)).tolist(),
-        "math",
-        cse=True,
-    )
+    arguments = (theta_s, omega_s, ax, az, m1, m2, h, c, inertia, g)
+    equations = sympy.lambdify(arguments, rows, "math", cse=True)
     mass = sympy.lambdify((m1, m2, h, c, inertia), sympy.Matrix(masses), "numpy")
     return equations, mass
 
