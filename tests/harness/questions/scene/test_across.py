@@ -29,7 +29,6 @@ def test_a_lean_to_the_front_is_the_statues_lean() -> None:
     """Its rotation in the plane is none; the model, which was given no motion across it, is not said to agree."""
     result = _shaken_across(0.27, 0.9)
     run = result.runs["spatial"]
-    assert run.history is not None
     across_rad = float(np.abs(run.history.extra["out_of_plane_rad"]).max())
     assert across_rad > 0.02
     assert run.peak_theta_rad < 1e-6 < peak_lean_rad(run) == pytest.approx(across_rad, abs=SAMPLED_M)
@@ -47,7 +46,6 @@ def test_a_lean_to_the_front_is_the_statues_lean() -> None:
 def test_a_slide_to_the_front_is_the_statues_slide() -> None:
     result = _shaken_across(0.2, 0.1)
     run = result.runs["spatial"]
-    assert run.history is not None
     slid_m = standing_m(run, "statue_slip_m")
     assert slid_m == pytest.approx(float(np.abs(run.history.extra["statue_y_m"]).max()), abs=SAMPLED_M)
     assert slid_m > 2e-3
@@ -77,7 +75,6 @@ def test_a_pedestal_that_slides_to_the_front_slips() -> None:
     floor = BaseExcitation(y=Harmonic(0.4 * GRAVITY_M_S2, 3.0))
     result = run_scene(replace(still, base_excitation=floor), ["analytic", "pybullet"])
     run = result.runs["pybullet"]
-    assert run.history is not None
     assert peak_slip_m(run) == pytest.approx(float(np.abs(run.history.extra["pedestal_y_m"]).max()), abs=SAMPLED_M)
     assert peak_slip_m(run) > 5e-3 > run.peak_slip_m
     (pair,) = result.scores.values()
