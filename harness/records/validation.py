@@ -298,9 +298,11 @@ class MeasuredHistory:
     scores: Scores | None
 
 
-@dataclass(frozen=True)
-class ModelScores(Curves):
-    """All scores of one model: of its nominal runs, of P ≥ ½ (None without perturbed runs), and of the probabilities."""
+@dataclass(frozen=True, kw_only=True)
+class ModelRecord(Curves):
+    """One model: the accuracy or the step asked of it; its scores, of its nominal runs, of P ≥ ½ (None without perturbed runs)
+    and of the probabilities; its histories beside measured ones; where it is asked only `near` the boundary of another model, on
+    how many tests it was."""
 
     tests: int
     failed: int
@@ -310,13 +312,6 @@ class ModelScores(Curves):
     probability: ProbabilityScores
     by_intensity: Sequence[IntensityClass]
     by_body: Sequence[BodyScores] = ()
-
-
-@dataclass(frozen=True, kw_only=True)
-class ModelRecord(ModelScores):
-    """One model: its setting (the accuracy or the step asked of it), its scores, and its histories beside measured ones; where it
-    is asked only `near` the boundary of another one, on how many tests it was."""
-
     engine: str
     accuracy_rad: float | None
     dt_s: float | None

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -153,34 +154,38 @@ def assess(
     drawn_s = time.process_time() - begin
     with _campaign(store, pool) as (campaign, workers):
         contact = [name for name in names if name not in (MODEL, SPACE) and engines.load(name).missing() is None]
-        on_progress(_forecast(scene, contact, model, ALL_TIMES * drawn_s, half_width, most_runs, workers))
-        if shaken_across(scene):
+        estimated = partial(estimate, model, half_width=half_width, most_runs=most_runs)
+        # Counted as if each contact engine agreed with the model, and thrice as many.
+        agreed = estimated(lambda numbers: model.overturned[list(numbers)].tolist(), batch=BATCH).engine_runs
+        runs_each = Range(agreed, min(3 * agreed, most_runs))
+        on_progress(_forecast(scene, contact, runs_each, ALL_TIMES * drawn_s, workers))
+        across, space = shaken_across(scene), None
+        if across:
             on_progress(f"{SPACE}: draws, then clearance")
-        space = space_draws(scene, values, SPACE_STEPS) if shaken_across(scene) else None
-        answered_already = (MODEL,) if space is None else (MODEL, SPACE)
+            space = space_draws(scene, values, SPACE_STEPS)
+        already = (MODEL,) if space is None else (MODEL, SPACE)
         answers, room = dict[str, Assessment | NotAssessed | None](), dict[str, ClearanceByModel]()
         fell: dict[str, Mapping[int, bool | None]] = {}
-        for name in (name for name in names if name not in answered_already):
+        for name in (name for name in names if name not in already):
             if (reason := engines.load(name).missing()) is not None:
                 answers[name] = NotAssessed(reason)
                 continue
             runs = EngineRuns(scene, name, values, campaign, on_progress)
-            batch = max(BATCH, 2 * workers)
-            answer = estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch)
+            answer = estimated(runs, batch=max(BATCH, 2 * workers))
             fell[name] = runs.fell
             if answer.undecided == 1.0:
                 message = f"none of its {answer.engine_runs} runs came to an end (rockcheck run -e {name} says why)"
                 answers[name] = NotAssessed(message)
                 continue
             planar = engines.load(name).capabilities.dimensions < SPACE_DIMENSIONS
-            answers[name] = replace(answer, plane_only=planar and shaken_across(scene))
+            answers[name] = replace(answer, plane_only=planar and across)
             room[name] = of_engine(strata_of(model), runs.fell, runs.reach_m)
         counts = RunCounts(campaign.computed + len(campaign.reused), campaign.computed)
     if space is not None:
         answers[SPACE], room[SPACE] = probability_of(space), of_space(scene, values, space)
     sampler = next((name for name in fell if name in SAMPLERS), SAMPLER)
     own = Answered(model, fell.get(sampler) or sampled(model, lambda number: varied(scene, row(values, number))))
-    answers = {MODEL: probability_of(*own, sampler, plane_only=shaken_across(scene)), **answers}
+    answers = {MODEL: probability_of(*own, sampler, plane_only=across), **answers}
     on_progress(f"{MODEL}: clearance")
     room = {MODEL: of_model(scene, values), **room}
     record = AssessRecord(
@@ -202,25 +207,8 @@ def assess(
     return Assessed(record, values, model, fell)
 
 
-def _forecast(
-    scene: Scene,
-    names: Sequence[str],
-    model: ModelDraws,
-    models_s: float,
-    half_width: float,
-    most_runs: int,
-    workers: int,
-) -> str:
-    """What an assessment will take, in words: the runs of each contact engine are counted as if it agreed with the model, and
-    thrice as many."""
-    agreed = estimate(
-        model,
-        lambda draws: model.overturned[list(draws)].tolist(),
-        half_width=half_width,
-        most_runs=most_runs,
-        batch=BATCH,
-    ).engine_runs
-    runs = Range(agreed, min(3 * agreed, most_runs))
+def _forecast(scene: Scene, names: Sequence[str], runs: Range, models_s: float, workers: int) -> str:
+    """What an assessment will take, in words: so many runs of each contact engine, and so many seconds of the models."""
     each_s = sum(timed_step_s(name, scene) * moving_s(scene)[0] / first_settings(name, scene).dt_s for name in names)
     spent = Range(models_s, models_s).and_also(
         runs.times(each_s), RESULT_S, START_S * workers * bool(names), Range(0.0, SAMPLE_S * OPTIONS)

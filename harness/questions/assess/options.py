@@ -72,6 +72,9 @@ class Option:
     user: bool = False
 
 
+UNCHANGED: Final = Option(AS_IT_IS, lambda scene: scene)
+
+
 def options_of(scene: Scene) -> tuple[list[Option], dict[str, str]]:
     """What can be done in this scene, and the reasons for which other options are left out."""
     options, left_out = _of_pedestal(scene) if scene.pedestal is not None else [], {}
@@ -254,7 +257,7 @@ def compare(
     on_progress: Callable[[str], None] = lambda text: None,
 ) -> OptionsRecord:
     """Every option's probability of a fall and its slip, and its difference to the scene as it is (`own`), draw by draw."""
-    answers, unknown = [answer_of(None, own, None)], dict(left_out)
+    answers, unknown = [answer_of(UNCHANGED, own, None)], dict(left_out)
     for option in options:
         on_progress(f"option {option.name}" if model == MODEL else f"option {option.name}, in space")
         found = ask(option)
@@ -367,19 +370,18 @@ def common(
     return result
 
 
-def answer_of(option: Option | None, answered: Answered, before: Answered | None) -> OptionAnswer:
-    """What is told of an option (None: the scene as it is), by its draws and the same ones of the scene as it is."""
+def answer_of(option: Option, answered: Answered, before: Answered | None) -> OptionAnswer:
+    """What is told of an option, by its draws and the same ones `before` it, of the scene as it is."""
     model = answered.model
     share = probability_of(*answered)
     if share is None:
         raise ValueError("an option without draws")
-    shown = Option(AS_IT_IS, lambda scene: scene) if option is None else option
     median_m, high_m = None, None
     if np.isfinite(model.peak_slip_m).all():
         median_m, high_m = (float(value) for value in np.quantile(model.peak_slip_m, (0.5, HIGH)))
     change = None if before is None else difference_of(answered, before)
     interval = share.probability_overturned, share.low, share.high
-    told = shown.name, shown.values, shown.source
+    told = option.name, option.values, option.source
     return OptionAnswer(*told, share.draws, *interval, median_m, high_m, change, share.undecided)
 
 
@@ -394,7 +396,7 @@ def difference_of(answered: Answered, before: Answered) -> Interval:
     return Interval(value, max(value - below, -1.0), min(value + above, 1.0), DIFFERENCE_LEVEL)
 
 
-def paired_difference(fell: Flags, before: Flags, level: float = DIFFERENCE_LEVEL) -> Interval:
+def paired_difference(fell: Flags, before: Flags) -> Interval:
     """The probability of a fall less the one before, of the same draws, with its interval.
 
     Half a draw is added to each of the four cells (Agresti and Min, Statistics in Medicine 24, 2005): the interval has a width
@@ -404,6 +406,6 @@ def paired_difference(fell: Flags, before: Flags, level: float = DIFFERENCE_LEVE
     size = fell.size + 2.0
     shift = (more - fewer) / size
     variance = ((more + fewer + 1.0) / size - shift**2) / size
-    half = NormalDist().inv_cdf(0.5 + 0.5 * level) * math.sqrt(variance)
+    half = NormalDist().inv_cdf(0.5 + 0.5 * DIFFERENCE_LEVEL) * math.sqrt(variance)
     plain = (more - fewer) / fell.size
-    return Interval(plain, max(min(shift - half, plain), -1.0), min(max(shift + half, plain), 1.0), level)
+    return Interval(plain, max(min(shift - half, plain), -1.0), min(max(shift + half, plain), 1.0), DIFFERENCE_LEVEL)

@@ -224,7 +224,7 @@ def crps(probabilities: Array, seen: Sequence[int]) -> Array:
     return np.asarray(np.sum((np.cumsum(probabilities, axis=1) - reached) ** 2, axis=1))
 
 
-def ended(found: Mapping[str, Any], samples: int) -> dict[str, list[int | None]] | str:
+def turns_by_drop(found: Mapping[str, Any], samples: int) -> dict[str, list[int | None]] | str:
     """The turns of each drop's draws by its name, None where it could not be computed; or why the model gives none of any."""
     wrong = [str(each) for each in found.values() if not isinstance(each, list)]
     if len(wrong) == len(found):
@@ -269,7 +269,7 @@ def scored_drops(measured: MeasuredSet) -> Told:
         def told(done: int, before: int = place * len(drops)) -> None:
             measured.on_progress(before + done, len(models) * len(drops))
 
-        answers = ended(by_name(measured.pool, partial(turns, base, model, count, seed), drops, told), count)
+        answers = turns_by_drop(by_name(measured.pool, partial(turns, base, model, count, seed), drops, told), count)
         if isinstance(answers, str):
             failed.append(caution("model_not_run", model=model.name, reason=answers))
             continue

@@ -41,7 +41,8 @@ from harness.records.validation import (
     Curves,
     FallScores,
     IntensityClass,
-    ModelScores,
+    MeasuredHistory,
+    ModelRecord,
     PairScores,
     ProbabilityScores,
     Repeats,
@@ -138,16 +139,26 @@ class Answered:
 
 
 def score_model(
-    trials: Sequence[Trial], scored: Sequence[Trial], answered: Answered, intensities: Mapping[str, Intensity]
-) -> ModelScores:
+    trials: Sequence[Trial],
+    scored: Sequence[Trial],
+    answered: Answered,
+    intensities: Mapping[str, Intensity],
+    histories: Sequence[MeasuredHistory] = (),
+) -> ModelRecord:
     """All scores of one model on the `scored` tests; curves are over all `trials`."""
     cases = {trial.name: case_of(trial, answered.choice.nominal(trial), answered.run(trial)) for trial in scored}
     sure = {trial: chance for trial in scored if (chance := answered.probability(trial)) is not None}
     seen = [trial.fell for trial in sure]
     possible = answered.possible(list(sure)) if answered.samples else None
     drawn = curves(trials, intensities, lambda trial: answered.run(trial).outcome.fell)
-    samples = answered.samples
-    return ModelScores(
+    samples, model = answered.samples, answered.model
+    return ModelRecord(
+        engine=model.engine,
+        accuracy_rad=model.accuracy_rad,
+        dt_s=model.dt_s,
+        near=model.near,
+        asked=None if answered.asked is None else len(answered.asked),
+        histories=histories,
         tests=len(scored),
         failed=sum(answered.run(trial).outcome.failed for trial in scored),
         fitted=fitted(trials, answered.choice),
@@ -156,8 +167,7 @@ def score_model(
         probability=replace(score_probabilities(list(sure.values()), seen, possible), samples=samples),
         by_intensity=by_intensity(scored, intensities, lambda trial: _right(cases[trial.name])),
         by_body=_by_body(scored, cases, sure if samples else {}),
-        fragility_pgv=drawn.fragility_pgv,
-        contour=drawn.contour,
+        **vars(drawn),
     )
 
 

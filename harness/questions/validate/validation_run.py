@@ -167,15 +167,7 @@ def run_validation(
         unfitted=[] if share else unknown,
         # Where all tests belong to the share they are scored on what they were fitted on, each threshold on all others.
         models={
-            item.model.name: ModelRecord(
-                engine=item.model.engine,
-                accuracy_rad=item.model.accuracy_rad,
-                dt_s=item.model.dt_s,
-                histories=histories[item.model.name],
-                near=item.model.near,
-                asked=None if item.asked is None else len(item.asked),
-                **vars(score_model(trials, rest or trials, item, intensities)),
-            )
+            item.model.name: score_model(trials, rest or trials, item, intensities, histories[item.model.name])
             for item in answered
         },
         pairs=score_pairs(trials, answered),

@@ -20,12 +20,12 @@ from harness.questions.validate.drops import (
     Drop,
     Fit,
     crps,
-    ended,
     fit,
     forecast,
     log_scores,
     read_drops,
     scene_of,
+    turns_by_drop,
 )
 from harness.questions.validate.impact_ratios import read_ratios, repeats_sd
 from harness.questions.validate.jobs import parse_model
@@ -159,8 +159,8 @@ def test_a_draw_that_fails_costs_itself_and_a_model_is_lost_with_all_alone() -> 
     answers = {"a": [1, None], "b": "no"}
     found = by_name(InlinePool(), lambda each: answers[each.name], [drop, replace(drop, name="b")], told.append)
     assert told == [1, 2]
-    assert ended(found, 2) == {"a": [1, None], "b": [None, None]}
-    assert ended({"a": "no", "b": "no"}, 2) == "no"
+    assert turns_by_drop(found, 2) == {"a": [1, None], "b": [None, None]}
+    assert turns_by_drop({"a": "no", "b": "no"}, 2) == "no"
 
 
 def test_a_set_of_drops_is_scored_and_told(tmp_path: Path, root: Path, square: Scene) -> None:
