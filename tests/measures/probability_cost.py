@@ -77,7 +77,8 @@ def of_options() -> str:
     inputs = uncertain_inputs(scene)
     values = draws_of(scene, inputs, RUN_DRAWS, 0)
     own = Answered(model_draws(scene, values))
-    record = compare(options_of(scene)[0][:OPTIONS], {}, own, in_plane(scene, inputs, values))
+    options = options_of(scene)[0][:OPTIONS]
+    record = compare(options, {}, own, in_plane(scene, options, inputs, values))
     return f"{len(record.options) - 1} options × {record.draws} draws"
 
 

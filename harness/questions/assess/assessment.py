@@ -257,7 +257,7 @@ def _by_one_model(
             ask = in_space(scene, inputs, values, seed)
             compared = compare(every, left_out, Answered(space), ask, model=SPACE, on_progress=on_progress)
         else:
-            ask = in_plane(scene, inputs, values, seed)
+            ask = in_plane(scene, every, inputs, values, seed)
             across = shaken_across(scene)
             compared = compare(every, left_out, own, ask, plane_only=across, on_progress=on_progress)
         record = replace(record, options=compared)

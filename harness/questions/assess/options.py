@@ -268,31 +268,39 @@ def compare(
     return OptionsRecord(answers, own.model.overturned.size, LEVEL, DIFFERENCE_LEVEL, unknown, plane_only, model)
 
 
-def in_plane(scene: Scene, inputs: Sequence[Uncertain], values: Mapping[str, Array], seed: int = 0) -> Ask:
-    """The analytic model's answers on draws (n,) of the scene as it is, where each is a scene read again on the first of them."""
+def in_plane(
+    scene: Scene, options: Sequence[Option], inputs: Sequence[Uncertain], values: Mapping[str, Array], seed: int = 0
+) -> Ask:
+    """The analytic model's answers to any of these options on draws (n,) of the scene as it is, where each is a scene read again
+    on the first of them."""
+    size = len(next(iter(values.values())))
+    own = [option for option in options if not option.user]
+    swept = {option.name: _swept(scene, inputs, option.change(scene), values, seed) for option in own}
 
     @cache
-    def drawn(number: int) -> Scene:
-        """The scene as it is in a draw, made once for all options: reading a scan costs most."""
-        return varied(scene, row(values, number))
+    def one_by_one() -> dict[str, ModelDraws]:
+        """Each draw's scene made first and then changed, for all options that need it: reading a scan costs most."""
+        slow = [option for option in own if swept[option.name] is None]
+        parts: dict[str, list[ModelDraws]] = {option.name: [] for option in slow}
+        for number in range(min(SLOW_DRAWS, size)):
+            drawn = varied(scene, row(values, number))
+            for option in slow:
+                parts[option.name].append(_slipping(option.change(drawn), {}, drawn, 1, option.slides))
+        return {name: joined(several) for name, several in parts.items()}
 
     def ask(option: Option) -> Answered:
         other = option.change(scene)
         if option.user:
-            own = common(inputs, values, uncertain_inputs(other), seed)
-            first = None if sweepable(other, own) else SLOW_DRAWS
-            model = model_draws(other, {key: column[:first] for key, column in own.items()})
-            return Answered(model, sampled(model, lambda number: varied(other, row(own, number))))
-        swept = _swept(scene, inputs, other, values, seed)
-        size = len(next(iter(values.values())))
-        if swept is not None:
-            model = _slipping(other, swept, scene, size, option.slides)
-        else:
-            each = [(option.change(one), one) for one in map(drawn, range(min(SLOW_DRAWS, size)))]
-            model = joined([_slipping(changed, {}, one, 1, option.slides) for changed, one in each])
-        # The one body that may slide is no scene of an engine's: its floor is what the pedestal stands on.
-        fell = {} if option.slides else sampled(model, lambda number: option.change(drawn(number)))
-        return Answered(model, fell)
+            drawn = common(inputs, values, uncertain_inputs(other), seed)
+            first = None if sweepable(other, drawn) else SLOW_DRAWS
+            model = model_draws(other, {key: column[:first] for key, column in drawn.items()})
+            return Answered(model, sampled(model, lambda number: varied(other, row(drawn, number))))
+        at_once = swept[option.name]
+        model = one_by_one()[option.name] if at_once is None else _slipping(other, at_once, scene, size, option.slides)
+        if option.slides:
+            # The one body that may slide is no scene of an engine's: its floor is what the pedestal stands on.
+            return Answered(model)
+        return Answered(model, sampled(model, lambda number: option.change(varied(scene, row(values, number)))))
 
     return ask
 

@@ -187,7 +187,7 @@ def test_the_floor_s_two_coefficients_drawn_apart_keep_their_order(tmp_path: Pat
     alone = [float(model_draws(one, {}).peak_slip_m[0]) for one in each]
     assert model_draws(scene, values).peak_slip_m == pytest.approx(alone, rel=budget.ROUNDING)
     smooth = next(item for item in options_of(scene)[0] if "ptfe" in item.name)
-    slips = in_plane(scene, inputs, values)(smooth).model.peak_slip_m
+    slips = in_plane(scene, [smooth], inputs, values)(smooth).model.peak_slip_m
     assert np.median(slips) > 1.5 * np.median(alone)
 
 

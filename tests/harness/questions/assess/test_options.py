@@ -37,7 +37,8 @@ def by_draws(
 ) -> OptionsRecord:
     inputs = uncertain_inputs(scene)
     values = draws_of(scene, inputs, draws, 0)
-    return compare(options, left_out or {}, Answered(model_draws(scene, values)), in_plane(scene, inputs, values))
+    ask = in_plane(scene, options, inputs, values)
+    return compare(options, left_out or {}, Answered(model_draws(scene, values)), ask)
 
 
 def test_statue_and_pedestal_as_one_body_by_hand() -> None:
@@ -75,7 +76,8 @@ def test_draws_are_common() -> None:
     scene = paestum(0.429, 3.0, duration_s=3.0)
     inputs = uncertain_inputs(scene)
     values = draw(inputs, DRAWS, seed=4)
-    same = in_plane(scene, inputs, values)(made.Option("same", lambda given: given)).model
+    unchanged = made.Option("same", lambda given: given)
+    same = in_plane(scene, [unchanged], inputs, values)(unchanged).model
     np.testing.assert_array_equal(same.overturned, model_draws(scene, values).overturned)
     lower = [replace(inputs[0], value=0.5 * inputs[0].value), *inputs[1:]]
     moved = common(inputs, values, lower, seed=4)
@@ -90,8 +92,10 @@ def test_swept_draws_of_an_option_are_those_of_each_scene_changed() -> None:
     by_scene = [*inputs, Uncertain("pedestal.height_m", "uniform", 0.2, 1e-9)]
     values = draw(inputs, 30, seed=1)
     single = {**values, "pedestal.height_m": np.full(30, 0.2)}
-    for option in made.options_of(scene)[0]:
-        swept, slow = in_plane(scene, inputs, values)(option).model, in_plane(scene, by_scene, single)(option).model
+    options = made.options_of(scene)[0]
+    asked = in_plane(scene, options, inputs, values), in_plane(scene, options, by_scene, single)
+    for option in options:
+        swept, slow = (ask(option).model for ask in asked)
         np.testing.assert_array_equal(swept.overturned, slow.overturned, err_msg=option.name)
         np.testing.assert_allclose(swept.peak_slip_m, slow.peak_slip_m, atol=budget.ADDED, err_msg=option.name)
 
@@ -103,7 +107,7 @@ def test_a_fixed_body_on_little_friction_slides_and_on_much_rocks() -> None:
     least = math.tan(min(one.slenderness_rad(side) for side in (1, -1)))
     values = {"contact.floor": np.array([0.9 * least, 1.1 * least])}
     inputs = [Uncertain("contact.floor", "lognormal", scene.contact.floor_static, 0.15)]
-    answer = in_plane(scene, inputs, values)(fixed).model
+    answer = in_plane(scene, [fixed], inputs, values)(fixed).model
     assert answer.peak_slip_m[0] > 0.0
     assert answer.peak_share[1] > answer.peak_share[0]
     assert answer.peak_slip_m[1] == 0.0
