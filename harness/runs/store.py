@@ -259,7 +259,7 @@ class Store:
         """
         histories = [(item.key, *item.history) for item in results if item.history is not None]
         seconds = [(item.key, item.seconds, clock_s / len(results)) for item in results]
-        with self._naming_damage("written"), self._transaction():
+        with self._writing():
             self._db.executemany("INSERT OR IGNORE INTO result VALUES (?,?,?,?,?)", [item.columns for item in results])
             self._db.executemany("INSERT OR IGNORE INTO timing VALUES (?,?,?)", seconds)
             self._db.executemany("INSERT OR IGNORE INTO history VALUES (?,?,?,?,?)", histories)
@@ -267,7 +267,7 @@ class Store:
     def remove(self, keys: Iterable[str]) -> None:
         """Remove results, to have them computed anew."""
         gone = [(key,) for key in keys]
-        with self._naming_damage("written"), self._transaction():
+        with self._writing():
             for table in ("result", "timing", "history"):
                 self._db.executemany(f"DELETE FROM {table} WHERE key=?", gone)
 
@@ -335,7 +335,7 @@ class Store:
             (study, n, engine, key, why, json.dumps(to_plain(what), sort_keys=True))
             for n, engine, key, why, what in rows
         )
-        with self._naming_damage("written"), self._transaction():
+        with self._writing():
             self._db.execute("DELETE FROM plan WHERE study=?", (study,))
             self._db.executemany("INSERT INTO plan VALUES (?,?,?,?,?,?)", plain)
 
@@ -363,16 +363,11 @@ class Store:
             return dict(self._db.execute(query, (study,)))
 
     @contextmanager
-    def _transaction(self) -> Iterator[None]:
-        self._db.execute("BEGIN IMMEDIATE")
-        try:
+    def _writing(self) -> Iterator[None]:
+        """One transaction, undone where it comes to no end."""
+        with self._naming_damage("written"), self._db:
+            self._db.execute("BEGIN IMMEDIATE")
             yield
-        except BaseException:
-            # A full disk may already have rolled it back.
-            if self._db.in_transaction:
-                self._db.execute("ROLLBACK")
-            raise
-        self._db.execute("COMMIT")
 
     @contextmanager
     def _decoded(self) -> Iterator[None]:
