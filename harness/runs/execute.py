@@ -20,7 +20,7 @@ from harness.records.base import Plain
 from harness.records.study import UsageRecord, impacts
 from harness.runs.runner import Crash, DaskPool, InlinePool, LocalPool, Pool
 from harness.runs.store import MEMORY, Packed, Store, packed
-from harness.runs.task import Answer, RunRequest, Task
+from harness.runs.task import RunRequest, Task
 
 OnProgress = Callable[[int, int], None]
 """Hears how many tasks are done, and how many there are to do."""
@@ -28,8 +28,6 @@ MOST_SHOWN: Final = 80
 """Characters of a wrong argument that an error shows."""
 KEPT: Final = "what was finished is kept"
 """Noted in an interrupt of a campaign: the same call goes on where it was."""
-Order = tuple[str, Callable[[Any], Answer], Any]
-"""What travels of a task: its key, its function, and the function's argument."""
 
 
 def silent(done: int, total: int) -> None:
@@ -99,7 +97,7 @@ def numbers_of(records: Sequence[Mapping[str, Any]]) -> dict[str, Column]:
 
 @dataclass(frozen=True)
 class Finished:
-    """What a worker gives back: an answer for each order, packed, and seconds: all, and each task's overhead."""
+    """What a worker gives back: an answer for each task, packed, and seconds: all, and each task's overhead."""
 
     answers: Sequence[Packed]
     failed: int
@@ -107,14 +105,14 @@ class Finished:
     outside_s: Sequence[float]
 
 
-def compute(batch: tuple[int, Sequence[Order]]) -> Finished:
-    """What a worker does: each task of a numbered batch, and its answer packed."""
+def compute(batch: Sequence[Task]) -> Finished:
+    """What a worker does: each task of a batch, and its answer packed."""
     begin, failed, answers, outside_s = time.perf_counter(), 0, [], []
-    for key, work, argument in batch[1]:
+    for task in batch:
         start = time.perf_counter()
-        answer = work(argument)
+        answer = task.work(task.argument)
         failed += answer.failed
-        answers.append(packed(key, answer))
+        answers.append(packed(task.key, answer))
         outside_s.append(time.perf_counter() - start - answer.inside_s)
     return Finished(answers, failed, time.perf_counter() - begin, outside_s)
 
@@ -186,24 +184,12 @@ class Campaign:
                 self._keep(batch, _lost(batch[0], result) if isinstance(result, Crash) else result)
 
         try:
-            self._run(batches(self._left(tasks), self._sizes, self._otherwise), done)
-            self._run(again, done)
+            self._pool.run(compute, batches(self._left(tasks), self._sizes, self._otherwise), done)
+            self._pool.run(compute, again, done)
         except KeyboardInterrupt as ending:
             ending.add_note(KEPT)
             raise
         self._say_progress()
-
-    def _run(
-        self, tasks: Iterable[tuple[Task, ...]], done: Callable[[tuple[Task, ...], Finished | Crash], None]
-    ) -> None:
-        waiting: dict[int, tuple[Task, ...]] = {}
-
-        def orders() -> Iterator[tuple[int, list[Order]]]:
-            for number, batch in enumerate(tasks):
-                waiting[number] = batch
-                yield number, [(task.key, task.work, task.argument) for task in batch]
-
-        self._pool.run(compute, orders(), lambda order, result: done(waiting.pop(order[0]), result))
 
     def _left(self, tasks: Iterable[Task]) -> Iterator[Task]:
         """The tasks of which nobody has a result yet, and nobody is at work on."""

@@ -174,9 +174,14 @@ class Answer:
     table: Mapping[str, NDArray[Any]] | None = None
 
 
+def no_answer(argument: Any, crash: Crash) -> Answer | None:
+    """Of a task whose worker died: nothing is kept."""
+    return None
+
+
 @dataclass(frozen=True)
 class Task:
-    """One thing to compute: a function of a module and its argument, both of which travel to a worker.
+    """One thing to compute, as it travels to a worker: functions of a module, and an argument.
 
     `key` names the result in the store. Neighbours of one `group` may go to a worker together.
     `lost` makes the answer of a task whose worker died; None: there is none, and nothing is kept. It counts as so many `runs`.
@@ -186,7 +191,7 @@ class Task:
     work: Callable[[Any], Answer]
     argument: Any
     group: str = ""
-    lost: Callable[[Any, Crash], Answer | None] = lambda argument, crash: None
+    lost: Callable[[Any, Crash], Answer | None] = no_answer
     runs: int = 1
 
 
