@@ -218,24 +218,20 @@ class Store:
                 _begin(path, kind)
             self._db = sqlite3.connect(path, isolation_level=None, timeout=BUSY_MS / 1000.0)
         try:
-            self._prepare(path)
+            with self._naming_damage("read"):
+                if str(path) == MEMORY:
+                    self._db.executescript(_SCHEMA)
+                version = self._db.execute("PRAGMA user_version").fetchone()[0]
+                if version not in (0, STORE_VERSION):
+                    wanted, advice = f"a store of version {STORE_VERSION}", "use another folder"
+                    raise InputError(Mistake(str(path), "", wanted, f"version {version}", advice))
+                self._db.execute("PRAGMA journal_mode=WAL")
+                # In WAL mode NORMAL survives a killed process; a power cut may lose the last results, never damage the file.
+                self._db.execute("PRAGMA synchronous=NORMAL")
         except BaseException:
             # Else the files beside a store that is refused would stay.
             self._db.close()
             raise
-
-    def _prepare(self, path: Path) -> None:
-        with self._naming_damage("read"):
-            self._db.execute(f"PRAGMA busy_timeout={BUSY_MS}")
-            if str(path) == MEMORY:
-                self._db.executescript(_SCHEMA)
-            version = self._db.execute("PRAGMA user_version").fetchone()[0]
-            if version not in (0, STORE_VERSION):
-                wanted, advice = f"a store of version {STORE_VERSION}", "use another folder"
-                raise InputError(Mistake(str(path), "", wanted, f"version {version}", advice))
-            self._db.execute("PRAGMA journal_mode=WAL")
-            # In WAL mode NORMAL survives a killed process; only a power cut may lose the last results, never damage the file.
-            self._db.execute("PRAGMA synchronous=NORMAL")
 
     def __enter__(self) -> Store:
         return self
