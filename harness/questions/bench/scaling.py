@@ -7,6 +7,7 @@ import os
 import tempfile
 import time
 from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Final
 
@@ -15,9 +16,10 @@ import numpy as np
 from harness.model.finding import Finding, info
 from harness.model.scene import Scene
 from harness.questions.bench.programs import children_cpu_s, cost, largest_child_mb, peak_memory_mb
+from harness.questions.bench.skips import written_study
 from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.records.bench import ScalingRow
-from harness.runs.runner import LIMIT_S
+from harness.runs.runner import LIMIT_S, LocalPool
 from harness.runs.task import call
 
 Point = tuple[str, str, float]
@@ -105,21 +107,10 @@ def _ensemble(runs: int) -> tuple[float, float, float]:
 
 
 def _workers(jobs: int) -> tuple[float, float, float]:
-    from harness.questions.bench.skips import write_study
-    from harness.questions.study.file import load_study
-    from harness.questions.study.study_run import run_study
-    from harness.runs.runner import LocalPool
-    from harness.runs.store import Store
-
-    with tempfile.TemporaryDirectory(prefix="rockcheck-bench-") as name:
-        path = write_study(Path(name), STUDY_RUNS, "pymunk")
-        study = load_study(path)
+    with written_study(STUDY_RUNS, "pymunk") as run, closing(LocalPool(jobs)) as pool:
         begin = time.perf_counter()
-        pool = LocalPool(jobs)
-        with Store(path.parent / "store.sqlite") as store:
-            run_study(study, path, store, pool)
+        run(pool)
         wall_s = time.perf_counter() - begin
-        pool.close()
     return wall_s, peak_memory_mb() + jobs * largest_child_mb(), children_cpu_s() + time.process_time()
 
 

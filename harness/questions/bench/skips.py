@@ -8,10 +8,11 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import tomli_w
 
@@ -35,6 +36,8 @@ from harness.questions.bench.standard_scenes import (
     standard_set,
 )
 from harness.records.bench import TOGETHER, SkipRow
+from harness.runs.runner import LocalPool
+from harness.runs.store import STORE_NAME, Store
 
 RECORDS: Final = {
     "elcentro1940": ("elcentro1940_NS.csv", "a_NS_ms2", 31.18),
@@ -315,21 +318,13 @@ def _fresh_s(code: str) -> float:
 
 def _cached() -> SkipRow:
     """A study of sixteen runs, then the same study again from its store."""
-    from harness.questions.study.file import load_study
-    from harness.questions.study.study_run import run_study
-    from harness.runs.runner import LocalPool
-    from harness.runs.store import Store
+    seen: list[Any] = []
+    with written_study(STUDY_RUNS, "analytic") as run:
 
-    with tempfile.TemporaryDirectory(prefix="rockcheck-bench-") as name:
-        path = write_study(Path(name), STUDY_RUNS, "analytic")
-        study = load_study(path)
-        with Store(path.parent / "store.sqlite") as store:
-            seen = []
+        def work() -> None:
+            seen.append(run(LocalPool(1)))
 
-            def work() -> None:
-                seen.append(run_study(study, path, store, LocalPool(1)))
-
-            off_s, on_s = cost(work, 1).wall_s, cost(work, 3).wall_s
+        off_s, on_s = cost(work, 1).wall_s, cost(work, 3).wall_s
     again = seen[-1]
     changed = [] if again.computed == 0 and again.found == again.distinct else ["the second study computed again"]
     # Stored failures are found again at no cost as well: a gain over them would be none.
@@ -337,16 +332,22 @@ def _cached() -> SkipRow:
     return SkipRow("cached", "analytic", seen[0].wanted, on_s, off_s, tuple(changed))
 
 
-def write_study(folder: Path, runs: int, engine: str) -> Path:
-    """A study of the column over `runs` amplitudes, written to `folder`."""
+@contextmanager
+def written_study(runs: int, engine: str) -> Iterator[Callable[[LocalPool], Any]]:
+    """A study of the column over so many amplitudes, in a store of its own; yields what runs it in a pool."""
+    from harness.questions.study.file import load_study
+    from harness.questions.study.study_run import run_study
+
     scene = {"title": "block", "duration_s": 5.0, "statue": COLUMN, "motion": harmonic(0.3, 2.0)}
     amplitudes = {"key": "motion.x.amplitude_g", "start": 0.2, "stop": 0.5, "count": runs}
     variant = {"name": "block", "engines": [engine]}
     study = {"title": "amplitudes", "scene": "scene.toml", "vary": [amplitudes], "variant": [variant]}
-    (folder / "scene.toml").write_text(tomli_w.dumps(scene), encoding="utf-8")
-    path = folder / "study.toml"
-    path.write_text(tomli_w.dumps(study), encoding="utf-8")
-    return path
+    with tempfile.TemporaryDirectory(prefix="rockcheck-bench-") as name:
+        path = Path(name) / "study.toml"
+        path.with_name("scene.toml").write_text(tomli_w.dumps(scene), encoding="utf-8")
+        path.write_text(tomli_w.dumps(study), encoding="utf-8")
+        with Store(path.parent / STORE_NAME) as store:
+            yield partial(run_study, load_study(path), path, store)
 
 
 def _planar() -> SkipRow:
