@@ -64,7 +64,7 @@ def test_what_a_store_holds_is_not_computed_again(
             super().run(work, (self._counted(item) for item in tasks), done)
 
         def _counted(self, item):  # type: ignore[no-untyped-def]
-            Counting.asked += len(item[1])
+            Counting.asked += len(item)
             return item
 
     monkeypatch.setattr(executed, "InlinePool", Counting)
@@ -80,7 +80,7 @@ def test_a_run_that_takes_its_process_with_it_is_a_row(scene: harness.Scene, mon
     class Dying(InlinePool):
         def run(self, work, tasks, done):  # type: ignore[no-untyped-def]
             for item in tasks:
-                done(item, Crash("died") if item[1][0][2].engine == "pymunk" else work(item))
+                done(item, Crash("died") if item[0].argument.engine == "pymunk" else work(item))
 
     monkeypatch.setattr(executed, "InlinePool", Dying)
     runs = harness.execute(wanted(scene, history=True))
