@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, radians, sin
 from typing import Final
@@ -208,15 +209,16 @@ def _areas(vertices: Array, faces: Faces, levels: Array) -> tuple[Array, Array]:
     order = np.argsort(band, kind="stable")
     bands = np.split(vertices[order], np.searchsorted(band[order], np.arange(1, len(levels) + 1)))
     sections = [_section(start, end, level) for level in levels]
-    below, above, outer = [], [], np.empty((0, 3))
-    for points, section in zip(bands[:-1], sections, strict=True):
-        outer = _outer(np.vstack([outer, points]))
-        below.append(_area(np.vstack([outer, section])))
-    outer = np.empty((0, 3))
-    for points, section in zip(bands[:0:-1], sections[::-1], strict=True):
-        outer = _outer(np.vstack([outer, points]))
-        above.append(_area(np.vstack([outer, section])))
-    return np.array(below), np.array(above[::-1])
+    return _swept(bands[:-1], sections), _swept(bands[:0:-1], sections[::-1])[::-1]
+
+
+def _swept(bands: Sequence[Array], sections: Sequence[Array]) -> Array:
+    """Areas (k,) of the hulls of all bands up to each, with the section that ends it."""
+    areas, outer = [], np.empty((0, 3))
+    for points, section in zip(bands, sections, strict=True):
+        outer = _hull(np.vstack([outer, points]))[0]
+        areas.append(_hull(np.vstack([outer, section]))[1])
+    return np.array(areas)
 
 
 def _section(start: Array, end: Array, level: float) -> Array:
@@ -226,23 +228,15 @@ def _section(start: Array, end: Array, level: float) -> Array:
     return np.asarray(a + ((level - a[:, 2]) / (b[:, 2] - a[:, 2]))[:, None] * (b - a))
 
 
-def _outer(points: Array) -> Array:
-    """Those of points (n, 3) that lie on their hull seen from above."""
+def _hull(points: Array) -> tuple[Array, float]:
+    """Those of points (n, 3) that lie on their hull seen from above, and its area."""
     from scipy.spatial import ConvexHull, QhullError
 
     try:
-        return points[ConvexHull(points[:, :2]).vertices]
-    except (QhullError, ValueError):
-        return points
-
-
-def _area(points: Array) -> float:
-    from scipy.spatial import ConvexHull, QhullError
-
-    try:
-        return float(ConvexHull(points[:, :2]).volume)
+        hull = ConvexHull(points[:, :2])
     except (QhullError, ValueError):  # on a line, or too few
-        return 0.0
+        return points, 0.0
+    return points[hull.vertices], float(hull.volume)
 
 
 def cut_below(mesh: RawMesh, height_m: float) -> RawMesh:

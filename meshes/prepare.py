@@ -177,11 +177,12 @@ class Prepared:
 
     def after(self, mesh: RawMesh, made: Change | None) -> Prepared:
         """The state after one step, with its change in the log where it made one."""
-        return replace(self, mesh=mesh, log=self.log if made is None else self.log.and_changed(made))
+        changes = self.log.changes if made is None else (*self.log.changes, made)
+        return replace(self, mesh=mesh, log=replace(self.log, changes=changes))
 
     def doubted(self, *doubts: Doubt) -> Prepared:
         """The state with what was found in it and left as it was."""
-        return replace(self, log=self.log.with_doubts(*doubts))
+        return replace(self, log=replace(self.log, found=(*self.log.found, *doubts)))
 
     def write(self, path: str | Path) -> None:
         """Write the mesh in metres, z up, in the format of the path's suffix."""

@@ -193,14 +193,6 @@ class ProcessingLog:
     changes: tuple[Change, ...] = ()
     found: tuple[Doubt, ...] = ()
 
-    def with_doubts(self, *doubts: Doubt) -> ProcessingLog:
-        """The log with what was found more."""
-        return replace(self, found=(*self.found, *doubts))
-
-    def and_changed(self, change: Change) -> ProcessingLog:
-        """The log with one more change."""
-        return replace(self, changes=(*self.changes, change))
-
     def scaled(self, unit_m: float) -> ProcessingLog:
         """The log with centroid shifts so far in the file's unit turned into metres."""
         turned = [

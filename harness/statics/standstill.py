@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final, Literal, get_args
 
 import numpy as np
 
@@ -32,13 +32,7 @@ CREST: Final = 1e-3
 FACTOR_ROUNDING: Final = 1e-7
 """A factor is told to four digits; it is found to a thousandth of the last."""
 Cause = Literal["statue_tips", "statue_slides", "pedestal_slides", "pedestal_tips"]
-CAUSES: Final[Mapping[Cause, str]] = {
-    "statue_tips": "the statue tips",
-    "statue_slides": "the statue slides on its support",
-    "pedestal_slides": "the pedestal slides on the floor",
-    "pedestal_tips": "the pedestal tips with the statue on it",
-}
-"""What can begin to move, in words."""
+"""What can begin to move, and how."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +95,7 @@ def _level(parts: tuple[Excitation, ...], t_s: Array, x_factor: float) -> Array:
 
 
 def _limits(scene: Scene) -> tuple[Cause, ...]:
-    return tuple(name for name in CAUSES if not name.startswith("pedestal") or scene.pedestal is not None)
+    return tuple(name for name in get_args(Cause) if not name.startswith("pedestal") or scene.pedestal is not None)
 
 
 def _needed(scene: Scene, level_m_s2: Array) -> dict[Cause, Array]:

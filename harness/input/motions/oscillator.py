@@ -42,10 +42,11 @@ def exact_step(period_s: float, damping: float, dt_s: float) -> Step:
     return Step(phi, held - ramp, ramp, np.array([-(w**2), -2.0 * damping * w]))
 
 
-def _filter(step: Step, row: Floats, accel_m_s2: Floats) -> Floats:
-    """row · x at every sample (n,), from rest at the first, by the recurrence's transfer function."""
+def displacement_m(accel_m_s2: Floats, dt_s: float, period_s: float, damping: float) -> Floats:
+    """Relative displacement (n,) at the samples, m, from rest at the first, by the recurrence's transfer function."""
     from scipy.signal import lfilter
 
+    step, row = exact_step(period_s, damping, dt_s), np.array([1.0, 0.0])
     trace, det = float(np.trace(step.phi)), float(np.linalg.det(step.phi))
     carry = step.phi - trace * np.eye(2)
     taps = np.array([row @ step.b1, row @ (step.b0 + carry @ step.b1), row @ carry @ step.b0])
@@ -58,11 +59,6 @@ def _finer(accel_m_s2: Floats, factor: int) -> Floats:
     """The same straight lines with `factor` times as many samples."""
     n = accel_m_s2.size
     return np.interp(np.arange((n - 1) * factor + 1) / factor, np.arange(n), accel_m_s2)
-
-
-def displacement_m(accel_m_s2: Floats, dt_s: float, period_s: float, damping: float) -> Floats:
-    """Relative displacement at the samples (n,), m."""
-    return _filter(exact_step(period_s, damping, dt_s), np.array([1.0, 0.0]), accel_m_s2)
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,8 +20,7 @@ from harness.input.motions.recordfile import (
     Floats,
     Series,
     at_rest,
-    displacement_m,
-    velocity_m_s,
+    ends,
 )
 from harness.input.motions.spec import Oscillator
 from harness.input.motions.spectra import arias_share, peak_velocity_m_s
@@ -324,15 +323,10 @@ def baseline(series: Series, kind: Baseline) -> Series:
         fit = np.polynomial.Polynomial.fit(place, series.accel_m_s2, _DEGREE[kind], domain=[-1.0, 1.0])
         accel = series.accel_m_s2 - fit(place)
     changed = np.asarray(accel, dtype=np.float64)
-    (before_m_s, before_m), (after_m_s, after_m) = _ends(series), _ends(Series(series.dt_s, changed))
+    (before_m_s, before_m), (after_m_s, after_m) = ends(series), ends(Series(series.dt_s, changed))
     most = float(np.abs(changed - series.accel_m_s2).max())
-    ends = {"before_m_s": before_m_s, "before_m": before_m, "after_m_s": after_m_s, "after_m": after_m}
-    return series.changed(changed, info("step_baseline", kind=kind, most_m_s2=most, **ends))
-
-
-def _ends(series: Series) -> tuple[float, float]:
-    """Velocity, m/s, and displacement, m, at the last sample."""
-    return float(velocity_m_s(series)[-1]), float(displacement_m(series)[-1])
+    remains = {"before_m_s": before_m_s, "before_m": before_m, "after_m_s": after_m_s, "after_m": after_m}
+    return series.changed(changed, info("step_baseline", kind=kind, most_m_s2=most, **remains))
 
 
 def bandpass(series: Series, low_hz: float, high_hz: float) -> Series:

@@ -142,15 +142,14 @@ def at_rest(accel_m_s2: Floats, dt_s: float, window: Floats | None = None) -> Fl
     basis = (shape, shape * (share - 0.5))
     result = np.array(accel_m_s2, dtype=np.float64)
     for _ in range(2):  # the second pass removes the first one's rounding
-        ends = np.array([_ends(part, dt_s) for part in basis]).T
-        result -= np.tensordot(np.linalg.solve(ends, _ends(result, dt_s)), basis, axes=1)
+        gained = np.array([ends(Series(dt_s, part)) for part in basis]).T
+        result -= np.tensordot(np.linalg.solve(gained, ends(Series(dt_s, result))), basis, axes=1)
     return result
 
 
-def _ends(accel_m_s2: Floats, dt_s: float) -> Floats:
-    """Velocity and displacement at the last sample."""
-    series = Series(dt_s, accel_m_s2)
-    return np.array([velocity_m_s(series)[-1], displacement_m(series)[-1]])
+def ends(series: Series) -> tuple[float, float]:
+    """Velocity, m/s, and displacement, m, at the last sample."""
+    return float(velocity_m_s(series)[-1]), float(displacement_m(series)[-1])
 
 
 STANDARD_GRAVITY_M_S2: Final = 9.80665

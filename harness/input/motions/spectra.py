@@ -67,52 +67,38 @@ class DesignSpectrum:
 
 def design_spectrum(target: Target) -> DesignSpectrum:
     """The spectrum of a validated target (either its own shape or that of its site)."""
-    return _eurocode(target) if target.code == "ec8" else _ntc(target)
-
-
-def _name(target: Target, site: str) -> str:
-    code = {"ntc2008": "NTC 2008", "ntc2018": "NTC 2018", "ec8": "Eurocode 8"}[target.code]
-    return f"{code}, {site}, a_g = {target.ag_g:g} g{', vertical' if target.vertical else ''}"
-
-
-def _eurocode(target: Target) -> DesignSpectrum:
     ag = target.ag_g * STANDARD_GRAVITY_M_S2
-    if target.vertical:
+    TB, TC, TD = _VERTICAL_PERIODS
+    if not target.vertical:
+        (S, TB, TC, TD), site = _horizontal(target)
+        peak, amplification = ag * S, EC8_AMPLIFICATION if target.code == "ec8" else target.F0 or 1.0
+    elif target.code == "ec8":
         kind = target.type or 1
-        name = _name(target, f"type {kind}")
-        peak = ag * _EC8_VERTICAL[kind]
-        return DesignSpectrum(peak, _EC8_VERTICAL_AMPLIFICATION, *_VERTICAL_PERIODS, target.damping, name)
-    if target.soil is not None:
-        S, TB, TC, TD = _EC8_SOILS[target.type or 1][target.soil]
-        name = _name(target, f"type {target.type}, soil {target.soil}")
-        return DesignSpectrum(ag * S, EC8_AMPLIFICATION, TB, TC, TD, target.damping, name)
-    S, TB, TC, TD = _shape(target)
-    return DesignSpectrum(ag * S, EC8_AMPLIFICATION, TB, TC, TD, target.damping, _name(target, f"S = {S:g}"))
+        peak, amplification, site = ag * _EC8_VERTICAL[kind], _EC8_VERTICAL_AMPLIFICATION, f"type {kind}"
+    else:
+        amplification = target.F0 or 1.0
+        peak = ag * (target.topography or 1.0) * 1.35 * math.sqrt(target.ag_g)
+        site = f"F0 = {amplification:g}"
+    code = {"ntc2008": "NTC 2008", "ntc2018": "NTC 2018", "ec8": "Eurocode 8"}[target.code]
+    name = f"{code}, {site}, a_g = {target.ag_g:g} g{', vertical' if target.vertical else ''}"
+    return DesignSpectrum(peak, amplification, TB, TC, TD, target.damping, name)
 
 
-def _ntc(target: Target) -> DesignSpectrum:
-    ag, F0 = target.ag_g * STANDARD_GRAVITY_M_S2, target.F0 or 1.0
-    ST = target.topography or 1.0
-    if target.vertical:
-        peak = ag * ST * 1.35 * math.sqrt(target.ag_g)
-        return DesignSpectrum(peak, F0, *_VERTICAL_PERIODS, target.damping, _name(target, f"F0 = {F0:g}"))
-    if target.soil is not None:
-        most, constant, slope, least = _NTC_SS[target.soil]
-        S = ST * min(max(constant - slope * F0 * target.ag_g, least), most)
-        factor, power = _NTC_CC[target.soil]
-        star = target.TC_star_s or 1.0
-        TC = factor * star**power * star
-        name = _name(target, f"soil {target.soil}, S = {S:.4g}")
-        return DesignSpectrum(ag * S, F0, TC / 3.0, TC, 4.0 * target.ag_g + 1.6, target.damping, name)
-    S, TB, TC, TD = _shape(target)
-    return DesignSpectrum(ag * S, F0, TB, TC, TD, target.damping, _name(target, f"S = {S:g}"))
-
-
-def _shape(target: Target) -> tuple[float, float, float, float]:
-    S, TB, TC, TD = target.S, target.TB_s, target.TC_s, target.TD_s
-    if S is None or TB is None or TC is None or TD is None:
-        raise ValueError("a validated target has a whole shape or a soil")
-    return S, TB, TC, TD
+def _horizontal(target: Target) -> tuple[tuple[float, float, float, float], str]:
+    """S, TB, TC and TD of a horizontal spectrum, and what they follow from."""
+    if target.soil is None:
+        S, TB, TC, TD = target.S, target.TB_s, target.TC_s, target.TD_s
+        if S is None or TB is None or TC is None or TD is None:
+            raise ValueError("a validated target has a whole shape or a soil")
+        return (S, TB, TC, TD), f"S = {S:g}"
+    if target.code == "ec8":
+        return _EC8_SOILS[target.type or 1][target.soil], f"type {target.type}, soil {target.soil}"
+    most, constant, slope, least = _NTC_SS[target.soil]
+    S = (target.topography or 1.0) * min(max(constant - slope * (target.F0 or 1.0) * target.ag_g, least), most)
+    factor, power = _NTC_CC[target.soil]
+    star = target.TC_star_s or 1.0
+    TC = factor * star**power * star
+    return (S, TC / 3.0, TC, 4.0 * target.ag_g + 1.6), f"soil {target.soil}, S = {S:.4g}"
 
 
 # Intensity measures of one history: peaks, Arias intensity and its build-up, durations.
