@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, contextmanager
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -152,7 +152,11 @@ def assess(
     begin = time.process_time()
     model = model_draws(scene, values)
     drawn_s = time.process_time() - begin
-    with _campaign(store, pool) as (campaign, workers):
+    with ExitStack() as stack:
+        # The caller's store and pool, or a store in memory and this machine's cores until the end.
+        storage = store or stack.enter_context(Store(Path(":memory:")))
+        computing = pool or stack.enter_context(closing(LocalPool(os.cpu_count())))
+        campaign, workers = Campaign(storage, computing), computing.workers
         contact = [name for name in names if name not in (MODEL, SPACE) and engines.load(name).missing() is None]
         estimated = partial(estimate, model, half_width=half_width, most_runs=most_runs)
         # Counted as if each contact engine agreed with the model, and thrice as many.
@@ -164,7 +168,7 @@ def assess(
             on_progress(f"{SPACE}: draws, then clearance")
             space = space_draws(scene, values, SPACE_STEPS)
         already = (MODEL,) if space is None else (MODEL, SPACE)
-        answers, room = dict[str, Assessment | NotAssessed | None](), dict[str, ClearanceByModel]()
+        answers, room = dict[str, Assessment | NotAssessed](), dict[str, ClearanceByModel]()
         fell: dict[str, Mapping[int, bool | None]] = {}
         for name in (name for name in names if name not in already):
             if (reason := engines.load(name).missing()) is not None:
@@ -185,7 +189,9 @@ def assess(
         answers[SPACE], room[SPACE] = probability_of(space), of_space(scene, values, space)
     sampler = next((name for name in fell if name in SAMPLERS), SAMPLER)
     own = Answered(model, fell.get(sampler) or sampled(model, lambda number: varied(scene, row(values, number))))
-    answers = {MODEL: probability_of(*own, sampler, plane_only=across), **answers}
+    by_own = probability_of(*own, sampler, plane_only=across)
+    differences = {name: _difference(by_own, item) for name, item in answers.items() if isinstance(item, Assessment)}
+    answers = {MODEL: by_own, **answers}
     on_progress(f"{MODEL}: clearance")
     room = {MODEL: of_model(scene, values), **room}
     record = AssessRecord(
@@ -196,7 +202,7 @@ def assess(
         assumed=not scene.uncertainty,
         seed=seed,
         assessment={name: answers[name] for name in dict.fromkeys((*names, *answers)) if name in answers},
-        difference_from_model=_differences(answers),
+        difference_from_model=differences,
         versions=versions(),
         machine=machine(),
         runs=counts,
@@ -228,15 +234,6 @@ def _inputs(scene: Scene) -> Sequence[Uncertain]:
         wanted = "the keys that are not known: there is neither a motion nor a pedestal of which to assume any"
         raise InputError(Mistake(where, "uncertainty", wanted, "nothing"))
     return inputs
-
-
-@contextmanager
-def _campaign(store: Store | None, pool: Pool | None) -> Iterator[tuple[Campaign, int]]:
-    """The caller's store and pool, or a store in memory and this machine's cores until the end."""
-    with ExitStack() as stack:
-        storage = store or stack.enter_context(Store(Path(":memory:")))
-        workers = pool or stack.enter_context(closing(LocalPool(os.cpu_count())))
-        yield Campaign(storage, workers), workers.workers
 
 
 def _by_one_model(
@@ -272,14 +269,7 @@ def _by_one_model(
     return replace(record, fragility=found, indices=by_input)
 
 
-def _differences(answers: Mapping[str, Assessment | NotAssessed | None]) -> dict[str, ProbabilityDifference]:
-    """The model's probability less each other's on the same draws: only the sampling of the other is left."""
-    own = answers[MODEL]
-    if not isinstance(own, Assessment):
-        return {}
+def _difference(own: Assessment, other: Assessment) -> ProbabilityDifference:
+    """The model's probability less another's on the same draws: only the sampling of the other is left."""
     p = own.probability_overturned
-    others = {name: item for name, item in answers.items() if name != MODEL and isinstance(item, Assessment)}
-    return {
-        name: ProbabilityDifference(p - item.probability_overturned, p - item.high, p - item.low, item.level)
-        for name, item in others.items()
-    }
+    return ProbabilityDifference(p - other.probability_overturned, p - other.high, p - other.low, other.level)

@@ -65,12 +65,9 @@ def assess_models(
     model = model_draws(scene, values)
     fell = sampled(model, lambda number: varied(scene, row(values, number)))
     leaves_plane |= shaken_across(scene)
+    answers = {MODEL: probability_of(model, fell, plane_only=leaves_plane)}
     space = space_draws(scene, values) if leaves_plane else None
-    answers = {
-        MODEL: probability_of(model, fell, plane_only=leaves_plane),
-        SPACE: None if space is None else probability_of(space),
-    }
-    return {name: answer for name, answer in answers.items() if answer is not None}
+    return answers if space is None else {**answers, SPACE: probability_of(space)}
 
 
 def assessed_s(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> float:
@@ -137,13 +134,13 @@ def probability_of(
     engine: str = SAMPLER,
     *,
     plane_only: bool = False,
-) -> Assessment | None:
+) -> Assessment:
     """The share of the draws that overturn, by the model where it answers and by the engine's runs (`fell`, by number of the
-    draw) where the model left its domain, with its interval; None without draws."""
+    draw) where the model left its domain, with its interval. Raises `ValueError` without draws."""
     size = model.overturned.size
     own = wilson(int(model.overturned.sum()), size, LEVEL)
     if own is None:
-        return None
+        raise ValueError("a probability without draws")
     outside, runs = Outside.of(model, fell), int(model.left[list(fell)].sum())
     p = own.value + outside.falls
     below = math.hypot(own.value - own.low, outside.falls - outside.low)

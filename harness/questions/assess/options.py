@@ -382,8 +382,6 @@ def answer_of(option: Option, answered: Answered, before: Answered | None) -> Op
     """What is told of an option, by its draws and the same ones `before` it, of the scene as it is."""
     model = answered.model
     share = probability_of(*answered)
-    if share is None:
-        raise ValueError("an option without draws")
     median_m, high_m = None, None
     if np.isfinite(model.peak_slip_m).all():
         median_m, high_m = (float(value) for value in np.quantile(model.peak_slip_m, (0.5, HIGH)))

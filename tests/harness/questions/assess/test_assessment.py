@@ -212,7 +212,7 @@ def test_draws_that_an_engine_all_answers_leave_nothing_undecided() -> None:
     """Shares of 8433 and 10000 in double precision differ by rounding, which was told as 1e-14 % of the draws."""
     left = np.arange(10000) < 8433
     model = ModelDraws(~left, ~left, np.ones(10000), np.zeros(10000), left, np.zeros(10000, bool))
-    found = probability_of(model, "pymunk", dict.fromkeys(range(50), False))
+    found = probability_of(model, dict.fromkeys(range(50), False))
     assert found.undecided == 0.0
 
 
