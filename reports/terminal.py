@@ -14,7 +14,7 @@ from harness.model.finding import Finding, Severity, texted, weighed
 from harness.model.run import Run
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.base import Record
-from harness.records.run import RunRecord, outside_domain, peak_lean_rad, peak_slip_m, standing_m
+from harness.records.run import RunRecord, outside_domain, peak_lean_rad, peak_slip_m, standing
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval, Scores, Verdict
 from reports.blocks import Table
@@ -213,7 +213,7 @@ def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
     if run.numerical_uncertainty_rad is not None and run.reliable_until_s is not None:
         until = min(run.reliable_until_s, run.end_s)
         known = f"{run.numerical_uncertainty_rad:.0e} rad to {digits(until, 3)} s"
-    slip_m = standing_m(run, "statue_slip_m") if scene.pedestal is None else peak_slip_m(run)
+    slip_m = standing(run, "statue_slip_m") if scene.pedestal is None else peak_slip_m(run)
     slip = "–" if slip_m is None else length(slip_m).replace("\u00a0", " ")
     return [outcome, peak, slip, known, f"{digits(run.wall_s, 2)} s"]
 

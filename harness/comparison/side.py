@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from harness.model.history import History, Outcome
 from harness.model.run import Run, number
-from harness.records.run import standing_m
+from harness.records.run import standing
 
 if TYPE_CHECKING:
     from harness.records.study import CaseRun
@@ -95,7 +95,7 @@ def side_of(
         None if answer.motion_axes is None else tuple(answer.motion_axes),
         _across_s(answer),
         floor_impact=str(answer.settings.get("floor_impact") or "") if isinstance(answer, Run) else "",
-        statue_slip_m=standing_m(answer, "statue_slip_m") or 0.0,
+        statue_slip_m=standing(answer, "statue_slip_m") or 0.0,
         slip_across_m=number(answer.validity, "slip_across_m", 0.0),
         out_of_plane_rad=number(answer.validity, "out_of_plane_rad", 0.0),
     )

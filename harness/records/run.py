@@ -69,14 +69,27 @@ def tips_s(run: Run) -> float | None:
 
 SLIDES_M: Final = 1e-3
 """A statue that slides or hops less on its support does so as contact engines let it while it rocks."""
-OWN_MOVES: Final = {"statue_slides": "statue_slip_m", "statue_hops": "statue_flight_m"}
-"""What is told of a statue that stands and moves on its support or leaves it, and the value of its run that shows it."""
+OWN_MOVES: Final = {
+    "statue_slides": ("statue_slip_m", SLIDES_M),
+    "statue_hops": ("statue_flight_m", SLIDES_M),
+    "statue_turns": ("yaw_rad", 0.01),
+}
+"""What is told of a statue that moves on its support, the value of its run that shows it, and from where on it is seen."""
 
 
-def standing_m(run: RunRow, name: str) -> float | None:
-    """How far a statue that stands moved at most by one of `OWN_MOVES`, m; None where its model holds it there, or it fell."""
-    most_m = run.validity.get(name)
-    return most_m if isinstance(most_m, float) and run.outcome is Outcome.STANDS else None
+def standing(run: RunRow, name: str) -> float | None:
+    """A value of `OWN_MOVES` of a statue that stands; None where its model holds it still there, or it fell."""
+    most = run.validity.get(name)
+    return most if isinstance(most, float) and run.outcome is Outcome.STANDS else None
+
+
+def own_moves(runs: Mapping[str, RunRow]) -> dict[str, dict[str, float]]:
+    """By each of `OWN_MOVES` that is seen the models in which the statue stands and does so, with how far."""
+    found = {
+        code: {model: most for model, run in runs.items() if (most := standing(run, name) or 0.0) > least}
+        for code, (name, least) in OWN_MOVES.items()
+    }
+    return {code: models for code, models in found.items() if models}
 
 
 def peak_slip_m(run: RunRow) -> float:

@@ -18,7 +18,7 @@ from harness.model.scene import base_shift_m
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import MOSTLY, Assessment, worst
 from harness.records.effects3d import EffectsRecord
-from harness.records.run import OWN_MOVES, RunRecord, peak_slip_m, standing_m, tips_s
+from harness.records.run import RunRecord, own_moves, peak_slip_m, tips_s
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import StudyRecord, StudyRow, SupportRecord, Value
 from reports.blocks import Block, Drawing, Section, Text, Verdict
@@ -352,17 +352,17 @@ def _lean(source: RunSource, say: Language) -> list[str]:
     followed = [name for name in source.histories if name in source.answered]
     keys = keys if standing == followed and not _leaning(source) else ["of_standing", *keys]
     values = {"degrees": degrees, "balance": balance, "share": f"{100.0 * share:.0f}"}
-    moves = [say(f"run.{code}", length=say.length(most_m)) for code, most_m in _own_moves_m(source).items()]
+    moves = [
+        say(f"run.{code}", length=say.length(most), degrees=say.digits(math.degrees(most), 2))
+        for code, most in _own_moves(source).items()
+    ]
     return [" ".join([*(say(f"run.{key}", **values) for key in keys), *moves])]
 
 
-def _own_moves_m(source: RunSource) -> dict[str, float]:
-    """How far at most the statue slides on its support, and hops, where it stands and that is seen."""
-    runs = [source.runs[name] for name in source.standing]
-    most_m = {
-        code: max((standing_m(run, name) or 0.0 for run in runs), default=0.0) for code, name in OWN_MOVES.items()
-    }
-    return {code: value for code, value in most_m.items() if value > VISIBLE_M}
+def _own_moves(source: RunSource) -> dict[str, float]:
+    """How the statue moves on its support where it stands, and how far at most."""
+    found = own_moves({name: source.runs[name] for name in source.standing})
+    return {code: max(models.values()) for code, models in found.items()}
 
 
 def _pedestal_slip(source: RunSource, say: Language) -> list[str]:
@@ -405,7 +405,7 @@ def reach_picture(source: RunSource, say: Language, heading: str = "reach.headin
     extremes, title, standing = _extremes(source), say(heading), source.standing
     outline, shape = silhouette_m(source.scene, source.mesh), section(source.scene)
     statue, (_, lean_rad, balance_rad, side) = source.scene.statue, _worst_lean(source)
-    own = _own_moves_m(source)
+    own = _own_moves(source)
     across = max((number(source.runs[name].validity, "slip_across_m", 0.0) for name in standing), default=0.0)
     aside = side == 0 or (across > VISIBLE_M and not extremes)
     moves = {"dashed": bool(extremes), "aside": aside, "still": not (extremes or aside or own)}

@@ -177,7 +177,6 @@ def _levels(scene: Scene) -> tuple[BulletSettings, ...]:
 def _validity(extra: Mapping[str, Array], setup: Setup, phases: RunPhases) -> dict[str, object]:
     """What three dimensions add to the limits of the planar model."""
     return {
-        "yaw_rad": float(np.max(np.abs(extra["yaw_rad"] - extra["yaw_rad"][0]))),
         "statue_across_m": float(np.max(np.abs(extra["statue_y_m"]))),
         "rest_lean_rad": setup.rest.lean_rad,
         "touching_vertices": len(setup.feet_m),

@@ -13,8 +13,6 @@ import time
 from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar, Final, final
 
-import numpy as np
-
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings, near, own_settings
 from harness.engines.pybullet.adapter import REST_BAND_RAD, Bullet3D
 from harness.engines.pybullet.mirror import halves
@@ -106,7 +104,6 @@ class PlainBullet3D(Engine):
             with_history=options.history or not options.allows("no_history"),
             repeats=False,
             validity={
-                "yaw_rad": float(np.max(np.abs(path.extra["yaw_rad"] - path.extra["yaw_rad"][0]))),
                 "touching_vertices": len(setup.feet_m),
                 "full_shape_from_s": None if full is None else 0.0,
                 "full_shape": full,

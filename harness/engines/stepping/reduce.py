@@ -665,6 +665,7 @@ def _in_space(statue: Statue, motion: Trajectory, slip_m: Array) -> dict[str, ob
     slid = np.hypot(slip_m, motion.extra["statue_y_m"] - pedestal_m)[flat]
     return {
         "out_of_plane_rad": float(across.max()),
+        "yaw_rad": float(np.abs(motion.extra["yaw_rad"] - motion.extra["yaw_rad"][0]).max()),
         "peak_lean_rad": float(lean[worst]),
         "peak_lean_share": float(lean[worst] / balance[0]),
         "statue_slip_m": float(max(np.abs(slip_m).max(), slid.max(initial=0.0))),

@@ -26,7 +26,7 @@ from harness.questions.scene.left_out import TakenAway, explained, with_reasons
 from harness.questions.scene.witness import doubted, findings_of, finer_rad, finer_runs
 from harness.records.assess import Assessment
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
-from harness.records.run import OWN_MOVES, SLIDES_M, DecidedBy, HorizonRecord, RunRecord, Witness, standing_m
+from harness.records.run import DecidedBy, HorizonRecord, RunRecord, Witness, own_moves
 from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores, Verdict
 from harness.statics.plan import Step, plan
@@ -238,13 +238,11 @@ def answers_of(runs: Mapping[str, Run]) -> list[Run]:
 
 
 def _moves(runs: Mapping[str, Run]) -> Iterator[Finding]:
-    """By which models the statue slides on its support, or leaves it: neither rotation nor the pedestal's slip tells it."""
-    for said in (caution("statue_slides"), caution("statue_hops")):
-        name = OWN_MOVES[said.code]
-        most_m = {engine: m for engine, run in runs.items() if (m := standing_m(run, name) or 0.0) > SLIDES_M}
-        values = sorted(most_m.values())
-        if values:
-            yield replace(said, values={"models": list(most_m), "most_m": [values[0], values[-1]]})
+    """By which models the statue moves on its support: neither rotation nor the pedestal's slip tells it."""
+    own = own_moves(runs)
+    for said in (caution("statue_slides"), caution("statue_hops"), caution("statue_turns")):
+        if (models := own.get(said.code)) is not None:
+            yield replace(said, values={"models": [*models], "most": [min(models.values()), max(models.values())]})
 
 
 def _findings(scene: Scene, runs: Mapping[str, Run], refined: Sequence[str], target: RunTarget) -> list[Finding]:

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analytic import Harmonic
+from analytic import Harmonic, Pulse
 from harness.model.scene import BaseExcitation, Pedestal
 from harness.questions.scene.scene_run import Result, run_scene
-from harness.records.run import peak_lean_rad, peak_slip_m, standing_m
+from harness.records.run import peak_lean_rad, peak_slip_m, standing
 from harness.records.scores import Verdict
 from tests.budgets_reports import SAMPLED_M
 from tests.engines_for_tests import ready
@@ -46,7 +46,7 @@ def test_a_lean_to_the_front_is_the_statues_lean() -> None:
 def test_a_slide_to_the_front_is_the_statues_slide() -> None:
     result = _shaken_across(0.2, 0.1)
     run = result.runs["spatial"]
-    slid_m = standing_m(run, "statue_slip_m")
+    slid_m = standing(run, "statue_slip_m")
     assert slid_m == pytest.approx(float(np.abs(run.history.extra["statue_y_m"]).max()), abs=SAMPLED_M)
     assert slid_m > 2e-3
     assert [found.values["models"] for found in result.findings() if found.code == "statue_slides"] == [["spatial"]]
@@ -90,4 +90,18 @@ def test_a_hop_is_no_rest() -> None:
     result = run_scene(up, ["analytic", "pymunk"])
     (found,) = [found for found in result.findings() if found.code == "statue_hops"]
     assert found.values["models"] == ["pymunk"]
-    assert min(found.values["most_m"]) > 2e-3
+    assert min(found.values["most"]) > 2e-3
+
+
+def test_a_twist_is_told() -> None:
+    """A statue that is shaken along and across at once rocks on a corner, about which it turns."""
+    ready("spatial")
+    still = scene(rectangle(0.3, 0.6, depth_m=0.3), duration_s=2.0)
+    floor = BaseExcitation(x=Pulse("one_sine", 0.7 * GRAVITY_M_S2, 0.3), y=Pulse("one_sine", 0.6 * GRAVITY_M_S2, 0.2))
+    result = run_scene(replace(still, base_excitation=floor), ["analytic", "spatial"])
+    run = result.runs["spatial"]
+    assert run.history is not None
+    (found,) = [found for found in result.findings() if found.code == "statue_turns"]
+    assert found.values["models"] == ["spatial"]
+    assert found.values["most"][1] == pytest.approx(float(np.abs(run.history.extra["yaw_rad"]).max()), abs=SAMPLED_M)
+    assert found.values["most"][1] > 0.1
