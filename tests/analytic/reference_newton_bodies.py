@@ -28,8 +28,20 @@ class Reactions:
     vertical_right: float
     friction: float
     normal: float
-    regularity: float
-    """Determinant over that without friction: where it vanishes, friction leaves no solution."""
+    balances: Array
+    """The matrix (9, 9) of the balances, its last row the law of friction."""
+    kinetic: bool
+    """Whether friction follows the force that presses."""
+
+    @property
+    def regularity(self) -> float:
+        """Determinant over that without friction: where it vanishes, friction leaves no solution."""
+        if not self.kinetic:
+            return 1.0
+        smooth = self.balances.copy()
+        smooth[8] = 0.0
+        smooth[8, 7] = 1.0
+        return float(np.linalg.det(self.balances) / np.linalg.det(smooth))
 
     @property
     def vertical(self) -> float:
@@ -66,13 +78,8 @@ class Bodies:
             a[7, 5 if side > 0 else 6] = 1.0  # the lifted corner carries nothing
         self._friction_law(a[8], b, slide, az)
         x = np.linalg.solve(a, b)
-        regularity = 1.0
-        if side and slide and k.normal == "dynamic":
-            smooth = a.copy()
-            smooth[8] = 0.0
-            smooth[8, 7] = 1.0
-            regularity = float(np.linalg.det(a) / np.linalg.det(smooth))
-        return Reactions(x[2], x[3], x[5], x[6], x[7], x[8], regularity)
+        kinetic = bool(side and slide and k.normal == "dynamic")
+        return Reactions(x[2], x[3], x[5], x[6], x[7], x[8], a, kinetic)
 
     def outer(self, side: int) -> bool:
         """Whether nothing follows the corner on that side."""
