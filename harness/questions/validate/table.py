@@ -191,12 +191,9 @@ def _set_of_tests(path: Path, tests: Sequence[Trial]) -> list[Mistake]:
     mistakes = []
     seen: dict[str, int] = {}
     for test in tests:
-        if test.name in seen:
-            wanted = "a name of its own"
-            mistakes.append(
-                Mistake(str(path), f"row {test.row}: test", wanted, f"{test.name!r}, as row {seen[test.name]}")
-            )
-        seen.setdefault(test.name, test.row)
+        if (first := seen.setdefault(test.name, test.row)) != test.row:
+            got = f"{test.name!r}, as row {first}"
+            mistakes.append(Mistake(str(path), f"row {test.row}: test", "a name of its own", got))
     lists: dict[tuple[str, str], set[tuple[Any, ...]]] = {}
     for test in tests:
         for column, values in test.unknown.items():
