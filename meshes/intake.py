@@ -305,9 +305,7 @@ def load_solid(
     Nothing is repaired: a mesh with holes, with edges of more than two faces, of several bodies, inside out, or that does not
     stand raises MeshError with what to do.
     """
-    _must_be_there(Path(path))
-    state = Path(path).stat()
-    mesh = _closed(Path(path), unit, up, (state.st_mtime_ns, state.st_size))
+    mesh = closed_mesh(path, unit, up)
     if azimuth_deg != 0.0:
         mesh = mesh.moved(mesh.vertices @ turn_about_z(azimuth_deg).T)
     try:
@@ -320,6 +318,14 @@ def load_solid(
         )
     except MeshError as error:
         raise error.at(mesh.source) from error
+
+
+def closed_mesh(path: str | Path, unit: str | float, up: str) -> RawMesh:
+    """The one closed surface of a file, in metres, z up, not to be written to; raises MeshError where it is none."""
+    file = Path(path)
+    _must_be_there(file)
+    state = file.stat()
+    return _closed(file, unit, up, (state.st_mtime_ns, state.st_size))
 
 
 @lru_cache(maxsize=2)

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from meshes import footprint as base
-from meshes.intake import must_be_closed, must_be_one, read_mesh, to_metres_z_up
+from meshes.intake import closed_mesh
 from meshes.mesh import Array, Faces, MeshError, RawMesh, manifold
 from meshes.solid import Solid, mass_properties, solid_from_mesh
 
@@ -128,10 +128,7 @@ def load_hollow(
     The density around `inner` is given, or solved from the weighed mass; `density_kg_m3` of the result is the mean over the outer
     volume. Raises MeshError where a surface is not closed, faces inward, or the shell leaves the statue.
     """
-    around, shell = (to_metres_z_up(read_mesh(path), unit, up) for path in (outer, inner))
-    for mesh in (around, shell):
-        must_be_closed(mesh)
-        must_be_one(mesh)
+    around, shell = (closed_mesh(path, unit, up) for path in (outer, inner))
     volume, hollow = (mass_properties(mesh.vertices, mesh.faces).volume_m3 for mesh in (around, shell))
     if hollow <= 0.0:
         raise MeshError(

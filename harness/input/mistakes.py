@@ -26,7 +26,20 @@ _WANTED: Mapping[str, str] = {
     "tuple_type": "a list",
     "finite_number": "a finite number",
     "union_tag_not_found": "a key `kind`",
+    "union_tag_invalid": "one of {expected_tags}",
+    "literal_error": "one of {expected}",
+    "enum": "one of {expected}",
+    "value_error": "{error}",
+    "greater_than": "a number more than {gt:g}",
+    "greater_than_equal": "a number at least {ge:g}",
+    "less_than": "a number less than {lt:g}",
+    "less_than_equal": "a number at most {le:g}",
+    "string_too_short": "a text that is not empty",
+    "too_short": "at least {min_length} of them",
+    "too_long": "at most {max_length} of them",
+    "string_pattern_mismatch": "a text like {pattern}",
 }
+"""What was wanted, by pydantic's name of the error, whose context fills it in."""
 
 
 MOST_MISTAKES: Final = 20
@@ -115,25 +128,8 @@ def _mistake(
 
 def wanted_of(detail: ErrorDetails) -> str:
     """What was wanted in the place of one error."""
-    kind, context = detail["type"], detail.get("ctx", {})
-    if kind in _WANTED:
-        return _WANTED[kind]
-    if kind in ("literal_error", "enum", "union_tag_invalid"):
-        return f"one of {context.get('expected', context.get('expected_tags'))}"
-    if kind == "value_error":
-        return str(context["error"])
-    for name, words in (("gt", "more than"), ("ge", "at least"), ("lt", "less than"), ("le", "at most")):
-        if name in context:
-            return f"a number {words} {context[name]:g}"
-    if kind == "string_too_short":
-        return "a text that is not empty"
-    if kind == "too_short":
-        return f"at least {context['min_length']} of them"
-    if kind == "too_long":
-        return f"at most {context['max_length']} of them"
-    if kind == "string_pattern_mismatch":
-        return f"a text like {context['pattern']}"
-    return detail["msg"]
+    wanted = _WANTED.get(detail["type"])
+    return detail["msg"] if wanted is None else wanted.format_map(detail.get("ctx", {}))
 
 
 def got_of(detail: ErrorDetails) -> str:
