@@ -6,7 +6,7 @@ import json
 import shlex
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -58,13 +58,8 @@ Side = tuple[str, Sequence[float]]
 """An axis of a map: its title, and its values in their order."""
 
 
-@dataclass(frozen=True)
-class Grid:
-    """One model's outcomes on a map: names of `COLOURS` (rows of y, columns of x), and what is told of each place."""
-
-    model: str
-    codes: NDArray[np.object_]
-    tips: NDArray[np.object_]
+Grid = tuple[NDArray[np.object_], NDArray[np.object_]]
+"""One model's outcomes on a map: names of `COLOURS` (rows of y, columns of x), and what is told of each place."""
 
 
 def numeric(conditions: Sequence[Condition], key: str) -> set[float]:
@@ -106,10 +101,11 @@ def map_figures(
     figures = []
     for where, members in grouped(conditions, [key for key in keys if key not in axes], say).items():
         x, y = ((say.heading(key), sorted({item.number(key) for item in members})) for key in axes)
-        grids = [grid for model in models if (grid := _grid(model, members, axes, x, y, say)) is not None]
+        found = {model: _grid(model, members, axes, x, y, say) for model in models}
+        grids = {model: grid for model, grid in found.items() if grid is not None}
         if len(grids) > 1:
             figures.append((say("chart.boundaries") + where, _boundaries(grids, x, y)))
-        figures += [(grid.model + where, _map(grid, x, y, say)) for grid in grids]
+        figures += [(model + where, _map(*grid, x, y, say)) for model, grid in grids.items()]
     return figures
 
 
@@ -117,11 +113,11 @@ def _grid(
     model: str, members: Sequence[Condition], axes: tuple[str, str], x: Side, y: Side, say: Language
 ) -> Grid | None:
     """Outcomes by place; where a place holds several random samples, the most frequent one and its share in words."""
-    rows, columns = ({value: k for k, value in enumerate(values)} for _, values in (y, x))
+    rows, places = ({value: k for k, value in enumerate(values)} for _, values in (y, x))
     samples: dict[Place, list[CaseRun]] = {}
     agreed: list[Place] = []
     for item in members:
-        place: Place = (rows[item.number(axes[1])], columns[item.number(axes[0])])
+        place: Place = (rows[item.number(axes[1])], places[item.number(axes[0])])
         if (run := item.run(model)) is not None:
             samples.setdefault(place, []).append(run)
         elif model in item.answers and item.answers[model].reason == SAME_CELL:
@@ -142,13 +138,13 @@ def _grid(
         if place in outcomes:
             codes[place] = f"around {outcomes[place]}"
             tips[place] = _said(codes[place], say)
-    return Grid(model, codes, tips)
+    return codes, tips
 
 
-def _map(grid: Grid, x: Side, y: Side, say: Language) -> Json:
-    words = {code: _said(code, say) for code in COLOURS if code in grid.codes}
+def _map(codes: NDArray[np.object_], tips: NDArray[np.object_], x: Side, y: Side, say: Language) -> Json:
+    words = {code: _said(code, say) for code in COLOURS if code in codes}
     colours = {words[code]: COLOURS[code] for code in words}
-    return map_of([[words[code] for code in row] for row in grid.codes], x, y, grid.tips, kinds(colours))
+    return map_of([[words[code] for code in row] for row in codes], x, y, tips, kinds(colours))
 
 
 def _said(code: str, say: Language) -> str:
@@ -207,14 +203,14 @@ def number_map(
     return map_of(shades, x, y, tips, colour, over=over)
 
 
-def _boundaries(grids: Sequence[Grid], x: Side, y: Side) -> Json:
+def _boundaries(grids: Mapping[str, Grid], x: Side, y: Side) -> Json:
     """Lines between the places where the statue overturns and those where it does not, one colour a model."""
-    looks = model_looks([grid.model for grid in grids])
+    looks = model_looks(list(grids))
     drawn = named({model: replace(look, width=look.width + 0.6) for model, look in looks.items()})
     falling = ("overturns", "around overturns")
-    data = {"borders": [border(np.isin(grid.codes.astype(str), falling), x[1], y[1], grid.model) for grid in grids]}
+    borders = [border(np.isin(codes.astype(str), falling), x[1], y[1], model) for model, (codes, _) in grids.items()]
     layers = chosen([marks("rule", "borders", CELL | drawn)])
-    return figure(layers, 380, data, map_axis("x", x), map_axis("y", y))
+    return figure(layers, 380, {"borders": borders}, map_axis("x", x), map_axis("y", y))
 
 
 def border(falls: NDArray[np.bool_], xs: Sequence[float], ys: Sequence[float], name: str) -> Json:

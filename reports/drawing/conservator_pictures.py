@@ -190,10 +190,10 @@ def _shaking(motion: MotionRecord | None, gravity_m_s2: float) -> Array:
     """The pushes (n, 2) of the shaking: against the floor's horizontal acceleration."""
     if motion is None:
         return np.zeros((0, 2))
-    level = motion.level_m_s2
-    if level is None:
-        level = np.column_stack(np.broadcast_arrays(motion.x_m_s2 or 0.0, motion.y_m_s2 or 0.0)).tolist()
-    return -np.asarray(level, dtype=np.float64) / gravity_m_s2
+    if motion.level_m_s2 is None:
+        along = (0.0 if accel is None else accel for accel in (motion.x_m_s2, motion.y_m_s2))
+        return -np.column_stack(np.broadcast_arrays(*along)) / gravity_m_s2
+    return -np.asarray(motion.level_m_s2, dtype=np.float64) / gravity_m_s2
 
 
 def order_svg(levels: Sequence[Level], peak: float | None, title: str, say: Language) -> Markup:

@@ -22,6 +22,7 @@ from reports.charts.figure import (
     Look,
     across,
     axis,
+    columns,
     figure,
     level,
     look,
@@ -166,18 +167,12 @@ def changes(record: EffectsRecord, say: Language = ENGLISH) -> Json:
             "median": None if item.median is None else 100.0 * item.median, "high": at - 0.2, "low": at + 0.2,
         })  # fmt: skip
     moved = [100.0 * c.relative for item in items if item.group == "uncertainty" for c in item.changes]
-    field = (
-        [dict(zip(("x", "x2"), ([float(np.quantile(moved, q))] for q in (0.05, 0.95)), strict=True))] if moved else []
-    )
-    names_of = {"words": [say.word(each) for each in conditions], "y": list(map(float, range(len(conditions))))}
+    field = [columns("x x2", [np.quantile(moved, (0.05, 0.95)).tolist()])] if moved else []
+    names_of = columns("words y", [(say.word(each), float(k)) for k, each in enumerate(conditions)])
     drawn = named({engine: look(engine, engines) for engine in engines}, legend=False, chosen=False)["color"]
     shapes = {"within": "circle", "above": "triangle-right", "below": "triangle-left"}
-    shape = {
-        "field": "kind",
-        "type": "nominal",
-        "legend": None,
-        "scale": {"domain": [*shapes], "range": [*shapes.values()]},
-    }
+    scale = {"domain": [*shapes], "range": [*shapes.values()]}
+    shape = {"field": "kind", "type": "nominal", "legend": None, "scale": scale}
     layers = [
         marks("rect", "field", {"x2": {"field": "x2"}, "y": {"value": 0}, "y2": HEIGHT}, color=INK, opacity=0.07),
         marks("rule", "conditions", {"x": {"value": 0}, "x2": WIDTH}, color=HAIRLINE),
