@@ -102,15 +102,9 @@ def _in_plane(source: RunSource, body: Array, history: History) -> Array:
 
 def _in_space(source: RunSource, body: Array, history: History) -> Array:
     columns = {name: history.extra[name] for name in SOLID_COLUMNS}
-    corner = source.scene.statue.corner_right_m
-    return np.vstack(
-        [
-            convex_hull(
-                posed_in_space_m(body, corner, {name: float(values[k]) for name, values in columns.items()})[:, :2]
-            )
-            for k in _chosen([history.theta_rad, *columns.values()])
-        ]
-    )
+    chosen = _chosen([history.theta_rad, *columns.values()])
+    shown = {name: values[chosen] for name, values in columns.items()}
+    return posed_in_space_m(body, source.scene.statue.corner_right_m, shown)[:, :, :2].reshape(-1, 2)
 
 
 def _chosen(columns: Sequence[Array]) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -121,15 +121,24 @@ def poses(scene: SceneRecord, history: History, t_s: ArrayLike) -> dict[str, Arr
     return found | {"pitch_rad": theta, **corner, **still}
 
 
-def posed_in_space_m(points_m: Array, corner_right_m: float, pose: Mapping[str, float]) -> Array:
-    """Points (n, 3) of the statue frame at a 3D engine's pose (values of `SOLID_COLUMNS`), in the table's frame."""
-    corner = [pose[name] for name in SOLID_COLUMNS[3:]]
-    return np.asarray((points_m - [corner_right_m, 0.0, 0.0]) @ rotations(pose).T + corner)
+def posed_in_space_m(points_m: Array, corner_right_m: float, pose: Mapping[str, Array | float]) -> Array:
+    """Points (k, 3) of the statue frame at a 3D engine's pose (values of `SOLID_COLUMNS`), in the table's frame.
+
+    At poses (n,) they are (n, k, 3).
+    """
+    return _placed(points_m - [corner_right_m, 0.0, 0.0], pose, SOLID_COLUMNS[3:])
 
 
-def posed_pedestal_m(pedestal: Pedestal, depth_m: float, pose: Mapping[str, float]) -> Array:
-    """The pedestal's corners (8, 3) at a pose, in the order of the signs of x, y, z."""
+def posed_pedestal_m(pedestal: Pedestal, depth_m: float, pose: Mapping[str, Array | float]) -> Array:
+    """The pedestal's corners (8, 3), or (n, 8, 3), at a pose, in the order of the signs of x, y, z."""
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
-    turn = rotations({"pitch_rad": pose["pedestal_tilt_rad"], "roll_rad": 0.0, "yaw_rad": pose["pedestal_yaw_rad"]})
-    centre = [pose[f"pedestal_{axis}_m"] for axis in "xyz"]
-    return np.asarray((0.5 * signs * [pedestal.width_m, depth_m, pedestal.height_m]) @ turn.T + centre)
+    tilt, yaw = pose["pedestal_tilt_rad"], pose["pedestal_yaw_rad"]
+    turned = {**pose, "pitch_rad": tilt, "roll_rad": np.zeros_like(tilt), "yaw_rad": yaw}
+    centre = [f"pedestal_{axis}_m" for axis in "xyz"]
+    return _placed(0.5 * signs * [pedestal.width_m, depth_m, pedestal.height_m], turned, centre)
+
+
+def _placed(points_m: Array, pose: Mapping[str, Array | float], centre: Sequence[str]) -> Array:
+    """Points turned about their origin as a pose says, which then lies where its columns of these names say."""
+    origin = np.stack([np.asarray(pose[name]) for name in centre], axis=-1)
+    return np.asarray(points_m @ np.swapaxes(rotations(pose), -1, -2) + origin[..., None, :])

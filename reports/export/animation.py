@@ -115,32 +115,30 @@ def _frames(source: RunSource, solid: str, window_s: tuple[float, float], chart:
     from PIL import ImageDraw
 
     scene, histories = source.scene, source.histories
-    vertices_m, faces = display_mesh(source.mesh, section(scene), scene.statue.depth_m, most_faces=4000)
-    height_m = float(vertices_m[:, 2].max())
-    place = _projection(scene, height_m)
-    outline = np.insert(silhouette_m(scene, source.mesh), 1, 0.0, axis=1)
-    corner, pedestal = scene.statue.corner_right_m, scene.pedestal
     times = np.arange(window_s[0], window_s[1] + 0.5 / FRAMES_PER_S, 1.0 / FRAMES_PER_S)
-    ghost = "analytic" if "analytic" in histories and solid != "analytic" else None
-    moves = {name: poses(scene, histories[name], times) for name in (solid, ghost) if name}
+    vertices_m, faces = display_mesh(source.mesh, section(scene), scene.statue.depth_m, most_faces=4000)
+    height_m, corner, pedestal = float(vertices_m[:, 2].max()), scene.statue.corner_right_m, scene.pedestal
+    place = _projection(scene, height_m)
+    moves = poses(scene, histories[solid], times)
+    bodies = [(posed_in_space_m(vertices_m, corner, moves), faces, GREYS - 1)]
+    if pedestal is not None:
+        bodies.insert(0, (posed_pedestal_m(pedestal, pedestal.depth_m, moves), BOX, GREYS // 2))
     theta_rad = np.interp(times, histories[solid].t_s, histories[solid].theta_rad)
+    ghost = "analytic" if "analytic" in histories and solid != "analytic" else None
+    outline = np.insert(silhouette_m(scene, source.mesh), 1, 0.0, axis=1)
+    other = posed_in_space_m(outline, corner, poses(scene, histories[ghost or solid], times))
     for k, t in enumerate(times):
-        at = {name: {key: float(column[k]) for key, column in each.items()} for name, each in moves.items()}
-        bodies = [(posed_in_space_m(vertices_m, corner, at[solid]), faces, GREYS - 1)]
-        if pedestal is not None:
-            bodies.insert(0, (posed_pedestal_m(pedestal, pedestal.depth_m, at[solid]), BOX, GREYS // 2))
         frame = chart.copy()
         draw = ImageDraw.Draw(frame)
         draw.polygon(place(1.1 * height_m * FLOOR).ravel().tolist(), fill=PAPER, outline=STONE)
-        for vertices, corners, bright in bodies:
-            order, normals = facing(vertices, corners, VIEW[2])
+        for posed, corners, bright in bodies:
+            order, normals = facing(posed[k], corners, VIEW[2])
             shade = np.round(bright * (0.35 + 0.65 * np.clip(normals[order] @ SUN, 0.0, 1.0))).astype(int)
-            for points, grey in zip(place(vertices)[corners[order]], shade, strict=True):
+            for points, grey in zip(place(posed[k])[corners[order]], shade, strict=True):
                 draw.polygon(points.ravel().tolist(), fill=STONES[grey])
         label = f"{t:5.2f} s   {solid}: {theta_rad[k]:+.3f} rad"
         if ghost is not None:
-            points = place(posed_in_space_m(outline, corner, at[ghost]))
-            draw.polygon(points.ravel().tolist(), outline=look(ghost, list(source.runs)).colour)
+            draw.polygon(place(other[k]).ravel().tolist(), outline=look(ghost, list(source.runs)).colour)
             label += f"   outline: {ghost}"
         draw.text((8, 18), label, fill=INK, anchor="ls")
         x = PLOT[0] + (t - window_s[0]) / (window_s[1] - window_s[0]) * (PLOT[1] - PLOT[0])
