@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -100,14 +100,6 @@ def hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float, target: Er
     return possible < end_s - reached_s
 
 
-def beyond(spreads: list[Spread], finest_dt_s: float, target: Error) -> bool:
-    """Whether the finest level would miss the target even if the last difference fell at the highest order."""
-    if not spreads:
-        return False
-    share: float = (finest_dt_s / spreads[-1].fine_dt_s) ** MOST_ORDER
-    return spreads[-1].stated_to_the_end.share_of(target) * min(share, 1.0) > 1.0
-
-
 def _falls(spreads: list[Spread], finest_dt_s: float, target: Error) -> bool:
     """Whether the largest difference of two runs falls with the step, so fast that the finest level should do."""
     known = [item for item in spreads if 0.0 < item.apart.share_of(target) < math.inf]
@@ -160,42 +152,43 @@ def horizon(
     run: Callable[[Scene], Run],
     *,
     tolerance_rad: float = TOLERANCE_RAD,
-    perturbations: Sequence[float] = PERTURBATIONS,
+    perturbations: tuple[float, ...] = PERTURBATIONS,
 ) -> HorizonRecord:
     """The horizon of a model, `run` being that model with its settings; perturbed runs that fail are left out and counted.
+
+    `perturbations` are their sizes, from the smallest.
 
     Raises `EngineFailure` when the unperturbed run has no history.
     """
     reference = run(scene)
     if reference.history is None:
         raise EngineFailure(reference.message or "the unperturbed run has no history")
-    sizes = tuple(sorted(perturbations))
-    outcomes = {reference.outcome}
+    outcomes, failed = {reference.outcome}, 0
     until: list[float] = []
     rates: list[float] = []
-    failed = 0
-    for size in sizes:
-        times = []
+    for size in perturbations:
+        until.append(scene.duration_s)
+        parted = False
         for variant in perturbed(scene, size):
             other = _tried(run, variant)
             if other is None or other.history is None:
                 failed += 1
                 continue
             outcomes.add(other.outcome)
-            times.append(parted_s(other.history, reference.history, tolerance_rad))
-        times_parted = [t for t in times if t is not None]
-        until.append(min(times_parted, default=scene.duration_s))
-        if times_parted and size < tolerance_rad and until[-1] > 0.0:
+            time_s = parted_s(other.history, reference.history, tolerance_rad)
+            if time_s is not None:
+                parted = True
+                until[-1] = min(until[-1], time_s)
+        if parted and size < tolerance_rad and until[-1] > 0.0:
             rates.append(math.log(tolerance_rad / size) / until[-1])
     # A larger perturbation cannot be predicted for longer; where chance lets it, the shorter time holds.
     least = np.minimum.accumulate(until)
-    growth = float(np.mean(rates)) if rates else None
     return HorizonRecord(
         tolerance_rad,
         scene.duration_s,
-        sizes,
+        perturbations,
         tuple(least.tolist()),
-        growth,
+        float(np.mean(rates)) if rates else None,
         tuple(sorted(outcomes)),
         failed,
         float(least[0]),
@@ -204,13 +197,13 @@ def horizon(
 
 def _tried(run: Callable[[Scene], Run], scene: Scene) -> Run | None:
     try:
-        perturbed_run = run(scene)
+        tried = run(scene)
     except EngineFailure:
         return None
     # A run that ends because no mode was found, or that was given up, has no path that could part from another.
-    ended = perturbed_run.outcome.failed or perturbed_run.outcome is Outcome.FRICTION_PARADOX
-    given_up = perturbed_run.outcome is Outcome.UNDECIDED and perturbed_run.end_s < scene.duration_s
-    return None if ended or given_up else perturbed_run
+    ended = tried.outcome.failed or tried.outcome is Outcome.FRICTION_PARADOX
+    given_up = tried.outcome is Outcome.UNDECIDED and tried.end_s < scene.duration_s
+    return None if ended or given_up else tried
 
 
 def parted_s(a: History, b: History, tolerance_rad: float) -> float | None:
@@ -223,10 +216,12 @@ def parted_s(a: History, b: History, tolerance_rad: float) -> float | None:
     return both.end_s if shorter else None
 
 
-def horizon_of(engine: Engine, scene: Scene, settings: Settings, **keywords: Any) -> HorizonRecord:
+def horizon_of(
+    engine: Engine, scene: Scene, settings: Settings, perturbations: tuple[float, ...] = PERTURBATIONS
+) -> HorizonRecord:
     """The horizon of an engine with its settings (see `horizon`)."""
     options = RunOptions(history=True, stated=False)
-    return horizon(scene, lambda each: engine.simulate(each, settings, options), **keywords)
+    return horizon(scene, lambda each: engine.simulate(each, settings, options), perturbations=perturbations)
 
 
 def horizon_beside(engine: Engine, scene: Scene, run: Run) -> HorizonRecord:

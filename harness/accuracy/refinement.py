@@ -17,7 +17,6 @@ from typing import Final
 from harness.accuracy.horizon import (
     MOST_ORDER,
     PERTURBED_SHARE,
-    beyond,
     hopeless,
     last_s,
     outgrown_s,
@@ -62,34 +61,6 @@ def stronger(scene: Scene, share: float) -> Scene:
     return replace(scene, initial=start.plus(share * start.theta_rad, share * start.theta_rate_rad_s))
 
 
-def stronger_run(
-    engine: Engine, scene: Scene, settings: Settings, run: Run, expected_error_rad: float, target: Error, until_s: float
-) -> tuple[Scene, Settings, RunOptions]:
-    """What a run under a motion stronger by `expected_error_rad` / rad is made of, beside `run` (made with `settings`).
-
-    A scene that turns the statue by as much as its motion changes (1 rad for all of it) makes of this share just the expected
-    error.
-    """
-    history = run.history
-
-    def parted(t_s: float, theta_rad: float) -> bool:
-        if history is None or t_s > run.end_s:
-            return False
-        return t_s > until_s or abs(float(history.at(t_s)) - theta_rad) > PARTED * target.rotation_rad
-
-    return stronger(scene, expected_error_rad), engine.sensitivity_settings(scene, settings), RunOptions(stop=parted)
-
-
-def moved(run: Run, other: Run, target: Error) -> Spread | None:
-    """How far a run and the one under a stronger motion are apart; None where that one failed.
-
-    They part where their rotations do: what a slip is moved by is stated, however much, as it may turn nothing.
-    """
-    if other.outcome.failed or run.history is None:
-        return None
-    return spread(other, run, target, replace(target, slip_m=math.inf))
-
-
 START_SHARE: Final = 1.5
 """The first level may be expected to miss the target by this much: the run that is kept is twice as fine."""
 COARSER: Final = 12.0
@@ -122,7 +93,7 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, options: 
     for settings in climb.order():
         if not climb.affords(settings):
             break
-        check = climb.check(settings)
+        check = _Check(climb, settings.dt_s)
         run = engine.simulate(scene, settings, replace(options, history=True, stop=check))
         if climb.ends_with(settings, run, check):
             break
@@ -187,11 +158,6 @@ class _Climb:
         self.not_tried_s = settings.dt_s
         return False
 
-    def check(self, settings: Settings) -> _Check:
-        """What may end a run with these settings early."""
-        before = self.whole[-1][1] if self.whole else None
-        return _Check(before, self, settings.dt_s)
-
     def ends_with(self, settings: Settings, run: Run, check: _Check) -> bool:
         """Take a run; whether no further one is worth its cost."""
         self._count(run)
@@ -209,11 +175,16 @@ class _Climb:
         elif _fallen([each for _, each in self.whole], self.spreads, needed):
             self.agreed_s = run.no_return_time_s or 0.0
         else:
-            finest_s = self.refinement_levels[-1].dt_s
-            return self.given_up(self.spreads, run) or (
-                not self.promised and beyond(self.spreads, finest_s, self.target)
-            )
+            return self.given_up(self.spreads, run) or (not self.promised and self._misses())
         return False
+
+    def _misses(self) -> bool:
+        """Whether the finest level would miss the target even if the last difference fell at the highest order."""
+        if not self.spreads:
+            return False
+        last = self.spreads[-1]
+        share = float((self.refinement_levels[-1].dt_s / last.fine_dt_s) ** MOST_ORDER)
+        return last.stated_to_the_end.share_of(self.target) * min(share, 1.0) > 1.0
 
     def given_up(self, spreads: list[Spread], run: Run) -> bool:
         """Whether no finer run is expected to agree with its neighbour as long as a run is to be bounded."""
@@ -243,15 +214,28 @@ class _Climb:
         return left_s < math.inf and left_s < (run.no_return_time_s or math.inf)
 
     def response(self, until_s: float) -> Spread | None:
-        """What a stronger motion changes in the coarser of the last two runs; None where it cannot be asked."""
+        """What a stronger motion changes in the coarser of the last two runs; None where it cannot be asked.
+
+        Stronger by what the step is expected to err by, over 1 rad: a scene that turns the statue by as much as its motion
+        changes (1 rad for all of it) makes of this share just the expected error. The two part where their rotations do: what
+        a slip is moved by is stated, however much, as it may turn nothing.
+        """
         good = [(settings, run) for settings, run in self.whole if not run.outcome.failed]
         if not good or not self.spreads or self.answer is not None:
             return self.answer
         settings, run = good[-2] if len(good) > 1 else good[-1]
-        share = good[-1][0].expected_error_rad
-        other = self.engine.simulate(*stronger_run(self.engine, self.scene, settings, run, share, self.target, until_s))
-        self.answer = moved(run, other, self.target)
-        if self.answer is not None:
+        history = run.history
+
+        def parted(t_s: float, theta_rad: float) -> bool:
+            if history is None or t_s > run.end_s:
+                return False
+            return t_s > until_s or abs(float(history.at(t_s)) - theta_rad) > PARTED * self.target.rotation_rad
+
+        scene = stronger(self.scene, good[-1][0].expected_error_rad)
+        own = self.engine.sensitivity_settings(self.scene, settings)
+        other = self.engine.simulate(scene, own, RunOptions(stop=parted))
+        if not other.outcome.failed and history is not None:
+            self.answer = spread(other, run, self.target, replace(self.target, slip_m=math.inf))
             self.answers += 1
             self._count(other)
         return self.answer
@@ -317,7 +301,8 @@ class _Climb:
 class _Check:
     """Ends a run that has parted from the one before it, once no finer one is expected to bring the two together to the end."""
 
-    def __init__(self, before: Run | None, climb: _Climb, dt_s: float) -> None:
+    def __init__(self, climb: _Climb, dt_s: float) -> None:
+        before = climb.whole[-1][1] if climb.whole else None
         self.before = None if before is None or before.outcome.failed else before
         self.climb, self.target, self.dt_s = climb, climb.target, dt_s
         self.parted_s = math.inf

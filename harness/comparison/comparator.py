@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
@@ -18,7 +18,7 @@ from harness.comparison.scores.pointwise import rate as rate_by_iso
 from harness.comparison.side import Side, side_of
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Finding, caution, changes_answer, info
-from harness.model.history import Array, History, Outcome, Pair, first_beyond_s, pair
+from harness.model.history import Array, History, Pair, first_beyond_s, pair
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.run import SLIDES_M
@@ -42,27 +42,20 @@ OPEN: Final = frozenset({Verdict.AGREE, Verdict.HORIZON, Verdict.UNBOUNDED})
 """Verdicts with which outcomes that differ decide nothing between the two."""
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """A verdict with what to know of it and the numbers that it follows from."""
-
-    verdict: Verdict
-    findings: Sequence[Finding]
-    evidence: Evidence
-
-
-def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judgement:
-    """The verdict on two answers from their histories on one grid, or from their peaks where a history is missing.
+def judge(a: Side, b: Side, both: Pair | None) -> tuple[Verdict, Evidence, list[Finding]]:
+    """The verdict on two answers from their histories on one grid, or from their peaks where a history is missing; the numbers
+    that it follows from, and what to know of it.
 
     Rotations are held against twice the joint uncertainty of the rotations, slips against twice that of the slips.
     """
     turned = max(COVERAGE * (a.open_rad + b.open_rad), ROUNDING)
     slid = max(COVERAGE * (a.open_m + b.open_m), ROUNDING)
     until = min(a.until_s, b.until_s)
-    facts = from_peaks(peaks, turned, slid, until) if both is None else from_histories(both, turned, slid, until)
-    known = a.outcome is not None and b.outcome is not None
-    flips = known and a.outcome is not b.outcome
-    sided = a.outcome is not None and b.outcome is not None and flips and a.outcome.same_as(b.outcome)
+    facts = from_peaks((a.peak, b.peak), turned, until) if both is None else from_histories(both, turned, slid, until)
+    flips = sided = False
+    if a.outcome is not None and b.outcome is not None:
+        flips = a.outcome is not b.outcome
+        sided = flips and a.outcome.same_as(b.outcome)
     if flips:
         # A fall across the plane is none of the planar rotation's: the two part when the statue falls for good.
         times = [side.across_s for side in (a, b) if side.across_s is not None]
@@ -96,7 +89,7 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judg
         motion_not_given=_not_given(a, b),
         **(_aside(a, b) if verdict is Verdict.PLANE and facts.exceeded_s is None else {}),
     )
-    return Judgement(verdict, _findings(verdict, evidence, a, b), evidence)
+    return verdict, evidence, _findings(verdict, evidence, a, b)
 
 
 SLIDES: Final = "statue_slides"
@@ -226,9 +219,8 @@ ROUNDING: Final = 1e-12
 
 @dataclass(frozen=True)
 class Difference:
-    """Of one quantity: the limit, when it is first exceeded, the largest difference, and the largest before the horizon."""
+    """Of one quantity: when its limit is first exceeded, the largest difference, and the largest before the horizon."""
 
-    limit: float
     exceeded_s: float | None = None
     largest: float = 0.0
     largest_reliable: float = 0.0
@@ -267,20 +259,20 @@ def from_histories(both: Pair, turned_rad: float, slid_m: float, until: float) -
     def of(apart: Array, limit: float) -> Difference:
         inside = both.t_s <= until
         reliable = float(np.max(apart[inside])) if inside.any() else 0.0
-        return Difference(limit, first_beyond_s(both.t_s, apart, limit), float(np.max(apart)), reliable)
+        return Difference(first_beyond_s(both.t_s, apart, limit), float(np.max(apart)), reliable)
 
     rotation = of(np.abs(both.difference_rad), turned_rad)
     return Facts(rotation, of(np.abs(both.slip_a_m - both.slip_b_m), slid_m), until, both.end_s)
 
 
-def from_peaks(peaks: tuple[Peak, Peak], turned_rad: float, slid_m: float, until: float) -> Facts:
+def from_peaks(peaks: tuple[Peak, Peak], turned_rad: float, until: float) -> Facts:
     """When a larger peak is reached the other rotation is at most its own peak: by then the two are that far apart."""
     # A run without a history may state its peak without a sign.
     smaller, larger = sorted(peaks, key=lambda peak: abs(peak.theta_rad))
     apart = abs(larger.theta_rad) - abs(smaller.theta_rad)
     exceeded = larger.time_s if apart > turned_rad else None
-    rotation = Difference(turned_rad, exceeded, apart, apart if larger.time_s <= until else 0.0)
-    return Facts(rotation, Difference(slid_m), until, math.inf)
+    rotation = Difference(exceeded, apart, apart if larger.time_s <= until else 0.0)
+    return Facts(rotation, Difference(), until, math.inf)
 
 
 __all__ = ["Scores", "compare"]
@@ -320,7 +312,8 @@ def compare(
     Raises `InputError` naming the answer when there is nothing to
     compare, or when the two do not overlap in time.
     """
-    names = names or (_name(a, "a"), _name(b, "b"))
+    own = [answer.engine if isinstance(answer, Run) else otherwise for answer, otherwise in ((a, "a"), (b, "b"))]
+    names = names or (own[0], own[1])
     _check(a, names[0])
     _check(b, names[1])
     sides = (
@@ -328,20 +321,26 @@ def compare(
         side_of(b, names[1], horizons_s[1], uncertainties_rad[1], slip_uncertainties_m[1]),
     )
     until = min(side.until_s for side in sides)
-    history_a, history_b = _history(a), _history(b)
+    history_a, history_b = (answer.history if isinstance(answer, Run) else answer for answer in (a, b))
     if history_a is None or history_b is None:
         none = events.NO_EXCURSIONS
-        return _scores(a, b, sides, None, (_peak_alone(a), _peak_alone(b)), (none, none), None, until)
-    both = _paired(history_a, history_b, a, b, names)
+        return _scores(sides, None, (sides[0].peak, sides[1].peak), (none, none), None, until)
+    try:
+        both = pair(history_a, history_b, hold_a=sides[0].rests, hold_b=sides[1].rests)
+    except ValueError as error:
+        where = f"{names[0]} and {names[1]}"
+        raise InputError(Mistake(where, "t_s", "a common stretch of time", str(error))) from error
     within = both.until(until)
     peaks = pointwise.peak(history_a, within.end_s), pointwise.peak(history_b, within.end_s)
     excursions = events.excursions(history_a), events.excursions(history_b)
+    # Of what did not end standing nothing has come to rest; beyond the horizon no last value is known.
+    rested = all(side.rests or side.outcome is None for side in sides) and until >= both.end_s
     longest_s = max(history_a.duration_s, history_b.duration_s) - both.start_s
     inertia = None if scene is None else RockingInertia.of(scene.statue)
-    scores = _scores(a, b, sides, both, peaks, excursions, inertia, until)
+    scores = _scores(sides, both, peaks, excursions, inertia, until)
     if measured is not None:
-        error, said = comparison_error(within, peaks, sides[0].open_rad, measured)
-        scores = replace(scores, comparison_error=error, findings=[*scores.findings, said])
+        compared, said = comparison_error(within, peaks, sides[0].open_rad, measured)
+        scores = replace(scores, comparison_error=compared, findings=[*scores.findings, said])
     return replace(
         scores,
         compared_from_s=within.start_s,
@@ -351,19 +350,12 @@ def compare(
         largest_difference_rad=float(np.max(np.abs(within.difference_rad))),
         rms_slip_m=pointwise.rms(within, within.slip_a_m - within.slip_b_m),
         together_until_s=pointwise.together_until_s(both, TOGETHER_RAD),
-        **_residuals(a, b, both, until),
+        residual_theta_difference_rad=float(both.theta_a_rad[-1] - both.theta_b_rad[-1]) if rested else None,
+        residual_slip_difference_m=float(both.slip_a_m[-1] - both.slip_b_m[-1]) if rested else None,
         **pointwise.sprague_geers(within),
         after_horizon=after_horizon(excursions, both, until),
         iso=rate_by_iso(within) if iso else None,
     )
-
-
-def _name(answer: Run | History, otherwise: str) -> str:
-    return answer.engine if isinstance(answer, Run) else otherwise
-
-
-def _history(answer: Run | History) -> History | None:
-    return answer.history if isinstance(answer, Run) else answer
 
 
 def _check(answer: Run | History, name: str) -> None:
@@ -373,21 +365,7 @@ def _check(answer: Run | History, name: str) -> None:
         raise InputError(Mistake(name, "peak_theta_rad", "a finite rotation", repr(answer.peak_theta_rad)))
 
 
-def _paired(history_a: History, history_b: History, a: Run | History, b: Run | History, names: tuple[str, str]) -> Pair:
-    try:
-        return pair(history_a, history_b, hold_a=_rests(a), hold_b=_rests(b))
-    except ValueError as error:
-        raise InputError(
-            Mistake(f"{names[0]} and {names[1]}", "t_s", "a common stretch of time", str(error))
-        ) from error
-
-
-def _rests(answer: Run | History) -> bool:
-    """Whether the run was ended early because nothing moves any more, so that its last value holds."""
-    return isinstance(answer, Run) and answer.outcome is Outcome.STANDS
-
-
-def _peaks(a: pointwise.Peak, b: pointwise.Peak) -> dict[str, Any]:
+def _peaks(a: Peak, b: Peak) -> dict[str, Any]:
     both_still = a.theta_rad == 0.0 and b.theta_rad == 0.0
     return {
         "peak_theta_a_rad": a.theta_rad,
@@ -397,44 +375,31 @@ def _peaks(a: pointwise.Peak, b: pointwise.Peak) -> dict[str, Any]:
     }
 
 
-def _residuals(a: Run | History, b: Run | History, both: Pair, until_s: float) -> dict[str, Any]:
-    """Differences of the last values; None beyond the horizon, and where a run did not end standing: nothing has come to rest."""
-    stood = all(not isinstance(answer, Run) or answer.outcome is Outcome.STANDS for answer in (a, b))
-    known = stood and until_s >= both.end_s
-    return {
-        "residual_theta_difference_rad": float(both.theta_a_rad[-1] - both.theta_b_rad[-1]) if known else None,
-        "residual_slip_difference_m": float(both.slip_a_m[-1] - both.slip_b_m[-1]) if known else None,
-    }
-
-
-def _outcomes(a: Run | History, b: Run | History) -> dict[str, Any]:
-    first, second = (answer.outcome if isinstance(answer, Run) else None for answer in (a, b))
-    times = [answer.no_return_time_s if isinstance(answer, Run) else None for answer in (a, b)]
+def _outcomes(a: Side, b: Side) -> dict[str, Any]:
     agree = side = None
-    if first is not None and second is not None:
-        agree = first.same_as(second)
-        side = first is second if first.overturned and second.overturned else None
+    if a.outcome is not None and b.outcome is not None:
+        agree = a.outcome.same_as(b.outcome)
+        side = a.outcome is b.outcome if a.outcome.overturned and b.outcome.overturned else None
+    apart_s = None if a.no_return_s is None or b.no_return_s is None else a.no_return_s - b.no_return_s
     return {
-        "outcome_a": first,
-        "outcome_b": second,
+        "outcome_a": a.outcome,
+        "outcome_b": b.outcome,
         "outcome_agrees": agree,
         "side_agrees": side,
-        "no_return_time_difference_s": None if times[0] is None or times[1] is None else times[0] - times[1],
+        "no_return_time_difference_s": apart_s,
     }
 
 
 def _scores(
-    a: Run | History,
-    b: Run | History,
     sides: tuple[Side, Side],
     both: Pair | None,
-    peaks: tuple[pointwise.Peak, pointwise.Peak],
+    peaks: tuple[Peak, Peak],
     excursions: tuple[events.Excursions, events.Excursions],
     inertia: RockingInertia | None,
     until_s: float,
 ) -> Scores:
     """What can be said of any two answers, also of a run that kept only its outcome; nothing of single instants."""
-    judgement = judge(*sides, both, peaks)
+    verdict, evidence, findings = judge(*sides, both)
     of_histories: dict[str, Any] = dict.fromkeys(OF_HISTORIES)
     return Scores(
         a=sides[0].name,
@@ -444,15 +409,9 @@ def _scores(
         **of_histories,
         **_peaks(*peaks),
         **event_scores(*excursions, inertia, until_s),
-        **_outcomes(a, b),
+        **_outcomes(*sides),
         numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, excursions, until_s),
-        verdict=judgement.verdict,
-        evidence=judgement.evidence,
-        findings=judgement.findings,
+        verdict=verdict,
+        evidence=evidence,
+        findings=findings,
     )
-
-
-def _peak_alone(answer: Run | History) -> pointwise.Peak:
-    if isinstance(answer, Run):
-        return pointwise.Peak(answer.peak_theta_rad, answer.peak_time_s)
-    return pointwise.peak(answer)

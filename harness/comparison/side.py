@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from harness.comparison.scores.pointwise import Peak, peak
 from harness.model.history import History, Outcome
 from harness.model.run import Run, number
 from harness.records.run import standing
@@ -32,6 +33,7 @@ class Side:
     """
 
     name: str
+    peak: Peak
     outcome: Outcome | None = None
     uncertainty_rad: float | None = None
     slip_uncertainty_m: float | None = None
@@ -47,6 +49,12 @@ class Side:
     statue_slip_m: float = 0.0
     slip_across_m: float = 0.0
     out_of_plane_rad: float = 0.0
+    no_return_s: float | None = None
+
+    @property
+    def rests(self) -> bool:
+        """Whether the run was ended early because nothing moves any more, so that its last value holds."""
+        return self.outcome is Outcome.STANDS
 
     @property
     def open_rad(self) -> float:
@@ -76,6 +84,7 @@ def side_of(
     if isinstance(answer, History):
         return Side(
             name,
+            peak(answer),
             uncertainty_rad=uncertainty_rad,
             slip_uncertainty_m=slip_uncertainty_m,
             horizon_s=horizon_s,
@@ -85,6 +94,7 @@ def side_of(
     left_s, by = left_domain(answer)
     return Side(
         name,
+        Peak(answer.peak_theta_rad, math.nan if answer.peak_time_s is None else answer.peak_time_s),
         answer.outcome,
         answer.numerical_uncertainty_rad,
         answer.slip_uncertainty_m,
@@ -98,6 +108,7 @@ def side_of(
         statue_slip_m=standing(answer, "statue_slip_m") or 0.0,
         slip_across_m=number(answer.validity, "slip_across_m", 0.0),
         out_of_plane_rad=number(answer.validity, "out_of_plane_rad", 0.0),
+        no_return_s=answer.no_return_time_s,
     )
 
 

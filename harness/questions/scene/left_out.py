@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from contextlib import suppress
+from dataclasses import replace
+from functools import cache, partial
 from typing import Final
 
 import numpy as np
@@ -70,27 +72,15 @@ TAKEN_AWAY: Final[Mapping[str, Callable[[Scene], Scene | None]]] = {
 """What the plane leaves out, and the scene without it; None where the scene has none of it."""
 
 
-@dataclass
 class TakenAway:
     """The runs of 3D engines again, without each thing that the scene has of what the plane leaves out; each is made once."""
 
-    scene: Scene
-    accuracy_rad: float = DEFAULT_ACCURACY_RAD
-    made: dict[int, dict[str, Run]] = field(default_factory=dict)
-    bounded: dict[tuple[int, float], Run] = field(default_factory=dict)
-
-    def runs(self, space: Run) -> dict[str, Run]:
+    def __init__(self, scene: Scene, accuracy_rad: float = DEFAULT_ACCURACY_RAD) -> None:
+        self.scene = scene
+        self.runs = cache(partial(_without_each, scene))
         """The runs beside that of a 3D engine."""
-        if id(space) not in self.made:
-            self.made[id(space)] = _without_each(self.scene, space)
-        return self.made[id(space)]
-
-    def without_all(self, space: Run, until_s: float) -> Run:
-        """That engine's run until then without any of it, its error stated."""
-        key = id(space), until_s
-        if key not in self.bounded:
-            self.bounded[key] = _without_all(self.scene, space.engine, self.accuracy_rad, until_s)
-        return self.bounded[key]
+        self.without_all = cache(partial(_without_all, scene, accuracy_rad))
+        """A 3D engine's run until some time without any of it, its error stated."""
 
 
 def explained(runs: Mapping[str, Run], scores: Mapping[str, Scores], taken: TakenAway) -> set[str]:
@@ -136,7 +126,7 @@ def _judged(plane: Run, space: Run, evidence: Evidence, taken: TakenAway) -> tup
     if not every or plane.numerical_uncertainty_rad is None or space.numerical_uncertainty_rad is None:
         return Verdict.MODEL, reasons
     until_s = _parted_s(plane, space, evidence)
-    again = taken.without_all(space, until_s)
+    again = taken.without_all(space.engine, until_s)
     if again.outcome.failed:
         return Verdict.UNBOUNDED, reasons
     alone = compare(plane, again)
@@ -164,13 +154,23 @@ def _planar_and_spatial(runs: Mapping[str, Run], scores: Mapping[str, Scores]) -
 
 
 def _without_each(scene: Scene, space: Run) -> dict[str, Run]:
-    """The run of a 3D engine again, without each thing that the scene has of what the plane leaves out."""
-    changed = {what: taken for what, take in TAKEN_AWAY.items() if (taken := take(scene)) is not None}
-    again = {what: _again(taken, space, _end_s(space)) for what, taken in changed.items()}
-    return {what: run for what, run in again.items() if run is not None}
+    """The run of a 3D engine again with its step, without each thing that the scene has of what the plane leaves out; none of
+    what it cannot run without.
+    """
+    engine, dt_s, until_s = engines.load(space.engine), number(space.settings, "dt_s", 0.0), _end_s(space)
+    options = RunOptions(stop=lambda t_s, _: t_s > until_s)
+    again = {}
+    for what, take in TAKEN_AWAY.items():
+        taken = take(scene)
+        if taken is None:
+            continue
+        settings = engine.settings_for_dt(taken, dt_s) if dt_s else engine.refinement_levels(taken)[-1]
+        with suppress(EngineFailure):
+            again[what] = engine.simulate(taken, settings, options)
+    return again
 
 
-def _without_all(scene: Scene, engine: str, accuracy_rad: float, until_s: float) -> Run:
+def _without_all(scene: Scene, accuracy_rad: float, engine: str, until_s: float) -> Run:
     """The run of a 3D engine to an accuracy, without any of what the plane leaves out."""
     bare = scene
     for take in TAKEN_AWAY.values():
@@ -218,13 +218,3 @@ def _seen_s(plane: Run, space: Run, size: float, *, slips: bool) -> float:
     apart = np.abs(both.slip_a_m - both.slip_b_m if slips else both.difference_rad)
     beyond = np.flatnonzero(apart > size)
     return float(both.t_s[beyond[0]]) if beyond.size else math.inf
-
-
-def _again(scene: Scene, run: Run, until_s: float) -> Run | None:
-    """A scene computed by a run's engine with that run's step; None where it cannot."""
-    engine, dt_s = engines.load(run.engine), number(run.settings, "dt_s", 0.0)
-    settings = engine.settings_for_dt(scene, dt_s) if dt_s else engine.refinement_levels(scene)[-1]
-    try:
-        return engine.simulate(scene, settings, RunOptions(stop=lambda t_s, _: t_s > until_s))
-    except EngineFailure:
-        return None

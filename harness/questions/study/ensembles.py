@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
 
 from harness.comparison.comparator import judge, shares
 from harness.comparison.scores.events import LEAST_VALUES
-from harness.comparison.scores.pointwise import Peak
 from harness.comparison.side import side_of
 from harness.comparison.statistics.distributions import RESAMPLES, compare_distributions, compare_logarithms
 from harness.comparison.statistics.outcomes import Case, score_outcomes
-from harness.model.history import History, Outcome, Pair, pair
+from harness.model.history import History, Outcome, pair
 from harness.questions.study.case_blocks import KeyedRow
 from harness.records.scores import Verdict
-from harness.records.study import CaseRun, Value
+from harness.records.study import CaseRun
 from harness.records.validation import SetScores
 
 Answered = tuple[CaseRun, str | None]
@@ -36,10 +34,10 @@ def score_sets(
     `history(key)` gives a run's history where one was kept: verdicts then rest on the histories, otherwise on peaks and
     outcomes alone. The distributions of the peaks are compared from 8 cases on.
     """
-    cases: dict[tuple[int, Value | None], dict[str, Answered]] = defaultdict(dict)
+    cases: dict[int, dict[str, Answered]] = defaultdict(dict)
     for row in rows:
         if row.run is not None and not row.run.outcome.failed:
-            cases[row.number, row.varied.get("variant")][row.engine] = row.run, row.key
+            cases[row.number][row.engine] = row.run, row.key
     names = sorted({row.engine for row in rows} - {reference})
     return {name: _score(name, reference, cases.values(), history) for name in names}
 
@@ -73,21 +71,13 @@ def _rocks(run: CaseRun) -> bool:
 
 
 def _judged(a: Answered, b: Answered, history: Callable[[str], History | None]) -> tuple[Case, Verdict]:
-    (first, _), (second, _) = a, b
+    (first, key_a), (second, key_b) = a, b
+    history_a, history_b = (None if key is None else history(key) for key in (key_a, key_b))
     sides = side_of(first, first.engine), side_of(second, second.engine)
-    judgement = judge(*sides, _paired(a, b, history), (_peak(first), _peak(second)))
-    flips = judgement.evidence.outcome_flips_within_uncertainty, judgement.evidence.side_flips_within_uncertainty
+    both = None
+    if history_a is not None and history_b is not None:
+        both = pair(history_a, history_b, hold_a=sides[0].rests, hold_b=sides[1].rests)
+    verdict, evidence, _ = judge(*sides, both)
+    flips = evidence.outcome_flips_within_uncertainty, evidence.side_flips_within_uncertainty
     times = first.no_return_time_s, second.no_return_time_s
-    return Case(first.outcome, second.outcome, *flips, times), judgement.verdict
-
-
-def _peak(run: CaseRun) -> Peak:
-    return Peak(run.peak_theta_rad, math.nan if run.peak_time_s is None else run.peak_time_s)
-
-
-def _paired(a: Answered, b: Answered, history: Callable[[str], History | None]) -> Pair | None:
-    first, second = (None if key is None else history(key) for _, key in (a, b))
-    if first is None or second is None:
-        return None
-    holds = [run.outcome is Outcome.STANDS for run, _ in (a, b)]
-    return pair(first, second, hold_a=holds[0], hold_b=holds[1])
+    return Case(first.outcome, second.outcome, *flips, times), verdict

@@ -7,8 +7,9 @@ Structural Dynamics 32, 2003), and beside it the share of the motions that overt
 from __future__ import annotations
 
 import csv
+import itertools
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Final, Literal
@@ -35,6 +36,15 @@ from harness.runs.runner import Pool
 
 KIND: Final = "rocking_spectrum"
 MAP_NAME: Final = "spectrum.csv"
+COLUMNS: Final = (
+    "size_m",
+    "slenderness",
+    "probability_overturned",
+    "low",
+    "high",
+    "peak_median_over_alpha",
+    "peak_84_over_alpha",
+)
 REFUSES: Final = dict.fromkeys(
     ("--export", "--resume", "--dask"),
     f"a study of cases: a rocking spectrum is computed at once, its map is {MAP_NAME}",
@@ -93,17 +103,6 @@ class SpectrumFile(Table):
         return self
 
 
-@dataclass(frozen=True, eq=False)
-class Spectrum:
-    """Over all cases by size and slenderness: share that overturns, median and 84 % of the peak over α (inf: overturns)."""
-
-    probability: Array
-    median: Array
-    high: Array
-    undecided: float
-    cases: int
-
-
 def motions_of(spectrum: SpectrumFile, path: Path) -> list[Excitation]:
     """The excitations of all motions. Raises `InputError` that names what is wrong of each."""
     excitations: list[Excitation] = []
@@ -119,13 +118,15 @@ def motions_of(spectrum: SpectrumFile, path: Path) -> list[Excitation]:
     return excitations
 
 
-def cases_of(spectrum: SpectrumFile, excitations: list[Excitation]) -> Iterator[tuple[Excitation, float]]:
-    """Every motion with the factor on it, one for each draw of its strength."""
-    spread = np.sqrt(np.log1p(spectrum.strength_cov**2))
-    factors = np.exp(spread * np.random.default_rng(spectrum.seed).standard_normal(spectrum.draws))
-    for excitation in excitations:
-        for factor in factors.tolist():
-            yield excitation, factor
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Over all cases by size and slenderness: share that overturns, median and 84 % of the peak over α (inf: overturns)."""
+
+    probability: Array
+    median: Array
+    high: Array
+    undecided: float
+    cases: int
 
 
 def compute(
@@ -135,7 +136,7 @@ def compute(
     threads: int | None = None,
     on_progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Spectrum:
-    """Run every block of the grid in every case: one sweep for each case."""
+    """Run every block of the grid in every motion with every draw of its strength: one sweep for each."""
     size, slenderness = np.meshgrid(spectrum.size_m.values(), spectrum.slenderness.values(), indexing="ij")
     alpha = np.arctan(1.0 / slenderness)
     half = size * np.sin(alpha)
@@ -147,8 +148,10 @@ def compute(
         "inertia_kg_m2": size**2 / 3.0,
     }
     law = {} if spectrum.restitution == "momentum" else {"restitution": float(spectrum.restitution)}
+    scatter = np.sqrt(np.log1p(spectrum.strength_cov**2))
+    factors = np.exp(scatter * np.random.default_rng(spectrum.seed).standard_normal(spectrum.draws))
     block, peaks, open_ends = Block.rectangle(width_m=1.0, height_m=2.0), [], 0
-    cases = list(cases_of(spectrum, excitations))
+    cases = list(itertools.product(excitations, factors.tolist()))
     for number, (excitation, factor) in enumerate(cases):
         on_progress(number, len(cases))
         answers = ensemble(
@@ -164,8 +167,7 @@ def compute(
     on_progress(len(cases), len(cases))
     every = np.stack(peaks)
     # Of an even number of cases the lower of the two middle ones: a mean with an overturning one would be none.
-    quantiles = (np.quantile(every, share, axis=0, method="inverted_cdf") for share in (0.5, HIGH))
-    median, high = (np.asarray(item, dtype=np.float64) for item in quantiles)
+    median, high = np.quantile(every, (0.5, HIGH), axis=0, method="inverted_cdf").astype(np.float64)
     return Spectrum(np.isinf(every).mean(axis=0), median, high, open_ends / every.size, len(cases))
 
 
@@ -190,7 +192,6 @@ def run_file(
     for source, item in zip(spectrum.motion, excitations, strict=True):
         pgv_m_s = float(np.max(np.abs(item.velocity_m_s(np.linspace(0.0, item.end_s, 20_001)))))
         motions.append(SpectrumMotion(Path(source.file).name, item.peak_m_s2 / GRAVITY_M_S2, pgv_m_s, item.end_s))
-    sizes, slendernesses = spectrum.size_m.values(), spectrum.slenderness.values()
     record = RockingSpectrumRecord(
         title=spectrum.title,
         restitution=spectrum.restitution,
@@ -199,8 +200,8 @@ def run_file(
         draws=spectrum.draws,
         seed=spectrum.seed,
         cases=answer.cases,
-        size_m=sizes.tolist(),
-        slenderness=slendernesses.tolist(),
+        size_m=spectrum.size_m.values().tolist(),
+        slenderness=spectrum.slenderness.values().tolist(),
         probability_overturned=answer.probability.tolist(),
         peak_median=_plain(answer.median),
         peak_high=_plain(answer.high),
@@ -232,18 +233,9 @@ def _plain(peaks: Array) -> list[list[float | None]]:
 
 def _write_map(record: RockingSpectrumRecord, path: Path) -> None:
     """A row for each block: probability with Wilson's interval at 95 %, peaks over α (empty where they overturn)."""
-    names = (
-        "size_m",
-        "slenderness",
-        "probability_overturned",
-        "low",
-        "high",
-        "peak_median_over_alpha",
-        "peak_84_over_alpha",
-    )
     with path.open("w", newline="", encoding="utf-8") as stream:
         rows = csv.writer(stream)
-        rows.writerow(names)
+        rows.writerow(COLUMNS)
         for i, size in enumerate(record.size_m):
             for j, slenderness in enumerate(record.slenderness):
                 p = record.probability_overturned[i][j]
