@@ -116,6 +116,7 @@ def moving_s(scene: Scene) -> tuple[float, float]:
 
 
 def _moving_s(scene: Scene, run: Run) -> tuple[float, float]:
+    """The same of the model's own run."""
     begin_s = min(first_motion_s(scene), scene.duration_s)
     # What still moves when the model is asked no longer may move to the end.
     moves = run.outcome.failed or (run.end_s < scene.duration_s and not run.outcome.overturned)

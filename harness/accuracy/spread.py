@@ -7,13 +7,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.model.history import History
+from harness.model.history import Array
 from harness.model.run import Run, number
 from harness.model.scene import Scene
-
-Array = NDArray[np.float64]
 
 SAFETY: Final = 3.0
 """Stated uncertainty over the error that a spread shows: what the grid convergence index takes for two grids (Roache, 1994);
@@ -120,7 +117,8 @@ def spread(coarse: Run, fine: Run, target: Error, limit: Error | None = None) ->
     if coarse.history is None or fine.history is None:
         raise ValueError("both runs must have kept their histories")
     end_s = min(coarse.end_s, fine.end_s)
-    times = _instants(coarse.history, fine.history, end_s)
+    count = max(LEAST_COMPARED, min(coarse.history.t_s.size, fine.history.t_s.size))
+    times = np.linspace(0.0, end_s, count, dtype=np.float64)
     turned = np.abs(coarse.history.at(times) - fine.history.at(times))
     slid = np.abs(coarse.history.slip_at(times) - fine.history.slip_at(times))
     # An overturn that only one run sees, or at another time, is a difference once the other has ended.
@@ -156,8 +154,3 @@ def _within(share: Array, most: float) -> int:
     """Number of instants before the first at which two runs are further apart than `most`."""
     over = np.flatnonzero(share > most)
     return int(over[0]) if over.size else share.size
-
-
-def _instants(a: History, b: History, end_s: float) -> Array:
-    count = max(LEAST_COMPARED, min(a.t_s.size, b.t_s.size))
-    return np.linspace(0.0, end_s, count, dtype=np.float64)

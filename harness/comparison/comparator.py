@@ -130,11 +130,8 @@ def _aside(a: Side, b: Side) -> dict[str, float]:
 
 def _beyond(a: Side, b: Side, at_s: float) -> Verdict:
     """What a difference at a time past what is known rests on: the problem's own measured sensitivity, or an engine's error."""
-    return Verdict.HORIZON if at_s > _horizon_s(a, b) else Verdict.UNBOUNDED
-
-
-def _horizon_s(a: Side, b: Side) -> float:
-    return min((side.horizon_s for side in (a, b) if side.horizon_s is not None), default=math.inf)
+    horizon_s = min((side.horizon_s for side in (a, b) if side.horizon_s is not None), default=math.inf)
+    return Verdict.HORIZON if at_s > horizon_s else Verdict.UNBOUNDED
 
 
 def _not_given(a: Side, b: Side) -> dict[str, list[str]]:

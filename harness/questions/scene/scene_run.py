@@ -13,7 +13,9 @@ from typing import Final
 
 from harness import engines
 from harness.accuracy.forecast import run_s, worth_a_process
+from harness.accuracy.horizon import horizon_beside
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, RunTarget, check_target, failed, simulate_with
+from harness.comparison.comparator import compare
 from harness.engines.base import Engine, EngineFailure
 from harness.input.paths import read_files
 from harness.model.finding import Answer, Finding, Say, caution, info, weighed
@@ -23,7 +25,7 @@ from harness.model.scene import Scene
 from harness.questions.scene import floor_impact
 from harness.questions.scene.answer import answer_of
 from harness.questions.scene.left_out import TakenAway, explained, with_reasons
-from harness.questions.scene.witness import doubted, findings_of, finer_rad, finer_runs
+from harness.questions.scene.witness import doubted, findings_of, finer_rad, finer_runs, witnesses
 from harness.records.assess import Assessment
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.records.run import DecidedBy, HorizonRecord, RunRecord, Witness, own_moves
@@ -196,7 +198,9 @@ def run_scene(
                 runs |= finer
                 scores |= _scores(scene, known(), horizons, iso)
         scores |= with_reasons(known(), scores, taken)
-        witness_answers |= _witnessed(scene, known(), options, on_progress) if witness else {}
+        if witness:
+            on_progress("witness")
+            witness_answers |= witnesses(scene, known(), options)
         leaves_plane = any(each.verdict is Verdict.PLANE for each in scores.values())
         assessment |= _assessed(scene, on_progress, leaves_plane=leaves_plane) if assess else {}
     except KeyboardInterrupt as ending:
@@ -287,15 +291,6 @@ def _give_up(waiting: Iterable[Future[Run]]) -> None:
         time.sleep(KILLED_S)
 
 
-def _witnessed(
-    scene: Scene, runs: Mapping[str, Run], options: RunOptions, on_progress: Callable[[str], None]
-) -> Mapping[str, Witness]:
-    from harness.questions.scene.witness import witnesses
-
-    on_progress("witness")
-    return witnesses(scene, runs, options)
-
-
 def _assessed(scene: Scene, on_progress: Callable[[str], None], *, leaves_plane: bool) -> dict[str, Assessment]:
     from analytic import AnalyticInputError
     from harness.questions.assess.by_model import assess_models
@@ -311,17 +306,12 @@ def _scores(
     scene: Scene, runs: Mapping[str, Run], horizons: Mapping[str, HorizonRecord], iso: bool
 ) -> dict[str, Scores]:
     """The scores of each pair, up to their horizons."""
-    pairs = list(itertools.combinations(answers_of(runs), 2))
-    if not pairs:
-        return {}
-    from harness.comparison.comparator import compare  # not for a single model
-
     until_s = {name: each.intrinsic_s for name, each in horizons.items()}
     return {
         f"{a.engine}_vs_{b.engine}": compare(
             a, b, scene=scene, horizons_s=(until_s.get(a.engine), until_s.get(b.engine)), iso=iso
         )
-        for a, b in pairs
+        for a, b in itertools.combinations(answers_of(runs), 2)
     }
 
 
@@ -334,8 +324,6 @@ def _horizons(
     every: bool,
 ) -> dict[str, HorizonRecord]:
     """Horizons of these runs but those that are `found`."""
-    from harness.accuracy.horizon import horizon_beside
-
     horizons = {}
     for run in runs if len(runs) > 1 or every else ():
         engine = engines.load(run.engine)

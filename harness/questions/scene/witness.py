@@ -114,11 +114,8 @@ def plain_names(names: Sequence[str]) -> list[str]:
 def witnesses(scene: Scene, runs: Mapping[str, Run], options: RunOptions) -> dict[str, Witness]:
     """What the plain engines of these runs say of all of them; nothing where no engine of contact was asked."""
     answers = {name: run for name, run in runs.items() if not run.outcome.failed and run.history is not None}
-    said: dict[str, Witness] = {}
-    for name in plain_names(list(answers)):
-        if name not in runs:
-            said[name] = _witness(scene, answers, name, options)
-    return said
+    asked = [name for name in plain_names(list(answers)) if name not in runs]
+    return {name: _witness(scene, answers, name, options) for name in asked}
 
 
 def findings_of(witnesses: Mapping[str, Witness]) -> list[Finding]:
