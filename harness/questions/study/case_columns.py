@@ -13,7 +13,6 @@ from analytic.solution import LEFT_BY, OUTCOMES
 from analytic.sweep import CertifiedRows, certify_rows
 from harness.engines import analytic as twoblock
 from harness.engines.base import RELIABLE_RAD
-from harness.model.finding import Finding
 from harness.model.history import Outcome
 from harness.model.run import NUMBERS, to_plain
 from harness.model.scene import BaseExcitation
@@ -62,41 +61,23 @@ def swept(cases: Sequence[Shaken]) -> Columns:
     rows = certify_rows([still.body for still in stills], which, motions, RELIABLE_RAD)
     slender = np.array([[still.scene.statue.slenderness_rad(side) for side in (-1, 1)] for still in stills])[which]
     pedestal = np.array([still.scene.pedestal is not None for still in stills])[which]
-    findings, skipped = _known(rows)
-    found = [(*item, *twoblock.left_out(case.motion)) for item, case in zip(findings, cases, strict=True)]
+    certified = [rows.certified(k) for k in range(len(cases))]
+    findings = [
+        (*twoblock.findings_of(each), *twoblock.left_out(case.motion))
+        for each, case in zip(certified, cases, strict=True)
+    ]
     return {
         "place": np.array([case.place for case in cases]),
         **_numbers(rows, slender, pedestal),
         "motion_axes": texts(["".join(case.motion.axes(2)) for case in cases]),
-        "findings": texts([_json(item) for item in found]),
-        "skipped": texts([_json(item) for item in skipped]),
+        "findings": texts([_json(each) for each in findings]),
+        "skipped": texts([_json(twoblock.skipped(each.solution, keep=False)) for each in certified]),
         "record": texts([None] * len(cases)),
     }
 
 
 def _json(value: object) -> str:
     return json.dumps(to_plain(value))
-
-
-Known = tuple[tuple[Finding, ...], dict[str, float | None]]
-"""A row's findings, and what it left out."""
-
-
-def _known(rows: CertifiedRows) -> tuple[list[tuple[Finding, ...]], list[dict[str, float | None]]]:
-    """Each row's findings, and what it left out: alike for all of which there is nothing to say but whether they fell."""
-    first = rows.first
-    own = rows.doubtful | (first.results["skipped_s"] > 0.0) | (first.counts["energy_endings"] > 0)
-    fell = np.isfinite(first.results["overturn_time_s"])
-    shared: dict[bool, Known] = {}
-    said = []
-    for k, (alone, overturned) in enumerate(zip(own.tolist(), fell.tolist(), strict=True)):
-        if alone or overturned not in shared:
-            certified = rows.certified(k)
-            both = twoblock.findings_of(certified), twoblock.skipped(certified.solution, keep=False)
-            if not alone:
-                shared[overturned] = both
-        said.append(both if alone else shared[overturned])
-    return [item[0] for item in said], [item[1] for item in said]
 
 
 def texts(values: Sequence[object]) -> NDArray[np.object_]:

@@ -92,7 +92,7 @@ def _copied(table: Mapping[str, JsonValue]) -> dict[str, JsonValue]:
 
 def expand(study: StudyFile, base: Base, numbers: Iterable[int] | None = None) -> Iterator[Case]:
     """The cases of a study in a fixed order: axes in the file's order, samples innermost, variants last; or some by number."""
-    axes = [item.points for item in study.vary]
+    axes = [item.all_values for item in study.vary]
     # Each key has a stream of its own, so that adding one changes no other.
     streams = {item.key: np.random.default_rng([study.seed, *item.key.encode()]) for item in study.scatter}
     draws = {item.key: _drawn(item, base, streams[item.key], study.samples) for item in study.scatter}

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -71,11 +71,6 @@ class Answer:
         """What was set apart from these keys: the same for answers that are compared over them."""
         return tuple(sorted((key, value) for key, value in self.varied.items() if key not in keys))
 
-    @property
-    def condition(self) -> Condition:
-        """What both settings share."""
-        return self.without(SUPPORT)
-
 
 def answer(run: CaseRun, varied: Mapping[str, Value]) -> Answer:
     """A row of a study as the tests of claims read it."""
@@ -95,8 +90,17 @@ def answer(run: CaseRun, varied: Mapping[str, Value]) -> Answer:
 
 def _pairs(answers: Sequence[Answer]) -> list[tuple[Answer, Answer]]:
     """(without, with) pedestal of the same condition."""
-    floor = {item.condition: item for item in answers if not item.pedestal}
-    return [(floor[item.condition], item) for item in answers if item.pedestal and item.condition in floor]
+    floor = {item.without(SUPPORT): item for item in answers if not item.pedestal}
+    stones = [(item.without(SUPPORT), item) for item in answers if item.pedestal]
+    return [(floor[condition], item) for condition, item in stones if condition in floor]
+
+
+def _series(answers: Sequence[Answer], key: str) -> list[list[Answer]]:
+    """Answers that differ by the number of a key alone, by its size."""
+    series: dict[Condition, list[Answer]] = {}
+    for item in sorted(answers, key=lambda item: float(item.varied[key])):
+        series.setdefault(item.without(key), []).append(item)
+    return list(series.values())
 
 
 def rotates_more(answers: Sequence[Answer]) -> Counted:
@@ -110,12 +114,12 @@ def rotates_more(answers: Sequence[Answer]) -> Counted:
 
 def prevents(answers: Sequence[Answer]) -> Counted:
     pairs = _pairs(answers)
-    saved = [f.condition for f, p in pairs if f.overturned and not p.overturned]
+    saved = sum(f.overturned and not p.overturned for f, p in pairs)
     lost = sum(p.overturned and not f.overturned for f, p in pairs)
     falling = sum(f.overturned for f, _ in pairs)
-    text = info("evidence_ii", prevented=len(saved), falling=falling, caused=lost)
+    text = info("evidence_ii", prevented=saved, falling=falling, caused=lost)
     # One case is enough for "in some cases"; where nothing overturns nothing could be prevented.
-    return min(len(saved), 1), min(falling, 1), text
+    return min(saved, 1), min(falling, 1), text
 
 
 def fades(answers: Sequence[Answer]) -> Counted:
@@ -145,12 +149,8 @@ def fades(answers: Sequence[Answer]) -> Counted:
 
 
 def falls_with_frequency(answers: Sequence[Answer]) -> Counted:
-    series: dict[tuple[Any, ...], list[Answer]] = {}
-    for item in answers:
-        series.setdefault(item.without(FREQUENCY), []).append(item)
     falls = steps = fallen = 0
-    for members in series.values():
-        ordered = sorted(members, key=lambda item: item.frequency_hz)
+    for ordered in _series(answers, FREQUENCY):
         steps += len(ordered) - 1
         falls += sum(after.peak_rad <= before.peak_rad for before, after in pairwise(ordered))
         fallen += sum(after.overturned and before.overturned for before, after in pairwise(ordered))
@@ -166,13 +166,12 @@ def small_displacement(answers: Sequence[Answer]) -> Counted:
     return held, len(slips), info("evidence_v", **values)
 
 
-def wall_limit(answers: Sequence[Answer], top_displacement_m: Callable[[float], float]) -> InParts:
+def wall_limit(answers: Sequence[Answer], top_m: float) -> InParts:
     """Two parts: the geometry, and that no statue which comes back leans further than the limit."""
-    top = top_displacement_m(WALL_RAD)
-    geometry = abs(top / WALL_M - 1.0) <= WALL_SLACK
+    geometry = abs(top_m / WALL_M - 1.0) <= WALL_SLACK
     back = [item.peak_rad for item in answers if item.stands]
     within = bool(back) and max(back) <= WALL_RAD
-    text = info("evidence_vi", top_m=top, limit_rad=WALL_RAD, largest_rad=max(back, default=None))
+    text = info("evidence_vi", top_m=top_m, limit_rad=WALL_RAD, largest_rad=max(back, default=None))
     return int(geometry) + int(within), 1 + bool(back), text, () if back else ("returning",)
 
 
@@ -249,14 +248,10 @@ def reaches_the_wall(answers: Sequence[Answer]) -> InParts:
 
 def loses_less(answers: Sequence[Answer]) -> Counted:
     """(xii): at the next higher ratio the mean loss of an impact is not greater. A model's own impact knows no ratio."""
-    series: dict[tuple[Any, ...], list[Answer]] = {}
-    for item in answers:
-        if item.impact_loss_j is not None and RATIO in item.varied:
-            series.setdefault(item.without(RATIO), []).append(item)
     held = steps = 0
     means: dict[float, list[float]] = {}
-    for members in series.values():
-        ordered = sorted(members, key=lambda item: float(item.varied[RATIO]))
+    known = [item for item in answers if item.impact_loss_j is not None and RATIO in item.varied]
+    for ordered in _series(known, RATIO):
         losses = [float(item.impact_loss_j or 0.0) for item in ordered]
         # The same runs under each ratio: it is not used.
         if len(set(losses)) > 1:

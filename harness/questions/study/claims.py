@@ -5,7 +5,7 @@ One of them weighs impacts: what each costs, the energy of the rotation about th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from typing import Final
 
@@ -35,15 +35,13 @@ RESTS_RAD_S: Final = 5e-3
 """A statue slower than this does not strike: the contact engines' statues tremble about rest at some 1e-3 rad/s."""
 
 
-def judge(
-    rows: Iterable[StudyRow], top_displacement_m: Callable[[float], float], asked: str = "paper"
-) -> list[ClaimVerdict]:
+def judge(rows: Iterable[StudyRow], top_m: float, asked: str = "paper") -> list[ClaimVerdict]:
     """The claims of the set `asked` by all models of a study's rows.
 
     Where an engine had the impact law imposed on it, all models of that variant count as imposed: they are there to be compared
     with it. The paper's form alone has its ratio as its own law.
 
-    `top_displacement_m(theta_rad)` is the horizontal displacement of the statue's top at a rotation towards the wall.
+    `top_m` is the horizontal displacement of the statue's top at the rotation `WALL_RAD`.
     """
     models: dict[tuple[str, str], list[Answer]] = {}
     imposed_variants = set()
@@ -53,13 +51,12 @@ def judge(
             models.setdefault((row.engine, variant), []).append(tests.answer(row.run, row.varied))
             if IMPOSED_LABEL in row.run.labels:
                 imposed_variants.add(variant)
-    by_claim = dict(tests.TESTS) | {"vi": partial(tests.wall_limit, top_displacement_m=top_displacement_m)}
+    by_claim: dict[str, Test] = {**tests.TESTS, "vi": partial(tests.wall_limit, top_m=top_m)}
     verdicts = []
     for (engine, variant), answers in models.items():
         model, imposed = f"{engine} ({variant})", variant in imposed_variants
         for claim in SETS[asked]:
-            test: Test = by_claim[claim]
-            held, cases, evidence, *parts = test(answers)
+            held, cases, evidence, *parts = by_claim[claim](answers)
             untested = parts[0] if parts else ()
             said = _verdict(held, cases, untested)
             verdicts.append(ClaimVerdict(claim, model, imposed, said, held, cases, evidence, untested))

@@ -51,7 +51,7 @@ class Vary(Table):
         return self
 
     @property
-    def points(self) -> Sequence[Value]:
+    def all_values(self) -> Sequence[Value]:
         """The values of the list or the grid."""
         if self.values is not None:
             return self.values

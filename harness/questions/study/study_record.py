@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice, pairwise
 from pathlib import Path
@@ -24,6 +24,7 @@ from harness.questions.study import claims
 from harness.questions.study.case_blocks import KeyedRow, coarser, every_row, study_rows, table
 from harness.questions.study.case_selection import recheck
 from harness.questions.study.cases import Base, base_of, expand
+from harness.questions.study.claim_tests import WALL_RAD
 from harness.questions.study.claims import energy_lost_j, last_impact_s
 from harness.questions.study.ensembles import score_sets
 from harness.questions.study.file import StudyFile
@@ -59,7 +60,10 @@ def answer_of(record: StudyRecord) -> Answer:
         if each.cases
     ]
     code = "claims" if record.headline else "agreement" if pairs else "overturning"
-    found = [_claims(record.headline)] if record.headline else []
+    claimed: dict[str, list[str]] = {}
+    for claim, verdict in (record.headline or {}).items():
+        claimed.setdefault(verdict, []).append(claim)
+    found = [info("claims", groups=claimed)] if claimed else []
     found += pairs or _falls(record.rows)
     done = vars(record.summary)
     return Answer(code, [*found, info("study_done", **done, alike=record.summary.wanted - record.summary.distinct)])
@@ -77,13 +81,6 @@ def findings_of(record: StudyRecord) -> list[Finding]:
     if record.usage is not None and record.usage.utilisation is not None:
         found.append(info("study_usage", **vars(record.usage)))
     return found
-
-
-def _claims(headline: Mapping[str, str]) -> Finding:
-    groups: dict[str, list[str]] = {}
-    for claim, verdict in headline.items():
-        groups.setdefault(verdict, []).append(claim)
-    return info("claims", groups=groups)
 
 
 def _falls(rows: Sequence[StudyRow]) -> list[Finding]:
@@ -228,10 +225,9 @@ def study_record(
     scene = base.scene({})
     name = study_name(study)
     rows = study_rows(store, name, coarser(study))
-    paper = study.claims == "paper"
     if study.claims:
         rows = _weighed(rows, store, scene)
-    verdicts = claims.judge(rows, top_displacement(scene), study.claims) if study.claims else None
+    verdicts = claims.judge(rows, top_displacement_m(scene, WALL_RAD), study.claims) if study.claims else None
     made = StudyRecord(
         title=study.title,
         file=path.name,
@@ -253,26 +249,22 @@ def study_record(
         machine=record.machine(),
         claims=verdicts,
         headline=None if verdicts is None else claims.headline(verdicts),
-        panels=panels(rows, store) if paper else None,
+        panels=panels(rows, store) if study.claims == "paper" else None,
         rows=rows,
         table=table(store, name, len(rows)),
     )
     return replace(made, answer=answer_of(made), findings=[*findings_of(made), *made.findings])
 
 
-def top_displacement(scene: Scene) -> Callable[[float], float]:
-    """Horizontal displacement (m) of the silhouette's topmost point at a rotation about the wider side's corner."""
+def top_displacement_m(scene: Scene, theta_rad: float) -> float:
+    """Horizontal displacement of the silhouette's topmost point at a rotation about the wider side's corner."""
     section = scene.statue.section_m
     side = -1 if scene.statue.corner_left_m > scene.statue.corner_right_m else 1
     corner = np.array([side * scene.statue.corner_m(side), 0.0])
     top = section[np.argmax(section[:, 1])] - corner
-
-    def displaced(theta_rad: float) -> float:
-        # Clockwise positive: x' = x cos θ + z sin θ.
-        turned = top[0] * np.cos(theta_rad) + side * top[1] * np.sin(theta_rad)
-        return float(abs(turned - top[0]))
-
-    return displaced
+    # Clockwise positive: x' = x cos θ + z sin θ.
+    turned = top[0] * np.cos(theta_rad) + side * top[1] * np.sin(theta_rad)
+    return float(abs(turned - top[0]))
 
 
 CONDITION: Final = ("contact.restitution", "motion.x.amplitude_g", "motion.x.frequency_hz")

@@ -60,7 +60,7 @@ def paper_rows() -> list[StudyRow]:
 
 
 def verdicts(rows: list[StudyRow], top_m: float = 0.70) -> dict[str, claims.Verdict]:
-    return {v.claim: v for v in claims.judge(rows, lambda theta_rad: top_m)}
+    return {v.claim: v for v in claims.judge(rows, top_m)}
 
 
 def test_rows_as_the_paper_describes_them_hold_every_claim() -> None:
@@ -109,10 +109,10 @@ def test_the_walls_limit_wants_geometry_and_no_deeper_return() -> None:
 def test_models_of_a_variant_with_an_imposed_law_do_not_enter_the_headline() -> None:
     beside = [replace(r, varied={**r.varied, "variant": "one ratio"}) for r in paper_rows()]
     imposed = [replace(with_run(r, labels=[IMPOSED_LABEL]), engine="pymunk") for r in beside]
-    judged = claims.judge([*imposed, *beside], lambda theta_rad: 0.70)
+    judged = claims.judge([*imposed, *beside], 0.70)
     assert all(v.imposed for v in judged)
     assert set(claims.headline(judged).values()) == {claims.UNTESTED}
-    assert not any(v.imposed for v in claims.judge(beside, lambda theta_rad: 0.70))
+    assert not any(v.imposed for v in claims.judge(beside, 0.70))
 
 
 def test_whether_rocking_lasts_is_not_judged_without_histories() -> None:
@@ -172,7 +172,7 @@ def test_the_weakest_plane_is_the_one_in_which_every_motion_does_most() -> None:
         return row(2.0, False, peak, fell_s=fell_s, **{"statue.mesh.azimuth_deg": azimuth})
 
     def verdict(*rows: StudyRow) -> str:
-        (judged,) = claims.judge(rows, lambda theta_rad: 0.70, "planes")
+        (judged,) = claims.judge(rows, 0.70, "planes")
         return judged.verdict
 
     assert verdict(plane(0.0, 1.5, 1.0), plane(60.0, 1.5, 2.0), plane(90.0, 0.1)) == claims.HOLDS
@@ -185,7 +185,7 @@ def test_pedestals_of_two_masses_are_each_compared_with_the_floor() -> None:
     """Whatever else varies belongs to the condition: here the mass, and (iii) and (iv) follow one mass over frequency."""
     masses = (1.0, 2.0)
     rows = [replace(item, varied={**item.varied, "pedestal.mass_kg": mass}) for item in paper_rows() for mass in masses]
-    judged = {v.claim: v for v in claims.judge(rows, lambda theta_rad: 0.70, "pedestal")}
+    judged = {v.claim: v for v in claims.judge(rows, 0.70, "pedestal")}
     assert "vi" not in judged
     assert (judged["i"].cases, judged["iii"].cases, judged["iv"].cases) == (6, 2, 16)
 
@@ -193,9 +193,7 @@ def test_pedestals_of_two_masses_are_each_compared_with_the_floor() -> None:
 def test_a_run_that_failed_answers_no_claim() -> None:
     """An engine that is not installed turned nothing and slid nowhere: that is no evidence."""
     absent = [replace(with_run(r, outcome=Outcome.UNAVAILABLE), engine="pybullet") for r in paper_rows()]
-    assert {v.model for v in claims.judge([*paper_rows(), *absent], lambda theta_rad: 0.70)} == {
-        "analytic (own impact)"
-    }
+    assert {v.model for v in claims.judge([*paper_rows(), *absent], 0.70)} == {"analytic (own impact)"}
 
 
 @pytest.mark.parametrize(
