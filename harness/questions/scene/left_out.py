@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from functools import cache, partial
 from typing import Final
@@ -154,20 +153,10 @@ def _planar_and_spatial(runs: Mapping[str, Run], scores: Mapping[str, Scores]) -
 
 
 def _without_each(scene: Scene, space: Run) -> dict[str, Run]:
-    """The run of a 3D engine again with its step, without each thing that the scene has of what the plane leaves out; none of
-    what it cannot run without.
-    """
-    engine, dt_s, until_s = engines.load(space.engine), number(space.settings, "dt_s", 0.0), _end_s(space)
-    options = RunOptions(stop=lambda t_s, _: t_s > until_s)
-    again = {}
-    for what, take in TAKEN_AWAY.items():
-        taken = take(scene)
-        if taken is None:
-            continue
-        settings = engine.settings_for_dt(taken, dt_s) if dt_s else engine.refinement_levels(taken)[-1]
-        with suppress(EngineFailure):
-            again[what] = engine.simulate(taken, settings, options)
-    return again
+    """The run of a 3D engine again, without each thing that the scene has of what the plane leaves out."""
+    changed = {what: taken for what, take in TAKEN_AWAY.items() if (taken := take(scene)) is not None}
+    again = {what: _again(taken, space, _end_s(space)) for what, taken in changed.items()}
+    return {what: run for what, run in again.items() if run is not None}
 
 
 def _without_all(scene: Scene, accuracy_rad: float, engine: str, until_s: float) -> Run:
@@ -218,3 +207,13 @@ def _seen_s(plane: Run, space: Run, size: float, *, slips: bool) -> float:
     apart = np.abs(both.slip_a_m - both.slip_b_m if slips else both.difference_rad)
     beyond = np.flatnonzero(apart > size)
     return float(both.t_s[beyond[0]]) if beyond.size else math.inf
+
+
+def _again(scene: Scene, run: Run, until_s: float) -> Run | None:
+    """A scene computed by a run's engine with that run's step; None where it cannot."""
+    engine, dt_s = engines.load(run.engine), number(run.settings, "dt_s", 0.0)
+    settings = engine.settings_for_dt(scene, dt_s) if dt_s else engine.refinement_levels(scene)[-1]
+    try:
+        return engine.simulate(scene, settings, RunOptions(stop=lambda t_s, _: t_s > until_s))
+    except EngineFailure:
+        return None
