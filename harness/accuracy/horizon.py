@@ -40,6 +40,12 @@ REST_TIMES: Final = 20.0
 statue of more: with an aim of so many times what a level is expected to err by, what they lose alike is seen to grow."""
 
 
+def _by_model(scene: Scene, settings: Settings | None = None) -> Run:
+    """One run of the model, by its finest settings where none are given. Raises `EngineFailure` where it refuses the scene."""
+    model = engines.load(MODEL)
+    return model.simulate(scene, settings or model.refinement_levels(scene)[-1], RunOptions(stated=False))
+
+
 def outgrown_s(scene: Scene, error_rad: float, target_rad: float) -> float:
     """When errors as small as these have grown past the target; infinite if not before the scene ends or there is no return from
     a fall.
@@ -47,12 +53,10 @@ def outgrown_s(scene: Scene, error_rad: float, target_rad: float) -> float:
     By the analytic model's own runs: with perturbed starts and motions, and one that takes small rebounds for rest. Infinite,
     too, where it refuses the scene or has left its domain by then.
     """
-    model, once = engines.load(MODEL), RunOptions(stated=False)
     try:
-        settings = model.refinement_levels(scene)[-1]
-        run = model.simulate(scene, settings, once)
-        others = [model.simulate(each, settings, once) for each in perturbed(scene, PERTURBED_SHARE * error_rad)]
-        others.append(model.simulate(scene, TwoBlockSettings(0.0, error_rad, REST_TIMES * error_rad), once))
+        run = _by_model(scene)
+        others = [_by_model(each) for each in perturbed(scene, PERTURBED_SHARE * error_rad)]
+        others.append(_by_model(scene, TwoBlockSettings(0.0, error_rad, REST_TIMES * error_rad)))
     except EngineFailure:
         return math.inf
     if run.history is None:
@@ -72,14 +76,12 @@ def unseen_tipping_s(scene: Scene, run: Run, error_rad: float) -> float:
     pedestal = scene.pedestal
     if pedestal is None or number(run.validity, "pedestal_tilt_rad", 0.0) > error_rad:
         return math.inf
-    model, once = engines.load(MODEL), RunOptions(stated=False)
     try:
-        settings = model.refinement_levels(scene)[-1]
-        validity = model.simulate(scene, settings, once).validity
+        validity = _by_model(scene).validity
         if validity.get("left_domain_by") != "pedestal_tips":
             return math.inf
         one = replace(scene, statue=as_one(scene.statue, pedestal), pedestal=None)
-        together = model.simulate(one, settings, once)
+        together = _by_model(one)
     except EngineFailure:
         return math.inf
     return number(validity, "left_domain_s") if abs(together.peak_theta_rad) > error_rad else math.inf

@@ -130,17 +130,15 @@ def spread(coarse: Run, fine: Run, target: Error, limit: Error | None = None) ->
     share = np.maximum(turned / limit.rotation_rad, slid / limit.slip_m)
     counts = [_within(share, most) for most in (1.0, 1.0 / CLEAR, CLEAR)]
     _, clear, near = (fine.end_s if count == share.size else float(times[max(count - 1, 0)]) for count in counts)
-    apart = _largest(turned, slid)
-    if counts[0] == share.size and (same_end or coarse.outcome == fine.outcome):
-        return Spread(apart, fine.end_s, True, *steps, apart=apart, clear_s=clear, near_s=near)
-    first = min(counts[0], share.size - 1)
-    until_s = float(times[max(first - 1, 0)])
+    whole = counts[0] == share.size and (same_end or coarse.outcome == fine.outcome)
+    within = share.size if whole else min(counts[0], share.size - 1)
+    until_s = fine.end_s if whole else float(times[max(within - 1, 0)])
     return Spread(
-        _largest(turned[:first], slid[:first]),
+        _largest(turned[:within], slid[:within]),
         until_s,
-        False,
+        whole,
         *steps,
-        apart=apart if same_end else Error(math.inf, math.inf),
+        apart=_largest(turned, slid) if whole or same_end else Error(math.inf, math.inf),
         clear_s=min(clear, until_s),
         near_s=near,
     )

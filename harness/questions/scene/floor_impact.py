@@ -22,24 +22,26 @@ KEY: Final = "contact.floor_impact"
 MODEL: Final = "analytic"
 
 
-def matters(scene: Scene) -> bool:
-    """Whether an impact can break a pedestal loose with either of two coefficients."""
+def _by_another(scene: Scene) -> tuple[Run, float] | None:
+    """The model by the other coefficient, and when an impact first makes the choice; None where none does, or it fails."""
+    # Only with two coefficients, and where an impact moves the pedestal at all.
     two = scene.contact.floor_kinetic < scene.contact.floor_static
-    return two and scene.pedestal is not None and scene.form.pedestal_at_impact == "momentum"
-
-
-def decided_by(scene: Scene, runs: Mapping[str, Run]) -> DecidedBy | None:
-    """Outcomes of the model by the scene's choice and by another, from one run more; None where no impact makes the choice."""
-    model = runs.get(MODEL)
-    if model is None or model.outcome.failed or not matters(scene):
+    if not two or scene.pedestal is None or scene.form.pedestal_at_impact != "momentum":
         return None
     try:
         other, at_s = by_other_impact(scene)
     except EngineFailure:
         return None
-    if at_s is None:
+    return None if at_s is None else (other, at_s)
+
+
+def decided_by(scene: Scene, runs: Mapping[str, Run]) -> DecidedBy | None:
+    """Outcomes of the model by the scene's choice and by another, from one run more; None where no impact makes the choice."""
+    model = runs.get(MODEL)
+    found = None if model is None or model.outcome.failed else _by_another(scene)
+    if model is None or found is None:
         return None
-    contact = scene.contact
+    (other, at_s), contact = found, scene.contact
     another = "kinetic" if contact.at_impact == contact.floor_static else "static"
     outcomes = {str(contact.floor_impact): model, another: other}
     said = {name: Choice(run.outcome, run.end_s, run.peak_theta_rad) for name, run in outcomes.items()}
@@ -59,16 +61,15 @@ def under_static(scene: Scene, runs: Mapping[str, Run]) -> tuple[Scene, dict[str
     impact makes the choice otherwise.
     """
     contact = scene.contact
-    if not matters(scene) or contact.at_impact == contact.floor_static:
+    found = None if contact.at_impact == contact.floor_static else _by_another(scene)
+    if found is None:
         return scene, dict(runs)
     static = replace(scene, contact=replace(contact, floor_impact="static"))
-    engine = engines.load(MODEL)
-    try:
-        _, at_s = by_other_impact(scene)
-        model = engine.simulate(static, engine.refinement_levels(static)[-1], RunOptions())
-    except EngineFailure:
-        return scene, dict(runs)
-    if at_s is None:
-        return scene, dict(runs)
-    held = {name: replace(run, reliable_until_s=min(run.bounded_until_s, at_s)) for name, run in runs.items()}
-    return static, held | ({MODEL: model} if MODEL in runs else {})
+    held = {name: replace(run, reliable_until_s=min(run.bounded_until_s, found[1])) for name, run in runs.items()}
+    if MODEL in runs:
+        engine = engines.load(MODEL)
+        try:
+            held[MODEL] = engine.simulate(static, engine.refinement_levels(static)[-1], RunOptions())
+        except EngineFailure:
+            return scene, dict(runs)
+    return static, held

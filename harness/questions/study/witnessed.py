@@ -102,29 +102,25 @@ def _answered(store: Store, study: StudyFile) -> dict[int, dict[str, str]]:
     by_number: dict[int, dict[str, str]] = {}
     for row in store.rows(study_name(study)):
         judged = row.engine == JUDGED or row.engine + PLAIN in engines.REGISTRY
-        if (
-            judged
-            and row.key is not None
-            and row.kind == RUN
-            and row.run is not None
-            and row.run["reliable_until_s"] != 0.0
-        ):
+        if not judged or row.key is None or row.kind != RUN or row.run is None:
+            continue
+        if row.run["reliable_until_s"] != 0.0:
             by_number.setdefault(row.number, {})[row.engine] = row.key
-    scenes = {
-        tuple(sorted(keys.items())): number for number, keys in reversed(by_number.items()) if plain_names(list(keys))
-    }
-    return {number: by_number[number] for number in sorted(scenes.values())}
+    first: dict[tuple[tuple[str, str], ...], int] = {}
+    for number, keys in by_number.items():
+        if plain_names(list(keys)):
+            first.setdefault(tuple(sorted(keys.items())), number)
+    return {number: by_number[number] for number in sorted(first.values())}
 
 
 def _counted(said: Mapping[int, Mapping[str, Witness]], scenes: int, seconds: float) -> StudyWitness:
     counts, differing = {}, []
     for name in sorted({name for answers in said.values() for name in answers}):
         mine = {number: answers[name] for number, answers in said.items() if name in answers}
-        judged = [item.runs.get(name.removesuffix(PLAIN)) for item in mine.values()]
-        parted = [each for each in judged if each is not None and not each.agrees]
+        own = [item.runs.get(name.removesuffix(PLAIN)) for item in mine.values()]
         counts[name] = WitnessCount(
             confirmed=sum(item.agrees is True for item in mine.values()),
-            differ=len(parted),
+            differ=sum(each is not None and not each.agrees for each in own),
             silent=sum(item.agrees is None for item in mine.values()),
         )
         for number, item in mine.items():
