@@ -41,15 +41,22 @@ def answer_of(
     """The headline, in the order in which a validation asks; `decided`: laws whose choice decides the outcome."""
     known = {name: run for name, run in runs.items() if has_answer(run)}
     judged = [*counted(runs, scores).values()]
-    code = _code(known, judged)
-    parts = [
-        _what(scene, known, runs),
-        *_chance(assessment),
-        *_until(known, judged, code),
-        *_decides(scores),
-        *decided,
-    ]
-    return Answer(code, [*parts, *_unpredictable(horizons, known)])
+    parts = [_what(scene, known, runs)]
+    if assessment:
+        from harness.questions.assess.answer import probability  # not for a run that asks for none
+
+        parts += probability(assessment)
+    parts += _until(known, judged)
+    causes = {each.values["cause"] for pair in scores.values() for each in pair.findings if each.code == "plane_cause"}
+    if causes:
+        # What the third dimension adds is why answers differ.
+        parts.append(info("plane_decides", causes=sorted(causes)))
+    parts += decided
+    reached = {outcome_family(end) for name, each in horizons.items() if name in known for end in each.outcomes}
+    if len(reached) > 1:
+        # The smallest change of start or motion changes the outcome itself.
+        parts.append(changes_answer("outcome_not_predictable", outcomes=sorted(reached)))
+    return Answer(_code(known, judged), parts)
 
 
 def counted(runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, Scores]:
@@ -61,15 +68,6 @@ def counted(runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, 
         for pair, each in scores.items()
         if each.verdict in ROBUST or (has_answer(runs[each.a]) and has_answer(runs[each.b]))
     }
-
-
-def _chance(assessment: Mapping[str, Assessment]) -> list[Finding]:
-    """How probable a fall is; a run that asks for no probability loads nothing that finds one."""
-    if not assessment:
-        return []
-    from harness.questions.assess.answer import probability
-
-    return list(probability(assessment))
 
 
 def outcome_family(outcome: Outcome) -> str:
@@ -138,7 +136,7 @@ def _side(run: Run) -> int:
     return 1 if float(run.history.at(run.peak_time_s)) >= 0.0 else -1
 
 
-def _until(known: Mapping[str, Run], scores: Sequence[Scores], code: Code) -> list[Finding]:
+def _until(known: Mapping[str, Run], scores: Sequence[Scores]) -> list[Finding]:
     """Until when the histories agree, and why not longer."""
     if not scores:
         return []
@@ -176,19 +174,3 @@ def _agree_until_s(scores: Scores) -> float:
     if scores.verdict is Verdict.DOMAIN and seen.left_domain_s is not None:
         times.append(seen.left_domain_s)
     return min(times, default=math.inf)
-
-
-def _decides(scores: Mapping[str, Scores]) -> list[Finding]:
-    """What the third dimension adds where that is why answers differ."""
-    causes = {
-        found.values["cause"] for each in scores.values() for found in each.findings if found.code == "plane_cause"
-    }
-    return [info("plane_decides", causes=sorted(causes))] if causes else []
-
-
-def _unpredictable(horizons: Mapping[str, HorizonRecord], known: Mapping[str, Run]) -> list[Finding]:
-    """Whether the smallest change of start or motion changes the outcome itself."""
-    outcomes = sorted(
-        {outcome_family(outcome) for name, each in horizons.items() if name in known for outcome in each.outcomes}
-    )
-    return [changes_answer("outcome_not_predictable", outcomes=outcomes)] if len(outcomes) > 1 else []

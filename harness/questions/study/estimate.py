@@ -53,29 +53,25 @@ def cost(study: StudyFile, base: Base, workers: int, *, witness: bool = False) -
     """
     rows = study.points * sum(REFERENCE in variant.engines for variant in study.variant)
     if in_columns(study, base) and not witness:
-        return StudyCost(RESULT_S + rows * ROW_S * base.scene({**study.variant[0].set}).duration_s, 0.0)
+        return StudyCost(RESULT_S + rows * ROW_S * base.scene(study.variant[0].set).duration_s, 0.0)
     stream, spent, contact = random.Random(study.seed), 0.0, 0.0
     steps: dict[tuple[str, bool], float] = defaultdict(float)
     timed: dict[tuple[str, bool], tuple[float, Scene]] = {}
     for variant in range(len(study.variant)):
         drawn = stream.sample(range(study.points), min(TRIALS, study.points))
-        for case in (
-            next(expand(study, base, range(at, at + 1))) for at in (len(study.variant) * k + variant for k in drawn)
-        ):
+        for case in expand(study, base, [len(study.variant) * point + variant for point in drawn]):
             scene = base.scene(case.setting)
             for name in sorted(set(case.engines) - {REFERENCE}):
                 runs = min(_sent(study), study.points / alike(study, base, case, name)) / len(drawn)
                 contact += runs
                 if name in CERTIFIED_S:
                     spent += runs * run_s(name, scene).middle
-                else:
-                    kind, each = (
-                        (name, scene.pedestal is not None),
-                        expected_steps(name, scene, study.asked_rad.get(name)).middle,
-                    )
-                    steps[kind] += runs * each
-                    # The longest: in a fall steps take several times as long.
-                    timed[kind] = max(timed.get(kind, (0.0, scene)), (each, scene), key=itemgetter(0))
+                    continue
+                kind = name, scene.pedestal is not None
+                each = expected_steps(name, scene, study.asked_rad.get(name)).middle
+                steps[kind] += runs * each
+                # The longest: in a fall steps take several times as long.
+                timed[kind] = max(timed.get(kind, (0.0, scene)), (each, scene), key=itemgetter(0))
     spent += sum(
         count * timed_step_s(kind[0], timed[kind][1], study.asked_rad.get(kind[0])) for kind, count in steps.items()
     )
@@ -88,11 +84,10 @@ def alike(study: StudyFile, base: Base, case: Case, name: str) -> float:
     engine, sizes = engines.load(name), [*study.sizes, len(study.variant)]
 
     def key(place: tuple[int, ...]) -> str:
-        number = int(np.ravel_multi_index(place, sizes))
-        scene = base.scene(next(expand(study, base, range(number, number + 1))).setting)
-        return scene_key(scene, engine.capabilities)
+        (there,) = expand(study, base, [int(np.ravel_multi_index(place, sizes))])
+        return scene_key(base.scene(there.setting), engine.capabilities)
 
-    here = (*case.position, case.number % len(study.variant))
+    here = study.place(case.number)
     mine, product = key(here), 1.0
     for axis, size in enumerate(study.sizes):
         others = sorted({0, size // 2, size - 1} - {here[axis]})
