@@ -40,20 +40,6 @@ class Answer:
     share: float
 
 
-Answers = Mapping[tuple[str, str], Mapping[Place, Answer]]
-"""By engine and variant, then by place on the study's axes."""
-
-
-def wanted(study: StudyFile, places: Sequence[Place], engine: str, variant: str, answers: Answers) -> dict[Place, str]:
-    """Why each place is asked of this engine, from what is known so far; call again until nothing is added."""
-    if engine == REFERENCE or study.ask.cases == "all":
-        return dict.fromkeys(places, EVERY)
-    if study.ask.cases == "boundary":
-        return near_boundary(answers.get((REFERENCE, variant), {}), study.ask.margin, study.ask.audit, study.seed)
-    known = {place: answer.outcome for place, answer in answers.get((engine, variant), {}).items()}
-    return refined(places, known, map_axes(study)) | rechecked(places, study.ask.audit, study.seed)
-
-
 def map_axes(study: StudyFile) -> tuple[int, int]:
     """The two axes given as grids, which make the map (the study file's own check: there are exactly two)."""
     first, second = (axis for axis, item in enumerate(study.vary) if item.values is None)

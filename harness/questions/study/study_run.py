@@ -6,9 +6,9 @@ A plan of any size is made as it is run; what is finished is never lost.
 from __future__ import annotations
 
 import hashlib
+import itertools
 import random
-from collections import defaultdict
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -60,11 +60,10 @@ def run_study(
     base = base_of(study, path)
     if in_columns(study, base) and not singly:
         return _run_blocks(study, base, store, Campaign(store, pool, on_progress))
-    plan = Plan(study, base)
+    plan = Plan(study, base, store)
     campaign = Campaign(store, pool, on_progress, BATCH, free=plan.free)
-    for expected, tasks in plan.rounds(store.keys()):
+    for expected, tasks in plan.rounds():
         campaign.run(tasks, expected)
-        plan.learn(store)
     store.write_plan(study_name(study), plan.rows())
     return plan.summary(campaign)
 
@@ -94,23 +93,22 @@ def study_name(study: StudyFile) -> str:
 class Plan:
     """What is asked of each engine, as far as is known; what was planned once is not planned again."""
 
-    def __init__(self, study: StudyFile, base: Base) -> None:
-        self._study, self._base = study, base
+    def __init__(self, study: StudyFile, base: Base, store: Store) -> None:
+        self._study, self._base, self._store = study, base, store
         self._cases = list(expand(study, base))
         self._known: dict[tuple[int, str], tuple[str | None, str]] = {}
         """Key and reason by case and engine."""
-        self._answers: dict[tuple[str, str], dict[selection.Place, selection.Answer]] = {}
-        self._fresh: list[tuple[Case, str, str]] = []
         named = {name for variant in study.variant for name in variant.engines}
         self._others = sorted(named - {selection.REFERENCE})
         self.free = (selection.REFERENCE,) if self._others else ()
         """What costs next to nothing beside the others."""
 
-    def rounds(self, stored: Container[str] = ()) -> Iterator[tuple[int, Iterable[Task]]]:
-        """How many tasks that cost something, and the tasks; the next round rests on the answers of the last (see `learn`).
+    def rounds(self) -> Iterator[tuple[int, Iterable[Task]]]:
+        """How many tasks that cost something, and the tasks; the next round rests on what the store then holds of the last.
 
-        Contact engines' are in a seeded order, what is `stored` first: the rate at which they finish tells the time that is left.
+        Contact engines' are in a seeded order, what is stored first: the rate at which they finish tells the time that is left.
         """
+        stored = self._store.keys()
         of_reference = 0 if self.free else self._study.runs, self._asked([selection.REFERENCE])
         rests_on_it = self._study.ask.cases != "all"
         if rests_on_it:
@@ -124,43 +122,50 @@ class Plan:
 
     def _asked(self, names: Sequence[str]) -> Iterator[Task]:
         """What these engines are asked now and were not asked before."""
-        by_variant: dict[str, list[Case]] = defaultdict(list)
-        for case in self._cases:
-            by_variant[case.variant].append(case)
         left_out = selection.SAME_CELL if self._study.ask.cases == "adaptive" else selection.NOT_SENT
-        for name in names:
-            for variant, members in by_variant.items():
-                if name not in members[0].engines:
-                    continue
-                places = [case.position for case in members]
-                reasons = selection.wanted(self._study, places, name, variant, self._answers)
-                for case in members:
-                    planned = self._known.get((case.number, name), (None, ""))[0] is not None
-                    if not planned and case.position in reasons:
-                        yield self._planned(case, name, reasons[case.position])
-                    elif not planned:
-                        self._known[case.number, name] = None, left_out
+        for name, variant in itertools.product(names, self._study.variant):
+            if name not in variant.engines:
+                continue
+            cases = [case for case in self._cases if case.variant == variant.name]
+            reasons = self._reasons(name, cases)
+            for case in cases:
+                planned = self._known.get((case.number, name), (None, ""))[0] is not None
+                if not planned and case.position in reasons:
+                    yield self._planned(case, name, reasons[case.position])
+                elif not planned:
+                    self._known[case.number, name] = None, left_out
+
+    def _reasons(self, engine: str, cases: Sequence[Case]) -> dict[selection.Place, str]:
+        """Why each of these places is asked of an engine, from what is known so far."""
+        ask, places = self._study.ask, [case.position for case in cases]
+        if engine == selection.REFERENCE or ask.cases == "all":
+            return dict.fromkeys(places, selection.EVERY)
+        if ask.cases == "boundary":
+            known = self._answers(selection.REFERENCE, cases)
+            return selection.near_boundary(known, ask.margin, ask.audit, self._study.seed)
+        outcomes = {place: answer.outcome for place, answer in self._answers(engine, cases).items()}
+        asked = selection.refined(places, outcomes, selection.map_axes(self._study))
+        return asked | selection.rechecked(places, ask.audit, self._study.seed)
+
+    def _answers(self, engine: str, cases: Sequence[Case]) -> dict[selection.Place, selection.Answer]:
+        """What an engine has said of these cases."""
+        answers = {}
+        for case in cases:
+            key = self._known.get((case.number, engine), (None, ""))[0]
+            record = None if key is None else self._store.get(key)
+            if record is not None:
+                run = CaseRun.stored(record)
+                share = run.validity.get("peak_over_slenderness")
+                peak = float(share) if isinstance(share, (int, float)) and share else abs(run.peak_theta_rad)
+                answers[case.position] = selection.Answer(run.outcome.value, peak)
+        return answers
 
     def _planned(self, case: Case, engine: str, why: str) -> Task:
         accuracy = self._study.asked_rad.get(engine, DEFAULT_ACCURACY_RAD)
         made = partial(self._base.scene, case.setting)
         task = RunRequest(made, engine, accuracy, history=self._study.ask.histories).task(made())
         self._known[case.number, engine] = task.key, why
-        if self._study.ask.cases != "all":
-            self._fresh.append((case, engine, task.key))
         return task
-
-    def learn(self, store: Store) -> None:
-        """Take the answers of the round that was run, which tell what is asked next."""
-        for case, engine, key in self._fresh:
-            record = store.get(key)
-            if record is not None:
-                run = CaseRun.stored(record)
-                share = run.validity.get("peak_over_slenderness")
-                known = self._answers.setdefault((engine, case.variant), {})
-                peak = float(share) if isinstance(share, (int, float)) and share else abs(run.peak_theta_rad)
-                known[case.position] = selection.Answer(run.outcome.value, peak)
-        self._fresh.clear()
 
     def rows(self) -> Iterator[PlanRow]:
         """All cases and engines in order: number, engine, key (None: not sent), reason, and what varies."""
