@@ -95,7 +95,7 @@ def worth_a_process(engine: str, taken: Range) -> bool:
 def expected_steps(name: str, scene: Scene, accuracy_rad: float | None = None, dt_s: float | None = None) -> Range:
     """Steps of all runs that a contact engine is expected to make of a scene, to a target or with an expert's own step."""
     model = simulate(_asked(scene), MODEL)
-    least_s, most_s = _moving_s(scene, model)
+    least_s, most_s = moving_s(scene, model)
     if dt_s is not None:
         return Range(least_s / dt_s, most_s / dt_s)
     target_rad, levels = accuracy_rad or DEFAULT_ACCURACY_RAD, load(name).refinement_levels(scene)
@@ -110,13 +110,12 @@ def expected_steps(name: str, scene: Scene, accuracy_rad: float | None = None, d
     return Range(*(TIPPING_TIMES if tips else CALM_TIMES)).times(least_s / first.dt_s)
 
 
-def moving_s(scene: Scene) -> tuple[float, float]:
-    """Seconds of a scene that engines step through: from the first push to a fall by the model, and to rest if it stands."""
-    return _moving_s(scene, simulate(_asked(scene), MODEL))
+def moving_s(scene: Scene, run: Run | None = None) -> tuple[float, float]:
+    """Seconds of a scene that engines step through: from the first push to a fall by the model, and to rest if it stands.
 
-
-def _moving_s(scene: Scene, run: Run) -> tuple[float, float]:
-    """The same of the model's own run."""
+    `run` is the model's, where it is known.
+    """
+    run = run or simulate(_asked(scene), MODEL)
     begin_s = min(first_motion_s(scene), scene.duration_s)
     # What still moves when the model is asked no longer may move to the end.
     moves = run.outcome.failed or (run.end_s < scene.duration_s and not run.outcome.overturned)

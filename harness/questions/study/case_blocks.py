@@ -23,6 +23,7 @@ from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD
 from harness.engines import analytic as twoblock
 from harness.engines.base import RELIABLE_RAD
 from harness.model.run import to_plain
+from harness.model.run_set import column_of
 from harness.questions.study import case_selection as selection
 from harness.questions.study.case_columns import (
     Columns,
@@ -30,7 +31,6 @@ from harness.questions.study.case_columns import (
     columns_of_record,
     rows_of,
     swept,
-    texts,
     varied_column,
 )
 from harness.questions.study.cases import Base, CaseScenes, expand
@@ -165,7 +165,7 @@ def run_block(block: Block) -> Answer:
     for place, case in enumerate(cases):
         runs.add(place, case.setting)
     varied = {key: varied_column(block.study, key, [case.varied[key] for case in cases]) for key in cases[0].varied}
-    named = {"number": np.array(block.numbers), "variant": texts([case.variant for case in cases])}
+    named = {"number": np.array(block.numbers), "variant": column_of([case.variant for case in cases])}
     table = {**named, **varied, **runs.columns()}
     outcomes = Counter(table["outcome"].tolist())
     record = {"settings": runs.settings, "varied": list(varied), "outcomes": outcomes}

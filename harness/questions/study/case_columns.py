@@ -15,6 +15,7 @@ from harness.engines import analytic as twoblock
 from harness.engines.base import RELIABLE_RAD
 from harness.model.history import Outcome
 from harness.model.run import NUMBERS, to_plain
+from harness.model.run_set import column_of
 from harness.model.scene import BaseExcitation
 from harness.questions.study.cases import Still
 from harness.questions.study.file import StudyFile, Value
@@ -69,22 +70,15 @@ def swept(cases: Sequence[Shaken]) -> Columns:
     return {
         "place": np.array([case.place for case in cases]),
         **_numbers(rows, slender, pedestal),
-        "motion_axes": texts(["".join(case.motion.axes(2)) for case in cases]),
-        "findings": texts([_json(each) for each in findings]),
-        "skipped": texts([_json(twoblock.skipped(each.solution, keep=False)) for each in certified]),
-        "record": texts([None] * len(cases)),
+        "motion_axes": column_of(["".join(case.motion.axes(2)) for case in cases]),
+        "findings": column_of([_json(each) for each in findings]),
+        "skipped": column_of([_json(twoblock.skipped(each.solution, keep=False)) for each in certified]),
+        "record": column_of([None] * len(cases)),
     }
 
 
 def _json(value: object) -> str:
     return json.dumps(to_plain(value))
-
-
-def texts(values: Sequence[object]) -> NDArray[np.object_]:
-    """Texts as a column."""
-    column = np.empty(len(values), dtype=object)
-    column[:] = values
-    return column
 
 
 def _numbers(rows: CertifiedRows, slenderness_rad: NDArray[np.float64], pedestal: NDArray[np.bool_]) -> Columns:
@@ -95,7 +89,7 @@ def _numbers(rows: CertifiedRows, slenderness_rad: NDArray[np.float64], pedestal
     falls = np.isin(states["outcome"], [k for k, item in enumerate(OUTCOMES) if Outcome(item.value).overturned])
     columns: Columns = {name: np.full(peak.size, value) for name, value in NUMBERS.items()}
     columns |= {
-        "outcome": texts([OUTCOMES[code].value for code in states["outcome"].tolist()]),
+        "outcome": column_of([OUTCOMES[code].value for code in states["outcome"].tolist()]),
         "end_s": states["time_s"],
         "peak_theta_rad": peak,
         "residual_slip_m": states["slip_m"],
@@ -104,7 +98,7 @@ def _numbers(rows: CertifiedRows, slenderness_rad: NDArray[np.float64], pedestal
         "slip_uncertainty_m": rows.slip_uncertainty_m,
         "reliable_until_s": rows.reliable_until_s,
         "steps": counts["steps"],
-        "left_domain_by": texts([LEFT_BY[code] for code in results["left_domain_by"].tolist()]),
+        "left_domain_by": column_of([LEFT_BY[code] for code in results["left_domain_by"].tolist()]),
         "peak_over_slenderness": peak / np.where(signed > 0.0, slenderness_rad[:, 1], slenderness_rad[:, 0]),
         "on_pedestal": pedestal,
     }
@@ -117,9 +111,9 @@ def columns_of_record(record: Plain) -> Columns:
     """One run's record as columns of one row: what of it other rows have too, and the whole as text."""
     numbers = {name: record.get(name) for name in OF_RUN if name not in TABLES}
     own = {name: np.array([np.nan if value is None else value]) for name, value in numbers.items()}
-    lists = {name: texts([json.dumps(record[name])]) for name in TABLES}
+    lists = {name: column_of([json.dumps(record[name])]) for name in TABLES}
     words = {"outcome": record["outcome"], "left_domain_by": "", "motion_axes": "", "record": json.dumps(record)}
-    said = {name: texts([value]) for name, value in words.items()}
+    said = {name: column_of([value]) for name, value in words.items()}
     nothing = {name: np.array([np.nan]) for name in (*VALIDITY, *TIPPING, "peak_over_slenderness")}
     counts = {name: np.array([0]) for name in WORK}
     return {**own, **nothing, **counts, **said, **lists, "on_pedestal": np.array([False])}
@@ -129,7 +123,7 @@ def varied_column(study: StudyFile, key: str, values: list[Value]) -> NDArray[An
     """What varies as a column: numbers of one kind as they are, anything else as JSON; alike in every block of the study."""
     given = next((item.values for item in study.vary if item.key == key), None)
     kinds = {type(value) for value in given} if given is not None else {float}
-    return np.array(values) if kinds in ({float}, {int}) else texts([json.dumps(value) for value in values])
+    return np.array(values) if kinds in ({float}, {int}) else column_of([json.dumps(value) for value in values])
 
 
 def rows_of(table: Columns, block: Plain) -> Iterator[tuple[int, dict[str, Value], Plain]]:

@@ -11,14 +11,13 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.input.tables import ContactTable
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.files import writing
 from harness.model.finding import Answer, Finding, caution, info
-from harness.model.history import Array, History, Outcome
+from harness.model.history import History, Outcome
 from harness.model.scene import Scene
 from harness.questions.study import claims
 from harness.questions.study.case_blocks import KeyedRow, coarser, every_row, study_rows, table
@@ -289,22 +288,16 @@ def panels(rows: Sequence[KeyedRow], store: Store) -> list[Panel]:
 
 
 def _curve(history: History) -> Curve:
-    keep = decimated(history.theta_rad, history.slip_m, points=CURVE_POINTS)
-    theta, slip = ([float(f"{value:.5g}") for value in each[keep]] for each in (history.theta_rad, history.slip_m))
-    return Curve([round(float(value), 4) for value in history.t_s[keep]], theta, slip)
-
-
-def decimated(*curves: Array, points: int) -> NDArray[np.int64]:
-    """Indices that keep the first, the last and the least and largest of every curve in each of `points`/2 stretches."""
-    size = curves[0].size
-    if size <= points:
-        return np.arange(size)
-    edges = np.linspace(0, size, points // 2 + 1).astype(int)
-    chosen = {0, size - 1}
-    for low, high in pairwise(edges):
-        for curve in curves:
-            chosen |= {low + int(np.argmin(curve[low:high])), low + int(np.argmax(curve[low:high]))}
-    return np.array(sorted(chosen))
+    """The first and the last sample, and of each of `CURVE_POINTS`/2 stretches the least and largest rotation and slip."""
+    size = history.t_s.size
+    curves = history.theta_rad, history.slip_m
+    keep = {0, size - 1} if size > CURVE_POINTS else {*range(size)}
+    for low, high in pairwise(np.linspace(0, size, CURVE_POINTS // 2 + 1).astype(int)):
+        for part in (curve[low:high] for curve in curves if size > CURVE_POINTS):
+            keep |= {low + int(part.argmin()), low + int(part.argmax())}
+    shown = sorted(keep)
+    theta, slip = ([float(f"{value:.5g}") for value in curve[shown]] for curve in curves)
+    return Curve([round(float(value), 4) for value in history.t_s[shown]], theta, slip)
 
 
 def _weighed(rows: Sequence[KeyedRow], store: Store, scene: Scene) -> list[KeyedRow]:
