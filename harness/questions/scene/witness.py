@@ -114,8 +114,16 @@ def plain_names(names: Sequence[str]) -> list[str]:
 def witnesses(scene: Scene, runs: Mapping[str, Run], options: RunOptions) -> dict[str, Witness]:
     """What the plain engines of these runs say of all of them; nothing where no engine of contact was asked."""
     answers = {name: run for name, run in runs.items() if not run.outcome.failed and run.history is not None}
-    asked = [name for name in plain_names(list(answers)) if name not in runs]
-    return {name: _witness(scene, answers, name, options) for name in asked}
+    said: dict[str, Witness] = {}
+    for name in plain_names(list(answers)):
+        if name in runs:
+            continue
+        try:
+            said[name] = _witness(scene, answers, name, options)
+        except EngineFailure as failure:
+            reason = info("witness_failed", witness=name.removesuffix(PLAIN), message=str(failure))
+            said[name] = Witness(name, 0.0, None, None, [reason])
+    return said
 
 
 def findings_of(witnesses: Mapping[str, Witness]) -> list[Finding]:
@@ -139,26 +147,19 @@ def findings_of(witnesses: Mapping[str, Witness]) -> list[Finding]:
 
 
 def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptions) -> Witness:
+    """What one plain engine says. Raises `EngineFailure` where it cannot run the scene."""
     engine, own = engines.load(name), runs[name.removesuffix(PLAIN)]
-
-    def silent(reason: Finding) -> Witness:
-        return Witness(name, 0.0, None, None, [reason])
-
-    missing = engine.missing()
+    missing, wanted_s = engine.missing(), own.bounded_until_s
     if missing is not None:
-        return silent(info("witness_failed", witness=own.engine, message=missing))
-    wanted_s = own.bounded_until_s
+        raise EngineFailure(missing)
     if wanted_s <= LEAST_S:
-        return silent(info("witness_of_nothing", engine=own.engine))
+        return Witness(name, 0.0, None, None, [info("witness_of_nothing", engine=own.engine)])
     affordable = BUDGET * own.work.get("steps_of_all_runs", own.steps) / engine.step_cost(scene)
     settings, finer, until_s = _affordable(engine, scene, wanted_s, affordable)
     short = replace(scene, duration_s=until_s)
     with_history = RunOptions(skips=options.skips, history=True)
-    try:
-        coarse = engine.simulate(short, settings, with_history)
-        fine = engine.simulate(short, finer, with_history)
-    except EngineFailure as failure:
-        return silent(info("witness_failed", witness=own.engine, message=str(failure)))
+    coarse = engine.simulate(short, settings, with_history)
+    fine = engine.simulate(short, finer, with_history)
     apart = spread(coarse, fine, target_of(scene, TARGET_RAD))
     height_m = 0.0 if scene.pedestal is None else scene.statue.centroid_height_m
     error = apart.stated.or_more(Error(finer.expected_error_rad, finer.expected_error_rad * height_m))
@@ -167,10 +168,7 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
     judged = {each: _judged(as_it_acts, run, fine, coarse) for each, run in held.items()}
     steps = coarse.steps + fine.steps
     if parted_s := [each.parts_s for each in judged.values() if each.parts_s is not None]:
-        try:
-            third = _third(engine, scene, max(parted_s), CHECK_TIMES * affordable, with_history)
-        except EngineFailure as failure:
-            return silent(info("witness_failed", witness=own.engine, message=str(failure)))
+        third = _third(engine, scene, max(parted_s), CHECK_TIMES * affordable, with_history)
         if third is not None:
             steps += third.steps
             third = third.with_uncertainty(error.rotation_rad, error.slip_m, third.end_s)
