@@ -149,17 +149,14 @@ FORMULA: Final = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "�
 """Beginnings of a text that spreadsheets take for a formula, their wide forms of East Asian keyboards among them."""
 
 
-def export_csv(store: Store, study: str, path: Path, sums: Collection[str] = ()) -> int:
-    """Write a study's rows as CSV (one line per case and engine), read twice and never held; returns how many."""
+def export_csv(store: Store, study: str, path: Path, sums: Collection[str] = ()) -> None:
+    """Write a study's rows as CSV (one line per case and engine), read twice and never held."""
     names = list(dict.fromkeys(name for row in every_row(store, study) for name in flat(row)))
-    written = 0
     with writing(path, sums) as fresh, fresh.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
         writer.writerow(map(cell, names))
         for line in map(flat, every_row(store, study)):
             writer.writerow([cell(line.get(name)) for name in names])
-            written += 1
-    return written
 
 
 def cell(value: Any) -> Any:
@@ -170,30 +167,27 @@ def cell(value: Any) -> Any:
     return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA) else value
 
 
-def export_parquet(store: Store, study: str, path: Path, sums: Collection[str] = ()) -> int:
-    """Write a study's rows as Parquet, read twice and never held; needs the extra [parquet]. Returns how many."""
+def export_parquet(store: Store, study: str, path: Path, sums: Collection[str] = ()) -> None:
+    """Write a study's rows as Parquet, read twice and never held; needs the extra [parquet]."""
     try:
         import pyarrow
         from pyarrow import parquet
     except ImportError as error:
         raise InputError(Mistake("--export", "", "a CSV file, or the extra [parquet]", "no pyarrow here")) from error
 
-    def tables() -> Iterator[pyarrow.Table]:
+    def groups() -> Iterator[list[dict[str, Value | None]]]:
         lines = map(flat, every_row(store, study))
         while some := list(islice(lines, GROUP)):
-            names = dict.fromkeys(name for line in some for name in line)
-            yield pyarrow.table({name: [line.get(name) for line in some] for name in names})
+            yield some
 
-    schema = pyarrow.unify_schemas([each.schema for each in tables()], promote_options="permissive")
-    written = 0
+    schemas = []
+    for some in groups():
+        names = dict.fromkeys(name for line in some for name in line)
+        schemas.append(pyarrow.table({name: [line.get(name) for line in some] for name in names}).schema)
+    schema = pyarrow.unify_schemas(schemas, promote_options="permissive")
     with writing(path, sums) as fresh, parquet.ParquetWriter(fresh, schema) as writer:
-        for each in tables():
-            absent = {name: pyarrow.nulls(each.num_rows) for name in schema.names if name not in each.column_names}
-            for name, values in absent.items():
-                each = each.append_column(name, values)
-            writer.write_table(each.select(schema.names).cast(schema))
-            written += each.num_rows
-    return written
+        for some in groups():
+            writer.write_table(pyarrow.Table.from_pylist(some, schema=schema))
 
 
 def flat(row: PlannedRow) -> dict[str, Value | None]:

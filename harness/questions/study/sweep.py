@@ -42,7 +42,10 @@ def sweep(
     """
     check_target(accuracy_rad, None)
     engines.load(engine)
-    axes = {key: _values(key, given) for key, given in _mapping(values).items()}
+    if not isinstance(values, Mapping) or not values:
+        wanted = 'values by dotted key, such as {"motion.x.amplitude_g": [0.2, 0.3]}'
+        raise InputError(Mistake("sweep", "values", wanted, repr(values)))
+    axes = {key: _values(key, given) for key, given in values.items()}
     if not isinstance(scene, Scene):
         raise InputError(Mistake("sweep", "scene", "a scene: harness.load_scene(path)", type(scene).__name__))
     if not scene.given:
@@ -55,13 +58,6 @@ def sweep(
         return _swept(scene, settings, asked)
     requests = [RunRequest(scene.replace(each), engine, asked, history=history, varied=each) for each in settings]
     return execute(requests, store, title=scene.title, jobs=jobs)
-
-
-def _mapping(values: object) -> Mapping[str, Iterable[object]]:
-    if not isinstance(values, Mapping) or not values:
-        wanted = 'values by dotted key, such as {"motion.x.amplitude_g": [0.2, 0.3]}'
-        raise InputError(Mistake("sweep", "values", wanted, repr(values)))
-    return values
 
 
 def _values(key: str, given: object) -> list[object]:
