@@ -75,10 +75,7 @@ class Gyroscope:
     def act(self) -> None:
         """Add the torque foreseen to the step that follows: Bullet forgets it with that."""
         if self.torque is not None:
-            heading = self.world.heading
-            torque = self.torque if heading is None else heading.vector(self.torque)
-            # In the world's axes: Bullet would turn one given in the body's by the rotation at the step's beginning.
-            pybullet.applyExternalTorque(self.world.statue, -1, torque, pybullet.WORLD_FRAME, self.world.client)
+            self.world.twist(self.torque)
 
 
 GRIP: Final = 0.5

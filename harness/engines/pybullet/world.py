@@ -338,10 +338,16 @@ class World:
         pybullet.changeDynamics(self.statue, link, frictionAnchor=int(held), physicsClientId=self.client)
 
     def place(self, body: int, state: Row) -> None:
-        """Put a body into a state, its part of a row: the one place from which Bullet's bodies are written to."""
+        """Put a body into a state, its part of a row."""
         state = state if self.heading is None else self.heading.row(state)
         pybullet.resetBasePositionAndOrientation(body, state[0:3], state[3:7], physicsClientId=self.client)
         pybullet.resetBaseVelocity(body, state[7:10], state[10:13], physicsClientId=self.client)
+
+    def twist(self, torque_n_m: Vector) -> None:
+        """Add a torque on the statue to the step that follows: Bullet forgets it with that."""
+        torque = torque_n_m if self.heading is None else self.heading.vector(torque_n_m)
+        # In the world's axes: Bullet would turn one given in the body's by the rotation at the step's beginning.
+        pybullet.applyExternalTorque(self.statue, -1, torque, pybullet.WORLD_FRAME, self.client)
 
     def turn(self, by_rad: float) -> None:
         """Turn the scene's axes in Bullet's world by so much more; the bodies that move are then to be placed again."""
