@@ -120,35 +120,34 @@ def _settings(dt_s: float, error_rad: float) -> BulletSettings:
 
 def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, options: RunOptions) -> tuple[StepLog, str | None]:
     """All samples, and what the full shape was, None where the vertices that touch were enough."""
+    from harness.engines.pybullet.backend import BulletBackend
     from harness.engines.pybullet.feet import EdgeWatch
     from harness.engines.pybullet.full import full_shape
+    from harness.engines.pybullet.world import World
 
-    wall = WallWatch.of(scene, setup.axes, settings.dt_s)
-    watch = Watch(setup.axis, stop=options.stop, ends_fallen=options.allows("stop_at_overturn"), wall=wall)
+    schedule = Schedule(scene, settings.dt_s, 0, step_count(scene.duration_s, settings.dt_s))
+
+    def stepped(full: FullShape | None, leave: EdgeWatch | None) -> StepLog:
+        wall = WallWatch.of(scene, setup.axes, settings.dt_s)
+        fallen = options.allows("stop_at_overturn")
+        watch = Watch(setup.axis, leave=leave, stop=options.stop, ends_fallen=fallen, wall=wall)
+        with World(settings, setup) as world:
+            world.build(scene, None if full is None else full.turned(scene.statue, setup.axes))
+            if scene.contact.restitution is not None:
+                _bounce(world, scene.contact.restitution)
+            return plain_steps(BulletBackend(world, settings.dt_s), schedule, watch)
+
     p = scene.pedestal
     if p is None:
-        return _stepped(scene, settings, setup, None, watch), None
+        return stepped(None, None), None
     if options.allows("base_only"):
         edge = EdgeWatch(setup.hull_m, p.half_m, LOOK_STEPS * settings.dt_s, greatest_pull_m_s2(scene))
-        record = _stepped(scene, settings, setup, None, replace(watch, leave=edge))
+        record = stepped(None, edge)
         if not edge(record.last):
             return record, None
     # The statue comes to the pedestal's edge: a body is not exchanged on the way, the run begins again with all of it.
     full = full_shape(scene, settings.full_shape)
-    return _stepped(scene, settings, setup, full, watch), full.note
-
-
-def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullShape | None, watch: Watch) -> StepLog:
-    """One world from the scene's start to its end, to overturning, or to where the pedestal's edge can be met."""
-    from harness.engines.pybullet.backend import BulletBackend
-    from harness.engines.pybullet.world import World
-
-    schedule = Schedule(scene, settings.dt_s, 0, step_count(scene.duration_s, settings.dt_s))
-    with World(settings, setup) as world:
-        world.build(scene, None if full is None else full.turned(scene.statue, setup.axes))
-        if scene.contact.restitution is not None:
-            _bounce(world, scene.contact.restitution)
-        return plain_steps(BulletBackend(world, settings.dt_s), schedule, watch)
+    return stepped(full, None), full.note
 
 
 def _bounce(world: World, restitution: float) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -51,31 +51,29 @@ class Trajectory:
 
     def until(self, count: int) -> Trajectory:
         """The first `count` samples."""
-        # A gravity belongs to the step between two samples: there is one fewer.
-        per_step = self.gravity_xz_m_s2[: max(count - 1, 0)]
-        cut = {
-            name: None if value is None else value[:count]
-            for name, value in vars(self).items()
-            if name not in ("gravity_xz_m_s2", "extra")
-        }
-        extra = {name: value[:count] for name, value in self.extra.items()}
-        return Trajectory(**cut, gravity_xz_m_s2=per_step, extra=extra)  # type: ignore[arg-type]
+        return self._changed(lambda column: column[:count], count)
 
     def up_to(self, count: int, t_s: float) -> Trajectory:
         """The first `count` samples (two at least), and one at `t_s`, as the last two of them go on."""
-        before = self.until(count)
-        share = (t_s - before.t_s[-1]) / (before.t_s[-1] - before.t_s[-2])
+        last, before = count - 1, count - 2
+        share = (t_s - self.t_s[last]) / (self.t_s[last] - self.t_s[before])
 
         def longer(column: Array) -> Array:
-            return np.concatenate([column, column[-1:] + share * (column[-1:] - column[-2:-1])])
+            return np.concatenate(
+                [column[:count], column[last:count] + share * (column[last:count] - column[before:last])]
+            )
 
+        return self._changed(longer, count + 1)
+
+    def _changed(self, change: Callable[[Array], Array], count: int) -> Trajectory:
+        """Every column changed alike, to `count` samples."""
         columns = {
-            name: value if value is None else longer(value)
-            for name, value in vars(before).items()
-            if name not in ("gravity_xz_m_s2", "extra")
+            name: value if value is None else change(value) for name, value in vars(self).items() if name != "extra"
         }
-        extra = {name: longer(value) for name, value in before.extra.items()}
-        return Trajectory(**columns, gravity_xz_m_s2=self.gravity_xz_m_s2[:count], extra=extra)  # type: ignore[arg-type]
+        # A gravity belongs to the step between two samples: there is one fewer.
+        columns["gravity_xz_m_s2"] = self.gravity_xz_m_s2[: max(count - 1, 0)]
+        extra = {name: change(value) for name, value in self.extra.items()}
+        return Trajectory(**columns, extra=extra)  # type: ignore[arg-type]
 
 
 JUMP_IN_G: Final = 10.0
@@ -87,7 +85,10 @@ PLANAR: Final = ("pedestal_tilt_rad",)
 def trajectory(scene: Scene, record: StepLog, axes: Array | None, step_s: float) -> Trajectory:
     """The trajectory in the table's frame; `axes` (3, 3) holds the statue's principal axes as columns (None: a planar engine)."""
     t_s, rows = _whole_steps(record, step_s, scene)
-    place, table_rate = _table(scene, t_s)
+    # Of a moving frame the table's own motion is none.
+    place = table_rate = np.zeros((t_s.size, 3))
+    if scene.table == "moving":
+        place, table_rate = frame.table_displacement(scene, t_s), frame.table_velocity(scene, t_s)
     turn = matrices(rows[:, 3:7]) @ (np.eye(3) if axes is None else axes.T)
     spin = rows[:, 10:13]
     centroid, velocity = rows[:, 0:3] - place, rows[:, 7:10] - table_rate
@@ -98,7 +99,12 @@ def trajectory(scene: Scene, record: StepLog, axes: Array | None, step_s: float)
     if scene.pedestal is not None:
         below, moving = rows[:, 13:16] - place, rows[:, 20:23] - table_rate
         pedestal, pedestal_rate, pedestal_spin = below[:, [0, 2]], moving[:, [0, 2]], rows[:, 24]
-        columns = _pedestal_columns(matrices(rows[:, 16:20]), below)
+        top = matrices(rows[:, 16:20])
+        columns = {
+            "pedestal_tilt_rad": np.arctan2(top[:, 0, 2], top[:, 2, 2]),
+            "pedestal_yaw_rad": np.arctan2(top[:, 1, 0], top[:, 0, 0]),
+            "pedestal_y_m": below[:, 1] - below[0, 1],
+        }
         tilt, (half_width, _, half_height) = columns["pedestal_tilt_rad"], scene.pedestal.half_m
         # What slips is the edge on which it stands.
         slip = below[:, 0] - below[0, 0] - centroid_shift_m(scene.pedestal, tilt)
@@ -157,19 +163,3 @@ def _synchronous(values: Array, t_s: Array, kick_s: Array, jump: float) -> Array
     last = slope[-1:] if len(slope) else np.zeros_like(values)
     result += np.vstack([slope, last]) * (t_s - kick_s)[:, None]
     return result
-
-
-def _table(scene: Scene, t_s: Array) -> tuple[Array, Array]:
-    """Displacement and velocity (n, 3) of a moving table, zero for a moving frame."""
-    if scene.table != "moving":
-        nothing = np.zeros((t_s.size, 3))
-        return nothing, nothing
-    return frame.table_displacement(scene, t_s), frame.table_velocity(scene, t_s)
-
-
-def _pedestal_columns(turn: Array, place: Array) -> dict[str, Array]:
-    return {
-        "pedestal_tilt_rad": np.arctan2(turn[:, 0, 2], turn[:, 2, 2]),
-        "pedestal_yaw_rad": np.arctan2(turn[:, 1, 0], turn[:, 0, 0]),
-        "pedestal_y_m": place[:, 1] - place[0, 1],
-    }

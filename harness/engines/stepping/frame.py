@@ -75,40 +75,31 @@ def apparent_gravity(scene: Scene, edges_s: Array) -> Array:
     Each row is the exact mean over its step [edges_s[i], edges_s[i+1]] (from the motion's velocity), so that a step's impulse
     is exact also where the acceleration jumps inside it.
     """
-    base_excitation = scene.base_excitation
-    means = [_mean_accel(item, edges_s) for item in (base_excitation.x, base_excitation.y, base_excitation.z)]
-    gravity = -np.column_stack(means)
-    gravity[:, 2] -= scene.gravity_m_s2
+    gravity = np.zeros((edges_s.size - 1, 3))
+    gravity[:, 2] = -scene.gravity_m_s2
+    for axis, part in enumerate(_parts(scene)):
+        if not isinstance(part, ZeroExcitation):
+            gravity[:, axis] -= np.diff(np.asarray(part.velocity_m_s(edges_s), dtype=np.float64)) / np.diff(edges_s)
     return gravity
+
+
+def _parts(scene: Scene) -> tuple[Excitation, Excitation, Excitation]:
+    motion = scene.base_excitation
+    return motion.x, motion.y, motion.z
 
 
 def greatest_pull_m_s2(scene: Scene) -> float:
     """A bound on what weight and table together can do, m/s²."""
-    base_excitation = scene.base_excitation
-    return scene.gravity_m_s2 + base_excitation.x.peak_m_s2 + base_excitation.y.peak_m_s2 + base_excitation.z.peak_m_s2
-
-
-def _mean_accel(item: Excitation, edges_s: Array) -> Array:
-    if isinstance(item, ZeroExcitation):
-        return np.zeros(edges_s.size - 1)
-    velocity = np.asarray(item.velocity_m_s(edges_s), dtype=np.float64)
-    mean: Array = np.diff(velocity) / np.diff(edges_s)
-    return mean
+    return sum((part.peak_m_s2 for part in _parts(scene)), scene.gravity_m_s2)
 
 
 def table_displacement(scene: Scene, t_s: Array) -> Array:
     """Displacement of a moving table (x, y, z) at the given times, shape (n, 3), m; zero before t = 0."""
-    base_excitation = scene.base_excitation
     later = np.maximum(t_s, 0.0)
-    return np.column_stack(
-        [np.asarray(item.displacement_m(later)) for item in (base_excitation.x, base_excitation.y, base_excitation.z)]
-    )
+    return np.column_stack([np.asarray(part.displacement_m(later)) for part in _parts(scene)])
 
 
 def table_velocity(scene: Scene, t_s: Array) -> Array:
     """Velocity of a moving table (x, y, z) at the given times, shape (n, 3), m/s; zero before t = 0."""
-    base_excitation = scene.base_excitation
     later = np.maximum(t_s, 0.0)
-    return np.column_stack(
-        [np.asarray(item.velocity_m_s(later)) for item in (base_excitation.x, base_excitation.y, base_excitation.z)]
-    )
+    return np.column_stack([np.asarray(part.velocity_m_s(later)) for part in _parts(scene)])

@@ -15,7 +15,7 @@ from harness.engines.stepping import forces, support
 from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.coulomb import check_friction, friction_is_known
 from harness.engines.stepping.frame import OVERTURN_COS
-from harness.engines.stepping.support import Corners, PlainSpells, plain_spells
+from harness.engines.stepping.support import Corners, plain_spells
 from harness.model.finding import Finding, caution
 from harness.model.history import History, Outcome, hermites, output_grid
 from harness.model.run import Intervention, Pattern, PatternName, Run
@@ -190,12 +190,10 @@ def _cannot_return(scene: Scene, motion: Trajectory, body: _Body, up: Array, *, 
     if not still or tilt[-1] <= tilt[0]:
         return False
     out = np.append(-pose[:2] / math.hypot(pose[0], pose[1]), 0.0)
-    ahead = (math.cos(turn) * np.array([0.0, 0.0, 1.0]) - math.sin(turn) * out for turn in _between(float(tilt[-1])))
-    return all(body.lowest_m(each) <= hill for each in ahead)
-
-
-def _between(tilt_rad: float) -> Array:
-    return np.linspace(tilt_rad, OVERTURN_RAD, 2 + int((OVERTURN_RAD - tilt_rad) / HILL_RAD))
+    count = 2 + int((OVERTURN_RAD - tilt[-1]) / HILL_RAD)
+    ahead = np.linspace(tilt[-1], OVERTURN_RAD, count)[:, None]
+    poses = np.cos(ahead) * [0.0, 0.0, 1.0] - np.sin(ahead) * out
+    return all(body.lowest_m(each) <= hill for each in poses)
 
 
 def _over_support_m(scene: Scene, motion: Trajectory) -> float:
@@ -349,17 +347,7 @@ def patterns(
             patterns[-1] = Pattern(patterns[-1].start_s, end, patterns[-1].name)
         elif end > begin:
             patterns.append(Pattern(begin, end, name))
-    return _merged(patterns)
-
-
-def _merged(patterns: Sequence[Pattern]) -> tuple[Pattern, ...]:
-    result: list[Pattern] = []
-    for item in patterns:
-        if result and result[-1].name == item.name:
-            result[-1] = Pattern(result[-1].start_s, item.end_s, item.name)
-        else:
-            result.append(item)
-    return tuple(result)
+    return tuple(patterns)
 
 
 # How a run ends whose statue still moves over still ground: by the rule of the analytic model, from the state
@@ -466,13 +454,14 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
     wall_s = wall_s if touch is None else touch[1]
     inside = motion.t_s <= end_s
     peak = int(np.abs(np.where(inside, theta, 0.0)).argmax())
-    derived = _derive(scene, motion)
+    at, impulses = support.corners(scene, motion), forces.impulses(scene, motion)
+    slip_m, gap_m = support.statue_slip_m(scene, at), support.gap_m(scene, at)
+    plain = plain_spells(motion, slip_m, gap_m, at, scene.pedestal)
     if friction_is_known(scene, motion):
         account = report.interventions if report.repeats else None
-        plain_from_s = derived.plain["plain_from_s"]
-        check_friction(scene, motion, derived.impulses, plain_from_s, report.stuck_below_m_s, account)
+        check_friction(scene, motion, impulses, plain["plain_from_s"], report.stuck_below_m_s, account)
     fallen = fall(scene, motion, overturn_s)
-    outcome, ahead_rad = _outcome(scene, motion, fallen, wall_s, derived, report.stuck_below_m_s)
+    outcome, ahead_rad = _outcome(scene, motion, fallen, wall_s, slip_m, at, report.stuck_below_m_s)
     count, reached_s = touch or (0, 0.0)
     if outcome is Outcome.TOUCHES_WALL and count > 1 and reached_s > motion.t_s[count - 1]:
         # The run ends there, as the model's does: the sample after it is of the wall's impact.
@@ -485,16 +474,36 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
         peak_rad, peak_s = OVERTURN_RAD, overturn_s
     elif ahead_rad > peak_rad:
         peak_rad, peak_s = ahead_rad, end_s
-    validity = _validity(scene, motion, derived) | _energies(scene, motion, derived.energy_j, cycles.impact_times_s)
-    validity |= dict(derived.plain)
-    validity |= {"impact_ratios": _ratios(cycles.rates_before_rad_s, cycles.rates_after_rad_s)}
+    # A point beside the pedestal's top is not in it.
+    over = gap_m if scene.pedestal is None else support.gap_m(scene, at, 0.5 * scene.pedestal.width_m)
+    energy_j = forces.energy_j(scene, motion)
+    lost_j = forces.energy_lost_j(scene, motion, energy_j)
+    rates = zip(cycles.rates_before_rad_s, cycles.rates_after_rad_s, strict=True)
+    validity: dict[str, object] = {
+        **forces.force_limits(scene, motion, impulses),
+        "statue_slip_m": float(np.abs(slip_m).max()),
+        "statue_flight_m": float(max(gap_m.max(), 0.0)),
+        "penetration_m": float(max(-over.min(), 0.0)),
+        "energy_gained_j": forces.energy_gained_j(lost_j),
+        "impact_ratios": [after / before if before != 0.0 else 0.0 for before, after in rates],
+        **plain,
+    }
+    if cycles.impact_times_s:
+        validity["lost_in_impacts_j"] = forces.lost_in_impacts_j(motion.t_s, lost_j, cycles.impact_times_s)
+    if "pedestal_tilt_rad" in motion.extra:
+        validity["pedestal_tilt_rad"] = float(np.abs(motion.extra["pedestal_tilt_rad"]).max())
+    if "out_of_plane_rad" in motion.extra:
+        validity |= _in_space(scene.statue, motion, slip_m)
+    # What an engine whose coefficient follows its own sliding does as an impact breaks the pedestal loose.
+    two = scene.pedestal is not None and scene.contact.floor_kinetic < scene.contact.floor_static
+    static = {"floor_impact": "static"} if two and not report.repeats else {}
     if wall_s is not None:
         validity["wall_touch_time_s"] = wall_s
     return Run(
         engine=report.engine,
         outcome=outcome,
-        history=_history(scene, motion, derived, end_s) if report.with_history else None,
-        settings=report.settings if report.repeats else {**report.settings, **_as_static(scene)},
+        history=_history(scene, motion, slip_m, energy_j, impulses, end_s) if report.with_history else None,
+        settings={**report.settings, **static},
         steps=report.steps,
         wall_s=report.wall_s,
         peak_theta_rad=peak_rad,
@@ -528,44 +537,6 @@ def own_contact(scene: Scene) -> list[Finding]:
     ):
         keys.append("model.pedestal_at_impact")
     return [caution("own_contact", keys=keys)] if keys else []
-
-
-@dataclass(frozen=True, eq=False)
-class _Derived:
-    """What validity and history both read off a trajectory, shape (n,): impulses, slip and gap of the corners, energy; and how
-    deep the statue was in its support at most.
-    """
-
-    impulses: forces.Impulses
-    slip_m: Array
-    gap_m: Array
-    penetration_m: float
-    energy_j: Array
-    plain: PlainSpells
-    corners: support.Corners
-
-
-def _derive(scene: Scene, motion: Trajectory) -> _Derived:
-    at = support.corners(scene, motion)
-    slip, gap = support.statue_slip_m(scene, at), support.gap_m(scene, at)
-    # A point beside the pedestal's top is not in it.
-    over = gap if scene.pedestal is None else support.gap_m(scene, at, 0.5 * scene.pedestal.width_m)
-    plain = plain_spells(motion, slip, gap, at, scene.pedestal)
-    return _Derived(
-        forces.impulses(scene, motion),
-        slip,
-        gap,
-        float(max(-over.min(), 0.0)),
-        forces.energy_j(scene, motion),
-        plain,
-        at,
-    )
-
-
-def _as_static(scene: Scene) -> dict[str, object]:
-    """What an engine whose coefficient follows its own sliding does as an impact breaks the pedestal loose."""
-    two = scene.pedestal is not None and scene.contact.floor_kinetic < scene.contact.floor_static
-    return {"floor_impact": "static"} if two else {}
 
 
 def _diverged(report: Report, time_s: float) -> Run:
@@ -605,7 +576,13 @@ def _ending(scene: Scene, trajectory: Trajectory, rested: bool) -> tuple[float, 
 
 
 def _outcome(
-    scene: Scene, motion: Trajectory, fallen: Fall | None, wall_s: float | None, derived: _Derived, still_m_s: float
+    scene: Scene,
+    motion: Trajectory,
+    fallen: Fall | None,
+    wall_s: float | None,
+    slip_m: Array,
+    at: Corners,
+    still_m_s: float,
 ) -> tuple[Outcome, float]:
     """What came first: the wall before a fall across the plane, the slide off the support before the balance point; else what
     the energy that is left gives. With the largest rotation, rad, of what it has yet to give.
@@ -616,37 +593,16 @@ def _outcome(
     if fallen is not None and fallen.whole:
         return fallen.outcome, 0.0
     until = int(np.searchsorted(motion.t_s[:-1], passed_s))
-    if _left_support(scene, motion, float(derived.slip_m[until])):
-        return Outcome.LEFT_PEDESTAL, 0.0
+    if scene.pedestal is not None:
+        middle_m = float(slip_m[until]) - scene.pedestal.offset_m
+        if abs(middle_m) > 0.5 * scene.pedestal.width_m:
+            return Outcome.LEFT_PEDESTAL, 0.0
     own = Outcome.STANDS if fallen is None else fallen.outcome
-    ahead = None if fallen is not None and fallen.lies else by_energy(scene, motion, derived.corners, still_m_s)
+    ahead = None if fallen is not None and fallen.lies else by_energy(scene, motion, at, still_m_s)
     # The model knows no flank: one over which a statue that tips on may not come is asked of its own silhouette.
     if ahead is None or (own is Outcome.UNDECIDED and ahead[0] is side_of(motion)):
         return own, 0.0
     return ahead
-
-
-def _left_support(scene: Scene, motion: Trajectory, statue_slip_m: float) -> bool:
-    """Whether the middle of the statue's base is beside the pedestal's top."""
-    if scene.pedestal is None or motion.pedestal_xz_m is None:
-        return False
-    middle = -scene.pedestal.offset_m + statue_slip_m
-    return abs(middle) > 0.5 * scene.pedestal.width_m
-
-
-def _validity(scene: Scene, motion: Trajectory, derived: _Derived) -> dict[str, object]:
-    gap = derived.gap_m
-    validity: dict[str, object] = {
-        **forces.force_limits(scene, motion, derived.impulses),
-        "statue_slip_m": float(np.abs(derived.slip_m).max()),
-        "statue_flight_m": float(max(gap.max(), 0.0)),
-        "penetration_m": derived.penetration_m,
-    }
-    if "pedestal_tilt_rad" in motion.extra:
-        validity["pedestal_tilt_rad"] = float(np.abs(motion.extra["pedestal_tilt_rad"]).max())
-    if "out_of_plane_rad" in motion.extra:
-        validity |= _in_space(scene.statue, motion, derived.slip_m)
-    return validity
 
 
 def _in_space(statue: Statue, motion: Trajectory, slip_m: Array) -> dict[str, object]:
@@ -674,22 +630,12 @@ def _in_space(statue: Statue, motion: Trajectory, slip_m: Array) -> dict[str, ob
     }
 
 
-def _energies(scene: Scene, motion: Trajectory, energy_j: Array, impact_times_s: Sequence[float]) -> dict[str, float]:
-    lost = forces.energy_lost_j(scene, motion, energy_j)
-    energies = (
-        {"lost_in_impacts_j": forces.lost_in_impacts_j(motion.t_s, lost, impact_times_s)} if impact_times_s else {}
-    )
-    return energies | {"energy_gained_j": forces.energy_gained_j(lost)}
-
-
-def _ratios(before: Sequence[float], after: Sequence[float]) -> list[float]:
-    return [b / a if a != 0.0 else 0.0 for a, b in zip(before, after, strict=True)]
-
-
-def _history(scene: Scene, motion: Trajectory, derived: _Derived, end_s: float) -> History:
+def _history(
+    scene: Scene, motion: Trajectory, statue_slip_m: Array, energy_j: Array, impulses: forces.Impulses, end_s: float
+) -> History:
     grid = output_grid(end_s, scene.output_dt_s) if end_s > 0.0 else np.zeros(1)
-    t_s, impulses = motion.t_s, derived.impulses
-    columns = {"statue_slip_m": derived.slip_m, "energy_j": derived.energy_j, **motion.extra}
+    t_s = motion.t_s
+    columns = {"statue_slip_m": statue_slip_m, "energy_j": energy_j, **motion.extra}
     extra = {name: np.interp(grid, t_s, values) for name, values in columns.items()}
     loads = {"statue_force_x_n": impulses.statue_x, "statue_force_z_n": impulses.statue_z}
     if scene.pedestal is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from array import array
+from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -108,19 +109,22 @@ REMAINDER: Final = 1e-3
 """Share of ω R by which a vertex that counts as standing may move all the same: the solver's, in what the steps explain."""
 
 
+@dataclass(slots=True)
 class Account:
     """The sums of one kind of writes while a run goes on; `explained_m_s` is what its steps explain of `velocity_m_s`."""
 
-    __slots__ = (
-        "count", "explained_m_s", "given_j", "left_m_s", "moved_m", "owed_m_s", "rate_rad_s", "solver_m_s", "steps_again",
-        "taken_j", "turned_rad", "velocity_m_s",
-    )  # fmt: skip
-
-    def __init__(self) -> None:
-        self.count = self.steps_again = 0
-        self.moved_m = self.turned_rad = self.velocity_m_s = self.rate_rad_s = 0.0
-        self.given_j = self.taken_j = self.explained_m_s = 0.0
-        self.owed_m_s = self.left_m_s = self.solver_m_s = 0.0
+    count: int = 0
+    steps_again: int = 0
+    moved_m: float = 0.0
+    turned_rad: float = 0.0
+    velocity_m_s: float = 0.0
+    rate_rad_s: float = 0.0
+    given_j: float = 0.0
+    taken_j: float = 0.0
+    explained_m_s: float = 0.0
+    owed_m_s: float = 0.0
+    left_m_s: float = 0.0
+    solver_m_s: float = 0.0
 
     def write(self, moved_m: float, turned_rad: float, velocity_m_s: float, rate_rad_s: float, change_j: float) -> None:
         """Count one write: by how much it changes places, rotations, velocities and rates, and the energy."""
@@ -155,14 +159,11 @@ class Ledger:
     """The accounts of a run by kind."""
 
     def __init__(self) -> None:
-        self.kinds: dict[str, Account] = {}
+        self.kinds: defaultdict[str, Account] = defaultdict(Account)
 
     def of(self, kind: str) -> Account:
         """The account of a kind, empty at first."""
-        account = self.kinds.get(kind)
-        if account is None:
-            account = self.kinds[kind] = Account()
-        return account
+        return self.kinds[kind]
 
     def record(self) -> Mapping[str, Intervention]:
         """What was written by kind. Raises `LayerFault` where the steps do not explain it."""
