@@ -152,7 +152,7 @@ def _wound_alike(mesh: RawMesh) -> tuple[RawMesh, tuple[Finding, ...]]:
     for step in (repair.drop_duplicates, repair.wind_alike, repair.turn_outward):
         mesh, made = step(mesh)
         if made is not None:
-            done.append(info("mesh_repaired", message=str(made)))
+            done.append(info(made.code, **made.values))
     return mesh, tuple(done)
 
 

@@ -38,7 +38,7 @@ def read(text: str, where: str) -> RecordFile:
     unit = head.unit(_key("UNITS"), "UNITS of cm/s^2, m/s^2 or g")
     values = free_format(lines[first:], where=where, first_line=first + 1)
     if values.size != count:
-        advice = "the file is cut off: download it again"
+        advice = "the file is cut off: download it again" if values.size < count else ""
         raise mistake(where, "NDATA", f"{count} accelerations", str(values.size), advice)
     peak, _ = head.peak(_key(r"PGA_CM/S\^2"))
     peak_s, _ = head.peak(_key("TIME_PGA_S"))
