@@ -20,6 +20,7 @@ from reports.messages import language as known_language
 
 if TYPE_CHECKING:
     from harness.model.run import RunOptions
+    from harness.model.scene import Scene
     from harness.questions.scene.scene_run import Result
     from harness.records.scores import Scores
     from harness.records.validation import SetScores
@@ -79,16 +80,12 @@ def plan_of(
     scene_file: Path, asked: EngineOptions, target: Target, no_skip: Sequence[str] | None
 ) -> tuple[list[object], str]:
     """What a run would skip and why: as plain values with its sentences, and as lines."""
-    from harness.accuracy.simulation import check_target
-    from harness.engines import REGISTRY, default_engines, load
-    from harness.input.scene_file import load_scene
+    from harness.engines import REGISTRY, load
     from harness.model.run import to_plain
     from harness.statics.plan import plan
 
-    check_target(target.accuracy, target.dt)
-    scene = load_scene(scene_file, asked.overrides or ())
-    engines = [load(name) for name in asked.engine or default_engines(scene)]
-    steps = plan(scene, engines, options_without(no_skip), REGISTRY)
+    scene, names = asked_scene(scene_file, asked, target)
+    steps = plan(scene, [load(name) for name in names], options_without(no_skip), REGISTRY)
     told = [replace(step, reason=replace(step.reason, text=ENGLISH.say(step.reason))) for step in steps]
     lines = [f"{'skip' if step.applies else 'keep'} {step.skip} ({step.engine}): {step.reason.text}" for step in told]
     return to_plain(told), "\n".join(map(printable, lines))
@@ -258,31 +255,37 @@ def compute(
 
     Raises `InputError`, also where `out` cannot take the result.
     """
-    from harness.accuracy.simulation import check_target
-    from harness.engines import default_engines, load
-    from harness.input.scene_file import load_scene
+    from harness.engines import load
     from harness.questions.scene.scene_run import check_writing, run_scene
     from harness.questions.scene.workload import check as check_work
 
-    accuracy, dt = target.accuracy, target.dt
-    check_target(accuracy, dt)
     options = options_without(no_skip)
-    scene = load_scene(scene_file, asked.overrides or ())
-    names = asked.engine or default_engines(scene)
+    scene, names = asked_scene(scene_file, asked, target)
     if out is not None:
         check_writing(out, scene, names)
     dimensions = {name: load(name).capabilities.dimensions for name in names}
     with ProgressMessages(quiet) as messages:
         forecast = check_work(
-            scene, dimensions, str(scene_file), accuracy, dt,
+            scene, dimensions, str(scene_file), target.accuracy, target.dt,
             assess=assess, witness=witness, horizon=horizon, spent_s=time.process_time(),
         )  # fmt: skip
         if forecast:
             messages.say(forecast)
         return run_scene(
-            scene, names, accuracy_rad=accuracy, dt_s=dt, options=options, on_progress=messages.engine, iso=iso,
-            horizon=horizon, apart=True, assess=assess, witness=witness,
+            scene, names, accuracy_rad=target.accuracy, dt_s=target.dt, options=options, on_progress=messages.engine,
+            iso=iso, horizon=horizon, apart=True, assess=assess, witness=witness,
         )  # fmt: skip
+
+
+def asked_scene(scene_file: Path, asked: EngineOptions, target: Target) -> tuple[Scene, Sequence[str]]:
+    """The scene of a file, and the engines that are to run it. Raises `InputError`, for a wrong target too."""
+    from harness.accuracy.simulation import check_target
+    from harness.engines import default_engines
+    from harness.input.scene_file import load_scene
+
+    check_target(target.accuracy, target.dt)
+    scene = load_scene(scene_file, asked.overrides or ())
+    return scene, asked.engine or default_engines(scene)
 
 
 def options_without(no_skip: Sequence[str] | None) -> RunOptions:
