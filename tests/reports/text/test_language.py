@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
 from html import unescape
 from pathlib import Path
 from string import Formatter
@@ -105,6 +104,13 @@ def pieces(html: str) -> Iterator[str]:
     yield from (text.strip() for text in unescape(re.sub(r"<[^>]+>", "\n", body)).split("\n") if text.strip())
 
 
+def with_strings(strings: Mapping[str, str]) -> Language:
+    """English with other strings."""
+    changed = Language("en")
+    vars(changed)["strings"] = strings
+    return changed
+
+
 @pytest.mark.parametrize("code", LANGUAGES)
 def test_every_language_has_the_same_strings_with_the_same_braces(code: str) -> None:
     own = of_page(language(code))
@@ -122,9 +128,7 @@ def test_no_string_of_the_page_stands_outside_the_file(
 ) -> None:
     """With marks around every string of the file, nothing but numbers, units and the user's own words is left outside."""
     marked = {key: text if key in BARE or key.endswith(".by") else f"⟦{text}⟧" for key, text in ENGLISH.strings.items()}
-    shown = Language("en")
-    vars(shown)["strings"] = marked
-    monkeypatch.setattr("reports.pages.page.language", lambda _: shown)
+    monkeypatch.setattr("reports.pages.page.language", lambda _: with_strings(marked))
     for name, folder in folders.items():
         record = read_result(folder)
         own = {str(record.title), "rockcheck"}
@@ -159,7 +163,7 @@ def test_sentences_are_short_and_terms_explained(folders: dict[str, Path], code:
 
 def test_the_check_sees_a_long_sentence_and_a_string_outside() -> None:
     assert list(pieces('<body><p>one</p><svg aria-label="two"></svg></body>')) == ["two", "one"]
-    long = replace(ENGLISH, strings={**ENGLISH.strings, "run.put": "word " * (SENTENCE_WORDS_MOST + 1)})
+    long = with_strings({**ENGLISH.strings, "run.put": "word " * (SENTENCE_WORDS_MOST + 1)})
     assert len(long("run.put").split()) > SENTENCE_WORDS_MOST
 
 
