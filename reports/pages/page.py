@@ -14,6 +14,7 @@ from harness.model.files import write_text
 from harness.records.base import Record
 from harness.records.kinds import read_result
 from reports.blocks import SHOWN_POINTS, Block, Replay, Section, walk
+from reports.charts.drawn import told_apart
 from reports.charts.figure import dark_css
 from reports.messages import ENGLISH, Language, language
 from reports.pages.assets import chart_library, environment, source_text
@@ -91,8 +92,9 @@ def _render(
     tests = getattr(record, "tests", None) if record.kind == "validation" else None
     title = record.title if tests is None else say("text.title_validation", count=tests)
     live = {"chart_library": chart_library()} if scripts else {}
-    return environment().get_template("page.html.j2").render(
+    page = environment().get_template("page.html.j2").render(
         live, title=printable(title), kind=kind, blocks=blocks, links=links, say=say,
         css=source_text("page.css") + Markup(dark_css()), scripts=[*map(source_text, scripts)],
         version=record.versions.get("rockcheck", ""), most_points=SHOWN_POINTS,
     )  # fmt: skip
+    return told_apart(page)
