@@ -155,7 +155,7 @@ LAYER: Final[Mapping[str, Change]] = {
     "gravity + 1 ‰": {"harness.engines.stepping.frame:apparent_gravity": _gravity},
     "inertia + 1 ‰": {
         "harness.engines.pymunk.world:build": _heavier,
-        "harness.engines.pybullet.run_phases:prepare": _heavier,
+        "harness.engines.pybullet.pose:prepare": _heavier,
     },
     "turned the other way": {
         _E + "step_state:StepState.turn": lambda own: lambda self, seconds, foot_m: own(self, -seconds, foot_m)

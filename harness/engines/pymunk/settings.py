@@ -24,8 +24,3 @@ class MunkSettings(Settings):
     impact_iterations: int = 400
     pedestal_first: bool = True
     event_share: float = 1.0
-
-    def as_dict(self) -> dict[str, object]:
-        """The settings as plain values: all of them are."""
-        # No field is a record of its own: there is nothing for the recursion of `asdict` to find.
-        return dict(vars(self))

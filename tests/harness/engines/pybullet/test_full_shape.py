@@ -267,7 +267,7 @@ def test_the_same_run_with_parts_made_and_parts_kept(tmp_path: Path, monkeypatch
     for _ in range(2):
         decomposition.parts_of.cache_clear()
         runs.append(bullet(replace(case, statue=statue_of(toadstool.build())), 1e-3))
-    assert len(list(tmp_path.glob("rockcheck/meshes/parts-*.npz"))) == 1
+    assert len(list(tmp_path.glob("rockcheck/meshes/parts-*.txt"))) == 1
     assert apart(*runs) == 0.0
 
 
