@@ -153,6 +153,10 @@ def test_more_faces_than_asked_are_explained(
     (told,) = [each.values for each in prepared.log.found if each.code == "scan_faces_kept"]
     assert len(prepared.mesh.faces) > most
     assert (told["faces"], told["asked"], told["cause"]) == (len(prepared.mesh.faces), most, says)
+
+
+def test_as_many_faces_as_asked_need_no_word(statue: Solid) -> None:
+    mesh = RawMesh(np.array(statue.vertices_m), np.array(statue.faces), "statue")
     enough = prepare_mesh(mesh, Wanted(unit="m", up="z", max_faces=len(mesh.faces)))
     assert "scan_faces_kept" not in {each.code for each in enough.log.found}
 
