@@ -17,7 +17,7 @@ from harness.model.history import History
 from harness.model.scene import SOLID_COLUMNS, base_shift_m
 from harness.records.assess import ClearanceRecord
 from harness.records.scene import SceneRecord
-from meshes.footprint import convex_hull
+from meshes.footprint import lower_chain
 from reports.charts.histories import shown_samples
 from reports.drawing.display_mesh import read_mesh, silhouette_m
 from reports.drawing.kinematics import Array, pedestal_sides_m, posed_in_space_m, section, wall_m
@@ -48,14 +48,14 @@ def floor_plan(source: RunSource, names: Sequence[str]) -> Plan:
     Without a model nothing is known of the room.
     """
     body = _body(source)
-    rest = convex_hull(body[:, :2])
+    rest = _hull(body[:, :2])
     points, in_space = [rest], False
     for name in names:
         history = source.histories[name]
         solid = all(column in history.extra for column in SOLID_COLUMNS)
         in_space = in_space or solid
         points.append(_in_space(source, body, history) if solid else _in_plane(source, body, history))
-    moved = convex_hull(np.vstack(points))
+    moved = _hull(np.vstack(points))
     sides = SIDES if in_space else {side: SIDES[side] for side in ("left", "right")}
     room = {side: float((moved @ towards).max() - (rest @ towards).max()) for side, towards in sides.items() if names}
     return Plan(rest, moved, room)
@@ -71,14 +71,23 @@ def probable_plan(item: ClearanceRecord, share: float) -> Plan | None:
     angles = {side: float(np.degrees(np.arctan2(way[1], way[0])) % 360.0) for side, way in SIDES.items()}
     room = {side: round(beyond[angle], 4) for side, angle in angles.items() if angle in beyond}
     if len(beyond) <= len(room):
-        return Plan(rest, convex_hull(np.vstack([rest + room[side] * towards[side] for side in room])), room)
+        return Plan(rest, _hull(np.vstack([rest + room[side] * towards[side] for side in room])), room)
     from scipy.spatial import HalfspaceIntersection
 
     ways = np.radians(list(beyond))
     normals = np.column_stack([np.cos(ways), np.sin(ways)])
     reached = (rest @ normals.T).max(axis=0) + list(beyond.values())
     corners = HalfspaceIntersection(np.column_stack([normals, -reached]), rest.mean(axis=0)).intersections
-    return Plan(rest, convex_hull(np.asarray(corners)), room)
+    return Plan(rest, _hull(np.asarray(corners)), room)
+
+
+def _hull(points: Array) -> Array:
+    """The corners of the convex hull of points (n, 2), counter-clockwise: its lower chain, and that of the points turned over.
+
+    A page of a planar run loads no geometry of space for it.
+    """
+    corners = np.vstack([lower_chain(points), -lower_chain(-points)])
+    return corners[np.any(corners != np.roll(corners, 1, axis=0), axis=1)]
 
 
 def _body(source: RunSource) -> Array:
