@@ -288,8 +288,10 @@ def to_plain(value: Any) -> Any:
         return value
     if isinstance(value, Mapping):
         return {str(key): to_plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple, frozenset, set)):
+    if isinstance(value, (list, tuple)):
         return [to_plain(item) for item in value]
+    if isinstance(value, (frozenset, set)):
+        return sorted(to_plain(item) for item in value)
     if isinstance(value, Enum):
         return value.value
     if is_dataclass(value):

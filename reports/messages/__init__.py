@@ -70,24 +70,25 @@ class Language:
         """A name of the program (an outcome, a cause) in words; itself where it has none: an engine's name, a file's."""
         return self.strings.get(f"word.{name}", printable(name))
 
-    def _written(self, text: str) -> str:
+    def written(self, text: str) -> str:
+        """The text of a number as this language writes it."""
         return text.replace(".", self.strings["decimal"])
 
     def length(self, value_m: float) -> str:
         """A length, as `numbers.length`."""
-        return self._written(numbers.length(value_m))
+        return self.written(numbers.length(value_m))
 
     def digits(self, value: float, count: int = 3) -> str:
         """A number, as `numbers.digits`."""
-        return self._written(numbers.digits(value, count))
+        return self.written(numbers.digits(value, count))
 
     def short(self, value: float, count: int = 4) -> str:
         """A number, as `numbers.short`."""
-        return self._written(numbers.short(value, count))
+        return self.written(numbers.short(value, count))
 
     def percent(self, share: float, count: int = 2) -> str:
         """A share, as `numbers.percent`."""
-        return self._written(numbers.percent(share, count))
+        return self.written(numbers.percent(share, count))
 
     def label(self, key: str) -> str:
         """What a value of a record is called, and its unit."""
@@ -107,7 +108,7 @@ class Language:
         """Any value of a record in one table cell, its numbers with `count` digits."""
         if isinstance(value, bool | str):
             return self.word(str(value))
-        return self._written(numbers.plain(value, count)) if isinstance(value, float) else numbers.plain(value, count)
+        return self.written(numbers.plain(value, count)) if isinstance(value, float) else numbers.plain(value, count)
 
     def count(self, count: int) -> str:
         """A small count as a word."""
@@ -173,7 +174,7 @@ def _settings(say: Language, values: Mapping[str, float]) -> str:
 
 
 def _change(say: Language, share: float) -> str:
-    return say._written(f"{round(100.0 * share, 2) + 0.0:+g}\u00a0%")
+    return say.written(f"{round(100.0 * share, 2) + 0.0:+g}\u00a0%")
 
 
 FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {

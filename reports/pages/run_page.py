@@ -34,7 +34,7 @@ from reports.charts.histories import histories_figure
 from reports.drawing.floor_plan import scene_svg
 from reports.drawing.replay import default_model, replay_payload
 from reports.messages import Language
-from reports.messages.numbers import angle, given, length, short, unit
+from reports.messages.numbers import angle, given, short, unit
 from reports.pages.assets import three_js
 from reports.source import RunSource, source_of
 from reports.text.wording import fall_times, limit_rows, plan_lines, run_verdict, score_rows
@@ -81,26 +81,28 @@ def _scene(source: RunSource, say: Language) -> Group:
     posed = pose and (pose.position_m, pose.quaternion_wxyz, pose.velocity_m_s, pose.angular_velocity_rad_s)
     pairs = {
         "statue": say(
-            "text.statue", mass=given(statue.mass_kg, "kg"), height=length(statue.height_m), depth=length(statue.depth_m)
+            "text.statue", mass=say.written(given(statue.mass_kg, "kg")), height=say.length(statue.height_m),
+            depth=say.length(statue.depth_m),
         ),
-        "centroid": say("text.above_base", height=length(statue.centroid_height_m)),
-        "inertia": say("text.about_centroid", inertia=unit(statue.inertia_kg_m2, "kg m²", 4)),
+        "centroid": say("text.above_base", height=say.length(statue.centroid_height_m)),
+        "inertia": say("text.about_centroid", inertia=say.written(unit(statue.inertia_kg_m2, "kg m²", 4))),
         "balances_at": say(
-            "text.balances", left=angle(statue.slenderness_left_rad), right=angle(statue.slenderness_right_rad)
+            "text.balances", left=say.written(angle(statue.slenderness_left_rad)),
+            right=say.written(angle(statue.slenderness_right_rad)),
         ),
         "mesh": say("text.no_mesh") if statue.mesh is None else say("text.faces", count=statue.mesh.faces),
         "pedestal": say("text.no_pedestal") if stone is None else say(
-            "text.pedestal", mass=given(stone.mass_kg, "kg"), width=length(stone.width_m), depth=length(stone.depth_m),
-            height=length(stone.height_m),
+            "text.pedestal", mass=say.written(given(stone.mass_kg, "kg")), width=say.length(stone.width_m),
+            depth=say.length(stone.depth_m), height=say.length(stone.height_m),
         ),
-        "floor_friction": stone and f"μₛ {short(contact.floor_static)}, μₖ {short(contact.floor_kinetic)}",
-        "statue_friction": short(contact.statue),
+        "floor_friction": stone and f"μₛ {say.short(contact.floor_static)}, μₖ {say.short(contact.floor_kinetic)}",
+        "statue_friction": say.short(contact.statue),
         "impact": say("text.momentum") if contact.restitution is None else say(
-            "text.prescribed", ratio=short(contact.restitution)
+            "text.prescribed", ratio=say.short(contact.restitution)
         ),
-        "wall": wall and say("text.wall", side=say(f"side.{wall.side}"), distance=length(wall.distance_m)),
-        "start": (start.theta_rad or start.theta_rate_rad_s or None) and f"{unit(start.theta_rad, 'rad')}, "
-        f"{unit(start.theta_rate_rad_s, 'rad/s')}",
+        "wall": wall and say("text.wall", side=say(f"side.{wall.side}"), distance=say.length(wall.distance_m)),
+        "start": (start.theta_rad or start.theta_rate_rad_s or None) and f"{say.written(unit(start.theta_rad, 'rad'))}, "
+        f"{say.written(unit(start.theta_rate_rad_s, 'rad/s'))}",
         "start_pose": posed and "; ".join(
             f"({', '.join(map(short, values))}) {name}"
             for values, name in zip(posed, ("m", "(w, x, y, z)", "m/s", "rad/s"), strict=True)
