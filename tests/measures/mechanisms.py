@@ -64,6 +64,9 @@ LAYER: Final[Mapping[str, Change]] = {
     "micro-rocking": {_E + "loop:after_impact": _always(None)},
     "stick onset located": {_E + "loop:_stick_onset": _always(16)},
     "uniform acceleration to contact": {_E + "step_state:ContactTimeEstimate._gathers": _always(0.0)},
+    "velocities of the instant at contact": {
+        _E + "step_state:ContactTimeEstimate.speeds": lambda _: lambda self: (self(), 1.0)
+    },
     "velocities turned on": {_E + "step_state:StepState.turn": _always(None)},
     "lowered before a short step": {_E + "step_state:StepState.lower": _always(None)},
     "slip onset at its share of the step": {

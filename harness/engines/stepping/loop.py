@@ -260,10 +260,17 @@ def follow(state: StepState, half_cycle: HalfCycle) -> bool | None:
 # velocities.
 
 
-def locate_event(state: StepState, gaps: ContactGaps, until: Callable[[], float], act: Callable[[], None]) -> None:
+def locate_event(
+    state: StepState,
+    gaps: ContactGaps,
+    until: Callable[[], float],
+    act: Callable[[], None],
+    speeds: Callable[[], tuple[float, float]] | None = None,
+) -> None:
     """Go to the instant at which `until`, the time, s, to the event, is zero, and `act` there.
 
-    Where the event comes later than it seemed the step is taken to its end instead.
+    `speeds` gives the time at the present velocities, s, and what these grow to over them up to the event; without it they are
+    taken not to change. Where the event comes later than it seemed the step is taken to its end instead.
     """
     step_s, floor, events = state.step_s, state.stepper, state.events
     contact_s = until()
@@ -282,9 +289,12 @@ def locate_event(state: StepState, gaps: ContactGaps, until: Callable[[], float]
             state.to_next()
         return
     room, there_s = max(contact_s, events.room * step_s), state.t_s + contact_s
-    if room != contact_s:
-        state.drift(contact_s - room)
-    forward, state.t_s, instant = room - events.short * room, there_s - room, max(there_s, state.kick_s)
+    plain, grown = (contact_s, 1.0) if speeds is None else speeds()
+    # Back to where the velocities of the instant, not the present ones, take it down in that time: short of it they are stopped.
+    back = room * grown - plain
+    if back != 0.0:
+        state.drift(-back)
+    forward, state.t_s, instant = contact_s + back - events.short * room, there_s - room, max(there_s, state.kick_s)
     state.kick(events.short * room, instant)
     feet = gaps.standing(state.row, floor.table_place[2], floor.table_rate[2])
     if feet:
@@ -446,7 +456,7 @@ def _touched(state: StepState, scene: Scene, gaps: ContactGaps, watch: Watch, ju
 
 def _locate_impact(state: StepState, gaps: ContactGaps, contact_time: ContactTimeEstimate) -> None:
     """A foot that comes down, and the half-cycle that begins with its impact."""
-    locate_event(state, gaps, contact_time, state.impact)
+    locate_event(state, gaps, contact_time, state.impact, contact_time.speeds)
     if state.velocity_jumped:
         state.half_cycle = after_impact(state, gaps)
 

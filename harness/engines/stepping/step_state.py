@@ -454,6 +454,15 @@ class ContactTimeEstimate:
         # The first t with gap = now t + gained t²/2.
         return (math.sqrt(now * now + 2.0 * gained * max(gap, 0.0)) - now) / gained
 
+    def speeds(self) -> tuple[float, float]:
+        """Time, s, until it would be down at its present speed, and that speed when it is down over the present one (≥ 1)."""
+        gap, closing = self._look()
+        contact_s = self()
+        if contact_s == math.inf or closing <= self.gaps.least_m_s:
+            return contact_s, 1.0
+        then = closing + self._gathers(closing) * (self.state.t_s + contact_s - self.state.kick_s)
+        return gap / closing, max(then / closing, 1.0)
+
     def _look(self) -> tuple[float, float]:
         if self.row is not self.state.row:
             self.row, self.seen = self.state.row, self._height(self.state.row)
