@@ -25,7 +25,7 @@ from harness.records.trust import TrustRecord
 from harness.records.validation import MeasuredRecord, MeasuredTable
 from harness.runs.runner import Crash, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, stored_runs
-from harness.runs.task import Answer
+from harness.runs.task import TaskResult
 from reports.cli import studies
 from reports.cli.ending import guarded
 from reports.messages import ENGLISH
@@ -53,7 +53,7 @@ PARTS: Final = ("verification", "agreement", "validation")
 COLUMNS: Final = ("compared", "with", "on_how_many", "figure", "does_not_prove", "source")
 
 
-def example(asked: tuple[str, Mapping[str, Run]]) -> Answer:
+def example(asked: tuple[str, Mapping[str, Run]]) -> TaskResult:
     """Run one scene (what is known of it aside), write its result and page; its summary, and the seconds that it took."""
     begin = time.perf_counter()
     name, known = asked
@@ -62,7 +62,7 @@ def example(asked: tuple[str, Mapping[str, Run]]) -> Answer:
     write_report(OUT / name)
     text = "\n".join(record_lines(result.record().texted(ENGLISH.say)))
     failed = result.failed_but(tuple(result.runs))
-    return Answer("example", {"text": text}, time.perf_counter() - begin, failed=failed)
+    return TaskResult("example", {"text": text}, time.perf_counter() - begin, failed=failed)
 
 
 def trust_map(pool: Pool) -> TrustRecord:
@@ -95,11 +95,11 @@ def main() -> int:
         names += WITH_DATA
     else:
         print(f"left out: {', '.join(WITH_DATA)} (real data absent: set ROCKCHECK_DATA)", file=sys.stderr)
-    answers: dict[str, Answer] = {}
+    answers: dict[str, TaskResult] = {}
 
-    def done(asked: tuple[str, object], answer: Answer | Crash) -> None:
+    def done(asked: tuple[str, object], answer: TaskResult | Crash) -> None:
         """Keep the answer of a scene; that of a process that died says so."""
-        lost = Answer("example", {"text": f"{asked[0]}: {answer}"}, 0.0, failed=True)
+        lost = TaskResult("example", {"text": f"{asked[0]}: {answer}"}, 0.0, failed=True)
         answers[asked[0]] = lost if isinstance(answer, Crash) else answer
 
     with closing(LocalPool()) as pool:

@@ -22,7 +22,7 @@ from reports.messages import ENGLISH
 from reports.messages.numbers import digits, length
 
 if TYPE_CHECKING:
-    from harness.input.motions.inspect import Inspection
+    from harness.input.motions.inspect import MotionInspection
     from harness.records.assess import AssessRecord
     from harness.records.study import StudyRecord
     from harness.records.trust import TrustRecord
@@ -264,7 +264,7 @@ def _owner(finding: Finding) -> str:
     return f"{finding.engine.replace('_vs_', ' – ')}: " if finding.engine and "_vs_" not in finding.engine else ""
 
 
-def motion_lines(found: Inspection, findings: Sequence[Finding], *, verbose: bool = False) -> list[str]:
+def motion_lines(found: MotionInspection, findings: Sequence[Finding], *, verbose: bool = False) -> list[str]:
     """A motion: where it came from, its measures, what to beware of (`findings` with their sentences)."""
     source = printable("; ".join(f"{key}: {said}" for key, said in found.source.items() if said))
     rows = table([[printable(cell) for cell in row] for row in found.table()])

@@ -96,7 +96,7 @@ SLIDES: Final = "statue_slides"
 """By what a model left its domain that holds the statue on its support: rotations may agree while the statue slides."""
 
 
-def _decide(a: Side, b: Side, facts: Facts, flips: bool) -> tuple[Verdict, Side | None]:
+def _decide(a: Side, b: Side, facts: ComparedFacts, flips: bool) -> tuple[Verdict, Side | None]:
     """The verdict, and the side that left its domain where that decides."""
     exits = [side for side in (a, b) if side.left_domain_s is not None]
     first = min(exits, key=lambda side: side.left_domain_s or 0.0, default=None)
@@ -224,7 +224,7 @@ class Difference:
 
 
 @dataclass(frozen=True)
-class Facts:
+class ComparedFacts:
     """What decides: the differences of rotation, rad, and slip, m, the horizon and the end of what was compared.
 
     `fallen_s`: when a fall across the plane parts the two, which the planar rotation does not tell.
@@ -250,7 +250,7 @@ class Facts:
         return "slip" if self.slip.exceeded_s == self.exceeded_s != self.rotation.exceeded_s else "rotation"
 
 
-def from_histories(both: Pair, turned_rad: float, slid_m: float, until: float) -> Facts:
+def from_histories(both: Pair, turned_rad: float, slid_m: float, until: float) -> ComparedFacts:
     """From both histories on one grid; `turned_rad` and `slid_m` are the limits, `until` the horizon, s."""
 
     def of(apart: Array, limit: float) -> Difference:
@@ -259,17 +259,17 @@ def from_histories(both: Pair, turned_rad: float, slid_m: float, until: float) -
         return Difference(first_beyond_s(both.t_s, apart, limit), float(np.max(apart)), reliable)
 
     rotation = of(np.abs(both.difference_rad), turned_rad)
-    return Facts(rotation, of(np.abs(both.slip_a_m - both.slip_b_m), slid_m), until, both.end_s)
+    return ComparedFacts(rotation, of(np.abs(both.slip_a_m - both.slip_b_m), slid_m), until, both.end_s)
 
 
-def from_peaks(peaks: tuple[Peak, Peak], turned_rad: float, until: float) -> Facts:
+def from_peaks(peaks: tuple[Peak, Peak], turned_rad: float, until: float) -> ComparedFacts:
     """When a larger peak is reached the other rotation is at most its own peak: by then the two are that far apart."""
     # A run without a history may state its peak without a sign.
     smaller, larger = sorted(peaks, key=lambda peak: abs(peak.theta_rad))
     apart = abs(larger.theta_rad) - abs(smaller.theta_rad)
     exceeded = larger.time_s if apart > turned_rad else None
     rotation = Difference(exceeded, apart, apart if larger.time_s <= until else 0.0)
-    return Facts(rotation, Difference(), until, math.inf)
+    return ComparedFacts(rotation, Difference(), until, math.inf)
 
 
 __all__ = ["Scores", "compare"]

@@ -57,7 +57,7 @@ KINDS: Final = {
 """By a key that no other file has: what a file is, and the command that takes it."""
 
 
-class Table(BaseModel):
+class UserTable(BaseModel):
     """Base of every table that a user writes: strict types, no unknown keys, finite numbers, frozen; built when first read."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)

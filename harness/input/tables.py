@@ -11,7 +11,7 @@ from typing import Annotated, Literal, TypeVar
 from pydantic import BaseModel, BeforeValidator, Field, JsonValue, ValidationError, model_validator
 
 from analytic.block import GRAVITY_M_S2
-from harness.input.mistakes import Contradiction, Table, mistakes_of
+from harness.input.mistakes import Contradiction, UserTable, mistakes_of
 from harness.input.motions.spec import Motion, list_to_tuple
 from harness.input.overrides import Replacement, content_of, override
 from harness.input.uncertain import Distribution, uncertain_inputs
@@ -39,7 +39,7 @@ SCANS = (".ply", ".obj", ".stl", ".glb", ".gltf")
 M = TypeVar("M", bound=BaseModel)
 
 
-class ModelTable(Table):
+class ModelTable(UserTable):
     """`[model]`: the form of the analytic model; `preset` or the two choices one by one."""
 
     preset: Literal["consistent", "paper"] = "consistent"
@@ -47,14 +47,14 @@ class ModelTable(Table):
     pedestal_at_impact: Literal["momentum", "unchanged"] | None = None
 
 
-class InnerTable(Table):
+class InnerTable(UserTable):
     """`[statue.mesh] inner`: a closed shell in the same frame, unit and axes, and the density inside it (0: hollow)."""
 
     file: Annotated[str, Field(min_length=1)]
     density_kg_m3: Annotated[float, Field(ge=0.0, le=1e5)] = 0.0
 
 
-class AdjustTable(Table):
+class AdjustTable(UserTable):
     """`[statue.mesh] adjust`: the statue as it would be if the scan were off by these shares, or with a part simplified."""
 
     centroid_rel: Annotated[float, Field(gt=-0.5, lt=0.5)] = 0.0
@@ -64,7 +64,7 @@ class AdjustTable(Table):
     products: bool = True
 
 
-class MeshTable(Table):
+class MeshTable(UserTable):
     """`[statue] mesh`: the statue's surface; `up` is the file's vertical axis, `azimuth_deg` turns it about the vertical.
 
     Vertices within `contact_tolerance_m` of the lowest touch. `use_survey` names numbers of `[statue]` that replace the mesh's.
@@ -83,7 +83,7 @@ class MeshTable(Table):
     adjust: AdjustTable | None = None
 
 
-class StatueTable(Table):
+class StatueTable(UserTable):
     """`[statue]`: numbers, a mesh, or both (then the mesh gives the shape and the numbers are compared with it)."""
 
     mass_kg: Mass | None = None
@@ -110,7 +110,7 @@ class StatueTable(Table):
         return self
 
 
-class PedestalTable(Table):
+class PedestalTable(UserTable):
     """`[pedestal]`: a rectangular block under the statue."""
 
     mass_kg: Mass
@@ -120,7 +120,7 @@ class PedestalTable(Table):
     offset_m: Annotated[float, Field(ge=-1e4, le=1e4)] = 0.0
 
 
-class ContactTable(Table):
+class ContactTable(UserTable):
     """`[contact]`: friction coefficients and the law of impact."""
 
     floor_static: Friction = 0.20
@@ -142,14 +142,14 @@ class ContactTable(Table):
         return self
 
 
-class WallTable(Table):
+class WallTable(UserTable):
     """`[wall]`: a vertical wall beside the statue."""
 
     side: Literal["left", "right"]
     distance_m: Length
 
 
-class InitialTable(Table):
+class InitialTable(UserTable):
     """`[initial]`: rotation and rate at t = 0; or a pose in space, for engines of three dimensions."""
 
     theta_rad: Annotated[float, Field(gt=-1.5, lt=1.5)] = 0.0
@@ -178,13 +178,13 @@ class InitialTable(Table):
         return self
 
 
-class OutputTable(Table):
+class OutputTable(UserTable):
     """`[output]`: the grid of every history."""
 
     dt_s: Annotated[float, Field(ge=1e-6, le=3600.0)] = 0.001
 
 
-class SceneFile(Table):
+class SceneFile(UserTable):
     """A whole scene file."""
 
     title: Annotated[str, Field(min_length=1)]

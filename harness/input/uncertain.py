@@ -9,7 +9,7 @@ from typing import Annotated, Any, Final, Literal, get_args
 
 from pydantic import BaseModel, Field
 
-from harness.input.mistakes import Contradiction, Table
+from harness.input.mistakes import Contradiction, UserTable
 from harness.model.errors import nearest
 from harness.model.scene import Uncertain
 
@@ -66,7 +66,7 @@ FACTORS: Final = {"motion.time_scale": 1.0}
 WIDTHS: Final = {"lognormal": "cov", "normal": "sd", "uniform": "half_width"}
 
 
-class _Spread(Table):
+class _Spread(UserTable):
     """What every distribution may say: `rho` goes with the earlier key that it names."""
 
     correlated_with: str | None = None

@@ -52,7 +52,7 @@ class PrecisionRow:
 
 
 @dataclass(frozen=True)
-class Choice:
+class LevelChoice:
     """What a target takes of an engine: in all, beside the one level that meets it everywhere, beside each scene's best level.
 
     `met`: scenes of `scenes` on which the error is within it; `share`: of the fixed level's cost; `times`: of the best level's.
@@ -70,7 +70,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Level:
+class LevelRow:
     """One level of an engine on a seeded scene: its error and processor time, or why there are none."""
 
     dt_s: float
@@ -124,7 +124,7 @@ class Coverage:
     target_rad: float
     stated: Statement | None = None
     cpu_s: float = 0.0
-    levels: Sequence[Level] = ()
+    levels: Sequence[LevelRow] = ()
 
     @property
     def covered(self) -> bool:
@@ -210,7 +210,7 @@ class Throughput:
 
 
 @dataclass(frozen=True)
-class Start:
+class StartRow:
     """Seconds to import the model and for its first call, and their ratios to numpy's and numba's import and a trivial call."""
 
     import_s: float
@@ -250,15 +250,15 @@ class BenchRecord(Record):
     clock: str = ""
     rows: Sequence[PrecisionRow] = ()
     absent: Mapping[str, str] = field(default_factory=dict)
-    choice: Sequence[Choice] = ()
-    seeded: Sequence[Choice] = ()
+    choice: Sequence[LevelChoice] = ()
+    seeded: Sequence[LevelChoice] = ()
     coverage: Mapping[str, Covered] = field(default_factory=dict)
     coverage_rows: Sequence[Coverage] = ()
     skips: Sequence[SkipRow] = ()
     scaling: Sequence[ScalingRow] = ()
     solvers: Sequence[SolverRow] = ()
     throughput: Mapping[str, Throughput] = field(default_factory=dict)
-    startup: Start | None = None
+    startup: StartRow | None = None
     overhead: Mapping[str, float] = field(default_factory=dict)
     scans: Mapping[str, float] = field(default_factory=dict)
     parts: Sequence[PartRow] = ()
@@ -290,7 +290,7 @@ class Measure:
 
 
 @dataclass(frozen=True)
-class Cell:
+class StabilityCell:
     """One cell of a map: `category` (stable, inaccurate, drifting, diverged), the measures that say so, and what avoids it.
 
     `message` is an engine's own, where it gave up. `remedy` and the `stable` setting that it leads to explain a cell that is not
@@ -312,7 +312,7 @@ class Cell:
         """Whether it is not stable and nothing is known that avoids it."""
         return self.category != "stable" and self.remedy is None
 
-    def avoided(self, remedy: Remedy, by: Cell) -> Cell:
+    def avoided(self, remedy: Remedy, by: StabilityCell) -> StabilityCell:
         """The same cell, explained by one that is stable."""
         return replace(self, remedy=remedy, stable=by.setting)
 
@@ -386,7 +386,7 @@ class StressRecord(Record):
     command: str = "rockcheck stress"
     absent: Mapping[str, str] = field(default_factory=dict)
     scenes: Sequence[HardRow] = ()
-    cells: Sequence[Cell] = ()
+    cells: Sequence[StabilityCell] = ()
     fuzz: Sequence[Mutated] = ()
     parts: Sequence[PartRow] = ()
     seconds: float

@@ -85,7 +85,7 @@ class StaticLimit:
 
 
 @dataclass(frozen=True)
-class Change:
+class AmplitudeChange:
     """The relative change of the overturning amplitude at one direction."""
 
     azimuth_deg: float
@@ -99,7 +99,7 @@ class Effect:
     engine: str
     condition: str
     group: Group
-    changes: Sequence[Change]
+    changes: Sequence[AmplitudeChange]
     median: float | None
     least: float | None
     largest: float | None

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from harness.input.motions.inspect import DAMPING, PERIODS_S, Inspection
+from harness.input.motions.inspect import DAMPING, PERIODS_S, MotionInspection
 from harness.model.finding import Say, texted
 from harness.model.run import SCHEMA_VERSION, to_plain
 from harness.records.base import Plain
 
 
-def inspection_record(inspection: Inspection, say: Say) -> Plain:
+def inspection_record(inspection: MotionInspection, say: Say) -> Plain:
     """An inspected motion as plain values, its findings and what was done to it said by `say`.
 
     Of each channel its samples, what was done to it, its measures and its pseudo-acceleration spectrum; of a design spectrum that

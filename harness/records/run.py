@@ -151,7 +151,7 @@ class HorizonRecord:
 
 
 @dataclass(frozen=True)
-class Choice:
+class LawChoice:
     """What the model says by one choice: outcome, when its run ends, s, and the largest rotation, rad."""
 
     outcome: Outcome
@@ -167,7 +167,7 @@ class DecidedBy:
 
     key: str
     at_s: float
-    outcomes: Mapping[str, Choice]
+    outcomes: Mapping[str, LawChoice]
     decides: bool
 
 

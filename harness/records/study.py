@@ -187,7 +187,7 @@ class ClaimVerdict:
 
 
 @dataclass(frozen=True)
-class Curve:
+class ThinnedHistory:
     """A history decimated for a small picture."""
 
     t_s: Sequence[float]
@@ -202,7 +202,7 @@ class Panel:
     restitution: float
     amplitude_g: float
     frequency_hz: float
-    curves: Mapping[str, Mapping[str, Curve]]
+    curves: Mapping[str, Mapping[str, ThinnedHistory]]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

@@ -19,7 +19,7 @@ from harness.records.result_folder import check_folder, full_kind, write_whole
 from harness.runs.execute import Campaign
 from harness.runs.runner import Crash, InlinePool, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store
-from harness.runs.task import Answer, Task, key_of
+from harness.runs.task import Task, TaskResult, key_of
 
 Row = dict[str, Any]
 """A row that has no class of its own."""
@@ -161,12 +161,12 @@ def _measured(part: Part, keys: Mapping[str, str], store: Store) -> tuple[list[A
     return rows, PartRow(part.name, wall_s, len(keys) - len(left), left, busy_s)
 
 
-def _rows(asked: tuple[Part, str]) -> Answer:
+def _rows(asked: tuple[Part, str]) -> TaskResult:
     """What a worker does: the rows of one task of a part."""
     part, task = asked
     begin = _processor_s()
     rows = record.to_plain(part.work(task))
-    return Answer(part.name, {"rows": rows}, _processor_s() - begin)
+    return TaskResult(part.name, {"rows": rows}, _processor_s() - begin)
 
 
 def _processor_s() -> float:
@@ -174,9 +174,9 @@ def _processor_s() -> float:
     return sum(os.times()[:4])
 
 
-def _died(asked: tuple[Part, str], crash: Crash) -> Answer:
+def _died(asked: tuple[Part, str], crash: Crash) -> TaskResult:
     part, task = asked
-    return Answer(part.name, {"rows": record.to_plain((part.died or part.work)(task))}, 0.0)
+    return TaskResult(part.name, {"rows": record.to_plain((part.died or part.work)(task))}, 0.0)
 
 
 def _compute(

@@ -25,7 +25,7 @@ from harness.model.scene import Scene
 from harness.records.base import Plain, part
 from harness.records.result_folder import STORE, STORE_KINDS, STORE_NUMBER, store_kind
 from harness.records.study import Value
-from harness.runs.task import RUN, Answer, RunRequest
+from harness.runs.task import RUN, RunRequest, TaskResult
 
 # Results as a store takes them, and histories as bytes and back, exact to the last bit.
 
@@ -105,7 +105,7 @@ def history_sum(key: str, columns: str, samples: int, data: bytes) -> int:
     return zlib.crc32(data, zlib.crc32(f"{key}\0{columns}\0{samples}\0".encode()))
 
 
-def packed(key: str, answer: Answer) -> Packed:
+def packed(key: str, answer: TaskResult) -> Packed:
     """Pack an answer: what costs time is done where it was computed, and the store only writes."""
     # Of a run the order of keys says nothing; of another record it may be that of a table's columns.
     text = json.dumps(answer.record, sort_keys=answer.kind == RUN, allow_nan=False, separators=(",", ":"))

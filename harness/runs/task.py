@@ -158,7 +158,7 @@ RUN = "run"
 
 
 @dataclass(frozen=True)
-class Answer:
+class TaskResult:
     """What a task's function gives back: its record as plain values, and the history that belongs to it.
 
     `seconds` is what the result is said to have cost, `inside_s` the part of the task's time that is no overhead, `failed` the
@@ -174,7 +174,7 @@ class Answer:
     table: Mapping[str, NDArray[Any]] | None = None
 
 
-def no_answer(argument: Any, crash: Crash) -> Answer | None:
+def no_answer(argument: Any, crash: Crash) -> TaskResult | None:
     """Of a task whose worker died: nothing is kept."""
     return None
 
@@ -188,24 +188,24 @@ class Task:
     """
 
     key: str
-    work: Callable[[Any], Answer]
+    work: Callable[[Any], TaskResult]
     argument: Any
     group: str = ""
-    lost: Callable[[Any, Crash], Answer | None] = no_answer
+    lost: Callable[[Any, Crash], TaskResult | None] = no_answer
     runs: int = 1
 
 
-def answer_of(run: Run, histories: bool, inside_s: float = 0.0) -> Answer:
+def answer_of(run: Run, histories: bool, inside_s: float = 0.0) -> TaskResult:
     """A finished run as an answer.
 
     Times differ from run to run: they stand apart, so that two stores of one study are equal row for row.
     """
     plain = to_plain(run)
     seconds = plain.pop("wall_s")
-    return Answer(RUN, plain, seconds, run.history if histories else None, inside_s, run.outcome.failed)
+    return TaskResult(RUN, plain, seconds, run.history if histories else None, inside_s, run.outcome.failed)
 
 
-def lost_answer(argument: Any, crash: Crash) -> Answer:
+def lost_answer(argument: Any, crash: Crash) -> TaskResult:
     """The answer of a task that is a run of `argument.engine`, and whose worker died or hung."""
     return answer_of(lost_run(argument.engine, crash), histories=False)
 
@@ -247,7 +247,7 @@ class RunRequest:
         return Task(key, run_request, self, self.engine, lost_answer)
 
 
-def run_request(wanted: RunRequest) -> Answer:
+def run_request(wanted: RunRequest) -> TaskResult:
     """Make the scene and run it (a failure is a `Run` that says so); overhead is what `simulate` does not take."""
     scene = wanted.made()
     begin = time.perf_counter()

@@ -308,7 +308,7 @@ def _sorted(points_m: Array) -> Array:
     return points_m[np.lexsort(np.round(points_m / SAME).T)]
 
 
-class Asked(Protocol):
+class PlannedEngine(Protocol):
     """What a plan needs to know of an engine."""
 
     @property
@@ -331,7 +331,7 @@ class Step:
 
 
 def plan(
-    scene: Scene, engines: Sequence[Asked], options: RunOptions, registered: Iterable[str] = ()
+    scene: Scene, engines: Sequence[PlannedEngine], options: RunOptions, registered: Iterable[str] = ()
 ) -> tuple[Step, ...]:
     """All decisions for a scene: each engine's own skips, then those of the harness.
 
@@ -346,7 +346,7 @@ def plan(
     return (*own, *_edges(scene, engines), _planar(scene, engines), _lazy(engines, registered), _cached())
 
 
-def _decided(name: str, scene: Scene, engine: Asked, options: RunOptions) -> Step:
+def _decided(name: str, scene: Scene, engine: PlannedEngine, options: RunOptions) -> Step:
     """One skip of one engine."""
     if name not in options.skips:
         return Step(name, engine.name, False, info("plan_switched_off"))
@@ -423,7 +423,7 @@ DECISIONS: Final[Mapping[str, Callable[[Scene, RunOptions], Decision]]] = {
 """Whether a skip that an engine has applies to a scene, and why; switched with `--no-skip`."""
 
 
-def _edges(scene: Scene, engines: Sequence[Asked]) -> list[Step]:
+def _edges(scene: Scene, engines: Sequence[PlannedEngine]) -> list[Step]:
     """Engines that have one shape of their own for whatever scene, said where a pedestal's edge would need another."""
     need = shape_needed(scene)
     if need.shape != "parts":
@@ -435,7 +435,7 @@ def _edges(scene: Scene, engines: Sequence[Asked]) -> list[Step]:
     ]
 
 
-def _planar(scene: Scene, engines: Sequence[Asked]) -> Step:
+def _planar(scene: Scene, engines: Sequence[PlannedEngine]) -> Step:
     """Switched by naming a 3D engine."""
     solid = [engine.name for engine in engines if engine.capabilities.dimensions == 3]
     if solid:
@@ -443,7 +443,7 @@ def _planar(scene: Scene, engines: Sequence[Asked]) -> Step:
     return Step("planar", "*", scene.planar, info("plan_no_3d", planar=scene.planar))
 
 
-def _lazy(engines: Sequence[Asked], registered: Iterable[str]) -> Step:
+def _lazy(engines: Sequence[PlannedEngine], registered: Iterable[str]) -> Step:
     """Switched by naming the engine."""
     asked = {engine.name for engine in engines}
     idle = [name for name in registered if name not in asked]

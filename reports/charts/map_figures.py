@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from harness.questions.study.case_selection import SAME_CELL, Place, filled
 from harness.questions.trust.point import MODEL
-from harness.records.bench import Cell
+from harness.records.bench import StabilityCell
 from harness.records.study import CaseRun
 from harness.records.trust import CLASSES, TrustCell, TrustMap
 from reports.charts import Json
@@ -380,7 +380,7 @@ STABILITY: Final = {"stable": "#bfe0ee", "inaccurate": "#f8e1b8", "drifting": "#
 
 
 def stability_figure(
-    settings: Sequence[str], rows: Sequence[tuple[str, Sequence[Cell | None]]], say: Language = ENGLISH
+    settings: Sequence[str], rows: Sequence[tuple[str, Sequence[StabilityCell | None]]], say: Language = ENGLISH
 ) -> Json:
     """What becomes of hard scenes, by difficulty (rows) and setting."""
     found = [

@@ -37,7 +37,7 @@ from reports.charts.figure import (
     upwards,
 )  # fmt: skip
 from reports.charts.map_figures import LEAST, grouped, map_axes, number_map, numeric
-from reports.drawing.effects_figures import Curve, rose_of
+from reports.drawing.effects_figures import RoseCurve, rose_of
 from reports.drawing.shapes import Picture
 from reports.messages import ENGLISH, Language
 from reports.text.wording import Condition, family, runs_of, symbol
@@ -275,7 +275,7 @@ def rose_picture(models: Sequence[str], conditions: Sequence[Condition], say: La
     size = next((key for key in keys if "amplitude" in key or key.endswith("scale")), None)
     if turn is None or size is None:
         return None
-    drawn: list[Curve] = []
+    drawn: list[RoseCurve] = []
     for model, style in model_looks(models).items():
         least: dict[float, float | None] = {}
         for item, run in runs_of(conditions, model):
@@ -284,7 +284,7 @@ def rose_picture(models: Sequence[str], conditions: Sequence[Condition], say: La
             if run.outcome.overturned:
                 least[angle] = size_of if known is None else min(known, size_of)
         if sum(value is not None for value in least.values()) >= LEAST_DIRECTIONS:
-            drawn.append(Curve(model, dict(sorted(least.items())), style))
+            drawn.append(RoseCurve(model, dict(sorted(least.items())), style))
     if not drawn:
         return None
     most = max(float(item.varied[size]) for item in conditions)

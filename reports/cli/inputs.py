@@ -13,7 +13,7 @@ from reports.cli.options import OutputOptions, ScanOptions, SupportOptions, Text
 from reports.messages import ENGLISH
 
 if TYPE_CHECKING:
-    from harness.input.motions.inspect import Inspection as MotionInspection
+    from harness.input.motions.inspect import MotionInspection as MotionInspection
     from meshes.inspection import Inspection
 
 Scan = Annotated[Path, typer.Argument(metavar="SCAN", help="A scan: PLY, OBJ, STL, GLB or glTF.", show_default=False)]

@@ -107,7 +107,7 @@ class Sampling:
 
 
 @dataclass(frozen=True)
-class Target:
+class TargetOptions:
     """To what accuracy, or at which step, engines run."""
 
     accuracy: Annotated[

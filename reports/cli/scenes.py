@@ -14,7 +14,16 @@ from harness.model.errors import InputError, Mistake, nearest, printable
 from harness.runs.progress import ProgressMessages
 from reports.cli.app import app, command
 from reports.cli.ending import FAILED, OK, say_record
-from reports.cli.options import EngineOptions, InLanguage, JsonOnly, Out, OutputOptions, SceneFile, Target, folder_of
+from reports.cli.options import (
+    EngineOptions,
+    InLanguage,
+    JsonOnly,
+    Out,
+    OutputOptions,
+    SceneFile,
+    TargetOptions,
+    folder_of,
+)
 from reports.messages import ENGLISH
 from reports.messages import language as known_language
 
@@ -33,7 +42,7 @@ if TYPE_CHECKING:
 def run(
     scene: SceneFile,
     asked: EngineOptions,
-    target: Target,
+    target: TargetOptions,
     saying: OutputOptions,
     out: Out = None,
     explain: Annotated[
@@ -77,7 +86,7 @@ def run(
 
 
 def plan_of(
-    scene_file: Path, asked: EngineOptions, target: Target, no_skip: Sequence[str] | None
+    scene_file: Path, asked: EngineOptions, target: TargetOptions, no_skip: Sequence[str] | None
 ) -> tuple[list[object], str]:
     """What a run would skip and why: as plain values with its sentences, and as lines."""
     from harness.engines import REGISTRY, load
@@ -100,7 +109,7 @@ def compare(
         ),
     ],
     asked: EngineOptions,
-    target: Target,
+    target: TargetOptions,
     saying: OutputOptions,
     iso: Annotated[bool, typer.Option("--iso", help="Also rate by ISO/TS 18571 (extra [iso]).")] = False,
     horizon: Annotated[
@@ -136,7 +145,7 @@ def compare(
         raise InputError(Mistake("--input-uncertainty", "", "beside --measured-uncertainty", "alone"))
     over_all: dict[str, SetScores] = {}
     if any(path.suffix == ".csv" for path in files):
-        if (asked, target, horizon) != (EngineOptions(), Target(), False):
+        if (asked, target, horizon) != (EngineOptions(), TargetOptions(), False):
             no_run = "no -e, --set, --accuracy, --dt or --horizon with histories: nothing is run"
             raise InputError(Mistake("compare", "", no_run, "one of them"))
         pairs = compared_histories(
@@ -182,7 +191,7 @@ def compared_histories(files: Sequence[Path], out: Path | None, **stated: Any) -
 
 
 def compared_scenes(
-    files: Sequence[Path], asked: EngineOptions, target: Target, *, quiet: bool, iso: bool, horizon: bool
+    files: Sequence[Path], asked: EngineOptions, target: TargetOptions, *, quiet: bool, iso: bool, horizon: bool
 ) -> tuple[dict[str, Scores], dict[str, SetScores]]:
     """The scores of engines by pair (and scene), and of several scenes each model's against a reference over all of them."""
     from harness.questions.study.case_blocks import KeyedRow
@@ -241,7 +250,7 @@ def schema(
 def compute(
     scene_file: Path,
     asked: EngineOptions,
-    target: Target,
+    target: TargetOptions,
     no_skip: Sequence[str] | None = None,
     *,
     quiet: bool,
@@ -277,7 +286,7 @@ def compute(
         )  # fmt: skip
 
 
-def asked_scene(scene_file: Path, asked: EngineOptions, target: Target) -> tuple[Scene, Sequence[str]]:
+def asked_scene(scene_file: Path, asked: EngineOptions, target: TargetOptions) -> tuple[Scene, Sequence[str]]:
     """The scene of a file, and the engines that are to run it. Raises `InputError`, for a wrong target too."""
     from harness.accuracy.simulation import check_target
     from harness.engines import default_engines

@@ -17,7 +17,7 @@ from reports.drawing.kinematics import Array, pedestal_sides_m, section, wall_m
 from reports.drawing.shapes import Picture, box, disc, path, plane, rings, text
 from reports.messages import Language
 from reports.source import RunSource
-from reports.text.giving_way import Level, bearing
+from reports.text.giving_way import PushLevel, bearing
 
 SIDE: Final = 420
 """Width and height of each picture in its own units."""
@@ -196,7 +196,7 @@ def _shaking(motion: MotionRecord | None, gravity_m_s2: float) -> Array:
     return -np.asarray(motion.level_m_s2, dtype=np.float64) / gravity_m_s2
 
 
-def order_svg(levels: Sequence[Level], peak: float | None, title: str, say: Language) -> Markup:
+def order_svg(levels: Sequence[PushLevel], peak: float | None, title: str, say: Language) -> Markup:
     """What gives way first: bars from weak to strong, the shaking's strongest push a line."""
     most = max([level.push for level in levels] + ([peak] if peak is not None else []))
     wide, row = SIDE - 84.0, 74.0

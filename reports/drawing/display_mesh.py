@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.records.scene import SceneRecord
-from reports.drawing.kinematics import Section
+from reports.drawing.kinematics import StatueSection
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
@@ -25,7 +25,7 @@ SMOOTHED: Final = 1.0 / 800.0
 
 
 def display_mesh(
-    path: Path | None, shape: Section, depth_m: float, most_faces: int = MOST_FACES
+    path: Path | None, shape: StatueSection, depth_m: float, most_faces: int = MOST_FACES
 ) -> tuple[Array, Faces]:
     """Vertices (n, 3) in the statue frame and faces (m, 3) of the mesh of a result folder, split along its creases.
 

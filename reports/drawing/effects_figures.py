@@ -49,7 +49,7 @@ SIDES_COLOUR: Final = "#8a6d00"
 
 
 @dataclass(frozen=True)
-class Curve:
+class RoseCurve:
     """One curve of a rose: the peak in g by azimuth in degrees (None: it does not overturn up to the most tried)."""
 
     name: str
@@ -57,16 +57,16 @@ class Curve:
     look: Look
 
 
-def curves(record: EffectsRecord, say: Language = ENGLISH) -> list[Curve]:
+def curves(record: EffectsRecord, say: Language = ENGLISH) -> list[RoseCurve]:
     """The curves of a record: every engine's, and the planar model asked at the base's sides."""
     drawn = [
-        Curve(
+        RoseCurve(
             name, {row.azimuth_deg: row.peak_g for row in record.amplitudes(name, BASELINE)}, look(name, record.engines)
         )
         for name in record.engines[::-1]
     ]
     sides = {row.azimuth_deg: row.projected_g for row in record.static}
-    return [*drawn, Curve(say("chart.at_sides"), sides, Look(SIDES_COLOUR, "1.5 4", 2.2))]
+    return [*drawn, RoseCurve(say("chart.at_sides"), sides, Look(SIDES_COLOUR, "1.5 4", 2.2))]
 
 
 def rose(record: EffectsRecord, say: Language = ENGLISH) -> Picture:
@@ -89,7 +89,7 @@ def rose(record: EffectsRecord, say: Language = ENGLISH) -> Picture:
 
 
 def rose_of(
-    drawn: Sequence[Curve], most: float, unit: str, under: Sequence[str] = (), say: Language = ENGLISH
+    drawn: Sequence[RoseCurve], most: float, unit: str, under: Sequence[str] = (), say: Language = ENGLISH
 ) -> Picture:
     """Curves by direction of shaking out to `most`, over the shapes `under` them, with a key below.
 
@@ -114,7 +114,7 @@ def _places(peaks: Mapping[float, float | None], most: float) -> Array:
     return plane(RADIUS / most, (0.0, 0.0), CENTRE)(points)
 
 
-def _style(curve: Curve) -> dict[str, Any]:
+def _style(curve: RoseCurve) -> dict[str, Any]:
     return {"stroke": curve.look.colour, "width": curve.look.width + 0.4, "dash": curve.look.dash}
 
 
@@ -133,7 +133,7 @@ def _grid(most: float, unit: str) -> list[str]:
     return shapes
 
 
-def _curve(curve: Curve, asked: Sequence[float], most: float, unit: str, say: Language) -> list[str]:
+def _curve(curve: RoseCurve, asked: Sequence[float], most: float, unit: str, say: Language) -> list[str]:
     places = {azimuth: (x, y) for azimuth, (x, y) in zip(curve.peaks, _places(curve.peaks, most).tolist(), strict=True)}
     whole = len(places) == len(asked)
     around = [places.get(azimuth, (math.nan, math.nan)) for azimuth in [*asked, *([] if whole else asked[:1])]]

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Section:
+class StatueSection:
     """The statue's silhouette `outline_m` (k, 2) in (x, z) and its corners, in the statue frame."""
 
     outline_m: Array
@@ -51,11 +51,11 @@ class Section:
         return np.asarray((side * x).max(axis=1) - edge)
 
 
-def section(scene: SceneRecord) -> Section:
+def section(scene: SceneRecord) -> StatueSection:
     """The section of a record's scene."""
     statue = scene.statue
     outline = np.asarray(statue.section_m, dtype=np.float64)
-    return Section(outline, statue.corner_left_m, statue.corner_right_m)
+    return StatueSection(outline, statue.corner_left_m, statue.corner_right_m)
 
 
 def pedestal_sides_m(scene: SceneRecord) -> list[float]:

@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Sequence
 from typing import Final
 
-from harness.input.motions.inspect import DAMPING, PERIODS_S, Inspection, in_g
+from harness.input.motions.inspect import DAMPING, PERIODS_S, MotionInspection, in_g
 from harness.input.motions.recordfile import displacement_m, velocity_m_s
 from harness.input.motions.spectra import arias_share
 from harness.model.errors import printable
@@ -40,7 +40,7 @@ _LEAST_G: Final = 1e-3
 _ORIGIN_WIDTH: Final = 170
 
 
-def motion_picture(inspection: Inspection) -> Json:
+def motion_picture(inspection: MotionInspection) -> Json:
     """The picture of an inspection, a sheet wide."""
     title, origin = _title(inspection)
     charts = [histories_figure(inspection), spectrum_figure(inspection), build_up_figure(inspection)]
@@ -55,7 +55,7 @@ def motion_picture(inspection: Inspection) -> Json:
     }  # fmt: skip
 
 
-def _title(inspection: Inspection) -> tuple[str, str]:
+def _title(inspection: MotionInspection) -> tuple[str, str]:
     """The title, and the line below it: event, station and format, or what was done."""
     facts = [inspection.source.get(key, "") for key in ("event", "station", "format")]
     said = [" ".join(part.split()) for part in facts if part]
@@ -68,7 +68,7 @@ def _looks(names: Sequence[str], width: float) -> dict[str, Look]:
     return {name: Look(_COLOURS[k % len(_COLOURS)], "", width) for k, name in enumerate(names)}
 
 
-def histories_figure(inspection: Inspection) -> Json:
+def histories_figure(inspection: MotionInspection) -> Json:
     """Acceleration, velocity and displacement of every trace, one below the other."""
     words = [
         f"{each.name}: PGA {each.measures.pga_g:.3f} g, PGV {each.measures.pgv_m_s:.3f} m/s"
@@ -90,7 +90,7 @@ def histories_figure(inspection: Inspection) -> Json:
     return rows_of(rows, across("t", ENGLISH("chart.time"), {"domain": [0.0, end], "padding": 0}), {"traces": parts})
 
 
-def spectrum_figure(inspection: Inspection) -> Json:
+def spectrum_figure(inspection: MotionInspection) -> Json:
     """Pseudo-acceleration by period of every trace, and of the target with its band of ± 10 %."""
     target = inspection.target
     looks = _looks([each.name for each in inspection.traces], 1.6)
@@ -114,7 +114,7 @@ def spectrum_figure(inspection: Inspection) -> Json:
     return figure([*layers, marks("line", "spectra", named(looks, chosen=False))], 330, data, x, y)
 
 
-def build_up_figure(inspection: Inspection) -> Json:
+def build_up_figure(inspection: MotionInspection) -> Json:
     """How the Arias intensity of every trace builds up, in per cent."""
     end = max(float(each.series.t_s[-1]) for each in inspection.traces)
     parts: list[Json] = [

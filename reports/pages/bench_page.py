@@ -7,7 +7,7 @@ from pathlib import Path
 
 from harness.records.bench import (
     BenchRecord,
-    Choice,
+    LevelChoice,
     PrecisionRow,
     SkipRow,
 )
@@ -68,7 +68,7 @@ def blocks(_folder: Path, record: BenchRecord, say: Language) -> list[Block]:
     ]  # fmt: skip
 
 
-def _choices(say: Language, name: str, items: Sequence[Choice], target_rad: float = 0.0) -> Table | None:
+def _choices(say: Language, name: str, items: Sequence[LevelChoice], target_rad: float = 0.0) -> Table | None:
     columns = "engine met total_s fixed_s share median_times worst_times worst_scene"
     rows = [{**vars(item), "met": say("text.of", part=item.met, whole=item.scenes)} for item in items]
     return table(say, name, columns, rows, target=f"{target_rad:g}")

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from harness.records.bench import Cell as Found
 from harness.records.bench import HardRow, Measure, StressRecord
+from harness.records.bench import StabilityCell as Found
 from reports.blocks import (
     Block,
     Cell,

@@ -179,7 +179,7 @@ def _spans(span: Span | None) -> bool:
 
 
 @dataclass(frozen=True)
-class Level:
+class PushLevel:
     """One thing that gives way: words, the push as a share of the weight, and its name among the causes of `statics.push`."""
 
     words: str
@@ -233,28 +233,28 @@ def scan_turn_deg(scene: SceneRecord) -> float:
     return float(turn) % 360.0 if isinstance(turn, int | float) else 0.0
 
 
-def levels(scene: SceneRecord, support: SupportRecord, say: Language = ENGLISH) -> list[Level]:
+def levels(scene: SceneRecord, support: SupportRecord, say: Language = ENGLISH) -> list[PushLevel]:
     """What gives way, from weak to strong: tipping to either side, slips that come before the last of these."""
     statue, h = scene.statue, scene.statue.centroid_height_m
     left, right = statue.corner_left_m / h, statue.corner_right_m / h
     pushes = [
-        Level(say("order.tips", side=say(f"side.{side}")), push, "statue_tips")
+        PushLevel(say("order.tips", side=say(f"side.{side}")), push, "statue_tips")
         for side, push in (("left", left), ("right", right))
     ]
     least, azimuths = weakest_pushes(bearing(scene))
     if least < (1.0 - EQUAL) * min(left, right):
-        pushes.append(Level(say("order.tips", side=compass(azimuths[0], say)), least, "statue_tips"))
+        pushes.append(PushLevel(say("order.tips", side=compass(azimuths[0], say)), least, "statue_tips"))
     for friction in dict.fromkeys(support.floor_static or ()):
         words = _end(say("order.pedestal_slides"), friction, support.floor_static, say)
-        pushes.append(Level(words, friction, "pedestal_slides"))
+        pushes.append(PushLevel(words, friction, "pedestal_slides"))
     most = max(level.push for level in pushes)
     for side, push in pedestal_tips(scene, support).items():
         if push < most:
-            pushes.append(Level(say("order.pedestal_tips", side=say(f"side.{side}")), push, "pedestal_tips"))
+            pushes.append(PushLevel(say("order.pedestal_tips", side=say(f"side.{side}")), push, "pedestal_tips"))
     for friction in dict.fromkeys(support.statue):
         if friction < most:
             words = _end(say("order.statue_slides"), friction, support.statue, say)
-            pushes.append(Level(words, friction, "statue_slides"))
+            pushes.append(PushLevel(words, friction, "statue_slides"))
     return sorted(pushes, key=lambda level: level.push)
 
 

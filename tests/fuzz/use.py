@@ -103,7 +103,7 @@ def experiments(path: Path) -> None:
     """Read, and run the first tests for a moment, as they are and perturbed."""
     for trial in read_table(path)[:FEW]:
         for sample in (0, 1):
-            simulate(_short(test_scenes.scene_of(trial, test_scenes.Variant(trial.inputs(), sample))), "analytic")
+            simulate(_short(test_scenes.scene_of(trial, test_scenes.TrialVariant(trial.inputs(), sample))), "analytic")
 
 
 def validate(path: Path) -> None:

@@ -25,7 +25,7 @@ from harness.model.run import Run, RunOptions
 from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue
 from harness.questions.bench.bench_run import FIRST_SEED, SCENES
 from harness.questions.bench.precision import TARGET_RAD
-from harness.records.bench import Coverage, Level, Statement
+from harness.records.bench import Coverage, LevelRow, Statement
 
 REFERENCE_STEP_DIVISOR: Final = 5.0
 """The run that stands for the truth has a step this many times finer than the finest of the target's own two."""
@@ -75,7 +75,7 @@ def truth_of(engine: Engine, scene: Scene, run: Run, until_s: float, finest_s: f
     return engine.simulate(scene, settings, RunOptions(stop=lambda t_s, _: t_s > until_s))
 
 
-def _levels(engine: Engine, scene: Scene, truth: Run) -> Iterator[Level]:
+def _levels(engine: Engine, scene: Scene, truth: Run) -> Iterator[LevelRow]:
     """Each level down to `FINEST_S`: its error and what it takes, timed once, after the run to the target."""
     for settings in engine.refinement_levels(scene):
         if settings.dt_s < FINEST_S:
@@ -84,10 +84,10 @@ def _levels(engine: Engine, scene: Scene, truth: Run) -> Iterator[Level]:
         try:
             run = engine.simulate(scene, settings, RunOptions())
         except EngineFailure as failure:
-            yield Level(settings.dt_s, str(failure))
+            yield LevelRow(settings.dt_s, str(failure))
             continue
         cpu_s = time.process_time() - begin
-        yield Level(settings.dt_s, None, error_rad(run, truth), cpu_s)
+        yield LevelRow(settings.dt_s, None, error_rad(run, truth), cpu_s)
 
 
 def random_scene(seed: int, duration_s: float = DURATION_S) -> Scene:

@@ -26,7 +26,7 @@ from harness.accuracy.simulation import simulate
 from harness.comparison.statistics.outcomes import reliability
 from harness.model.run import RunOptions
 from harness.questions.validate import fit
-from harness.questions.validate.scenes import Variant, scene_of
+from harness.questions.validate.scenes import TrialVariant, scene_of
 from harness.questions.validate.table import Inputs, Trial, read_table
 from tests.harness.questions.validate.experiments import validate, write_table
 from tests.measures.pages import renew, table
@@ -93,14 +93,14 @@ def write_tests(
     known, inputs = list[dict[str, Any]](), list[Inputs]()
     for k, (row, trial) in enumerate(zip(rows, read_table(path), strict=True)):
         own = truth[k // motions]
-        fell = _falls(trial, Variant(trial.inputs(own), k + 1), TRUTH_SEED)
+        fell = _falls(trial, TrialVariant(trial.inputs(own), k + 1), TRUTH_SEED)
         if fell is not None:  # of a body that flies off, which the model does not follow, it is not known
             known.append(row | {"observed": str(int(fell))})
             inputs.append(own)
     return write_table(path, known), inputs
 
 
-def _falls(trial: Trial, variant: Variant, seed: int) -> bool | None:
+def _falls(trial: Trial, variant: TrialVariant, seed: int) -> bool | None:
     run = simulate(scene_of(trial, variant, seed), "analytic", options=RunOptions(history=False, stated=False))
     return run.outcome.fell
 
@@ -192,7 +192,7 @@ def _held(found: Any) -> list[bool]:
 
 def _true(trial: Trial, own: Inputs) -> float:
     """The probability of a fall at the true inputs."""
-    draws = [Variant(trial.inputs(own), k) for k in range(1, TRUE_DRAWS)]
+    draws = [TrialVariant(trial.inputs(own), k) for k in range(1, TRUE_DRAWS)]
     return float(np.mean([fell for each in draws if (fell := _falls(trial, each, 2 * TRUTH_SEED)) is not None]))
 
 

@@ -19,7 +19,7 @@ from harness.model.scene import BaseExcitation, Scene
 from harness.questions.assess.assessment import assess
 from harness.questions.assess.by_model import RUN_DRAWS, assess_models
 from harness.questions.assess.model_draws import draws_of, model_draws, uncertain_inputs, varied
-from harness.questions.assess.options import Answered, compare, in_plane, options_of
+from harness.questions.assess.options import OptionDraws, compare, in_plane, options_of
 from harness.questions.study.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of
 from reports.messages import probability_text
 from tests.harness.questions.assess.measure_own_runs import own_runs, scene_of_runs
@@ -76,7 +76,7 @@ def of_options() -> str:
     scene = shipped()
     inputs = uncertain_inputs(scene)
     values = draws_of(scene, inputs, RUN_DRAWS, 0)
-    own = Answered(model_draws(scene, values))
+    own = OptionDraws(model_draws(scene, values))
     options = options_of(scene)[0][:OPTIONS]
     record = compare(options, {}, own, in_plane(scene, options, inputs, values))
     return f"{len(record.options) - 1} options × {record.draws} draws"

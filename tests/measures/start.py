@@ -7,7 +7,7 @@ import subprocess
 import sys
 from typing import Final
 
-from harness.records.bench import Start
+from harness.records.bench import StartRow
 
 STARTS: Final = 9
 """Processes of each kind of start."""
@@ -39,7 +39,7 @@ def timed(first: str, second: str) -> tuple[float, float]:
     return float(printed[0]), float(printed[1])
 
 
-def startup(repeats: int = STARTS) -> Start:
+def startup(repeats: int = STARTS) -> StartRow:
     """Processor seconds to import analytic and of its first call from the cache, and their ratios: to importing numpy and numba,
     and to a trivial function that numba compiled and kept.
 
@@ -52,7 +52,7 @@ def startup(repeats: int = STARTS) -> Start:
             if turn > 0:
                 times[name].append(timings)
     imported, called = ({name: min(each[k] for each in rows) for name, rows in times.items()} for k in (0, 1))
-    return Start(
+    return StartRow(
         imported["analytic"],
         called["analytic kernel"],
         import_ratio=imported["analytic"] / imported["libraries"],

@@ -12,24 +12,24 @@ import pytest
 from harness.records.base import plain
 from harness.records.bench import (
     BenchRecord,
-    Choice,
     Covered,
+    LevelChoice,
     PrecisionRow,
     SkipRow,
     SolverRow,
-    Start,
+    StartRow,
     Throughput,
 )
 from tests.measures.goals import COST_SHARE, OVERHEAD, Goal, goals, main
 
 ROW = PrecisionRow("pymunk", "easy", "level", "", error_rad=1e-4, real_time_factor=300.0)
-CHOICE = Choice("pymunk", 3, 3, 0.4, 1.0, 0.4, "easy", 2.9)
+CHOICE = LevelChoice("pymunk", 3, 3, 0.4, 1.0, 0.4, "easy", 2.9)
 SKIP = SkipRow("all together", "pymunk", 6, 1.0, 2.5)
 OURS = SolverRow("block", "analytic", 1e-9, error_rad=1e-10, seconds=1e-3)
 THEIRS = SolverRow("block", "scipy DOP853", 1e-9, error_rad=1e-10, seconds=0.2)
 RATE = Throughput(40_000, 2, 4.0, 8.0, 1e4, 26_000.0, 300.0, 1.0, 0.5)
 RATES = {"two_block": RATE, "two_block_certified": RATE, "map": RATE}
-START = Start(1.0, 1.0, 1.2, 1.9)
+START = StartRow(1.0, 1.0, 1.2, 1.9)
 GOOD = BenchRecord(
     target_rad=1e-3, rows=[ROW], choice=[CHOICE], seeded=[CHOICE], coverage={"pymunk": Covered(19, 20)}, skips=[SKIP],
     solvers=[OURS, THEIRS], throughput=RATES, startup=START, overhead={"pedestal_ratio": 1.05, "pedestal_run_s": 9.0},

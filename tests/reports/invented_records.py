@@ -12,28 +12,28 @@ from harness.comparison.comparator import compare
 from harness.comparison.history_files import compare_files
 from harness.comparison.history_files import write_comparison as write_comparison_of
 from harness.comparison.statistics import fragility
-from harness.comparison.statistics.outcomes import FELL, Case, score_outcomes
+from harness.comparison.statistics.outcomes import FELL, Prediction, score_outcomes
 from harness.model import run as record
 from harness.model.finding import Answer, info
 from harness.model.history import Outcome
 from harness.questions.assess.assessment import assess
-from harness.questions.study.cases import Base
+from harness.questions.study.cases import BaseScene
 from harness.questions.trust.plane import Plane
 from harness.questions.trust.trust_run import answer_of, findings_of, saved_by
 from harness.records import bench as stress_record
 from harness.records.base import as_file, plain
 from harness.records.bench import (
     BenchRecord,
-    Cell,
-    Choice,
     Covered,
     HardRow,
+    LevelChoice,
     Measure,
     Mutated,
     PartRow,
     PrecisionRow,
     ScalingRow,
     SkipRow,
+    StabilityCell,
     StressRecord,
 )
 from harness.records.scene import SceneRecord
@@ -79,7 +79,7 @@ def write_validation(folder: Path, *, skill: float = 0.97) -> Path:
         curve = fragility.fit(pgv, [o.overturned for o in said]).curve(grid)
         models[name] = _model(name, said, fell, curve, measured)
     bare = [
-        Case(Outcome.OVERTURNED_LEFT if v > 0.4 else Outcome.STANDS, FELL if f else Outcome.STANDS)
+        Prediction(Outcome.OVERTURNED_LEFT if v > 0.4 else Outcome.STANDS, FELL if f else Outcome.STANDS)
         for v, f in zip(pgv, fell, strict=True)
     ]
     return _write(
@@ -108,7 +108,7 @@ def write_validation(folder: Path, *, skill: float = 0.97) -> Path:
     )
 
 
-def _bare_outcomes(cases: list[Case]) -> dict[str, Any]:
+def _bare_outcomes(cases: list[Prediction]) -> dict[str, Any]:
     scores = vars(score_outcomes(cases))
     return {item.name: scores[item.name] for item in fields(FallScores)}
 
@@ -117,7 +117,7 @@ def _model(
     name: str, said: list[Outcome], fell: np.ndarray[Any, Any], curve: FragilityCurve, scores: Scores
 ) -> dict[str, Any]:
     """What a validation keeps of one model that said `said` of sixty tests."""
-    cases = [Case(p, FELL if f else Outcome.STANDS) for p, f in zip(said, fell, strict=True)]
+    cases = [Prediction(p, FELL if f else Outcome.STANDS) for p, f in zip(said, fell, strict=True)]
     contour = (
         {
             "cases": 60,
@@ -181,10 +181,10 @@ def bench() -> BenchRecord:
         scaling=[ScalingRow("pymunk", "duration_s", v, 0.04 * v, 80.0) for v in (1.0, 10.0, 100.0)],
         coverage={"pymunk": Covered(15, 15), "pybullet": Covered(14, 15, [7])},
         choice=[
-            Choice("pymunk", 3, 3, 0.3, 1.2, 0.25, "harmonic, pedestal", 2.5),
-            Choice("pybullet", 3, 2, 3.0, None, None, None, None),
+            LevelChoice("pymunk", 3, 3, 0.3, 1.2, 0.25, "harmonic, pedestal", 2.5),
+            LevelChoice("pybullet", 3, 2, 3.0, None, None, None, None),
         ],
-        seeded=[Choice("pymunk", 15, 15, 0.5, 2.0, 0.25, "seed 7", 5.5, 2.6)],
+        seeded=[LevelChoice("pymunk", 15, 15, 0.5, 2.0, 0.25, "seed 7", 5.5, 2.6)],
         skips=[
             SkipRow("all together", "analytic", 48, 0.1, 0.8),
             SkipRow("quiet_end", "pymunk", 1, 1.0, 3.0, ["stands, without overturned_left"], apart_rad=1e-7),
@@ -216,7 +216,7 @@ def stress(*, sound: bool = True) -> StressRecord:
             for m, difficulty in enumerate(("slenderness 5", "slenderness 50", "1 cm")):
                 category = ("stable", "inaccurate", "drifting", "diverged")[max(0, m - k + (engine == "pybullet"))]
                 error = Measure("error_rad", category == "stable", 10.0 ** -(k + 2), 1e-3)
-                cells.append(Cell(engine, setting, difficulty, category, [error]))
+                cells.append(StabilityCell(engine, setting, difficulty, category, [error]))
     lifted = "lift_off" if sound else "stands"
     answers = {"600 s at rest": ("stands", "stands", "stands"), "vertical −1 g": ("lift_off", "lift_off", lifted)}
     scenes = [
@@ -277,7 +277,7 @@ def trust() -> TrustRecord:
     shares = dict.fromkeys(CLASSES, 1.0 / len(CLASSES))
     summary = TrustSummary(points=8, asked=8, checked=0, changed=0, found=0, cpu_s=1.0)
     scene = paestum(0.429, 3.0)
-    whole = Plane(Base(None, {}), scene, "sine", [0.1, 0.15, 0.225, 0.3375], [1.0, 2.0])
+    whole = Plane(BaseScene(None, {}), scene, "sine", [0.1, 0.15, 0.225, 0.3375], [1.0, 2.0])
     contours = {name: [0.12, None] for name in CONTOURS}
     maps = [TrustMap("pedestal", shares, 0.15, contours, cells), TrustMap("floor", shares, None, contours, cells)]
     saved = saved_by(["analytic", "pymunk"], maps)

@@ -13,8 +13,8 @@ from harness.model.run import write_json
 from harness.questions.study.study_record import answer_of, findings_of
 from harness.questions.validate.validation_run import answer_of as validation_answer
 from harness.records.base import as_file, plain
-from harness.records.bench import Cell as Found
 from harness.records.bench import KnownFailure, Measure, PartRow, ScalingRow
+from harness.records.bench import StabilityCell as Found
 from harness.records.bench import answer_of as stress_answer
 from harness.records.bench import findings_of as stress_findings
 from harness.records.kinds import read_result

@@ -24,7 +24,7 @@ DECIDED: Final = tuple(outcome for outcome in Outcome if outcome.fell is not Non
 
 
 @dataclass(frozen=True)
-class Case:
+class Prediction:
     """One case: what is predicted, what is true (observed, or the reference model's).
 
     `observed` is an outcome, or `FELL` where the side is not known.
@@ -50,7 +50,7 @@ class Case:
         return self.predicted in DECIDED and (self.observed in DECIDED or self.observed == FELL)
 
 
-def score_outcomes(cases: Sequence[Case]) -> OutcomeScores:
+def score_outcomes(cases: Sequence[Prediction]) -> OutcomeScores:
     """Score predicted outcomes against observed ones."""
     decided = [case for case in cases if case.decided]
     sure = [case for case in decided if not case.within_uncertainty]
@@ -78,7 +78,7 @@ def score_outcomes(cases: Sequence[Case]) -> OutcomeScores:
     )
 
 
-def _no_return(cases: Sequence[Case]) -> Interval | None:
+def _no_return(cases: Sequence[Prediction]) -> Interval | None:
     """Mean difference of the no-return times over cases that overturn in both."""
     both = [case.no_return_s for case in cases if None not in case.no_return_s]
     differences = np.array([(a or 0.0) - (b or 0.0) for a, b in both])

@@ -39,7 +39,7 @@ FLUSH_M: Final = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Crossing:
+class EdgeCrossing:
     """Called with a row, says whether a foot has come over the edges of the pedestal's top, or back over it, since `start`."""
 
     feet_m: Array

@@ -8,7 +8,7 @@ from typing import Final
 
 from harness.engines.pybullet import mirror
 from harness.engines.pybullet.backend import BulletBackend
-from harness.engines.pybullet.feet import Crossing, EdgeWatch
+from harness.engines.pybullet.feet import EdgeCrossing, EdgeWatch
 from harness.engines.pybullet.full import FullShape, full_shape
 from harness.engines.pybullet.pose import Setup, vector
 from harness.engines.pybullet.settings import BulletSettings
@@ -62,7 +62,7 @@ def run(scene: Scene, level: BulletSettings, setup: Setup, options: RunOptions) 
         crossing = None
         if full is not None and scene.pedestal is not None:
             # What tells a foot that comes over the pedestal's edges, from here on.
-            crossing = Crossing(setup.feet_m, scene.pedestal.half_m[:2], row)
+            crossing = EdgeCrossing(setup.feet_m, scene.pedestal.half_m[:2], row)
         watch = _watch(scene, level, setup, options, crossing)
         record = _part(scene, level, setup, schedule, watch, full, crossing, record)
         row = record.last
@@ -91,7 +91,7 @@ def _part(
     schedule: Schedule,
     watch: Watch,
     full: FullShape | None,
-    crossing: Crossing | None,
+    crossing: EdgeCrossing | None,
     done: StepLog | None,
 ) -> StepLog:
     """One world: from the scene's start, or from where another one has come to."""
@@ -108,7 +108,9 @@ def _part(
         return loop.integrate(scene, schedule, watch, StepState(stepper, record, even=even))
 
 
-def _watch(scene: Scene, level: BulletSettings, setup: Setup, options: RunOptions, crossing: Crossing | None) -> Watch:
+def _watch(
+    scene: Scene, level: BulletSettings, setup: Setup, options: RunOptions, crossing: EdgeCrossing | None
+) -> Watch:
     """What the loop looks at; with `crossing` in a world of full shapes."""
     end_s = scene.base_excitation.end_s
     may_rest = options.allows("quiet_end") and end_s < scene.duration_s

@@ -68,7 +68,7 @@ def contacts_of(body: Any) -> Impulse | None:
     return None if again else ((sums[0], 0.0, sums[1]), (0.0, sums[2], 0.0))
 
 
-class Reader:
+class StateReader:
     """Reads the states of a space's first bodies: one call into the library for all numbers of all."""
 
     def __init__(self, space: pymunk.Space, count: int, *, backwards: bool) -> None:

@@ -31,7 +31,7 @@ class World:
     pedestal: pymunk.Body | None
     floor: pymunk.Body
     floor_shape: pymunk.Shape
-    reader: native.Reader
+    reader: native.StateReader
 
     @property
     def movers(self) -> tuple[Any, ...]:
@@ -60,7 +60,7 @@ def build(scene: Scene, settings: MunkSettings) -> World:
     if floor is not space.static_body:
         space.add(floor)
     floor_shape = _floor(scene, space, floor)
-    reader = native.Reader(space, len(dynamic), backwards=settings.pedestal_first)
+    reader = native.StateReader(space, len(dynamic), backwards=settings.pedestal_first)
     return World(space, statue, pedestal, floor, floor_shape, reader)
 
 

@@ -368,7 +368,7 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) 
     """Run `state` to the schedule's end, an overturn, rest, or where it is to leave this world."""
     pull = greatest_pull_m_s2(scene)
     kinetic = scene.contact.floor_kinetic * scene.gravity_m_s2
-    still, record, falls = Still(watch), state.record, watch.ends_fallen and scene.initial.pose is None
+    still, record, falls = StillWatch(watch), state.record, watch.ends_fallen and scene.initial.pose is None
     look, leave_look, wall_look, beside = state.number, state.number, state.number, False
     while state.number < schedule.count:
         row, jump_s = state.row, schedule.jump_after_s(state.kick_s)
@@ -528,7 +528,7 @@ def _free(state: StepState, steps: float) -> int:
     return min(max(int(steps - state.events.ahead), 1), MOST_FREE) if steps < math.inf else RESTING_FREE
 
 
-class Still:
+class StillWatch:
     """Counts the checks in a row at which nothing moved, from the step on from which the table is still."""
 
     def __init__(self, watch: Watch) -> None:

@@ -36,7 +36,7 @@ MOST_PERIODS: Final = 150_000
 
 
 @dataclass(frozen=True, eq=False)
-class Prepared:
+class PreparedMotion:
     """An excitation, the steps that led to it, what is doubtful, and the target it follows (none behind a building)."""
 
     excitation: Excitation
@@ -69,18 +69,18 @@ class SceneMotion:
         return cls(component, path.parent, str(path), f"motion.{axis}", scene.duration_s, scene.gravity_m_s2)
 
 
-def prepare(motion: SceneMotion) -> Prepared:
+def prepare(motion: SceneMotion) -> PreparedMotion:
     """The excitation of one component with its record of steps and findings. Raises InputError."""
     component = motion.component
     if isinstance(component, RestSpec):
-        return Prepared(ZeroExcitation())
+        return PreparedMotion(ZeroExcitation())
     if isinstance(component, HarmonicSpec):
         amplitude = component.amplitude_g * motion.gravity_m_s2
         phase = math.radians(component.phase_deg)
-        ground = Prepared(Harmonic(amplitude, component.frequency_hz, phase, component.ramp_s))
+        ground = PreparedMotion(Harmonic(amplitude, component.frequency_hz, phase, component.ramp_s))
     elif isinstance(component, PulseSpec):
         amplitude = component.amplitude_g * motion.gravity_m_s2
-        ground = Prepared(Pulse(component.shape, amplitude, component.duration_s, component.start_s))
+        ground = PreparedMotion(Pulse(component.shape, amplitude, component.duration_s, component.start_s))
     elif isinstance(component, RecordSpec):
         # A motion by formula loads no reader of records.
         from harness.input.motions import records
@@ -93,11 +93,11 @@ def prepare(motion: SceneMotion) -> Prepared:
     return _on_floor(ground, component.floor, motion) if component.floor else ground
 
 
-def _of_series(series: Series, findings: tuple[Finding, ...], target: DesignSpectrum | None = None) -> Prepared:
-    return Prepared(series.excitation(), series.done, findings, target)
+def _of_series(series: Series, findings: tuple[Finding, ...], target: DesignSpectrum | None = None) -> PreparedMotion:
+    return PreparedMotion(series.excitation(), series.done, findings, target)
 
 
-def _compatible(component: SpectrumSpec, motion: SceneMotion) -> Prepared:
+def _compatible(component: SpectrumSpec, motion: SceneMotion) -> PreparedMotion:
     from harness.input.motions import compatible, process, records, spectra
 
     spectrum, where, key = spectra.design_spectrum(component), motion.where, motion.key
@@ -123,7 +123,7 @@ def _compatible(component: SpectrumSpec, motion: SceneMotion) -> Prepared:
         raise mistake(where, key, wanted, str(error), advice) from error
 
 
-def _on_floor(ground: Prepared, modes: tuple[Oscillator, ...], motion: SceneMotion) -> Prepared:
+def _on_floor(ground: PreparedMotion, modes: tuple[Oscillator, ...], motion: SceneMotion) -> PreparedMotion:
     from harness.input.motions.process import floor_motion, ring_down_s
 
     where, key, duration_s = motion.where, motion.key, motion.duration_s
@@ -142,4 +142,4 @@ def _on_floor(ground: Prepared, modes: tuple[Oscillator, ...], motion: SceneMoti
     periods_s, dampings, shares = zip(*((mode.period_s, mode.damping, mode.share) for mode in modes), strict=True)
     moved = floor_motion(ground.excitation, modes, until)
     step = info("step_floor", to_s=until, periods_s=periods_s, dampings=dampings, shares=shares)
-    return Prepared(moved, (*ground.done, step), ground.findings)
+    return PreparedMotion(moved, (*ground.done, step), ground.findings)

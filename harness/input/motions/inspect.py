@@ -49,7 +49,7 @@ class Trace:
 
 
 @dataclass(frozen=True, eq=False)
-class Inspection:
+class MotionInspection:
     """Traces on one clock, where they came from, what was done, what is doubtful, and the target they were to follow."""
 
     title: str
@@ -71,7 +71,7 @@ class Inspection:
 
 def inspect_file(
     path: Path, *, unit: str | None = None, layout: Layout | None = None, target: DesignSpectrum | None = None
-) -> Inspection:
+) -> MotionInspection:
     """The record in `path` as it is, with its sister files' channels; InputError where it cannot be read."""
     record = read_record(path, unit=unit, layout=layout)
     tested = "tried on originals" if record.tested else "untested on originals"
@@ -81,10 +81,10 @@ def inspect_file(
     traces = tuple(
         _trace(channel.name, str(channel.orientation), series[channel.name], target) for channel in record.channels
     )
-    return Inspection(path.name, source, traces, record.findings, target)
+    return MotionInspection(path.name, source, traces, record.findings, target)
 
 
-def inspect_component(motion: SceneMotion) -> Inspection:
+def inspect_component(motion: SceneMotion) -> MotionInspection:
     """One component of a scene as the models will feel it; InputError as `harness.input.motions.prepare`."""
     prepared = prepare(motion)
     excitation = prepared.excitation
@@ -102,7 +102,7 @@ def inspect_component(motion: SceneMotion) -> Inspection:
         series = Series(dt_s, excitation.accel_m_s2(dt_s * np.arange(math.ceil(end / dt_s) + 2)))
     kind, title = motion.component.kind, f"{motion.where}: {motion.key}"
     trace = _trace(motion.key, kind, series, prepared.target)
-    return Inspection(title, {"kind": kind}, (trace,), prepared.findings, prepared.target)
+    return MotionInspection(title, {"kind": kind}, (trace,), prepared.findings, prepared.target)
 
 
 def _trace(name: str, direction: str, series: Series, target: DesignSpectrum | None) -> Trace:

@@ -19,7 +19,7 @@ POINTS_PER_PERIOD: Final = 20
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class OscillatorStep:
     """x⁺ = phi x + b0 a + b1 a⁺ for x = (displacement, velocity) over one step, and the row of the absolute acceleration."""
 
     phi: Floats
@@ -28,7 +28,7 @@ class Step:
     row_absolute: Floats
 
 
-def exact_step(period_s: float, damping: float, dt_s: float) -> Step:
+def exact_step(period_s: float, damping: float, dt_s: float) -> OscillatorStep:
     """The step of an oscillator of `period_s` > 0 and 0 < `damping` < 1 over `dt_s`, exact for a linear in time."""
     w = 2.0 * math.pi / period_s
     wd = w * math.sqrt(1.0 - damping**2)
@@ -39,7 +39,7 @@ def exact_step(period_s: float, damping: float, dt_s: float) -> Step:
     force = np.array([0.0, -1.0])
     held = system_inverse @ (phi - np.eye(2)) @ force
     ramp = system_inverse @ (held / dt_s - force)
-    return Step(phi, held - ramp, ramp, np.array([-(w**2), -2.0 * damping * w]))
+    return OscillatorStep(phi, held - ramp, ramp, np.array([-(w**2), -2.0 * damping * w]))
 
 
 def displacement_m(accel_m_s2: Floats, dt_s: float, period_s: float, damping: float) -> Floats:

@@ -170,7 +170,7 @@ _FINEST: Final = 12
 
 
 @dataclass(frozen=True, eq=False)
-class Clock:
+class SampleClock:
     """An even clock of `count` samples from start_s every dt_s; `given_s` (n,) are the file's times where they are uneven."""
 
     start_s: float
@@ -190,7 +190,9 @@ class Clock:
         return np.asarray(np.interp(self.start_s + self.dt_s * np.arange(self.count), self.given_s, values))
 
 
-def clock_of(t_s: Floats, where: str, lines: tuple[int, ...] | None = None, *, largest: int | None = None) -> Clock:
+def clock_of(
+    t_s: Floats, where: str, lines: tuple[int, ...] | None = None, *, largest: int | None = None
+) -> SampleClock:
     """The clock of samples at t_s (n,), s; InputError for times that do not increase and for gaps.
 
     `lines` are the rows' lines, for messages. With `largest`, the place of the largest sample, the trace is film or the like:
@@ -210,7 +212,7 @@ def clock_of(t_s: Floats, where: str, lines: tuple[int, ...] | None = None, *, l
         return f"line {lines[row]}" if lines else f"sample {row + 1}"
 
     if exact > 0.0 and np.abs(t_s - start_s - exact * np.arange(t_s.size)).max() <= JITTER * exact:
-        return Clock(start_s, round(exact, 9), t_s.size, None, doubled)
+        return SampleClock(start_s, round(exact, 9), t_s.size, None, doubled)
     forward = largest is None and bool((steps >= 0.0).all())
     if forward and (even := _of_rounded(t_s)):
         return even
@@ -244,10 +246,10 @@ def clock_of(t_s: Floats, where: str, lines: tuple[int, ...] | None = None, *, l
     at_s = float(t_s[np.argmax(steps)])
     least_s, most_s = float(steps.min()), float(steps.max())
     said = caution("record_times_uneven", least_s=least_s, most_s=most_s, at_s=at_s, dt_s=fine)
-    return Clock(start_s, fine, count, t_s, (*doubled, said))
+    return SampleClock(start_s, fine, count, t_s, (*doubled, said))
 
 
-def _of_rounded(t_s: Floats) -> Clock | None:
+def _of_rounded(t_s: Floats) -> SampleClock | None:
     """The even clock of which these times are what few digits left; None where no usual one is, or several are."""
     quantum = next(
         (each for each in (1.0, 0.1, *_QUANTA) if np.abs(t_s / each - np.round(t_s / each)).max() < 1e-4), None
@@ -266,7 +268,7 @@ def _of_rounded(t_s: Floats) -> Clock | None:
         ]  # fmt: skip
         if fits:
             said = info("record_times_rounded", digit_s=quantum, dt_s=fits[0])
-            return Clock(float(t_s[0]), fits[0], t_s.size, None, (said,)) if len(fits) == 1 else None
+            return SampleClock(float(t_s[0]), fits[0], t_s.size, None, (said,)) if len(fits) == 1 else None
     return None
 
 

@@ -43,7 +43,7 @@ _PLACE = re.compile(r"[1-9]")
 
 
 @dataclass(frozen=True)
-class Orientation:
+class ChannelOrientation:
     """A channel's direction: its azimuth clockwise from north in [0, 360), or vertical, or neither known.
 
     `sign` is −1 where the file counts downwards as positive; `sense_assumed` where its name says a line,
@@ -61,27 +61,31 @@ class Orientation:
         return "direction unknown" if self.azimuth_deg is None else f"azimuth {self.azimuth_deg:g}°"
 
 
-def parse_orientation(text: str) -> Orientation:
+def parse_orientation(text: str) -> ChannelOrientation:
     """Direction named by `text`: "N28W", "067", "UP", "HNE", "EW" …; unknown where it names none."""
     token = re.sub(r"\s*DEG(REES?)?$", "", text.strip().strip("°.").upper())
     letters = re.sub(r"(?<=^[A-Z])\s*[-/]\s*(?=[A-Z]$)", "", token)
     if letters in _LINE:
-        return Orientation(_LINE[letters], sense_assumed=True)
+        return ChannelOrientation(_LINE[letters], sense_assumed=True)
     if token in _UP or letters in _UPRIGHT_LINE:
-        return Orientation(vertical=True, sense_assumed=letters in _UPRIGHT_LINE)
+        return ChannelOrientation(vertical=True, sense_assumed=letters in _UPRIGHT_LINE)
     if token in _DOWN:
-        return Orientation(vertical=True, sign=-1)
+        return ChannelOrientation(vertical=True, sign=-1)
     if token in _CARDINAL:
-        return Orientation(_CARDINAL[token])
+        return ChannelOrientation(_CARDINAL[token])
     if match := _QUADRANT.fullmatch(token):
         north, angle, east = match.group(1), float(match.group(2)), match.group(3)
         azimuth = angle if north == "N" else 180.0 - angle
-        return Orientation((azimuth if east == "E" else -azimuth) % 360.0)
+        return ChannelOrientation((azimuth if east == "E" else -azimuth) % 360.0)
     if match := _SEED_CODE.fullmatch(token):
-        return Orientation(vertical=True) if match.group(1) == "Z" else Orientation(_CARDINAL[match.group(1)])
+        return (
+            ChannelOrientation(vertical=True)
+            if match.group(1) == "Z"
+            else ChannelOrientation(_CARDINAL[match.group(1)])
+        )
     if _NUMBER.fullmatch(token) and not _PLACE.fullmatch(token) and float(token) <= 360.0:
-        return Orientation(float(token) % 360.0)
-    return Orientation()
+        return ChannelOrientation(float(token) % 360.0)
+    return ChannelOrientation()
 
 
 # A uniform acceleration history on its way from a file to an excitation, with the list of what was done to
@@ -188,7 +192,7 @@ class Channel:
     """
 
     name: str
-    orientation: Orientation
+    orientation: ChannelOrientation
     dt_s: float
     accel_m_s2: NDArray[np.float64]
     start_s: float = 0.0
@@ -203,7 +207,7 @@ class Channel:
 
     @classmethod
     def read(
-        cls, name: str, orientation: Orientation | None, dt_s: float, values: NDArray[np.float64], unit: str,
+        cls, name: str, orientation: ChannelOrientation | None, dt_s: float, values: NDArray[np.float64], unit: str,
         peak: tuple[float | None, float | None] = (None, None), start_s: float = 0.0,
     ) -> Channel:  # fmt: skip
         """The channel of `values` in `unit` as a file holds them, turned so that up is positive; `peak` likewise.

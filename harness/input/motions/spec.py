@@ -7,7 +7,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from analytic.excitation import PulseShape
-from harness.input.mistakes import Table
+from harness.input.mistakes import UserTable
 from harness.input.motions.recordfile import Layout, unit_named
 
 
@@ -33,7 +33,7 @@ MOST_SAMPLES: Final = 2_000_000
 """Samples that a scene holds itself: more stand in a file."""
 
 
-class Oscillator(Table):
+class Oscillator(UserTable):
     """One mode of a building (docs/motions.md, "The building's filter").
 
     `share` is the mode's participation factor times its shape at the statue's floor; the shares of all modes sum to 1 where
@@ -45,13 +45,13 @@ class Oscillator(Table):
     share: float = 1.0
 
 
-class _Filtered(Table):
+class _Filtered(UserTable):
     """Any component may pass through the building before it reaches the statue."""
 
     floor: Annotated[tuple[Oscillator, ...], BeforeValidator(list_to_tuple)] = ()
 
 
-class RestSpec(Table):
+class RestSpec(UserTable):
     """No shaking along this axis."""
 
     kind: Literal["rest"]
@@ -77,7 +77,7 @@ class PulseSpec(_Filtered):
     start_s: float = Field(default=0.0, ge=0.0, le=LONGEST_S)
 
 
-class Source(Table):
+class Source(UserTable):
     """A channel of a record file and what is done to it, in the order of the keys below.
 
     `column` is a CSV header, a component's name (N28W, UP) or its azimuth in degrees; `azimuth_deg` turns the two horizontal
@@ -147,7 +147,7 @@ class SamplesSpec(_Filtered):
     ]
 
 
-class Target(Table):
+class Target(UserTable):
     """An elastic design spectrum from its parameters (docs/motions.md, "Target spectra").
 
     Either the shape itself (`S`, `TB_s`, `TC_s`, `TD_s`, for NTC also `F0`) or the site: `soil` (with `type` for ec8; with `F0`,
@@ -221,7 +221,7 @@ Component = Annotated[
 ]
 
 
-class Motion(Table):
+class Motion(UserTable):
     """The floor's acceleration along x (in the rocking plane), y (across it) and z (up); an absent axis is at rest.
 
     `scale` multiplies all of them together.

@@ -37,7 +37,7 @@ from harness.questions.assess.model_draws import (
     uncertain_inputs,
     varied,
 )
-from harness.questions.assess.options import Answered, Option, compare, in_plane, in_space, options_of
+from harness.questions.assess.options import Option, OptionDraws, compare, in_plane, in_space, options_of
 from harness.questions.assess.sensitivity import (
     FRAGILITY_DRAWS,
     fragility,
@@ -188,7 +188,7 @@ def assess(
     if space is not None:
         answers[SPACE], room[SPACE] = probability_of(space), of_space(scene, values, space)
     sampler = next((name for name in fell if name in SAMPLERS), SAMPLER)
-    own = Answered(model, fell.get(sampler) or sampled(model, lambda number: varied(scene, row(values, number))))
+    own = OptionDraws(model, fell.get(sampler) or sampled(model, lambda number: varied(scene, row(values, number))))
     by_own = probability_of(*own, sampler, plane_only=across)
     differences = {name: _difference(by_own, item) for name, item in answers.items() if isinstance(item, Assessment)}
     answers = {MODEL: by_own, **answers}
@@ -240,7 +240,7 @@ def _by_one_model(
     record: AssessRecord,
     scene: Scene,
     values: Mapping[str, Array],
-    own: Answered,
+    own: OptionDraws,
     space: ModelDraws | None,
     more_options: Sequence[Option] | None,
     on_progress: Callable[[str], None],
@@ -252,7 +252,7 @@ def _by_one_model(
         every = [*own_options, *more_options]
         if space is not None:
             ask = in_space(scene, inputs, values, seed)
-            compared = compare(every, left_out, Answered(space), ask, model=SPACE, on_progress=on_progress)
+            compared = compare(every, left_out, OptionDraws(space), ask, model=SPACE, on_progress=on_progress)
         else:
             ask = in_plane(scene, every, inputs, values, seed)
             across = shaken_across(scene)

@@ -25,7 +25,7 @@ from harness.model.scene import Scene
 from harness.questions.assess.clearance import Ints, reach_m
 from harness.questions.assess.model_draws import ENGINE_ERROR_RAD, Array, ModelDraws, row, varied
 from harness.records.assess import Assessment
-from harness.runs.task import Answer, Task, request_key
+from harness.runs.task import Task, TaskResult, request_key
 
 if TYPE_CHECKING:
     from harness.runs.execute import Campaign
@@ -186,7 +186,7 @@ def run_of(engine: Engine, scene: Scene) -> Run | None:
         return None
 
 
-def overturns(drawn: DrawnRun) -> Answer:
+def overturns(drawn: DrawnRun) -> TaskResult:
     """What a worker does: whether the statue overturns in its scene, and how far it goes where it stands."""
     begin = time.perf_counter()
     run, reached = run_of(engines.load(drawn.engine), drawn.scene), None
@@ -194,4 +194,4 @@ def overturns(drawn: DrawnRun) -> Answer:
     if run is not None and fell is False and (history := run.history) is not None:
         reached = reach_m(drawn.scene, history.theta_rad, history.slip_m, history.extra).tolist()
     seconds, failed = time.perf_counter() - begin, run is None or run.outcome.failed
-    return Answer(OUTCOME, {"overturned": fell, "reach_m": reached}, seconds, inside_s=seconds, failed=failed)
+    return TaskResult(OUTCOME, {"overturned": fell, "reach_m": reached}, seconds, inside_s=seconds, failed=failed)

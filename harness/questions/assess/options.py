@@ -15,7 +15,7 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from harness.input.mistakes import Table
+from harness.input.mistakes import UserTable
 from harness.input.scene_file import check_wall
 from harness.input.tables import read_model
 from harness.model.errors import InputError, Mistake
@@ -113,7 +113,7 @@ def _of_pedestal(scene: Scene) -> list[Option]:
     ]
 
 
-def _with_friction(pair: Pair, own: float) -> Option:
+def _with_friction(pair: MaterialPair, own: float) -> Option:
     higher = "more" if pair.static > own else "less"
     values: dict[str, float | str] = {"static": pair.static, "kinetic": pair.kinetic, "pair": pair.name}
 
@@ -166,14 +166,14 @@ def _turned(scene: Scene) -> Scene:
     return replace(scene, statue=statue, pedestal=pedestal)
 
 
-class _OptionTable(Table):
+class _OptionTable(UserTable):
     """`[[option]]`: a name, and keys of the scene with their values there."""
 
     name: Annotated[str, Field(min_length=1, max_length=80)]
     set: Annotated[dict[str, object], Field(min_length=1)]
 
 
-class _OptionsFile(Table):
+class _OptionsFile(UserTable):
     """A file of the user's own options."""
 
     option: Annotated[list[_OptionTable], Field(min_length=1, max_length=50)]
@@ -195,7 +195,7 @@ def _users(name: str, values: Mapping[str, object], path: Path, scene: Scene) ->
 
 
 @dataclass(frozen=True)
-class Pair:
+class MaterialPair:
     """Two materials: the static and kinetic coefficients used, and who published their range, which the catalogues tell."""
 
     name: str
@@ -205,10 +205,10 @@ class Pair:
 
 
 PAIRS: Final = (
-    Pair("ptfe", 0.04, 0.04, "Engineering ToolBox, Friction and friction coefficients"),
-    Pair("smooth_stone", 0.4, 0.3, "Monaco et al., Procedia Structural Integrity 29 (2020) 134-141"),
-    Pair("rough_stone", 0.75, 0.75, "Statics of drystone walls, stonewalls.ch"),
-    Pair(
+    MaterialPair("ptfe", 0.04, 0.04, "Engineering ToolBox, Friction and friction coefficients"),
+    MaterialPair("smooth_stone", 0.4, 0.3, "Monaco et al., Procedia Structural Integrity 29 (2020) 134-141"),
+    MaterialPair("rough_stone", 0.75, 0.75, "Statics of drystone walls, stonewalls.ch"),
+    MaterialPair(
         "rubber",
         1.0,
         0.8,
@@ -235,21 +235,21 @@ SPACE_OPTION_STEPS: Final = 400_000
 """Steps of each option's runs in space together: some fifteen seconds of one core."""
 
 
-class Answered(NamedTuple):
+class OptionDraws(NamedTuple):
     """What a model says of each draw, and whether the statue falls by an engine in the first of those outside its domain."""
 
     model: ModelDraws
     fell: Mapping[int, bool | None] = NONE_SAMPLED
 
 
-Ask = Callable[[Option], Answered | None]
+Ask = Callable[[Option], OptionDraws | None]
 """What a model answers of an option, on draws that are the same for all; None of one that it does not know."""
 
 
 def compare(
     options: Sequence[Option],
     left_out: Mapping[str, str],
-    own: Answered,
+    own: OptionDraws,
     ask: Ask,
     *,
     model: str = MODEL,
@@ -288,19 +288,19 @@ def in_plane(
                 parts[option.name].append(_slipping(option.change(drawn), {}, drawn, 1, option.slides))
         return {name: joined(several) for name, several in parts.items()}
 
-    def ask(option: Option) -> Answered:
+    def ask(option: Option) -> OptionDraws:
         other = option.change(scene)
         if option.user:
             drawn = common(inputs, values, uncertain_inputs(other), seed)
             first = None if sweepable(other, drawn) else SLOW_DRAWS
             model = model_draws(other, {key: column[:first] for key, column in drawn.items()})
-            return Answered(model, sampled(model, lambda number: varied(other, row(drawn, number))))
+            return OptionDraws(model, sampled(model, lambda number: varied(other, row(drawn, number))))
         at_once = swept[option.name]
         model = one_by_one()[option.name] if at_once is None else _slipping(other, at_once, scene, size, option.slides)
         if option.slides:
             # The one body that may slide is no scene of an engine's: its floor is what the pedestal stands on.
-            return Answered(model)
-        return Answered(model, sampled(model, lambda number: option.change(varied(scene, row(values, number)))))
+            return OptionDraws(model)
+        return OptionDraws(model, sampled(model, lambda number: option.change(varied(scene, row(values, number)))))
 
     return ask
 
@@ -320,13 +320,13 @@ def in_space(scene: Scene, inputs: Sequence[Uncertain], values: Mapping[str, Arr
     """The exact body's answers on the first of the draws (n,) of the scene as it is."""
     first = {key: column[:SPACE_OPTION_DRAWS] for key, column in values.items()}
 
-    def ask(option: Option) -> Answered | None:
+    def ask(option: Option) -> OptionDraws | None:
         if option.user:
             other = option.change(scene)
             found = space_draws(other, common(inputs, first, uncertain_inputs(other), seed), SPACE_OPTION_STEPS)
         else:
             found = space_draws(scene, first, SPACE_OPTION_STEPS, option.change)
-        return None if found is None else Answered(found)
+        return None if found is None else OptionDraws(found)
 
     return ask
 
@@ -378,7 +378,7 @@ def common(
     return result
 
 
-def answer_of(option: Option, answered: Answered, before: Answered | None) -> OptionAnswer:
+def answer_of(option: Option, answered: OptionDraws, before: OptionDraws | None) -> OptionAnswer:
     """What is told of an option, by its draws and the same ones `before` it, of the scene as it is."""
     model = answered.model
     share = probability_of(*answered)
@@ -391,7 +391,7 @@ def answer_of(option: Option, answered: Answered, before: Answered | None) -> Op
     return OptionAnswer(*told, share.draws, *interval, median_m, high_m, change, share.undecided)
 
 
-def difference_of(answered: Answered, before: Answered) -> Interval:
+def difference_of(answered: OptionDraws, before: OptionDraws) -> Interval:
     """The probability of a fall less the one before, of the same draws; where one comes to no end it may be either."""
     size = min(answered.model.overturned.size, before.model.overturned.size)
     paired = paired_difference(answered.model.overturned[:size], before.model.overturned[:size])

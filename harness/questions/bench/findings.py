@@ -7,17 +7,17 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
 from harness.model.finding import Finding, caution, info
-from harness.records.bench import DEFAULT, LEVEL, OTHER_PROJECT, TARGET, Choice, Covered, PrecisionRow
+from harness.records.bench import DEFAULT, LEVEL, OTHER_PROJECT, TARGET, Covered, LevelChoice, PrecisionRow
 
 
-def choice(rows: Sequence[PrecisionRow], target_rad: float) -> list[Choice]:
+def choice(rows: Sequence[PrecisionRow], target_rad: float) -> list[LevelChoice]:
     """For each engine what the target takes on the scenes where it gave an answer."""
     engines = dict.fromkeys(row.engine for row in rows)
     choices = [_choice([row for row in rows if row.engine == engine], target_rad) for engine in engines]
     return [item for item in choices if item is not None]
 
 
-def _choice(rows: Sequence[PrecisionRow], target_rad: float) -> Choice | None:
+def _choice(rows: Sequence[PrecisionRow], target_rad: float) -> LevelChoice | None:
     taken = {row.scene: row for row in rows if row.group == TARGET and row.failed is None}
     if not taken:
         return None
@@ -40,7 +40,7 @@ def _choice(rows: Sequence[PrecisionRow], target_rad: float) -> Choice | None:
             times[scene] = (row.cpu_s or 0.0) / min(good)
     total_s = sum(row.cpu_s or 0.0 for row in taken.values())
     worst = max(times, key=lambda scene: times[scene], default=None)
-    return Choice(
+    return LevelChoice(
         rows[0].engine,
         len(taken),
         sum(row.meets(target_rad) for row in taken.values()),
@@ -77,7 +77,7 @@ def speeds(rows: Sequence[PrecisionRow], target_rad: float) -> list[Finding]:
     ]
 
 
-def takes(choices: Sequence[Choice], target_rad: float, scenes_of: str) -> list[Finding]:
+def takes(choices: Sequence[LevelChoice], target_rad: float, scenes_of: str) -> list[Finding]:
     """What the target takes on a set of scenes (`standard`, or those `seeded` that meet it to the end)."""
     return [
         info("target_takes", scenes_of=scenes_of, target_rad=target_rad, **vars(item)).of(item.engine)

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from harness.model.finding import Finding, info
 from harness.questions.bench import programs
-from harness.records.bench import BenchRecord, SolverRow, Start, Throughput
+from harness.records.bench import BenchRecord, SolverRow, StartRow, Throughput
 from harness.runs.parts import Row
 
 COMPARED: Final = {
@@ -34,7 +34,7 @@ def collected(rows: Sequence[Row]) -> dict[str, Any]:
     if "throughput" in parts:
         parts["throughput"] = {name: Throughput(**rate) for name, rate in parts["throughput"].items()}
     if "startup" in parts:
-        parts["startup"] = Start(**parts["startup"])
+        parts["startup"] = StartRow(**parts["startup"])
     return {"solvers": [SolverRow(**row) for row in rows if "solver" in row], **parts}
 
 

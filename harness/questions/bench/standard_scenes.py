@@ -11,7 +11,7 @@ from harness.input.paths import DATA_VARIABLE
 from harness.model.errors import InputError
 from harness.model.scene import Scene
 from harness.questions.effects3d.search import RAGGED_M, RAGGED_SEED, RAGGED_SPACING_M, with_solid
-from harness.questions.study.cases import Base
+from harness.questions.study.cases import BaseScene
 from harness.records.base import Table
 from meshes.roughening import ragged
 
@@ -62,7 +62,7 @@ class Standard:
 
 def scene_of(title: str, content: Mapping[str, object]) -> Scene:
     """A scene from the content of a scene file (without its title). Raises `InputError`."""
-    return Base(Path("scene.toml"), {"title": title, **cast(Table, content)}).scene({})
+    return BaseScene(Path("scene.toml"), {"title": title, **cast(Table, content)}).scene({})
 
 
 def harmonic(amplitude_g: float, frequency_hz: float) -> dict[str, object]:

@@ -17,7 +17,7 @@ from analytic.excitation import ZeroExcitation
 from harness.accuracy.simulation import simulate
 from harness.engines.spatial import LEVELS, problem_of
 from harness.input.mesh_statue import statue_of
-from harness.input.mistakes import Table
+from harness.input.mistakes import UserTable
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History, Outcome
 from harness.model.run import Run, RunOptions
@@ -49,7 +49,7 @@ FLAT_M: Final = 1e-6
 
 
 @dataclass(frozen=True)
-class Condition:
+class EffectCondition:
     """One thing changed: its group, how the scene is changed, whether planar models see it, and its share of the time step."""
 
     group: Group
@@ -108,23 +108,25 @@ def _rougher(relative: float) -> Callable[[Scene], Scene]:
     return change
 
 
-CONDITIONS: Final[Mapping[str, Condition]] = {
-    BASELINE: Condition("baseline", lambda scene: _along(scene, "x")),
-    "with the vertical component": Condition("components", lambda scene: _along(scene, "xz")),
-    "with the second horizontal component": Condition("components", lambda scene: _along(scene, "xy"), planar=False),
-    "with all three components": Condition("components", lambda scene: scene, planar=False),
-    "base ragged by 1 mm": Condition("base", _ragged),
-    "base planed flat": Condition("base", _adjusted(flat_base=True)),
-    "products of inertia left out": Condition("inertia", _adjusted(products=False), planar=False),
-    "centroid 3 % higher": Condition("uncertainty", _adjusted(centroid_rel=GEOMETRY_REL)),
-    "centroid 3 % lower": Condition("uncertainty", _adjusted(centroid_rel=-GEOMETRY_REL)),
-    "base 3 % wider": Condition("uncertainty", _adjusted(base_rel=GEOMETRY_REL)),
-    "base 3 % narrower": Condition("uncertainty", _adjusted(base_rel=-GEOMETRY_REL)),
-    "inertia 3 % larger": Condition("uncertainty", _adjusted(inertia_rel=GEOMETRY_REL)),
-    "inertia 3 % smaller": Condition("uncertainty", _adjusted(inertia_rel=-GEOMETRY_REL)),
-    "friction 10 % larger": Condition("uncertainty", _rougher(FRICTION_REL), planar=False),
-    "friction 10 % smaller": Condition("uncertainty", _rougher(-FRICTION_REL), planar=False),
-    "half the time step": Condition("numerical", lambda scene: _along(scene, "x"), planar=False, step_share=0.5),
+CONDITIONS: Final[Mapping[str, EffectCondition]] = {
+    BASELINE: EffectCondition("baseline", lambda scene: _along(scene, "x")),
+    "with the vertical component": EffectCondition("components", lambda scene: _along(scene, "xz")),
+    "with the second horizontal component": EffectCondition(
+        "components", lambda scene: _along(scene, "xy"), planar=False
+    ),
+    "with all three components": EffectCondition("components", lambda scene: scene, planar=False),
+    "base ragged by 1 mm": EffectCondition("base", _ragged),
+    "base planed flat": EffectCondition("base", _adjusted(flat_base=True)),
+    "products of inertia left out": EffectCondition("inertia", _adjusted(products=False), planar=False),
+    "centroid 3 % higher": EffectCondition("uncertainty", _adjusted(centroid_rel=GEOMETRY_REL)),
+    "centroid 3 % lower": EffectCondition("uncertainty", _adjusted(centroid_rel=-GEOMETRY_REL)),
+    "base 3 % wider": EffectCondition("uncertainty", _adjusted(base_rel=GEOMETRY_REL)),
+    "base 3 % narrower": EffectCondition("uncertainty", _adjusted(base_rel=-GEOMETRY_REL)),
+    "inertia 3 % larger": EffectCondition("uncertainty", _adjusted(inertia_rel=GEOMETRY_REL)),
+    "inertia 3 % smaller": EffectCondition("uncertainty", _adjusted(inertia_rel=-GEOMETRY_REL)),
+    "friction 10 % larger": EffectCondition("uncertainty", _rougher(FRICTION_REL), planar=False),
+    "friction 10 % smaller": EffectCondition("uncertainty", _rougher(-FRICTION_REL), planar=False),
+    "half the time step": EffectCondition("numerical", lambda scene: _along(scene, "x"), planar=False, step_share=0.5),
 }
 """Every condition by name, the baseline first. `planar` says that the planar models see the change."""
 
@@ -228,7 +230,7 @@ BEGIN_SHARE: Final = 0.95
 """The grid begins at this share of the amplitude below which nothing can move."""
 
 
-class Search(Table):
+class Search(UserTable):
     """`[search]`: peaks of the floor up to `most_g` are tried, to `resolution` (relative), at contact engines' steps of `dt_s`.
 
     Overturning is not monotonic in amplitude: what is found is the least of a grid that overturns, bracketed below.
@@ -244,7 +246,7 @@ class Search(Table):
 
 
 @dataclass(frozen=True)
-class Crossing:
+class AmplitudeCrossing:
     """A crossing: the amplitude that overturns (None: none up to the most tried), the largest tried below it that stands."""
 
     above: float | None
@@ -257,7 +259,9 @@ Outcomes = Callable[[float], Outcome | None]
 """How the statue overturns at a factor on the motion, None where it does not."""
 
 
-def _halved(outcome: _lru_cache_wrapper[Outcome | None], below: float, above: float, resolution: float) -> Crossing:
+def _halved(
+    outcome: _lru_cache_wrapper[Outcome | None], below: float, above: float, resolution: float
+) -> AmplitudeCrossing:
     """The crossing between a factor that stands (or 0) and one that overturns, to the resolution."""
     while below > 0.0 and above / below > 1.0 + resolution:
         middle = math.sqrt(above * below)
@@ -265,10 +269,12 @@ def _halved(outcome: _lru_cache_wrapper[Outcome | None], below: float, above: fl
             below = middle
         else:
             above = middle
-    return Crossing(above, below, outcome(above), outcome.cache_info().currsize)
+    return AmplitudeCrossing(above, below, outcome(above), outcome.cache_info().currsize)
 
 
-def first_crossing(outcome_at: Outcomes, least: float, most: float, step: float, resolution: float) -> Crossing:
+def first_crossing(
+    outcome_at: Outcomes, least: float, most: float, step: float, resolution: float
+) -> AmplitudeCrossing:
     """The least factor of a geometric grid from `least` to `most` that overturns, bracketed from below."""
     outcome, below = cache(outcome_at), 0.0
     count = max(math.ceil(math.log(most / least) / math.log(step)), 1)
@@ -276,10 +282,12 @@ def first_crossing(outcome_at: Outcomes, least: float, most: float, step: float,
         if outcome(factor) is not None:
             return _halved(outcome, below, factor, resolution)
         below = factor
-    return Crossing(None, below, None, outcome.cache_info().currsize)
+    return AmplitudeCrossing(None, below, None, outcome.cache_info().currsize)
 
 
-def nearest_crossing(outcome_at: Outcomes, near: float, least: float, most: float, resolution: float) -> Crossing:
+def nearest_crossing(
+    outcome_at: Outcomes, near: float, least: float, most: float, resolution: float
+) -> AmplitudeCrossing:
     """The crossing next to `near`, by strides that double away from it; between `least` and `most`."""
     outcome, stride = cache(outcome_at), 1.0 + 4.0 * resolution
     above, below = None, 0.0
@@ -300,7 +308,7 @@ def nearest_crossing(outcome_at: Outcomes, near: float, least: float, most: floa
         if outcome(higher) is not None:
             return _halved(outcome, below, higher, resolution)
         below = higher
-    return Crossing(None, below, None, outcome.cache_info().currsize)
+    return AmplitudeCrossing(None, below, None, outcome.cache_info().currsize)
 
 
 def run_once(scene: Scene, engine: str, dt_s: float, *, history: bool = False) -> Run:

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Final, Literal, TypeVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from harness.input.mistakes import Contradiction, Table
+from harness.input.mistakes import Contradiction, UserTable
 from harness.input.tables import read_model
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
@@ -36,16 +36,16 @@ from harness.questions.effects3d.search import (
     without_meaning,
 )
 from harness.questions.scene.scene_run import run_scene, write_result
-from harness.questions.study.cases import Base, base_of_scene
+from harness.questions.study.cases import BaseScene, base_of_scene
 from harness.questions.study.file import EngineName
 from harness.records.base import part
 from harness.records.effects3d import (
     BASELINE,
     SOLID,
     Amplitude,
+    AmplitudeChange,
     AskedRecord,
     Band,
-    Change,
     Departure,
     Effect,
     EffectsRecord,
@@ -58,7 +58,7 @@ from harness.records.scene import SceneRecord
 from harness.runs.execute import Campaign, OnProgress, silent
 from harness.runs.runner import Pool
 from harness.runs.store import STORE_NAME, Store, check_begun
-from harness.runs.task import Answer, Task, request_key
+from harness.runs.task import Task, TaskResult, request_key
 from harness.statics.standstill import motion_sized
 from meshes import footprint
 from meshes.orientation import turn_axis
@@ -117,7 +117,7 @@ def effects(rows: Sequence[Amplitude], conditions: Sequence[str]) -> list[Effect
             if not mine:
                 continue
             changes = [
-                Change(row.azimuth_deg, row.peak_g / unchanged - 1.0)
+                AmplitudeChange(row.azimuth_deg, row.peak_g / unchanged - 1.0)
                 for row in mine
                 for unchanged in [base[engine, row.azimuth_deg]]
                 if row.peak_g is not None and unchanged is not None
@@ -255,19 +255,19 @@ WORK: Final[dict[type, tuple[str, Callable[..., object]]]] = {
 T = TypeVar("T", Amplitude, Band, Departure)
 
 
-def answer(question: tuple[type, Base, tuple[Any, ...]]) -> Answer:
+def answer(question: tuple[type, BaseScene, tuple[Any, ...]]) -> TaskResult:
     """What a worker does for the answer of a class, from its scene and arguments; its cost is the processor time, s, it took."""
     begin = time.process_time()
     kind, base, arguments = question
     name, work = WORK[kind]
     plain = record.to_plain(work(base.scene({}), *arguments))
-    return Answer(name, plain, time.process_time() - begin)
+    return TaskResult(name, plain, time.process_time() - begin)
 
 
 class Questions:
     """Asks what the store does not hold, and counts."""
 
-    def __init__(self, base: Base, scene: Scene, store: Store, pool: Pool, on_progress: OnProgress) -> None:
+    def __init__(self, base: BaseScene, scene: Scene, store: Store, pool: Pool, on_progress: OnProgress) -> None:
         self._base, self._scene, self._store = base, scene, store
         self.campaign = Campaign(store, pool, on_progress)
         self.asked = self.runs = 0
@@ -417,7 +417,7 @@ REFUSES: Final = {"--export": "a study of cases: all of one of the third dimensi
 KIND = "effects3d"
 
 
-class EffectsFile(Table):
+class EffectsFile(UserTable):
     """A whole file of `kind = "effects3d"`.
 
     Directions are `directions` equal parts of the circle; conditions are asked at every `every`-th of them. `samples` statues

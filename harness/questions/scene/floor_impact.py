@@ -16,7 +16,7 @@ from harness.engines.base import EngineFailure
 from harness.model.finding import Finding, changes_answer
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
-from harness.records.run import Choice, DecidedBy
+from harness.records.run import DecidedBy, LawChoice
 
 KEY: Final = "contact.floor_impact"
 MODEL: Final = "analytic"
@@ -44,7 +44,7 @@ def decided_by(scene: Scene, runs: Mapping[str, Run]) -> DecidedBy | None:
     (other, at_s), contact = found, scene.contact
     another = "kinetic" if contact.at_impact == contact.floor_static else "static"
     outcomes = {str(contact.floor_impact): model, another: other}
-    said = {name: Choice(run.outcome, run.end_s, run.peak_theta_rad) for name, run in outcomes.items()}
+    said = {name: LawChoice(run.outcome, run.end_s, run.peak_theta_rad) for name, run in outcomes.items()}
     return DecidedBy(KEY, at_s, said, model.outcome is not other.outcome)
 
 

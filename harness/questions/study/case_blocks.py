@@ -33,11 +33,11 @@ from harness.questions.study.case_columns import (
     swept,
     varied_column,
 )
-from harness.questions.study.cases import Base, CaseScenes, expand
+from harness.questions.study.cases import BaseScene, CaseScenes, expand
 from harness.questions.study.file import StudyFile, Value
 from harness.records.study import CaseRun, StudyRow, TableRecord
 from harness.runs.store import STORE_NAME, PlannedRow, Store
-from harness.runs.task import Answer, RunRequest, Task, key_of, run_request
+from harness.runs.task import RunRequest, Task, TaskResult, key_of, run_request
 
 # The rows of a study as its store holds them, one by one or in blocks: typed once, for all that is counted
 # and shown of them.
@@ -125,7 +125,7 @@ MOST_SAMPLES: Final = 4_000_000
 """Samples of records that are run together, 64 MB of them."""
 
 
-def in_columns(study: StudyFile, base: Base) -> bool:
+def in_columns(study: StudyFile, base: BaseScene) -> bool:
     """Whether a study's results stand in columns: very many runs of the analytic model, for their outcomes alone."""
     own = {name for variant in study.variant for name in variant.engines} == {selection.REFERENCE}
     bare = study.ask.cases == "all" and not study.ask.histories and study.claims is None
@@ -138,26 +138,26 @@ def in_columns(study: StudyFile, base: Base) -> bool:
 
 
 @dataclass(frozen=True)
-class Block:
+class CaseBlock:
     """Neighbouring cases of a study: everything that a worker on another machine needs."""
 
     study: StudyFile
-    base: Base
+    base: BaseScene
     numbers: range
 
 
-def block_tasks(study: StudyFile, base: Base) -> Iterator[Task]:
+def block_tasks(study: StudyFile, base: BaseScene) -> Iterator[Task]:
     """The blocks of a study, in order; each is named by the study's content, its scene's (files included), and versions."""
     asked = study.asked_rad.get(selection.REFERENCE, DEFAULT_ACCURACY_RAD)
     request = RunRequest(lambda: base.scene({}), selection.REFERENCE, asked)
     keys = [request.task(base.scene(variant.set)).key for variant in study.variant]
     name = key_of(study.model_dump_json(), base.content, keys)
     for start in range(0, study.runs, BLOCK):
-        block = Block(study, base, range(start, min(start + BLOCK, study.runs)))
+        block = CaseBlock(study, base, range(start, min(start + BLOCK, study.runs)))
         yield Task(key_of(name, start, BLOCK), run_block, block, selection.REFERENCE, runs=len(block.numbers))
 
 
-def run_block(block: Block) -> Answer:
+def run_block(block: CaseBlock) -> TaskResult:
     """Run every case of a block: its columns, and what they have in common."""
     begin = time.perf_counter()
     cases = list(expand(block.study, block.base, block.numbers))
@@ -170,13 +170,13 @@ def run_block(block: Block) -> Answer:
     outcomes = Counter(table["outcome"].tolist())
     record = {"settings": runs.settings, "varied": list(varied), "outcomes": outcomes}
     seconds = time.perf_counter() - begin
-    return Answer(KIND, to_plain(record), seconds, inside_s=runs.inside_s, failed=runs.failed, table=table)
+    return TaskResult(KIND, to_plain(record), seconds, inside_s=runs.inside_s, failed=runs.failed, table=table)
 
 
 class SweptRuns:
     """Cases of a base scene, gathered and run together; one that the model refuses is run, and fails, as any single run does."""
 
-    def __init__(self, base: Base, asked_rad: float) -> None:
+    def __init__(self, base: BaseScene, asked_rad: float) -> None:
         self._base, self._asked = base, asked_rad
         levels = engines.load(selection.REFERENCE).refinement_levels(base.scene({}))
         chosen = twoblock.own(first_level(levels, self._asked, 1.0)[0])
@@ -231,7 +231,7 @@ _REMEMBERED: Final[dict[str, CaseScenes]] = {}
 """The scenes of the study at work: what its blocks share is read once in each worker."""
 
 
-def _scenes(base: Base, accuracy: float) -> CaseScenes:
+def _scenes(base: BaseScene, accuracy: float) -> CaseScenes:
     name = json.dumps([str(base.path), base.content, accuracy], default=str)
     if name not in _REMEMBERED:
         _REMEMBERED.clear()

@@ -17,7 +17,7 @@ from harness.model.history import Outcome
 from harness.model.run import NUMBERS, to_plain
 from harness.model.run_set import column_of
 from harness.model.scene import BaseExcitation
-from harness.questions.study.cases import Still
+from harness.questions.study.cases import StillScene
 from harness.questions.study.file import StudyFile, Value
 from harness.records.base import Plain
 
@@ -49,7 +49,7 @@ class Shaken(NamedTuple):
     """A case as the model reads it, and its place among others."""
 
     place: int
-    still: Still
+    still: StillScene
     motion: BaseExcitation
 
 

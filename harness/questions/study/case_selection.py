@@ -33,7 +33,7 @@ COARSEST: Final = 8
 
 
 @dataclass(frozen=True)
-class Answer:
+class PlaceAnswer:
     """What one run said: its outcome and its peak as a share of the slenderness on that side."""
 
     outcome: str
@@ -46,7 +46,7 @@ def map_axes(study: StudyFile) -> tuple[int, int]:
     return first, second
 
 
-def near_boundary(known: Mapping[Place, Answer], margin: float, share: float, seed: int) -> dict[Place, str]:
+def near_boundary(known: Mapping[Place, PlaceAnswer], margin: float, share: float, seed: int) -> dict[Place, str]:
     """Places whose neighbour's outcome differs or whose peak is near the balance point; of the rest a random share."""
     reasons = {}
     stream = random.Random(seed)

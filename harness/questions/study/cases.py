@@ -43,16 +43,16 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Base:
+class BaseScene:
     """The base scene's content and where it stands (None: in no file)."""
 
     path: Path | None
     content: Mapping[str, JsonValue]
     _statues: load.Statues = field(default_factory=dict, compare=False, repr=False)
 
-    def __reduce__(self) -> tuple[type[Base], tuple[Path | None, Mapping[str, JsonValue]]]:
+    def __reduce__(self) -> tuple[type[BaseScene], tuple[Path | None, Mapping[str, JsonValue]]]:
         """Sent to a worker as it was read, without the statues that were resolved here."""
-        return Base, (self.path, self.content)
+        return BaseScene, (self.path, self.content)
 
     def with_keys(self, setting: Mapping[str, Value]) -> dict[str, JsonValue]:
         """The content with some keys set: `"keep"` leaves one, `"none"` removes it. Raises `InputError` for a key of no table."""
@@ -74,15 +74,15 @@ class Base:
         return load.resolve(model, self.path, content, self._statues)
 
 
-def base_of(study: StudyFile, path: Path) -> Base:
+def base_of(study: StudyFile, path: Path) -> BaseScene:
     """The study's base scene, checked. Raises `InputError`."""
     return base_of_scene(path.parent / study.scene)
 
 
-def base_of_scene(path: Path) -> Base:
+def base_of_scene(path: Path) -> BaseScene:
     """A scene file as the base of cases, checked. Raises `InputError`."""
     _, content = tables.parse(tables.read(path), str(path))
-    return Base(path, content)
+    return BaseScene(path, content)
 
 
 def _copied(table: Mapping[str, JsonValue]) -> dict[str, JsonValue]:
@@ -90,7 +90,7 @@ def _copied(table: Mapping[str, JsonValue]) -> dict[str, JsonValue]:
     return {key: _copied(value) if isinstance(value, dict) else value for key, value in table.items()}
 
 
-def expand(study: StudyFile, base: Base, numbers: Iterable[int] | None = None) -> Iterator[Case]:
+def expand(study: StudyFile, base: BaseScene, numbers: Iterable[int] | None = None) -> Iterator[Case]:
     """The cases of a study in a fixed order: axes in the file's order, samples innermost, variants last; or some by number."""
     axes = [item.all_values for item in study.vary]
     # Each key has a stream of its own, so that adding one changes no other.
@@ -117,7 +117,7 @@ def _also(axes: Sequence[Vary], varied: Mapping[str, Value]) -> dict[str, float]
     return further
 
 
-def _drawn(item: Scatter, base: Base, stream: np.random.Generator, samples: int) -> NDArray[np.float64]:
+def _drawn(item: Scatter, base: BaseScene, stream: np.random.Generator, samples: int) -> NDArray[np.float64]:
     if item.low is not None and item.high is not None:
         return stream.uniform(item.low, item.high, samples)
     centre: JsonValue = dict(base.content)
@@ -149,7 +149,7 @@ MOST_SAMPLES: Final = 4_000_000
 Own = tuple[tuple[str, Value], ...]
 
 
-class Still(NamedTuple):
+class StillScene(NamedTuple):
     """A scene without its motion, and as the model reads it."""
 
     scene: Scene
@@ -163,7 +163,7 @@ class CaseScenes:
     refused apart is resolved whole, so that the same mistake is told as of a single run.
     """
 
-    def __init__(self, base: Base, accuracy_rad: float) -> None:
+    def __init__(self, base: BaseScene, accuracy_rad: float) -> None:
         self._base, self._accuracy_rad = base, accuracy_rad
         uncertain = base.content.get("uncertainty")
         inputs = uncertain if isinstance(uncertain, Mapping) else {}
@@ -171,11 +171,11 @@ class CaseScenes:
         of_bodies = {key: value for key, value in inputs.items() if not key.startswith("motion.")}
         self._without_motion = replace(base, content={**still, "uncertainty": of_bodies})
         self._uncertain = bool(inputs)
-        self._stills: dict[Own, Still] = {}
+        self._stills: dict[Own, StillScene] = {}
         self._unscaled: dict[Own, BaseExcitation] = {}
         self._motions: dict[Own, BaseExcitation] = {}
 
-    def still(self, setting: Setting) -> Still:
+    def still(self, setting: Setting) -> StillScene:
         """The case's scene without its motion. Raises `InputError` for a case that is no scene."""
         own = tuple((key, value) for key, value in setting.items() if not _of_motion(key))
         if own not in self._stills:
@@ -187,7 +187,7 @@ class CaseScenes:
                 raise
             given = cast(Keywords, twoblock.keywords(scene))
             problem, _ = stated(twoblock.block_of(scene), ZeroExcitation(), None, given)
-            self._stills[own] = Still(scene, body_of(problem, self._accuracy_rad))
+            self._stills[own] = StillScene(scene, body_of(problem, self._accuracy_rad))
         return self._stills[own]
 
     def motion(self, setting: Setting, still: Scene) -> BaseExcitation:

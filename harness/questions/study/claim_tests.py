@@ -41,11 +41,11 @@ Counted = tuple[int, int, Finding]
 """How many parts or cases held, of how many that were tested, and the evidence."""
 InParts = tuple[int, int, Finding, tuple[str, ...]]
 """The same of a claim of several parts, and those of which there was no case."""
-Test = Callable[[Sequence["Answer"]], Counted | InParts]
+Test = Callable[[Sequence["ClaimRun"]], Counted | InParts]
 
 
 @dataclass(frozen=True)
-class Answer:
+class ClaimRun:
     """One run of the table: what was set and what came out."""
 
     varied: Mapping[str, Value]
@@ -73,10 +73,10 @@ class Answer:
         return tuple(sorted((key, value) for key, value in self.varied.items() if key not in keys))
 
 
-def answer(run: CaseRun, varied: Mapping[str, Value]) -> Answer:
+def answer(run: CaseRun, varied: Mapping[str, Value]) -> ClaimRun:
     """A row of a study as the tests of claims read it."""
     no_return_s = run.no_return_time_s if run.outcome.overturned else None
-    return Answer(
+    return ClaimRun(
         varied={key: value for key, value in varied.items() if key != "variant"},
         peak_rad=abs(run.peak_theta_rad),
         overturned=run.outcome.overturned,
@@ -89,22 +89,22 @@ def answer(run: CaseRun, varied: Mapping[str, Value]) -> Answer:
     )
 
 
-def _pairs(answers: Sequence[Answer]) -> list[tuple[Answer, Answer]]:
+def _pairs(answers: Sequence[ClaimRun]) -> list[tuple[ClaimRun, ClaimRun]]:
     """(without, with) pedestal of the same condition."""
     floor = {item.without(SUPPORT): item for item in answers if not item.pedestal}
     stones = [(item.without(SUPPORT), item) for item in answers if item.pedestal]
     return [(floor[condition], item) for condition, item in stones if condition in floor]
 
 
-def _series(answers: Sequence[Answer], key: str) -> list[list[Answer]]:
+def _series(answers: Sequence[ClaimRun], key: str) -> list[list[ClaimRun]]:
     """Answers that differ by the number of a key alone, by its size."""
-    series: dict[Condition, list[Answer]] = defaultdict(list)
+    series: dict[Condition, list[ClaimRun]] = defaultdict(list)
     for item in sorted(answers, key=lambda item: float(item.varied[key])):
         series[item.without(key)].append(item)
     return [*series.values()]
 
 
-def rotates_more(answers: Sequence[Answer]) -> Counted:
+def rotates_more(answers: Sequence[ClaimRun]) -> Counted:
     low = [(f, p) for f, p in _pairs(answers) if f.frequency_hz <= LOW_HZ]
     held = sum(
         f.no_return_s <= p.no_return_s if f.overturned or p.overturned else f.peak_rad > p.peak_rad for f, p in low
@@ -113,7 +113,7 @@ def rotates_more(answers: Sequence[Answer]) -> Counted:
     return held, len(low), info("evidence_i", held=held, cases=len(low), limit_hz=LOW_HZ, both=both)
 
 
-def prevents(answers: Sequence[Answer]) -> Counted:
+def prevents(answers: Sequence[ClaimRun]) -> Counted:
     pairs = _pairs(answers)
     saved = sum(f.overturned and not p.overturned for f, p in pairs)
     lost = sum(p.overturned and not f.overturned for f, p in pairs)
@@ -123,7 +123,7 @@ def prevents(answers: Sequence[Answer]) -> Counted:
     return min(saved, 1), min(falling, 1), text
 
 
-def fades(answers: Sequence[Answer]) -> Counted:
+def fades(answers: Sequence[ClaimRun]) -> Counted:
     """(iii): the pedestal's advantage is greater in the mean at low frequencies than above."""
     low: dict[Condition, list[float]] = defaultdict(list)
     high: dict[Condition, list[float]] = defaultdict(list)
@@ -139,7 +139,7 @@ def fades(answers: Sequence[Answer]) -> Counted:
     return held, len(series), info("evidence_iii", **values)
 
 
-def falls_with_frequency(answers: Sequence[Answer]) -> Counted:
+def falls_with_frequency(answers: Sequence[ClaimRun]) -> Counted:
     falls = steps = fallen = 0
     for ordered in _series(answers, FREQUENCY):
         steps += len(ordered) - 1
@@ -148,7 +148,7 @@ def falls_with_frequency(answers: Sequence[Answer]) -> Counted:
     return falls, steps, info("evidence_iv", held=falls, cases=steps, both=fallen)
 
 
-def small_displacement(answers: Sequence[Answer]) -> Counted:
+def small_displacement(answers: Sequence[ClaimRun]) -> Counted:
     slips = [item.slip_m for item in answers if item.pedestal]
     if not slips:
         return _untested("pedestal")
@@ -157,7 +157,7 @@ def small_displacement(answers: Sequence[Answer]) -> Counted:
     return held, len(slips), info("evidence_v", **values)
 
 
-def wall_limit(answers: Sequence[Answer], top_m: float) -> InParts:
+def wall_limit(answers: Sequence[ClaimRun], top_m: float) -> InParts:
     """Two parts: the geometry, and that no statue which comes back leans further than the limit."""
     geometry = abs(top_m / WALL_M - 1.0) <= WALL_SLACK
     back = [item.peak_rad for item in answers if item.stands]
@@ -166,7 +166,7 @@ def wall_limit(answers: Sequence[Answer], top_m: float) -> InParts:
     return int(geometry) + int(within), 1 + bool(back), text, () if back else ("returning",)
 
 
-def only_rocks(answers: Sequence[Answer]) -> Counted:
+def only_rocks(answers: Sequence[ClaimRun]) -> Counted:
     """(vii): on a pedestal above 3 Hz the statue rocks and the pedestal does not slide."""
     high = [item for item in answers if item.pedestal and item.frequency_hz > LOW_HZ]
     if not high:
@@ -178,7 +178,7 @@ def only_rocks(answers: Sequence[Answer]) -> Counted:
     return held, len(high), text
 
 
-def goes_on_rocking(answers: Sequence[Answer]) -> Counted:
+def goes_on_rocking(answers: Sequence[ClaimRun]) -> Counted:
     """(viii): above 3 Hz the statue still strikes its support at the end of the run, and stands."""
     high = [item for item in answers if item.frequency_hz > LOW_HZ and item.last_impact_s is not None]
     if not high:
@@ -189,7 +189,7 @@ def goes_on_rocking(answers: Sequence[Answer]) -> Counted:
     return held, len(high), text
 
 
-def reduces(answers: Sequence[Answer]) -> Counted:
+def reduces(answers: Sequence[ClaimRun]) -> Counted:
     """(ix): where neither overturns, the statue on its pedestal turns less; one case is enough for "in some cases"."""
     stand = [(f.peak_rad, p.peak_rad) for f, p in _pairs(answers) if f.stands and p.stands and f.peak_rad >= ROCKS_RAD]
     if not stand:
@@ -199,7 +199,7 @@ def reduces(answers: Sequence[Answer]) -> Counted:
     return min(less, 1), 1, info("evidence_ix", less=less, cases=len(stand), share=share)
 
 
-def weakest_plane(answers: Sequence[Answer]) -> Counted:
+def weakest_plane(answers: Sequence[ClaimRun]) -> Counted:
     """(x): in no other plane does the same motion turn the statue more, or overturn it sooner."""
     lateral = {item.without(AZIMUTH): item for item in answers if float(item.varied.get(AZIMUTH, 0.0)) == 0.0}
     others = [
@@ -212,18 +212,18 @@ def weakest_plane(answers: Sequence[Answer]) -> Counted:
     return held, len(pairs), info("evidence_x", **values, others=len(others), held=held, cases=len(pairs))
 
 
-def _is_worse(first: Answer, other: Answer) -> bool:
+def _is_worse(first: ClaimRun, other: ClaimRun) -> bool:
     if first.overturned or other.overturned:
         return first.no_return_s <= other.no_return_s
     return first.peak_rad >= other.peak_rad
 
 
-def reaches_the_wall(answers: Sequence[Answer]) -> InParts:
+def reaches_the_wall(answers: Sequence[ClaimRun]) -> InParts:
     """(xi): each kind of motion (the paper's figure 3) turns the statue as far as the wall under some condition.
 
     The paper's figures show the size of a rotation and not which way the wall is: either side counts.
     """
-    kinds: dict[str, list[Answer]] = {name: [] for name in KINDS}
+    kinds: dict[str, list[ClaimRun]] = {name: [] for name in KINDS}
     for item in answers:
         rocks, slides = item.overturned or item.peak_rad >= ROCKS_RAD, item.slip_m >= AT_REST_M
         if rocks or slides:
@@ -237,7 +237,7 @@ def reaches_the_wall(answers: Sequence[Answer]) -> InParts:
     return sum(count > 0 for count in counts.values()), len(counts), text, untested
 
 
-def loses_less(answers: Sequence[Answer]) -> Counted:
+def loses_less(answers: Sequence[ClaimRun]) -> Counted:
     """(xii): at the next higher ratio the mean loss of an impact is not greater. A model's own impact knows no ratio."""
     held = steps = 0
     means: dict[float, list[float]] = {}

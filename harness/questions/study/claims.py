@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from harness.engines.stepping.loop import IMPOSED_LABEL
 from harness.model.history import History
 from harness.questions.study import claim_tests as tests
-from harness.questions.study.claim_tests import Answer, Test
+from harness.questions.study.claim_tests import ClaimRun, Test
 from harness.records.study import ClaimAnswer, ClaimVerdict, StudyRow
 
 HOLDS: Final[ClaimAnswer] = "holds"
@@ -43,7 +43,7 @@ def judge(rows: Iterable[StudyRow], top_m: float, asked: str = "paper") -> list[
 
     `top_m` is the horizontal displacement of the statue's top at the rotation `WALL_RAD`.
     """
-    models: dict[tuple[str, str], list[Answer]] = {}
+    models: dict[tuple[str, str], list[ClaimRun]] = {}
     imposed_variants = set()
     for row in rows:
         if row.run is not None and not row.run.outcome.failed:

@@ -10,7 +10,7 @@ from harness.comparison.comparator import judge, shares
 from harness.comparison.scores.events import LEAST_VALUES
 from harness.comparison.side import side_of
 from harness.comparison.statistics.distributions import RESAMPLES, compare_distributions, compare_logarithms
-from harness.comparison.statistics.outcomes import Case, score_outcomes
+from harness.comparison.statistics.outcomes import Prediction, score_outcomes
 from harness.model.history import History, Outcome, pair
 from harness.questions.study.case_blocks import KeyedRow
 from harness.records.scores import Verdict
@@ -70,7 +70,7 @@ def _rocks(run: CaseRun) -> bool:
     return run.outcome is Outcome.STANDS and abs(run.peak_theta_rad) > ROCKS_RAD
 
 
-def _judged(a: Answered, b: Answered, history: Callable[[str], History | None]) -> tuple[Case, Verdict]:
+def _judged(a: Answered, b: Answered, history: Callable[[str], History | None]) -> tuple[Prediction, Verdict]:
     (first, key_a), (second, key_b) = a, b
     history_a, history_b = (None if key is None else history(key) for key in (key_a, key_b))
     sides = side_of(first, first.engine), side_of(second, second.engine)
@@ -80,4 +80,4 @@ def _judged(a: Answered, b: Answered, history: Callable[[str], History | None]) 
     verdict, evidence, _ = judge(*sides, both)
     flips = evidence.outcome_flips_within_uncertainty, evidence.side_flips_within_uncertainty
     times = first.no_return_time_s, second.no_return_time_s
-    return Case(first.outcome, second.outcome, *flips, times), verdict
+    return Prediction(first.outcome, second.outcome, *flips, times), verdict

@@ -17,7 +17,7 @@ from harness.questions.scene.witness import BUDGET
 from harness.questions.scene.workload import LONGEST_S
 from harness.questions.study.case_blocks import in_columns
 from harness.questions.study.case_selection import COARSEST, REFERENCE, map_axes
-from harness.questions.study.cases import Base, Case, expand
+from harness.questions.study.cases import BaseScene, Case, expand
 from harness.questions.study.file import StudyFile
 from harness.questions.study.witnessed import SHARE
 from harness.runs.progress import duration_words
@@ -46,7 +46,7 @@ class StudyCost(NamedTuple):
     each_s: float
 
 
-def cost(study: StudyFile, base: Base, workers: int, *, witness: bool = False) -> StudyCost:
+def cost(study: StudyFile, base: BaseScene, workers: int, *, witness: bool = False) -> StudyCost:
     """What the study is expected to take, nothing of it being stored yet: by drawn cases of each variant.
 
     What is the same to an engine by its physics counts once.
@@ -79,7 +79,7 @@ def cost(study: StudyFile, base: Base, workers: int, *, witness: bool = False) -
     return StudyCost(RESULT_S + START_S * workers + CASE_S * rows + spent, spent / contact if contact else 0.0)
 
 
-def alike(study: StudyFile, base: Base, case: Case, name: str) -> float:
+def alike(study: StudyFile, base: BaseScene, case: Case, name: str) -> float:
     """How many cases of its variant are one run to an engine: the product of how many are along each axis through the case."""
     engine, sizes = engines.load(name), [*study.sizes, len(study.variant)]
 

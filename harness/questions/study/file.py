@@ -10,7 +10,7 @@ from typing import Annotated, Final, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from harness.input.mistakes import Contradiction, Table
+from harness.input.mistakes import Contradiction, UserTable
 from harness.input.tables import read_model
 
 Value = float | int | str | bool
@@ -24,7 +24,7 @@ COMPARED: Final[Mapping[str, tuple[str, ...]]] = {
 """The keys over whose numbers a set of claims compares runs: without them none can be judged."""
 
 
-class Vary(Table):
+class Vary(UserTable):
     """`[[vary]]`: one key of the scene and its values: a list, or a grid from … to … of `count` values.
 
     The values `"keep"` and `"none"` leave the key as the scene has it and remove it (`pedestal = "none"`). `also` sets further
@@ -60,7 +60,7 @@ class Vary(Table):
         return [float(f"{value:.12g}") for value in space(self.start or 0.0, self.stop or 0.0, self.count or 1)]
 
 
-class Scatter(Table):
+class Scatter(UserTable):
     """`[[scatter]]`: one key drawn at random around its value in the scene (`normal` and `uniform` relative, or absolute)."""
 
     key: Name
@@ -81,7 +81,7 @@ class Scatter(Table):
         return self
 
 
-class Variant(Table):
+class StudyVariant(UserTable):
     """`[[variant]]`: keys set for all cases of this variant, and the engines that answer it."""
 
     name: Name
@@ -89,7 +89,7 @@ class Variant(Table):
     set: dict[str, Value] = Field(default_factory=dict)
 
 
-class Ask(Table):
+class Ask(UserTable):
     """`[ask]`: which cases go to the contact engines, after the analytic model has run them all.
 
     `all`; `boundary`: those whose analytic outcome is near a change (a neighbour on the grid differs, or the peak lies within
@@ -103,7 +103,7 @@ class Ask(Table):
     histories: bool = False
 
 
-class StudyFile(Table):
+class StudyFile(UserTable):
     """A whole study file."""
 
     title: Name
@@ -112,7 +112,7 @@ class StudyFile(Table):
     samples: Annotated[int, Field(ge=1, le=1_000_000)] = 1
     vary: list[Vary] = Field(default_factory=list)
     scatter: list[Scatter] = Field(default_factory=list)
-    variant: list[Variant] = Field(min_length=1)
+    variant: list[StudyVariant] = Field(min_length=1)
     accuracy: dict[EngineName, Annotated[float, Field(ge=1e-9, le=0.1)]] = Field(default_factory=dict)
     ask: Ask = Ask()
     claims: Literal["paper", "pedestal", "planes"] | None = None

@@ -21,7 +21,7 @@ from analytic import Block, Outcome, ensemble
 from analytic.block import GRAVITY_M_S2
 from analytic.excitation import Excitation
 from harness.comparison.statistics.distributions import wilson
-from harness.input.mistakes import Contradiction, Table
+from harness.input.mistakes import Contradiction, UserTable
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import RecordSpec, Source
 from harness.input.tables import read_model
@@ -57,7 +57,7 @@ DIGITS: Final = 5
 """Significant digits of a peak in the record: the sweep aims at 1e-6 rad."""
 
 
-class Range(Table):
+class ValueRange(UserTable):
     """`count` values from `start` to `stop`."""
 
     start: Annotated[float, Field(gt=0.0, le=1e3)]
@@ -66,7 +66,7 @@ class Range(Table):
     spacing: Literal["linear", "log"] = "linear"
 
     @model_validator(mode="after")
-    def _rises(self) -> Range:
+    def _rises(self) -> ValueRange:
         if self.stop <= self.start:
             raise Contradiction("stop", f"more than start = {self.start:g}", f"{self.stop:g}")
         return self
@@ -77,7 +77,7 @@ class Range(Table):
         return np.asarray(grid(self.start, self.stop, self.count))
 
 
-class SpectrumFile(Table):
+class SpectrumFile(UserTable):
     """A whole file of `kind = "rocking_spectrum"`: motions, half diagonals R in m, slendernesses h/b.
 
     `draws` strengths of each motion are drawn from a lognormal of median 1 and `strength_cov`. A motion turned round shakes a
@@ -87,8 +87,8 @@ class SpectrumFile(Table):
     kind: Literal["rocking_spectrum"]
     title: Annotated[str, Field(min_length=1)]
     motion: Annotated[list[Source], Field(min_length=1, max_length=1000)]
-    size_m: Range
-    slenderness: Range
+    size_m: ValueRange
+    slenderness: ValueRange
     restitution: Literal["momentum"] | Annotated[float, Field(ge=0.0, le=1.0)] = "momentum"
     strength_cov: Annotated[float, Field(ge=0.0, le=2.0)] = 0.0
     draws: Annotated[int, Field(ge=1, le=10_000)] = 1

@@ -22,7 +22,7 @@ from harness.model.scene import Scene
 from harness.questions.study import claims
 from harness.questions.study.case_blocks import KeyedRow, coarser, every_row, study_rows, table
 from harness.questions.study.case_selection import recheck
-from harness.questions.study.cases import Base, base_of, expand
+from harness.questions.study.cases import BaseScene, base_of, expand
 from harness.questions.study.claim_tests import WALL_RAD
 from harness.questions.study.claims import energy_lost_j, last_impact_s
 from harness.questions.study.ensembles import score_sets
@@ -31,13 +31,13 @@ from harness.questions.study.study_run import Summary, study_name
 from harness.records.run import PLAIN
 from harness.records.scene import SceneRecord
 from harness.records.study import (
-    Curve,
     Panel,
     StudyRecord,
     StudyRow,
     StudyWitness,
     SupportRecord,
     TableRecord,
+    ThinnedHistory,
     Value,
     impacts,
 )
@@ -266,8 +266,8 @@ CONDITION: Final = ("contact.restitution", "motion.x.amplitude_g", "motion.x.fre
 
 def panels(rows: Sequence[KeyedRow], store: Store) -> list[Panel]:
     """Curves in the arrangement of the paper's figures: for each condition, by model, without and with pedestal."""
-    by_condition: dict[tuple[float, float, float], dict[str, dict[str, Curve]]] = {}
-    drawn: dict[str, Curve] = {}
+    by_condition: dict[tuple[float, float, float], dict[str, dict[str, ThinnedHistory]]] = {}
+    drawn: dict[str, ThinnedHistory] = {}
     for row in rows:
         if row.key is None:
             continue
@@ -281,7 +281,7 @@ def panels(rows: Sequence[KeyedRow], store: Store) -> list[Panel]:
     return [Panel(*condition, by_condition[condition]) for condition in sorted(by_condition)]
 
 
-def _curve(history: History) -> Curve:
+def _curve(history: History) -> ThinnedHistory:
     """The first and the last sample, and of each of `CURVE_POINTS`/2 stretches the least and largest rotation and slip."""
     size = history.t_s.size
     curves = history.theta_rad, history.slip_m
@@ -291,7 +291,7 @@ def _curve(history: History) -> Curve:
             keep |= {low + int(part.argmin()), low + int(part.argmax())}
     shown = sorted(keep)
     theta, slip = ([float(f"{value:.5g}") for value in curve[shown]] for curve in curves)
-    return Curve([round(float(value), 4) for value in history.t_s[shown]], theta, slip)
+    return ThinnedHistory([round(float(value), 4) for value in history.t_s[shown]], theta, slip)
 
 
 def _weighed(rows: Sequence[KeyedRow], store: Store, scene: Scene) -> list[KeyedRow]:
@@ -310,7 +310,7 @@ def _weighed(rows: Sequence[KeyedRow], store: Store, scene: Scene) -> list[Keyed
     return shown
 
 
-def supports(study: StudyFile, base: Base, numbers: Iterable[int]) -> SupportRecord:
+def supports(study: StudyFile, base: BaseScene, numbers: Iterable[int]) -> SupportRecord:
     """Of the cases of these numbers: whether they have a pedestal, least and greatest static frictions, keys of the statue."""
     scene, settings = base.scene({}), [case.setting for case in expand(study, base, numbers)]
     keys = {key for setting in settings for key in setting}

@@ -17,7 +17,7 @@ from typing import Final
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD
 from harness.questions.study import case_selection as selection
 from harness.questions.study.case_blocks import block_tasks, in_columns
-from harness.questions.study.cases import Base, Case, base_of, expand
+from harness.questions.study.cases import BaseScene, Case, base_of, expand
 from harness.questions.study.file import StudyFile, Value
 from harness.records.base import same_fields
 from harness.records.study import CaseRun, StudySummary, UsageRecord
@@ -60,7 +60,7 @@ def run_study(
     base = base_of(study, path)
     if in_columns(study, base) and not singly:
         return _run_blocks(study, base, store, Campaign(store, pool, on_progress))
-    plan = Plan(study, base, store)
+    plan = StudyPlan(study, base, store)
     campaign = Campaign(store, pool, on_progress, BATCH, free=plan.free)
     for expected, tasks in plan.rounds():
         campaign.run(tasks, expected)
@@ -68,7 +68,7 @@ def run_study(
     return plan.summary(campaign)
 
 
-def _run_blocks(study: StudyFile, base: Base, store: Store, campaign: Campaign) -> Summary:
+def _run_blocks(study: StudyFile, base: BaseScene, store: Store, campaign: Campaign) -> Summary:
     """Run a study of very many cases block by block: to know which are the same by their physics would take as long."""
     tasks = list(block_tasks(study, base))
     campaign.run(tasks, study.runs)
@@ -90,10 +90,10 @@ def study_name(study: StudyFile) -> str:
     return f"{study.title} [{digest[:12]}]"
 
 
-class Plan:
+class StudyPlan:
     """What is asked of each engine, as far as is known; what was planned once is not planned again."""
 
-    def __init__(self, study: StudyFile, base: Base, store: Store) -> None:
+    def __init__(self, study: StudyFile, base: BaseScene, store: Store) -> None:
         self._study, self._base, self._store = study, base, store
         self._cases = list(expand(study, base))
         self._known: dict[tuple[int, str], tuple[str | None, str]] = {}
@@ -147,7 +147,7 @@ class Plan:
         asked = selection.refined(places, outcomes, selection.map_axes(self._study))
         return asked | selection.rechecked(places, ask.audit, self._study.seed)
 
-    def _answers(self, engine: str, cases: Sequence[Case]) -> dict[selection.Place, selection.Answer]:
+    def _answers(self, engine: str, cases: Sequence[Case]) -> dict[selection.Place, selection.PlaceAnswer]:
         """What an engine has said of these cases."""
         answers = {}
         for case in cases:
@@ -157,7 +157,7 @@ class Plan:
                 run = CaseRun.stored(record)
                 share = run.validity.get("peak_over_slenderness")
                 peak = float(share) if isinstance(share, (int, float)) and share else abs(run.peak_theta_rad)
-                answers[case.position] = selection.Answer(run.outcome.value, peak)
+                answers[case.position] = selection.PlaceAnswer(run.outcome.value, peak)
         return answers
 
     def _planned(self, case: Case, engine: str, why: str) -> Task:

@@ -15,7 +15,7 @@ from harness.model.run import NUMBERS
 from harness.model.run_set import RunSet, run_set
 from harness.model.scene import Scene
 from harness.questions.study.case_blocks import SweptRuns
-from harness.questions.study.cases import Base
+from harness.questions.study.cases import BaseScene
 from harness.questions.study.file import Value
 from harness.runs.execute import execute
 from harness.runs.task import RunRequest
@@ -69,7 +69,7 @@ def _values(key: str, given: object) -> list[object]:
 
 def _swept(scene: Scene, settings: Sequence[Mapping[str, Any]], asked_rad: float) -> RunSet:
     """The analytic model's runs, together."""
-    runs = SweptRuns(Base(scene.source, scene.given), asked_rad)
+    runs = SweptRuns(BaseScene(scene.source, scene.given), asked_rad)
     for place, setting in enumerate(settings):
         runs.add(place, setting)
     columns = runs.columns()

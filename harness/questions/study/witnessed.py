@@ -17,7 +17,7 @@ from harness.engines.stepping.plain_steps import refuse_steering
 from harness.model.run import RunOptions, to_plain, versions
 from harness.model.scene import Scene
 from harness.questions.scene.witness import findings_of, plain_names, witnesses
-from harness.questions.study.cases import Base, base_of, expand
+from harness.questions.study.cases import BaseScene, base_of, expand
 from harness.questions.study.file import StudyFile, Value
 from harness.questions.study.study_run import study_name
 from harness.records.base import part
@@ -26,7 +26,7 @@ from harness.records.study import StudyWitness, WitnessCount
 from harness.runs.execute import Campaign, OnProgress, silent
 from harness.runs.runner import Pool
 from harness.runs.store import Store
-from harness.runs.task import RUN, Answer, Task, key_of
+from harness.runs.task import RUN, Task, TaskResult, key_of
 
 SHARE: Final = 0.1
 """Of the scenes: the run is made again and a witness costs as much at most, so a tenth of them adds a fifth or less."""
@@ -40,18 +40,18 @@ JUDGED: Final = "analytic"
 class Witnessed:
     """One scene of a study and the accuracy of each engine whose answer is judged: everything that a worker needs."""
 
-    base: Base
+    base: BaseScene
     setting: tuple[tuple[str, Value], ...]
     accuracy_rad: Mapping[str, float]
 
 
-def witness_scene(asked: Witnessed) -> Answer:
+def witness_scene(asked: Witnessed) -> TaskResult:
     """Run the engines again, with their histories, and what the plain ones say of them; by plain engine."""
     begin = time.perf_counter()
     scene = asked.base.scene(dict(asked.setting))
     runs = {name: simulate(scene, name, accuracy_rad=target) for name, target in asked.accuracy_rad.items()}
     plain = {name: to_plain(item) for name, item in witnesses(scene, runs, RunOptions()).items()}
-    return Answer(KIND, plain, time.perf_counter() - begin)
+    return TaskResult(KIND, plain, time.perf_counter() - begin)
 
 
 def witness_study(

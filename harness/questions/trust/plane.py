@@ -14,7 +14,7 @@ from pydantic import JsonValue
 
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
-from harness.questions.study.cases import Base
+from harness.questions.study.cases import BaseScene
 from harness.questions.study.file import Value
 from harness.statics.plan import LimitsOfRest, limit_of_rest_m_s2, resting_polygon_m
 
@@ -37,7 +37,7 @@ Point = tuple[int, ...]
 class Plane:
     """Strengths, g, and frequencies, Hz (one None: the scene's own motion), and the scenes at them."""
 
-    base: Base
+    base: BaseScene
     scene: Scene
     motion: str
     amplitudes_g: Sequence[float]
@@ -59,7 +59,7 @@ class Plane:
         if motion != "scene":
             frequencies = [*_rounded(np.geomspace(SLOWEST_HZ, FASTEST_HZ, FREQUENCIES[coarse]))]
         amplitudes = _rounded(np.geomspace(low, high, steps + 1))
-        return cls(Base(scene.source, scene.given), scene, motion, amplitudes, frequencies, FARTHEST[coarse])
+        return cls(BaseScene(scene.source, scene.given), scene, motion, amplitudes, frequencies, FARTHEST[coarse])
 
     def without_pedestal(self) -> Plane:
         """The same plane for the statue on the floor. Raises `InputError` where that is no scene."""

@@ -26,7 +26,7 @@ from harness.records.base import Plain, plain
 from harness.records.run import HorizonRecord, has_answer
 from harness.records.scores import Interval, Scores, Verdict
 from harness.records.trust import Rotation, TrustClass
-from harness.runs.task import Answer
+from harness.runs.task import TaskResult
 
 MODEL: Final = "analytic"
 DRAWS: Final = {False: 500, True: 200}
@@ -108,7 +108,7 @@ class Question:
     horizons: Mapping[str, HorizonRecord] = field(default_factory=dict)
 
 
-def run_point(question: Question) -> Answer:
+def run_point(question: Question) -> TaskResult:
     """What a worker does for a point's class; its cost is the processor time, s, that it took."""
     begin = time.process_time()
     options = RunOptions(most_times=question.most_times)
@@ -121,7 +121,7 @@ def run_point(question: Question) -> Answer:
     )
     paths = {name: path_of(run.history) for name, run in result.runs.items() if run.history is not None}
     kept = Kept(result.runs, result.scores, result.horizons, paths)
-    return Answer("point", plain(kept), time.process_time() - begin)
+    return TaskResult("point", plain(kept), time.process_time() - begin)
 
 
 def path_of(history: History) -> Rotation:
@@ -133,12 +133,12 @@ def path_of(history: History) -> Rotation:
     return Rotation(history.duration_s, [float(f"{value:.3g}") for value in theta.tolist()])
 
 
-def assess_point(question: Question) -> Answer:
+def assess_point(question: Question) -> TaskResult:
     """What a worker does for a point's probability: the model's, or that of an engine from few draws that both have run."""
     begin, (name, *_), scene = time.process_time(), question.engines, question.scene
     found = assess_models(scene, question.draws).get(MODEL) if name == MODEL else _paired(question, name)
     told = [] if found is None else [found.probability_overturned, found.low, found.high, found.level]
-    return Answer("probability", {"interval": to_plain(told)}, time.process_time() - begin)
+    return TaskResult("probability", {"interval": to_plain(told)}, time.process_time() - begin)
 
 
 def _paired(question: Question, name: str) -> Assessment:

@@ -60,8 +60,8 @@ from harness.runs.execute import Campaign
 from harness.runs.progress import duration_words, progress
 from harness.runs.runner import DaskPool, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, check_begun
-from harness.runs.task import Answer as Told
 from harness.runs.task import Task, request_key
+from harness.runs.task import TaskResult as Told
 
 CELLS_NAME: Final = "cells.csv"
 CHECKED: Final = 0.1

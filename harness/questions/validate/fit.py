@@ -18,14 +18,14 @@ import numpy as np
 
 from harness.model.history import Array
 from harness.questions.validate.jobs import Drawn
-from harness.questions.validate.scenes import Variant
+from harness.questions.validate.scenes import TrialVariant
 from harness.questions.validate.table import OF_BODY, Inputs, Trial
 from harness.records.study import CaseRun
 from harness.records.validation import Fitted, FittedInput
 
-Answers = Mapping[tuple[str, Variant], Drawn | CaseRun]
+Answers = Mapping[tuple[str, TrialVariant], Drawn | CaseRun]
 """The runs of one model, by test and variant."""
-Ask = Callable[[Sequence[tuple[Trial, Variant]]], Answers]
+Ask = Callable[[Sequence[tuple[Trial, TrialVariant]]], Answers]
 """Runs what is not known yet, and gives all answers so far."""
 
 TRIED: Final = 64
@@ -74,7 +74,7 @@ class Weighed:
 
 
 @dataclass(frozen=True, eq=False)
-class Choice:
+class FittedInputs:
     """How the unknown inputs of every test are taken: by body and day, and of a test of the share (`fitted_on`) by its name, as
     all other tests of its body say. Where nothing was fitted every value of a list is as probable as the others.
     """
@@ -87,17 +87,17 @@ class Choice:
     log_score: float | None = None
     runs: int = 0
 
-    def nominal(self, trial: Trial) -> Variant:
+    def nominal(self, trial: Trial) -> TrialVariant:
         """A test at the most probable values, its numerical error stated; at the first of each list where nothing is fitted."""
         known = self.of_set_up.get((trial.body, trial.day))
-        return Variant(trial.inputs(known.best if known else None), stated=True)
+        return TrialVariant(trial.inputs(known.best if known else None), stated=True)
 
-    def draws(self, trial: Trial, samples: int) -> list[Variant]:
+    def draws(self, trial: Trial, samples: int) -> list[TrialVariant]:
         """So many draws of a test."""
         weighed = self.of_others.get(trial.name) or self.of_set_up.get((trial.body, trial.day))
         count = min(samples, WIDTH_DRAWS) if trial.name in self.of_others else samples
         settings = weighed.drawn(count) if weighed else designed(trial.unknown, count)
-        return [Variant(trial.inputs(each), k, self.width) for k, each in enumerate(settings, 1)]
+        return [TrialVariant(trial.inputs(each), k, self.width) for k, each in enumerate(settings, 1)]
 
     def probability(self, runs: Sequence[Drawn | CaseRun]) -> float | None:
         """That a test falls, by its draws; None where none says whether it did."""
@@ -131,13 +131,13 @@ def _count(unknown: Mapping[str, Sequence[Any]]) -> int:
     return math.prod(len(values) for values in unknown.values())
 
 
-def choose(trials: Sequence[Trial], ask: Ask, samples: int) -> Choice:
+def choose(trials: Sequence[Trial], ask: Ask, samples: int) -> FittedInputs:
     """Fit the unknown inputs on these tests, and with draws their scatter too; only these tests are run."""
     if not trials:
-        return Choice()
-    seen: set[tuple[str, Variant]] = set()
+        return FittedInputs()
+    seen: set[tuple[str, TrialVariant]] = set()
 
-    def asked(pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
+    def asked(pairs: Sequence[tuple[Trial, TrialVariant]]) -> Answers:
         seen.update((trial.name, variant) for trial, variant in pairs)
         return ask(pairs)
 
@@ -146,7 +146,7 @@ def choose(trials: Sequence[Trial], ask: Ask, samples: int) -> Choice:
     for body in bodies:
         body.hear(answers)
     _pool(bodies)
-    choice = Choice(
+    choice = FittedInputs(
         {place: each for body in bodies for place, each in body.set_ups().items()},
         {name: each for body in bodies for name, each in body.others().items()},
         fitted_on=len(trials),
@@ -169,12 +169,12 @@ def _pool(bodies: Sequence[_Body]) -> None:
             body.learn(shares[:k] + shares[k + 1 :])
 
 
-def _scattered(choice: Choice, trials: Sequence[Trial], ask: Ask, samples: int) -> Choice:
+def _scattered(choice: FittedInputs, trials: Sequence[Trial], ask: Ask, samples: int) -> FittedInputs:
     """The choice with the scatter and the added counts by which the tests, each as the others say, are likeliest."""
     wide = {width: replace(choice, width=width) for width in WIDTHS}
     pairs = {width: [(trial, each.draws(trial, samples)) for trial in trials] for width, each in wide.items()}
     answers = ask([(trial, variant) for drawn in pairs.values() for trial, all_ in drawn for variant in all_])
-    tried: list[tuple[float, Choice]] = []
+    tried: list[tuple[float, FittedInputs]] = []
     for width, drawn in pairs.items():
         seen = [(trial.fell, *counted([answers[trial.name, variant] for variant in all_])) for trial, all_ in drawn]
         fell, falls, known = np.array([each for each in seen if each[2]]).reshape(-1, 3).T
@@ -232,15 +232,15 @@ class _Body:
         self._likely = np.empty((0, 0))
         self._prior = np.zeros(len(self._settings))
 
-    def _variants(self, trial: Trial, place: int, count: int) -> list[Variant]:
+    def _variants(self, trial: Trial, place: int, count: int) -> list[TrialVariant]:
         """A test at each of the settings that are tried.
 
         The draws of a setting are others in each test: shared, what one draw adds would be taken for what its setting does.
         """
         samples = (1 + (k // count + k % count + place) % DRAWS for k in range(len(self._tried)))
-        return [Variant(trial.inputs(each), sample) for each, sample in zip(self._tried, samples, strict=True)]
+        return [TrialVariant(trial.inputs(each), sample) for each, sample in zip(self._tried, samples, strict=True)]
 
-    def pairs(self) -> list[tuple[Trial, Variant]]:
+    def pairs(self) -> list[tuple[Trial, TrialVariant]]:
         """The runs that are wanted: of each test as many draws as settings are tried, each at one of them."""
         return [(trial, variant) for trial, variants in self._drawn for variant in variants]
 
@@ -312,7 +312,7 @@ class _Body:
         return found
 
 
-def fitted(trials: Sequence[Trial], choice: Choice) -> Fitted:
+def fitted(trials: Sequence[Trial], choice: FittedInputs) -> Fitted:
     """What was chosen, as values of the table."""
     rows = []
     for (body, day), weighed in choice.of_set_up.items():

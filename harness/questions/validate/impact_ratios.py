@@ -29,7 +29,7 @@ SUMS: Final = ("law", "bias", "rms", "rms_over_scatter", "trials", "scatter_of_r
 
 
 @dataclass(frozen=True, eq=False)
-class Group:
+class BlockTrials:
     """The trials of one block: height over width, measured ratios (n,)."""
 
     name: str
@@ -42,7 +42,7 @@ class Group:
         return rectangle_ratio(math.atan(1.0 / self.slenderness))
 
 
-def read_ratios(path: Path) -> list[Group]:
+def read_ratios(path: Path) -> list[BlockTrials]:
     """The groups of a table. Raises `InputError` for a wrong one."""
     groups, mistakes = [], []
     for name, table in read_groups(path, COLUMNS):
@@ -54,7 +54,7 @@ def read_ratios(path: Path) -> list[Group]:
         elif not (ratios > 0.0).all():
             mistakes.append(Mistake(str(path), f"group {name}: ratio_measured", "positive ratios", f"{ratios.min():g}"))
         else:
-            groups.append(Group(name, float(sizes[0, 1] / sizes[0, 0]), ratios))
+            groups.append(BlockTrials(name, float(sizes[0, 1] / sizes[0, 0]), ratios))
     if not mistakes and (len(groups) < 2 or max(group.measured.size for group in groups) < 2):
         mistakes.append(Mistake(str(path), "", "two groups, and a repeated trial", f"{len(groups)} groups"))
     if mistakes:
@@ -62,13 +62,13 @@ def read_ratios(path: Path) -> list[Group]:
     return groups
 
 
-def repeats_sd(groups: Sequence[Group]) -> float:
+def repeats_sd(groups: Sequence[BlockTrials]) -> float:
     """Standard deviation of repeated trials about their group's mean, pooled over the groups."""
     squares = sum(float(np.sum((group.measured - group.measured.mean()) ** 2)) for group in groups)
     return math.sqrt(squares / sum(group.measured.size - 1 for group in groups))
 
 
-def imposed(groups: Sequence[Group]) -> list[float]:
+def imposed(groups: Sequence[BlockTrials]) -> list[float]:
     """One ratio for all blocks, for each group the mean of the others: no block is predicted by its own trials."""
     means = [float(group.measured.mean()) for group in groups]
     return [(sum(means) - own) / (len(means) - 1) for own in means]

@@ -16,11 +16,11 @@ from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
 from harness.model.run import RunOptions
-from harness.questions.validate.scenes import SHIFT_M, Variant, digest_of, motion_of, scene_of
+from harness.questions.validate.scenes import SHIFT_M, TrialVariant, digest_of, motion_of, scene_of
 from harness.questions.validate.table import Trial
 from harness.records.study import CaseRun
 from harness.runs.runner import Crash
-from harness.runs.task import Answer, RunRequest, Task, key_of, lost_answer, lost_run, run_request
+from harness.runs.task import RunRequest, Task, TaskResult, key_of, lost_answer, lost_run, run_request
 
 BATCH: Final = {"analytic": 32, "pymunk": 8}
 """Runs handed to a worker at a time: enough that sending them costs little beside computing them; of other engines"""
@@ -73,14 +73,14 @@ TOGETHER: Final = {"analytic": 100}
 
 
 @dataclass(frozen=True)
-class Asked:
+class TrialTask:
     """A task, and the variants of a test that it answers."""
 
     task: Task
     trial: Trial
-    variants: Sequence[Variant]
+    variants: Sequence[TrialVariant]
 
-    def read(self, stored: Mapping[str, Any]) -> Iterator[tuple[tuple[str, Variant], CaseRun | Drawn]]:
+    def read(self, stored: Mapping[str, Any]) -> Iterator[tuple[tuple[str, TrialVariant], CaseRun | Drawn]]:
         """The answers, as they are stored."""
         runs: list[CaseRun | Drawn]
         if self.variants[0].stated:
@@ -91,14 +91,14 @@ class Asked:
         return zip([(self.trial.name, variant) for variant in self.variants], runs, strict=True)
 
 
-def asked_of(pairs: Sequence[tuple[Trial, Variant]], model: Model, seed: int) -> list[Asked]:
+def asked_of(pairs: Sequence[tuple[Trial, TrialVariant]], model: Model, seed: int) -> list[TrialTask]:
     """The runs of variants of tests, each keyed by all that decides its answer.
 
     A draw's own error changes an outcome only near the boundary, where draws fall either way, and so does what is left out of its
     motion. Only a nominal run of the chosen inputs states its error.
     """
     versions = [record.versions().get(name) for name in ("rockcheck", "numpy", "numba", model.engine)]
-    by_test: dict[tuple[str, bool], list[Variant]] = {}
+    by_test: dict[tuple[str, bool], list[TrialVariant]] = {}
     trials = {trial.name: trial for trial, _ in pairs}
     for trial, variant in pairs:
         by_test.setdefault((trial.name, variant.stated), []).append(variant)
@@ -122,16 +122,16 @@ def asked_of(pairs: Sequence[tuple[Trial, Variant]], model: Model, seed: int) ->
                 # Draws that are together go to a worker by few, those alone by as many as nominal runs.
                 group = f"{model.engine} draws" if size > 1 else model.engine
                 task = Task(key, run_draws, runs, group, lost_draws, len(some))
-            found.append(Asked(task, trial, some))
+            found.append(TrialTask(task, trial, some))
     return found
 
 
-def _made(trial: Trial, variant: Variant, seed: int) -> Any:
+def _made(trial: Trial, variant: TrialVariant, seed: int) -> Any:
     """What makes the scene of a variant. The motion is read once, for all processes."""
     return partial(scene_of, trial, variant, seed, motion_of(trial, variant.inputs, fewer=not variant.stated))
 
 
-def run_draws(wanted: Sequence[RunRequest]) -> Answer:
+def run_draws(wanted: Sequence[RunRequest]) -> TaskResult:
     """Run each for its outcome and peak."""
     begin, inside_s, runs = time.perf_counter(), 0.0, []
     options = RunOptions(history=False, stated=False)
@@ -142,14 +142,14 @@ def run_draws(wanted: Sequence[RunRequest]) -> Answer:
     return _drawn(runs, time.perf_counter() - begin, inside_s)
 
 
-def lost_draws(wanted: Sequence[RunRequest], crash: Crash) -> Answer:
+def lost_draws(wanted: Sequence[RunRequest], crash: Crash) -> TaskResult:
     """The answer of draws whose worker died or hung."""
     return _drawn([lost_run(each.engine, crash) for each in wanted], 0.0, 0.0)
 
 
-def _drawn(runs: Sequence[record.Run], seconds: float, inside_s: float) -> Answer:
+def _drawn(runs: Sequence[record.Run], seconds: float, inside_s: float) -> TaskResult:
     kept: dict[str, JsonValue] = {
         "outcome": [each.outcome.value for each in runs],
         "peak_theta_rad": [each.peak_theta_rad for each in runs],
     }
-    return Answer(DRAWS, kept, seconds, inside_s=inside_s, failed=sum(each.outcome.failed for each in runs))
+    return TaskResult(DRAWS, kept, seconds, inside_s=inside_s, failed=sum(each.outcome.failed for each in runs))

@@ -200,7 +200,7 @@ BARE: Final = Contact(0.2, 0.15, 1.0)
 
 
 @dataclass(frozen=True)
-class Variant:
+class TrialVariant:
     """A test at one value of all its inputs: as it is, or a draw (`sample` from 1 on) of what no table knows, its scatter times
     `width`. `stated`: its numerical error is wanted too.
     """
@@ -211,7 +211,7 @@ class Variant:
     stated: bool = False
 
 
-def scene_of(trial: Trial, variant: Variant, seed: int = 0, motion: BaseExcitation | None = None) -> Scene:
+def scene_of(trial: Trial, variant: TrialVariant, seed: int = 0, motion: BaseExcitation | None = None) -> Scene:
     """The scene of one variant, its `motion` as `motion_of` has it read already. Raises `InputError` that names test and file."""
     inputs, (turn_deg, edge_m, rough) = variant.inputs, _scatter(trial, variant, seed)
     shaken = scaled(motion_of(trial, inputs) if motion is None else motion, inputs.sign, inputs.scale)
@@ -253,7 +253,7 @@ def motion_of(trial: Trial, inputs: Inputs, fewer: bool = False) -> BaseExcitati
     return BaseExcitation(x, y, z)
 
 
-def _scatter(trial: Trial, variant: Variant, seed: int) -> tuple[float, float, float]:
+def _scatter(trial: Trial, variant: TrialVariant, seed: int) -> tuple[float, float, float]:
     """What a draw adds to the azimuth in degrees and the base's edge in m, and its factor on friction.
 
     A statue is drawn once for all tests of its body and day: making one costs more than a run of the model. Friction is each

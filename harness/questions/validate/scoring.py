@@ -18,7 +18,7 @@ from harness.comparison.statistics import fragility
 from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.outcomes import (
     FELL,
-    Case,
+    Prediction,
     area_under_curve,
     brier,
     brier_skill,
@@ -28,9 +28,9 @@ from harness.comparison.statistics.outcomes import (
 from harness.model.history import Array, Outcome
 from harness.questions.study.case_blocks import KeyedRow
 from harness.questions.study.ensembles import score_sets
-from harness.questions.validate.fit import Answers, Choice, counted, fitted
+from harness.questions.validate.fit import Answers, FittedInputs, counted, fitted
 from harness.questions.validate.jobs import Drawn, Model
-from harness.questions.validate.scenes import Intensity, Variant, scene_of
+from harness.questions.validate.scenes import Intensity, TrialVariant, scene_of
 from harness.questions.validate.table import Trial
 from harness.records.study import CaseRun
 from harness.records.validation import (
@@ -58,13 +58,13 @@ LEAST_OF_BODY: Final = 5
 """Tests of a body from which its own threshold is learnt: with fewer one odd test moves it to any place."""
 
 
-def case_of(trial: Trial, variant: Variant, answer: CaseRun) -> Case:
+def case_of(trial: Trial, variant: TrialVariant, answer: CaseRun) -> Prediction:
     """Prediction and observation of one test, and whether the prediction flips within its own numerical error."""
     observed = FELL if trial.observed == FELL else Outcome(trial.observed)
-    return Case(answer.outcome, observed, _flips(trial, variant, answer))
+    return Prediction(answer.outcome, observed, _flips(trial, variant, answer))
 
 
-def _flips(trial: Trial, variant: Variant, answer: CaseRun) -> bool:
+def _flips(trial: Trial, variant: TrialVariant, answer: CaseRun) -> bool:
     """A fall that is decided after the run's reliable time, or a stand with its peak within 2u of the balance point."""
     uncertainty, until = answer.numerical_uncertainty_rad, answer.reliable_until_s
     if uncertainty is None:
@@ -78,7 +78,7 @@ def _flips(trial: Trial, variant: Variant, answer: CaseRun) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class Answered:
+class ModelAnswers:
     """One model's answers to all tests: what was chosen of the unknown inputs, every run, `samples` draws of each test, and the
     keys of the runs in the store.
 
@@ -86,10 +86,10 @@ class Answered:
     """
 
     model: Model
-    choice: Choice
+    choice: FittedInputs
     answers: Answers
     samples: int
-    keys: Mapping[tuple[str, Variant], str] = field(default_factory=dict)
+    keys: Mapping[tuple[str, TrialVariant], str] = field(default_factory=dict)
     asked: frozenset[str] | None = None
 
     def run(self, trial: Trial) -> CaseRun:
@@ -141,7 +141,7 @@ class Answered:
 def score_model(
     trials: Sequence[Trial],
     scored: Sequence[Trial],
-    answered: Answered,
+    answered: ModelAnswers,
     intensities: Mapping[str, Intensity],
     histories: Sequence[MeasuredHistory] = (),
 ) -> ModelRecord:
@@ -171,7 +171,9 @@ def score_model(
     )
 
 
-def _by_body(scored: Sequence[Trial], cases: Mapping[str, Case], chances: Mapping[Trial, float]) -> list[BodyScores]:
+def _by_body(
+    scored: Sequence[Trial], cases: Mapping[str, Prediction], chances: Mapping[Trial, float]
+) -> list[BodyScores]:
     """The scores of each body's tests, in the table's order."""
     found = []
     for body in dict.fromkeys(trial.body for trial in scored):
@@ -236,14 +238,14 @@ def score_probabilities(
 def _of_falls(predicted: Sequence[bool], seen: Sequence[bool]) -> FallScores:
     """Scores of falls, whichever way."""
     cases = [
-        Case(Outcome.OVERTURNED_RIGHT if fall else Outcome.STANDS, FELL if fell else Outcome.STANDS)
+        Prediction(Outcome.OVERTURNED_RIGHT if fall else Outcome.STANDS, FELL if fell else Outcome.STANDS)
         for fall, fell in zip(predicted, seen, strict=True)
     ]
     scores = score_outcomes(cases)
     return FallScores(**{item.name: getattr(scores, item.name) for item in fields(FallScores)})
 
 
-def _right(case: Case) -> bool | None:
+def _right(case: Prediction) -> bool | None:
     return None if not case.decided or case.within_uncertainty else case.predicted.overturned == case.fell
 
 
@@ -322,7 +324,7 @@ def _intensity_and_fall(
     return [intensities[trial.name].pgv_m_s for trial in trials], [trial.fell for trial in trials]
 
 
-def score_pairs(trials: Sequence[Trial], answered: Sequence[Answered]) -> list[PairScores]:
+def score_pairs(trials: Sequence[Trial], answered: Sequence[ModelAnswers]) -> list[PairScores]:
     """One entry for each two models, the later of the two against the earlier, over the tests that both answered.
 
     The verdicts take a numerical error that is not stated as zero. No histories are kept of a validation's runs: verdicts rest on
@@ -339,7 +341,7 @@ def score_pairs(trials: Sequence[Trial], answered: Sequence[Answered]) -> list[P
     return pairs
 
 
-def _row(trial: Trial, item: Answered) -> KeyedRow:
+def _row(trial: Trial, item: ModelAnswers) -> KeyedRow:
     return KeyedRow(number=trial.row, engine=item.model.name, reason="", varied={}, run=item.run(trial), key=None)
 
 

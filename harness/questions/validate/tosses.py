@@ -41,7 +41,7 @@ FEWEST_FRAMES: Final = 3
 
 
 @dataclass(frozen=True)
-class Clock:
+class CameraClock:
     """Free fall by the table's clock, its standard error, and the rate of frames with which it is the scene's gravity."""
 
     fall_m_s2: float
@@ -72,7 +72,7 @@ class Toss:
         return self.frame_s * (len(self.places_m) - 1)
 
 
-def read_tosses(path: Path, body: Statue, gravity_m_s2: float) -> tuple[list[Toss], Clock | None]:
+def read_tosses(path: Path, body: Statue, gravity_m_s2: float) -> tuple[list[Toss], CameraClock | None]:
     """All tosses of a table, stood on it by the body's outer points, begun as their flights say; and their clock, or None.
 
     Times are those of a clock by which free fall is gravity, where it is not within its error. Raises `InputError` with every
@@ -91,7 +91,7 @@ def read_tosses(path: Path, body: Statue, gravity_m_s2: float) -> tuple[list[Tos
     return [_stood(name, scale * table, body, gravity_m_s2) for name, table in groups], clock
 
 
-def clock_of(tables: Sequence[Array], body: Statue, gravity_m_s2: float) -> Clock | None:
+def clock_of(tables: Sequence[Array], body: Statue, gravity_m_s2: float) -> CameraClock | None:
     """The clock by which the tosses' free falls are gravity: each flight's, weighed by what it knows; None of fewer than two."""
     falls, weights = [], []
     for table in tables:
@@ -107,7 +107,7 @@ def clock_of(tables: Sequence[Array], body: Statue, gravity_m_s2: float) -> Cloc
     error = float(np.sqrt(np.sum((shares * (np.array(falls) - fall)) ** 2)))
     stated = 1.0 / float(np.mean([table[-1, 0] / (len(table) - 1) for table in tables]))
     off = fall > 0.0 and abs(fall - gravity_m_s2) > CLOCK_OFF * error and abs(fall / gravity_m_s2 - 1.0) < MOST_OFF
-    return Clock(fall, error, stated, stated * float(np.sqrt(gravity_m_s2 / fall)) if off else stated)
+    return CameraClock(fall, error, stated, stated * float(np.sqrt(gravity_m_s2 / fall)) if off else stated)
 
 
 def _wrong(table: Array) -> tuple[str, str] | None:

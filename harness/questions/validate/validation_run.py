@@ -18,10 +18,17 @@ from harness.input.history_file import read_history
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
-from harness.questions.validate.fit import Answers, Choice, choose, planned
+from harness.questions.validate.fit import Answers, FittedInputs, choose, planned
 from harness.questions.validate.jobs import BATCH, BATCH_OTHERWISE, Drawn, Model, asked_of, parse_model
-from harness.questions.validate.scenes import Intensity, Variant, intensity_of
-from harness.questions.validate.scoring import Answered, curves, repeats_of, score_baseline, score_model, score_pairs
+from harness.questions.validate.scenes import Intensity, TrialVariant, intensity_of
+from harness.questions.validate.scoring import (
+    ModelAnswers,
+    curves,
+    repeats_of,
+    score_baseline,
+    score_model,
+    score_pairs,
+)
 from harness.questions.validate.table import Trial, read_table
 from harness.records.base import RunCounts
 from harness.records.result_folder import write_whole
@@ -147,7 +154,7 @@ def run_validation(
                 on_progress(done, max(expected, known - sum(campaign.reused.values())))
 
             campaign = Campaign(store, pool, told, BATCH, BATCH_OTHERWISE)
-            answered: list[Answered] = []
+            answered: list[ModelAnswers] = []
             for model in chosen:
                 runs = Runs(store, campaign, model, seed)
                 base = next((each for each in answered if each.model.name == model.near), None)
@@ -193,10 +200,10 @@ class Runs:
     def __init__(self, store: Store, campaign: Campaign, model: Model, seed: int) -> None:
         self._store, self._campaign, self._seed = store, campaign, seed
         self.model = model
-        self._answers: dict[tuple[str, Variant], CaseRun | Drawn] = {}
-        self.keys: dict[tuple[str, Variant], str] = {}
+        self._answers: dict[tuple[str, TrialVariant], CaseRun | Drawn] = {}
+        self.keys: dict[tuple[str, TrialVariant], str] = {}
 
-    def __call__(self, pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
+    def __call__(self, pairs: Sequence[tuple[Trial, TrialVariant]]) -> Answers:
         wanted = [pair for pair in dict.fromkeys(pairs) if (pair[0].name, pair[1]) not in self._answers]
         # Those of one body side by side, and of one motion: a worker then makes each statue once, and hears each motion once.
         wanted.sort(key=lambda pair: (pair[0].body, str(pair[0].motion)))
@@ -213,21 +220,21 @@ class Runs:
         return self._answers
 
 
-def _answered(runs: Runs, trials: Sequence[Trial], share: Sequence[Trial], samples: int) -> Answered:
+def _answered(runs: Runs, trials: Sequence[Trial], share: Sequence[Trial], samples: int) -> ModelAnswers:
     """Fit the model on its share, then run every test as given and in its draws."""
     choice = choose(share, runs, samples)
-    return Answered(runs.model, choice, runs(_wanted(trials, choice, samples)), samples, runs.keys)
+    return ModelAnswers(runs.model, choice, runs(_wanted(trials, choice, samples)), samples, runs.keys)
 
 
-def _near(runs: Runs, trials: Sequence[Trial], base: Answered, samples: int) -> Answered:
+def _near(runs: Runs, trials: Sequence[Trial], base: ModelAnswers, samples: int) -> ModelAnswers:
     """Run the tests of which another model's draws disagree, at what was fitted for that; all others are as that says."""
     near = [trial for trial in trials if base.disagrees(trial)]
     answers = {**base.answers, **runs(_wanted(near, base.choice, samples))}
     asked = frozenset(trial.name for trial in near)
-    return Answered(runs.model, base.choice, answers, samples, runs.keys, asked)
+    return ModelAnswers(runs.model, base.choice, answers, samples, runs.keys, asked)
 
 
-def _wanted(trials: Sequence[Trial], choice: Choice, samples: int) -> list[tuple[Trial, Variant]]:
+def _wanted(trials: Sequence[Trial], choice: FittedInputs, samples: int) -> list[tuple[Trial, TrialVariant]]:
     return [
         (trial, variant)
         for trial in trials
@@ -235,7 +242,7 @@ def _wanted(trials: Sequence[Trial], choice: Choice, samples: int) -> list[tuple
     ]
 
 
-def _unexplained(trials: Sequence[Trial], answered: Sequence[Answered]) -> list[str]:
+def _unexplained(trials: Sequence[Trial], answered: Sequence[ModelAnswers]) -> list[str]:
     """Tests whose outcome no run of any model gives: not as fitted, in no draw, and at no value that was tried."""
     odd = {trial.name: trial for trial in trials}
     for item in answered:
@@ -273,7 +280,7 @@ def _intensities(trials: Sequence[Trial]) -> dict[str, Intensity]:
     return by_test
 
 
-def _histories(trials: Sequence[Trial], item: Answered, store: Store) -> list[MeasuredHistory]:
+def _histories(trials: Sequence[Trial], item: ModelAnswers, store: Store) -> list[MeasuredHistory]:
     """Scores against each measured history, which is a history like any other, up to where the run's own error is stated."""
     histories = []
     for trial in trials:
@@ -287,7 +294,7 @@ def _histories(trials: Sequence[Trial], item: Answered, store: Store) -> list[Me
     return histories
 
 
-def _measured(trial: Trial, item: Answered) -> Measured | None:
+def _measured(trial: Trial, item: ModelAnswers) -> Measured | None:
     """The uncertainty of a test's history, where it is stated; of the inputs is the scatter of the draws' largest rotations."""
     if trial.history_uncertainty_rad is None:
         return None
@@ -295,7 +302,9 @@ def _measured(trial: Trial, item: Answered) -> Measured | None:
     return Measured(trial.history_uncertainty_rad, float(np.std(peaks, ddof=1)) if len(peaks) > 1 else 0.0)
 
 
-def _rows(trials: Sequence[Trial], answered: Sequence[Answered], intensities: Mapping[str, Intensity]) -> list[TestRow]:
+def _rows(
+    trials: Sequence[Trial], answered: Sequence[ModelAnswers], intensities: Mapping[str, Intensity]
+) -> list[TestRow]:
     return [
         TestRow(
             test=trial.name,

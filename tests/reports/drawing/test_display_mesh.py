@@ -9,9 +9,9 @@ import pytest
 import trimesh
 
 from reports.drawing.display_mesh import display_mesh
-from reports.drawing.kinematics import Section
+from reports.drawing.kinematics import StatueSection
 
-BLOCK = Section(np.array([[-0.3, 0.0], [0.1, 0.0], [0.1, 1.4], [-0.3, 1.4]]), 0.3, 0.1)
+BLOCK = StatueSection(np.array([[-0.3, 0.0], [0.1, 0.0], [0.1, 1.4], [-0.3, 1.4]]), 0.3, 0.1)
 
 
 def test_a_block_has_its_size_and_flat_sides() -> None:
@@ -44,5 +44,5 @@ def test_more_faces_than_show_are_decimated_and_keep_the_shape(tmp_path: Path) -
 def test_a_round_block_has_a_face_for_each_side() -> None:
     rim = np.linspace(0.0, 2.0 * np.pi, 3000, endpoint=False)
     outline = np.column_stack([0.3 * np.cos(rim), 0.7 + 0.7 * np.sin(rim)])
-    _, faces = display_mesh(None, Section(outline, 0.3, 0.3), 0.5)
+    _, faces = display_mesh(None, StatueSection(outline, 0.3, 0.3), 0.5)
     assert len(faces) == 2 * 2998 + 6000

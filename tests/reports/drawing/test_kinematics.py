@@ -11,12 +11,12 @@ import pytest
 from harness.model.history import History
 from harness.model.scene import SOLID_COLUMNS, Pedestal
 from harness.records.scene import SceneRecord
-from reports.drawing.kinematics import Section, posed_in_space_m, posed_pedestal_m, poses
+from reports.drawing.kinematics import StatueSection, posed_in_space_m, posed_pedestal_m, poses
 from tests.budgets_reports import POSE_M
 from tests.reports.invented_run import block_scene
 
 OUTLINE = np.array([[-0.3585, 0.0], [0.0682, 0.0], [0.0682, 1.46], [-0.3585, 1.46]])
-PAESTUM = Section(OUTLINE, 0.3585, 0.0682)
+PAESTUM = StatueSection(OUTLINE, 0.3585, 0.0682)
 
 
 @pytest.mark.parametrize(("theta", "corner"), [(0.3, 0.0682), (-0.3, -0.3585)])
@@ -45,7 +45,7 @@ def test_slip_moves_everything() -> None:
 def test_the_papers_top_displacement() -> None:
     """0.50 rad to the left displaces a top at 1.46 m by 0.70 m (paper, case study)."""
     theta, slip = np.array([-0.5]), np.array([0.0])
-    tall = Section(np.array([[-0.3585, 0.0], [0.0682, 0.0], [-0.3585, 1.46]]), 0.3585, 0.0682)
+    tall = StatueSection(np.array([[-0.3585, 0.0], [0.0682, 0.0], [-0.3585, 1.46]]), 0.3585, 0.0682)
     assert abs(tall.top_displacement_m(theta, slip)[0]) == pytest.approx(0.70, abs=0.005)
 
 

@@ -18,7 +18,7 @@ from harness.records.effects3d import EffectsRecord
 from harness.records.kinds import read_result
 from reports.blocks import verdict
 from reports.charts.figure import Look
-from reports.drawing.effects_figures import Curve, changes, rose, rose_of, turned_scan
+from reports.drawing.effects_figures import RoseCurve, changes, rose, rose_of, turned_scan
 from reports.pages.page import write_report
 from reports.source import run_source
 from tests.budgets_reports import BASE_M
@@ -85,8 +85,8 @@ def test_the_page_is_written_and_says_what_was_left_out(record: EffectsRecord, t
 
 
 def test_a_rose_joins_only_directions_asked_one_after_another() -> None:
-    whole = Curve("spatial", dict.fromkeys((0.0, 90.0, 180.0, 270.0), 1.0), Look("#000"))
-    some = Curve("pybullet", {0.0: 0.9, 180.0: 0.8, 270.0: None}, Look("#d50"))
+    whole = RoseCurve("spatial", dict.fromkeys((0.0, 90.0, 180.0, 270.0), 1.0), Look("#000"))
+    some = RoseCurve("pybullet", {0.0: 0.9, 180.0: 0.8, 270.0: None}, Look("#d50"))
     paths = elements(rose_of([whole, some], 1.2, " g"), "path")
     steps = {path.get("stroke"): re.sub(r"[\d. ]", "", path.attrib["d"]) for path in paths[::-1]}  # the key comes last
     assert steps["#000"] == "MLLLZ"

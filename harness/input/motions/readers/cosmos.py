@@ -7,7 +7,14 @@ from typing import Final
 
 import numpy as np
 
-from harness.input.motions.recordfile import Channel, Floats, Orientation, RecordFile, parse_orientation, unit_named
+from harness.input.motions.recordfile import (
+    Channel,
+    ChannelOrientation,
+    Floats,
+    RecordFile,
+    parse_orientation,
+    unit_named,
+)
 from harness.input.motions.text import Header, fixed_width, fortran_format, mistake
 from harness.model.finding import Finding, caution, info
 
@@ -117,16 +124,16 @@ def _step_s(stated: list[float], count: int, duration_s: float, where: str) -> f
     raise mistake(where, "real headers 62 and 34", wanted, got)
 
 
-def _direction(code: int, head: Header, found: list[Finding]) -> tuple[str, Orientation]:
+def _direction(code: int, head: Header, found: list[Finding]) -> tuple[str, ChannelOrientation]:
     """By the integer header, unless the channel's SEED name (<SCNL>STATION.BNZ.…) says that it is vertical."""
     seed = head.words(r"<SCNL>[^.\s]*\.(\w{3})\b")
     if code == _DOWN:
-        return "DOWN", Orientation(vertical=True, sign=-1)
+        return "DOWN", ChannelOrientation(vertical=True, sign=-1)
     if code == _UP or parse_orientation(seed).vertical:
         if code != _UP:
             found.append(caution("record_vertical_by_name", channel="UP", seed=seed, stated=code))
-        return "UP", Orientation(vertical=True)
+        return "UP", ChannelOrientation(vertical=True)
     if 0 <= code <= 360:
-        return f"{code % 360:03d}", Orientation(code % 360.0)
+        return f"{code % 360:03d}", ChannelOrientation(code % 360.0)
     name = head.words(r"Sta Chan?:?\s+\S+:\s*(\S+)") or seed or str(code)
-    return name, parse_orientation(seed) if parse_orientation(name) == Orientation() else parse_orientation(name)
+    return name, parse_orientation(seed) if parse_orientation(name) == ChannelOrientation() else parse_orientation(name)

@@ -5,16 +5,16 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, UNITS_M_S2, Channel, Orientation, RecordFile
+from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, UNITS_M_S2, Channel, ChannelOrientation, RecordFile
 from harness.input.motions.text import Header, free_format, header_number, mistake
 from harness.model.finding import info
 
 _SCALE = re.compile(r"([0-9.]+)\s*\(gal\)\s*/\s*([0-9.]+)", re.IGNORECASE)
 # NIED's manual: north, east and up are positive. KiK-net numbers its components: 1 to 3 in the borehole, 4 to 6 above it.
 _DIRECTIONS: Final = {
-    "N-S": Orientation(0.0), "E-W": Orientation(90.0), "U-D": Orientation(vertical=True),
-    **{str(place + add): Orientation(90.0 * place) for place in (0, 1) for add in (1, 4)},
-    "3": Orientation(vertical=True), "6": Orientation(vertical=True),
+    "N-S": ChannelOrientation(0.0), "E-W": ChannelOrientation(90.0), "U-D": ChannelOrientation(vertical=True),
+    **{str(place + add): ChannelOrientation(90.0 * place) for place in (0, 1) for add in (1, 4)},
+    "3": ChannelOrientation(vertical=True), "6": ChannelOrientation(vertical=True),
 }  # fmt: skip
 _NAMES: Final = {"1": "NS1", "2": "EW1", "3": "UD1", "4": "NS2", "5": "EW2", "6": "UD2"}
 _HEADER_LINES: Final = 17

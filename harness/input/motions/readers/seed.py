@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.input.motions.recordfile import UNIT_NAMES, Channel, Orientation, RecordFile, parse_orientation
+from harness.input.motions.recordfile import UNIT_NAMES, Channel, ChannelOrientation, RecordFile, parse_orientation
 from harness.input.motions.text import mistake
 
 _SAC_VERSION, _SAC_HEADER = slice(304, 308), 632
@@ -54,6 +54,6 @@ def _channel(trace: Any, where: str, unit: str) -> Channel:
     if not np.isfinite(values).all():
         raise mistake(where, name, "finite numbers", "NaN or infinity", "cut the record or fill the gap")
     orientation, sac = parse_orientation(name), stats.get("sac", {})
-    if orientation == Orientation() and "cmpaz" in sac:
-        orientation = Orientation(float(sac["cmpaz"]) % 360.0)
+    if orientation == ChannelOrientation() and "cmpaz" in sac:
+        orientation = ChannelOrientation(float(sac["cmpaz"]) % 360.0)
     return Channel.read(name, orientation, float(stats.delta), values, unit, start_s=float(stats.starttime.timestamp))

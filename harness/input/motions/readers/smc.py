@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from harness.input.motions.process import clock_of
-from harness.input.motions.recordfile import Channel, Floats, Orientation, RecordFile, parse_orientation
+from harness.input.motions.recordfile import Channel, ChannelOrientation, Floats, RecordFile, parse_orientation
 from harness.input.motions.text import Header, fixed_width, mistake
 from harness.model.finding import Finding, caution
 
@@ -72,11 +72,11 @@ def _headers(lines: list[str], where: str) -> tuple[Floats, Floats, int]:
     return ints, reals, comments_from + max(int(ints[_COMMENTS]), 0)
 
 
-def _direction(name: str, ints: Floats) -> Orientation:
+def _direction(name: str, ints: Floats) -> ChannelOrientation:
     from_vertical, azimuth = float(ints[_VERTICAL]), float(ints[_AZIMUTH])
     if from_vertical in (0.0, 180.0):
-        return Orientation(vertical=True, sign=1 if from_vertical == 0.0 else -1)
-    return Orientation(azimuth % 360.0) if 0.0 <= azimuth <= 360.0 else parse_orientation(name)
+        return ChannelOrientation(vertical=True, sign=1 if from_vertical == 0.0 else -1)
+    return ChannelOrientation(azimuth % 360.0) if 0.0 <= azimuth <= 360.0 else parse_orientation(name)
 
 
 def _stated(reals: Floats, start_s: float) -> tuple[float | None, float | None]:

@@ -18,9 +18,9 @@ from harness.input.motions.recordfile import (
     UNITS_M_S2,
     WHOLE,
     Channel,
+    ChannelOrientation,
     Floats,
     Layout,
-    Orientation,
     RecordFile,
     parse_orientation,
     unit_named,
@@ -93,10 +93,10 @@ _UNIT_WORDS = re.compile(
 """Units, but of a number that stands before them: a peak of 0.3 g says nothing of the samples."""
 
 
-def heading(header: str) -> tuple[Orientation, str | None]:
+def heading(header: str) -> tuple[ChannelOrientation, str | None]:
     """Direction and unit stated by a column's header such as a_N28W_ms2 or "UP (g)"."""
     if len(header) > _LONGEST_LINE:
-        return Orientation(), None
+        return ChannelOrientation(), None
     match = _UNIT.match(header)
     unit = unit_named(match.group(2)) if match else None
     name = _PREFIX.sub("", match.group(1) if match and unit else header)
@@ -157,8 +157,8 @@ def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFi
     return RecordFile(where, "numbers as described", unit, tuple(channels), {}, findings=said)
 
 
-def _direction(name: str) -> Orientation:
-    return Orientation() if name.isdigit() and len(name) < 3 else parse_orientation(name)
+def _direction(name: str) -> ChannelOrientation:
+    return ChannelOrientation() if name.isdigit() and len(name) < 3 else parse_orientation(name)
 
 
 def _cells(line: str) -> list[str]:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.input.motions.process import clock_of
-from harness.input.motions.recordfile import Channel, Orientation, RecordFile, parse_orientation
+from harness.input.motions.recordfile import Channel, ChannelOrientation, RecordFile, parse_orientation
 from harness.input.motions.text import (
     NOT_NUMBERS,
     NUMERIC,
@@ -109,8 +109,8 @@ def _pairs(data: Sequence[str], where: str, first_line: int) -> NDArray[np.float
     return np.array([float(number) for line in data for number in _PAIRED.findall(line)])
 
 
-def _bhrc_direction(name: str, head: Header) -> Orientation:
+def _bhrc_direction(name: str, head: Header) -> ChannelOrientation:
     """BHRC names its channels L, V and T, and gives the azimuths of L and T in one line."""
     if name[:1].upper() == "V":
-        return Orientation(vertical=True)
+        return ChannelOrientation(vertical=True)
     return parse_orientation(head.words(rf"Azimuth.*\b{re.escape(name[:1])}\s+(\d+)"))

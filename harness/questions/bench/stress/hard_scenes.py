@@ -16,7 +16,7 @@ from harness.questions.bench import programs
 from harness.questions.bench.standard_scenes import scene_of
 from harness.questions.bench.stress import checks
 from harness.questions.bench.stress.catalogue import Hard, catalogue
-from harness.records.bench import Cell, HardRow, KnownFailure, Measure
+from harness.records.bench import HardRow, KnownFailure, Measure, StabilityCell
 
 # Why a cell of a stability map is not stable: the setting of the same row that is, or nothing.
 
@@ -33,7 +33,9 @@ MANY: Final = {
 """By the name of a field of settings; an engine has some of them."""
 
 
-def explained(row: Sequence[Cell], converged: Callable[[], Cell | None] = lambda: None) -> Iterator[Cell]:
+def explained(
+    row: Sequence[StabilityCell], converged: Callable[[], StabilityCell | None] = lambda: None
+) -> Iterator[StabilityCell]:
     """The cells of one row, from coarse to fine; those that are not stable with the setting that is, where one is known.
 
     A cell is explained by a whole run with a finer step that is stable. Where there is none, `converged` computes the row with
@@ -54,7 +56,7 @@ def explained(row: Sequence[Cell], converged: Callable[[], Cell | None] = lambda
         yield last
 
 
-def _finer(finer: Sequence[Cell]) -> Cell | None:
+def _finer(finer: Sequence[StabilityCell]) -> StabilityCell | None:
     return next((cell for cell in finer if cell.category == "stable" and not cell.short), None)
 
 

@@ -17,7 +17,7 @@ from harness.questions.bench.standard_scenes import COLUMN, EQUAL, PAESTUM, PEDE
 from harness.questions.bench.stress import checks
 from harness.questions.bench.stress.catalogue import SHAKEN, body, leaning
 from harness.questions.bench.stress.hard_scenes import converged, explained, solution
-from harness.records.bench import Cell, Measure
+from harness.records.bench import Measure, StabilityCell
 
 STEPS_S: Final = (1.0 / 60.0, 1.0 / 240.0, 1e-3, 2.5e-4, 1e-4, 1e-5)
 NONE: Final = RunOptions(skips=frozenset())
@@ -60,7 +60,7 @@ def tasks(quick: bool) -> list[str]:
     return [f"{engine}: {row.name}" for engine in ENGINES for row in sorted(rows, key=lambda row: row.share)]
 
 
-def compute(program: str | None, quick: bool, task: str) -> list[Cell]:
+def compute(program: str | None, quick: bool, task: str) -> list[StabilityCell]:
     """The cells of one row of one map; none where the engine is not here. `program` measures pybullet's own hull."""
     name, _, words = task.partition(": ")
     engine = engines.load(name)
@@ -77,36 +77,38 @@ def compute(program: str | None, quick: bool, task: str) -> list[Cell]:
     return cells
 
 
-def died(task: str) -> list[Cell]:
+def died(task: str) -> list[StabilityCell]:
     """A row whose process died: one cell, diverged and not explained."""
     name, _, words = task.partition(": ")
-    return [Cell(name, "any", words, "diverged", message="crashed")]
+    return [StabilityCell(name, "any", words, "diverged", message="crashed")]
 
 
-def _cells_of(row: Difficulty, scene: Scene, engine: Engine, exact: Run, quick: bool) -> Iterator[Cell]:
+def _cells_of(row: Difficulty, scene: Scene, engine: Engine, exact: Run, quick: bool) -> Iterator[StabilityCell]:
     if engine.capabilities.certifies:
         for settings in engine.refinement_levels(scene):
             run = engine.simulate(scene, settings, RunOptions())
             label = f"{settings.expected_error_rad:g} rad"
-            yield _judged(Cell(engine.name, label, row.name, ""), scene, run, exact, row)
+            yield _judged(StabilityCell(engine.name, label, row.name, ""), scene, run, exact, row)
         return
     for step_s in STEPS_S[1:3] if quick else STEPS_S:
         short = step_s == STEPS_S[-1]
         shorter = replace(scene, duration_s=row.share * scene.duration_s) if short else scene
-        cell = Cell(engine.name, _step(step_s), row.name, "", short=short)
+        cell = StabilityCell(engine.name, _step(step_s), row.name, "", short=short)
         yield _of_step(cell, shorter, engine, engine.settings_for_dt(shorter, step_s), exact, row)
 
 
-def _converged(row: Difficulty, scene: Scene, engine: Engine, exact: Run) -> Cell | None:
+def _converged(row: Difficulty, scene: Scene, engine: Engine, exact: Run) -> StabilityCell | None:
     """The whole scene with far more iterations a step; None for a model that has none."""
     if engine.capabilities.certifies:
         return None
     settings = converged(engine.settings_for_dt(scene, CONVERGED_S))
-    cell = Cell(engine.name, f"{_step(CONVERGED_S)}, {settings.as_dict()['iterations']} it.", row.name, "")
+    cell = StabilityCell(engine.name, f"{_step(CONVERGED_S)}, {settings.as_dict()['iterations']} it.", row.name, "")
     return _of_step(cell, scene, engine, settings, exact, row)
 
 
-def _of_step(cell: Cell, scene: Scene, engine: Engine, settings: Settings, exact: Run, row: Difficulty) -> Cell:
+def _of_step(
+    cell: StabilityCell, scene: Scene, engine: Engine, settings: Settings, exact: Run, row: Difficulty
+) -> StabilityCell:
     """The cell of a run with nothing left out; diverged where the engine gives up."""
     try:
         return _judged(cell, scene, engine.simulate(scene, settings, NONE), exact, row)
@@ -114,7 +116,7 @@ def _of_step(cell: Cell, scene: Scene, engine: Engine, settings: Settings, exact
         return replace(cell, category="diverged", message=str(failure))
 
 
-def _judged(cell: Cell, scene: Scene, run: Run, exact: Run, row: Difficulty) -> Cell:
+def _judged(cell: StabilityCell, scene: Scene, run: Run, exact: Run, row: Difficulty) -> StabilityCell:
     category, evidence, message = judge(scene, run, exact, row.at_rest)
     return replace(cell, category=category, evidence=evidence, message=message)
 
@@ -131,7 +133,7 @@ def judge(scene: Scene, run: Run, exact: Run, at_rest: bool) -> tuple[str, list[
     return category, [*right, *drifts], ""
 
 
-def _hulls(program: str, row: Difficulty, own: Sequence[Cell], allowed_rad: float) -> Iterator[Cell]:
+def _hulls(program: str, row: Difficulty, own: Sequence[StabilityCell], allowed_rad: float) -> Iterator[StabilityCell]:
     """pybullet's own hull, which this project does not use: with its default collision margin and without one.
 
     `own`: the row's cells of this project's contact, on spheres at the base's vertices, of which a stable one avoids a failure.
@@ -142,12 +144,12 @@ def _hulls(program: str, row: Difficulty, own: Sequence[Cell], allowed_rad: floa
     for label, error in hulls.items():
         category = "diverged" if not math.isfinite(error) else "inaccurate" if error > allowed_rad else "stable"
         evidence = [checks.within("error_rad", error, allowed_rad)]
-        cells.append(Cell("pybullet", label, row.name, category, evidence))
+        cells.append(StabilityCell("pybullet", label, row.name, category, evidence))
     whole = [cell for cell in own if cell.category == "stable" and not cell.short]
     yield from (hull_avoided(cell, cells[1], whole) for cell in cells)
 
 
-def hull_avoided(cell: Cell, bare: Cell, own: Sequence[Cell]) -> Cell:
+def hull_avoided(cell: StabilityCell, bare: StabilityCell, own: Sequence[StabilityCell]) -> StabilityCell:
     """A hull's cell with what is stable where it is not: the hull without its margin, else this project's contact."""
     if cell.category == "stable" or not (bare.category == "stable" or own):
         return cell

@@ -13,7 +13,7 @@ from harness.questions.bench import programs
 from harness.questions.bench.stress import hard_scenes as scenes
 from harness.questions.bench.stress import stability
 from harness.questions.bench.stress.catalogue import ALL
-from harness.records.bench import Cell, HardRow, Harm, Mutated, StressRecord, answer_of, findings_of
+from harness.records.bench import HardRow, Harm, Mutated, StabilityCell, StressRecord, answer_of, findings_of
 from harness.runs.parts import Measurement, Part, Row
 
 # Mutated input files: a fuzz that is given, run in processes of its own; its rows summed by kind.
@@ -96,7 +96,11 @@ def all_parts(given: programs.Programs, quick: bool) -> list[Part]:
     asked = scenes.QUESTIONS if QUESTIONS in given and not quick else ()
     return [
         Part(
-            "maps", stability.tasks(quick), partial(stability.compute, given.get(DEFAULTS), quick), stability.died, Cell
+            "maps",
+            stability.tasks(quick),
+            partial(stability.compute, given.get(DEFAULTS), quick),
+            stability.died,
+            StabilityCell,
         ),
         Part("scenes", scenes.tasks(quick), scenes.compute, scenes.died, HardRow),
         Part("questions", asked, partial(scenes.answer, given.get(QUESTIONS, "")), scenes.died, HardRow),

@@ -7,15 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from harness.comparison.statistics.outcomes import Case, brier, brier_skill, f1, matthews, score_outcomes
+from harness.comparison.statistics.outcomes import Prediction, brier, brier_skill, f1, matthews, score_outcomes
 from harness.model.history import Outcome
 from tests.budgets_compare import ROUNDING_REL
 
 S, L, R = Outcome.STANDS, Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT
 
 
-def cases(table: dict[tuple[Outcome, Outcome], int]) -> list[Case]:
-    return [Case(predicted, observed) for (predicted, observed), count in table.items() for _ in range(count)]
+def cases(table: dict[tuple[Outcome, Outcome], int]) -> list[Prediction]:
+    return [Prediction(predicted, observed) for (predicted, observed), count in table.items() for _ in range(count)]
 
 
 def test_scores_by_hand() -> None:
@@ -46,15 +46,17 @@ def test_perfect_inverted_and_constant_predictions() -> None:
 
 
 def test_what_flips_within_the_uncertainty_and_what_is_undecided_is_counted_apart() -> None:
-    flipping = [Case(L, S, within_uncertainty=True)] * 3
-    lifted = [Case(Outcome.LIFT_OFF, S)] * 2
+    flipping = [Prediction(L, S, within_uncertainty=True)] * 3
+    lifted = [Prediction(Outcome.LIFT_OFF, S)] * 2
     found = score_outcomes([*cases({(L, L): 4, (S, S): 4}), *flipping, *lifted])
     assert (found.cases, found.undecided, found.within_uncertainty) == (13, 2, 3)
     assert found.accuracy.value == 1.0
 
 
 def test_no_return_times_are_compared_where_both_fall() -> None:
-    found = score_outcomes([Case(L, L, no_return_s=(3.0, 2.5)), Case(L, L, no_return_s=(4.0, 3.0)), Case(S, S)])
+    found = score_outcomes(
+        [Prediction(L, L, no_return_s=(3.0, 2.5)), Prediction(L, L, no_return_s=(4.0, 3.0)), Prediction(S, S)]
+    )
     assert found.no_return_difference_s.value == pytest.approx(0.75)
 
 
@@ -87,9 +89,9 @@ def test_what_is_no_probability_is_refused(bad: list[float]) -> None:
 
 def test_a_side_that_flips_within_the_uncertainty_leaves_the_outcome_s_score() -> None:
     """Both fall: the outcome is right; which way it fell is not decided, so it counts in no accuracy of sides."""
-    open_side = Case(Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT, side_within_uncertainty=True)
-    wrong_side = Case(Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT)
-    right = Case(Outcome.STANDS, Outcome.STANDS)
+    open_side = Prediction(Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT, side_within_uncertainty=True)
+    wrong_side = Prediction(Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT)
+    right = Prediction(Outcome.STANDS, Outcome.STANDS)
     found = score_outcomes([open_side, wrong_side, right])
     assert (found.accuracy.value, found.side_accuracy.value) == (1.0, 0.5)
     assert found.within_uncertainty == 0

@@ -16,7 +16,7 @@ from scipy.spatial import ConvexHull
 from analytic.excitation import Harmonic
 from harness.engines import load
 from harness.engines.pybullet import feet, pose
-from harness.engines.pybullet.feet import DEPTH_M, Crossing
+from harness.engines.pybullet.feet import DEPTH_M, EdgeCrossing
 from harness.engines.pybullet.full import HULL_VERTICES, full_shape
 from harness.engines.pybullet.shapes import HULL_INSET_M, MARGIN_M
 from harness.engines.pybullet.world import World
@@ -288,11 +288,11 @@ def test_a_foot_that_comes_over_the_edge_is_told() -> None:
     def row(x: float) -> tuple[float, ...]:
         return (x, 0.0, 1.0, *level, *still, 0.0, 0.0, 0.25, *level, *still)
 
-    flush = Crossing(feet_m, (0.3, 1.0), row(0.0))
+    flush = EdgeCrossing(feet_m, (0.3, 1.0), row(0.0))
     assert flush.beside.tolist() == [False, False]
     assert not flush(row(0.5 * DEPTH_M))
     assert flush(row(2.0 * DEPTH_M))
-    past = Crossing(feet_m, (0.3, 1.0), row(2.0 * DEPTH_M))
+    past = EdgeCrossing(feet_m, (0.3, 1.0), row(2.0 * DEPTH_M))
     assert past.beside.tolist() == [False, True]
     assert not past(row(0.0))
     assert past(row(-2.0 * DEPTH_M))

@@ -14,7 +14,7 @@ from harness.engines.pymunk import Munk2D
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import PEDESTAL, TWO
-from harness.questions.study.cases import Base
+from harness.questions.study.cases import BaseScene
 from tests import budgets_engines as budget
 from tests.measures.seeded_scenes import random_scene
 from tests.scenes_for_tests import paestum, rectangle, scene
@@ -111,7 +111,7 @@ def test_a_vertex_that_an_approach_has_stopped_is_taken_nowhere(data_dir: Path) 
     }
     statue = {"mesh": {"file": "togatus.ply", "unit": "m", "density_kg_m3": 2700.0}}
     content = {"title": "micro-rocking", "statue": statue, "pedestal": PEDESTAL, "contact": TWO, "motion": {"x": west}}
-    on = Base(SCENES / "scene.toml", {**content, "duration_s": 10.5}).scene({})
+    on = BaseScene(SCENES / "scene.toml", {**content, "duration_s": 10.5}).scene({})
     found, exact = run(on, 1e-3), MODEL.simulate(on, MODEL.refinement_levels(on)[1], RunOptions())
     assert found.history is not None
     assert exact.history is not None

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from harness.input.motions.readers import read_file, read_record
-from harness.input.motions.recordfile import Orientation
+from harness.input.motions.recordfile import ChannelOrientation
 from harness.input.motions.text import NUMERIC
 from harness.model.errors import InputError
 from tests.budgets_motions import CLOCK_S, COUNTS_M_S2, GAL_3, GAL_6, TENTH_G_3
@@ -20,7 +20,7 @@ from tests.doubles import codes
 from tests.harness.input.motions import layouts, writers
 from tests.harness.input.motions.writers import GRAVITY, Floats, wave
 
-NORTH, EAST, UP = Orientation(0.0), Orientation(90.0), Orientation(vertical=True)
+NORTH, EAST, UP = ChannelOrientation(0.0), ChannelOrientation(90.0), ChannelOrientation(vertical=True)
 THREE = (wave(400, peak_m_s2=2.0), wave(400, peak_m_s2=3.0, phase=0.5), wave(400, peak_m_s2=1.0, phase=1.0))
 BUILDERS: dict[str, Callable[[Path], Path]] = {
     "K-NET": lambda path: layouts.knet(path / "AOM001.EW", THREE[0], 100, "E-W"),
@@ -155,14 +155,14 @@ def test_volumes_1(tmp_path: Path) -> None:
     _same(csmip.channels[0].accel_m_s2, THREE[0], 1e-6 * GRAVITY)
     for name, direction, within in (
         ("CSMIP V1 film", EAST, TENTH_G_3), ("USC V1", NORTH, TENTH_G_3),
-        ("RENADIC V1", Orientation(0.0, sense_assumed=True), TENTH_G_3),
+        ("RENADIC V1", ChannelOrientation(0.0, sense_assumed=True), TENTH_G_3),
     ):  # fmt: skip
         channel = read_file(BUILDERS[name](tmp_path)).channels[0]
         assert channel.orientation == direction
         assert channel.dt_s == (0.005 if "film" in name else 0.01)
         _same(channel.accel_m_s2, THREE[0], within)
     bhrc = read_file(BUILDERS["BHRC V1"](tmp_path))
-    assert [c.orientation for c in bhrc.channels] == [Orientation(177.0), UP, Orientation(267.0)]
+    assert [c.orientation for c in bhrc.channels] == [ChannelOrientation(177.0), UP, ChannelOrientation(267.0)]
     assert bhrc.channels[2].dt_s == 0.005
     _same(bhrc.channels[2].accel_m_s2, THREE[2], 1e-6 * GRAVITY)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness.input.motions.readers import FORMATS, read_record
-from harness.input.motions.recordfile import Orientation, parse_orientation
+from harness.input.motions.recordfile import ChannelOrientation, parse_orientation
 from harness.input.motions.records import aligned, channel_named, turned
 from harness.input.motions.text import fixed_width, free_format
 from harness.model.errors import InputError
@@ -24,15 +24,17 @@ DIGITS = WRITTEN_DIGITS_G * GRAVITY
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("N28W", Orientation(332.0)), ("S62W", Orientation(242.0)), ("N60E", Orientation(60.0)), ("S10E", Orientation(170.0)),
-        ("067", Orientation(67.0)), ("360", Orientation(0.0)), ("UP", Orientation(vertical=True)),
-        ("Z", Orientation(vertical=True)),
-        ("HNE", Orientation(90.0)), ("HNN", Orientation(0.0)), ("HLZ", Orientation(vertical=True)),
-            ("EW", Orientation(90.0, sense_assumed=True)),
-        ("DWN", Orientation(vertical=True, sign=-1)), ("L", Orientation()), ("400", Orientation()),
+        ("N28W", ChannelOrientation(332.0)), ("S62W", ChannelOrientation(242.0)),
+        ("N60E", ChannelOrientation(60.0)), ("S10E", ChannelOrientation(170.0)),
+        ("067", ChannelOrientation(67.0)), ("360", ChannelOrientation(0.0)),
+        ("UP", ChannelOrientation(vertical=True)), ("Z", ChannelOrientation(vertical=True)),
+        ("HNE", ChannelOrientation(90.0)), ("HNN", ChannelOrientation(0.0)),
+        ("HLZ", ChannelOrientation(vertical=True)), ("EW", ChannelOrientation(90.0, sense_assumed=True)),
+        ("DWN", ChannelOrientation(vertical=True, sign=-1)), ("L", ChannelOrientation()),
+        ("400", ChannelOrientation()),
     ],
 )  # fmt: skip
-def test_directions(text: str, expected: Orientation) -> None:
+def test_directions(text: str, expected: ChannelOrientation) -> None:
     assert parse_orientation(text) == expected
 
 
@@ -93,7 +95,7 @@ def test_smc(tmp_path: Path) -> None:
     record = read_record(path)
     assert record.format == "USGS SMC"
     assert [channel.orientation for channel in record.channels] == [
-        Orientation(0.0), Orientation(90.0), Orientation(vertical=True),
+        ChannelOrientation(0.0), ChannelOrientation(90.0), ChannelOrientation(vertical=True),
     ]  # fmt: skip
     np.testing.assert_allclose(record.channels[0].accel_m_s2, accel, rtol=1e-4, atol=1e-7)
     assert record.channels[0].dt_s == 0.01
@@ -129,7 +131,7 @@ def test_csv_units_and_separators(tmp_path: Path, unit: str, factor: float, mark
     path.write_text("\n".join(lines))
     record = read_record(path)
     np.testing.assert_allclose(record.channels[0].accel_m_s2, accel, rtol=1e-8, atol=1e-12)
-    assert record.channels[0].orientation == Orientation(332.0)
+    assert record.channels[0].orientation == ChannelOrientation(332.0)
     assert record.channels[1].orientation.vertical
 
 

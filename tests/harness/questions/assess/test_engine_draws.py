@@ -20,7 +20,7 @@ from harness.questions.assess.model_draws import ModelDraws
 from harness.records.assess import Assessment
 from harness.runs.runner import InlinePool
 from harness.runs.store import Store
-from harness.runs.task import Answer
+from harness.runs.task import TaskResult
 from reports.cli import assessments
 from reports.cli.options import EngineOptions, Sampling, ScanOptions, SupportOptions
 from tests import budgets_assess as budget
@@ -100,7 +100,7 @@ def test_a_killed_assessment_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyP
     """Interrupted at its tenth run, nine are kept, and only the others are run by the next."""
     scene, made = paestum(0.429, 3.0, duration_s=1.0), [0]
 
-    def interrupted(drawn: Any) -> Answer:
+    def interrupted(drawn: Any) -> TaskResult:
         made[0] += 1
         if made[0] == 10:
             raise KeyboardInterrupt

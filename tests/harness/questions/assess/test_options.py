@@ -17,7 +17,7 @@ from harness.questions.assess import options as made
 from harness.questions.assess.answer import best_option, of_options
 from harness.questions.assess.assessment import assess
 from harness.questions.assess.model_draws import draw, draws_of, model_draws, uncertain_inputs
-from harness.questions.assess.options import PAIRS, Answered, common, compare, in_plane, paired_difference
+from harness.questions.assess.options import PAIRS, OptionDraws, common, compare, in_plane, paired_difference
 from harness.records.assess import OptionsRecord
 from harness.statics.plan import as_one, sliding, turned_block
 from tests import budgets_assess as budget
@@ -38,7 +38,7 @@ def by_draws(
     inputs = uncertain_inputs(scene)
     values = draws_of(scene, inputs, draws, 0)
     ask = in_plane(scene, options, inputs, values)
-    return compare(options, left_out or {}, Answered(model_draws(scene, values)), ask)
+    return compare(options, left_out or {}, OptionDraws(model_draws(scene, values)), ask)
 
 
 def test_statue_and_pedestal_as_one_body_by_hand() -> None:

@@ -13,7 +13,7 @@ from harness.input.scene_file import load_scene
 from harness.model.scene import BaseExcitation, Scene
 from harness.questions.assess.assessment import assess
 from harness.questions.assess.model_draws import ModelDraws, draw, space_draws, uncertain_inputs
-from harness.questions.assess.options import AS_IT_IS, Answered, difference_of, options_of
+from harness.questions.assess.options import AS_IT_IS, OptionDraws, difference_of, options_of
 from harness.records.assess import TURNED
 from tests.scenes_for_tests import block, scene
 
@@ -83,7 +83,7 @@ def test_options_and_fragility_of_a_scene_in_space_are_the_exact_bodys() -> None
 def test_draws_without_an_end_show_nothing() -> None:
     none, all_ = np.zeros(300, dtype=bool), np.ones(300, dtype=bool)
     ends = ((all_, all_), (all_, none), (none, none))
-    falls, stands, open_ = (Answered(ModelDraws(known, fell, none, none, none, none)) for known, fell in ends)
+    falls, stands, open_ = (OptionDraws(ModelDraws(known, fell, none, none, none, none)) for known, fell in ends)
     shown = difference_of(stands, falls)
     assert shown.high < -0.9
     for ends, own in ((open_, falls), (stands, open_), (open_, open_)):

@@ -22,7 +22,7 @@ from harness.questions.bench import findings, other_integrators, precision, scal
 from harness.questions.bench.programs import children_cpu_s, cost, costs, largest_child_mb
 from harness.questions.bench.standard_scenes import COLUMN, Standard, resolved, scene_of, standard_set
 from harness.records.base import plain, validated
-from harness.records.bench import BenchRecord, Covered, PartRow, PrecisionRow, ScalingRow, SkipRow, Start, Throughput
+from harness.records.bench import BenchRecord, Covered, PartRow, PrecisionRow, ScalingRow, SkipRow, StartRow, Throughput
 from harness.runs.parts import head
 from tests.engines_for_tests import ready
 from tests.measures import engine_defaults
@@ -249,7 +249,7 @@ def test_other_solvers_are_compared_at_equal_error() -> None:
     solvers += [solver("analytic", 1e-10, 0.001, "two blocks")]
     rate = asdict(Throughput(40_000, 2, 4.0, 8.0, 1e4, 9000.0, 300.0, 1.0, 0.5))
     rows = [
-        *solvers, {"throughput": {"two_block": rate, "map": rate}}, {"startup": asdict(Start(1.0, 1.0, 1.2, 2.5))},
+        *solvers, {"throughput": {"two_block": rate, "map": rate}}, {"startup": asdict(StartRow(1.0, 1.0, 1.2, 2.5))},
         {"overhead": {"no_pedestal_ratio": 0.5, "pedestal_ratio": 1.2}},
     ]  # fmt: skip
     assert told([]) == []

@@ -8,7 +8,7 @@ import pytest
 
 from harness.questions.bench import bench_run, findings
 from harness.records.base import part
-from harness.records.bench import Coverage, Covered, Level, Statement
+from harness.records.bench import Coverage, Covered, LevelRow, Statement
 from tests.measures.coverage import met_whole
 
 
@@ -24,7 +24,7 @@ def test_coverage_counts_what_was_missed_and_what_died() -> None:
 
 def seeded(seed: int, coarse_rad: float, fine_rad: float, cpu_s: float) -> Coverage:
     """An invented row of coverage, met to the end at a cost, with two levels of 1 and 4 ms of processor time."""
-    levels = (Level(2e-3, None, coarse_rad, 1e-3), Level(1e-3, None, fine_rad, 4e-3))
+    levels = (LevelRow(2e-3, None, coarse_rad, 1e-3), LevelRow(1e-3, None, fine_rad, 4e-3))
     return Coverage("pymunk", seed, 1e-3, stated(1e-5), cpu_s, levels)
 
 

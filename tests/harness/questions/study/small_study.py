@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.runs.runner import Crash
-from harness.runs.task import Answer
+from harness.runs.task import TaskResult
 
 BLOCK = """
 title = "a block"
@@ -91,13 +91,13 @@ histories = true
 """Runs of some 20 ms each, by an engine that needs no compiler."""
 
 
-def lethal(name: str) -> Answer:
+def lethal(name: str) -> TaskResult:
     """Work that takes its process with it where a task says so."""
     if name == "die":
         os._exit(3)
-    return Answer("said", {"text": name.upper()}, 0.0)
+    return TaskResult("said", {"text": name.upper()}, 0.0)
 
 
-def lost(name: str, crash: Crash) -> Answer:
+def lost(name: str, crash: Crash) -> TaskResult:
     """What is kept of a task whose process died."""
-    return Answer("said", {"text": str(crash)}, 0.0, failed=True)
+    return TaskResult("said", {"text": str(crash)}, 0.0, failed=True)

@@ -7,7 +7,7 @@ import itertools
 import pytest
 
 from harness.questions.study import case_selection as selection
-from harness.questions.study.case_selection import Answer, Place
+from harness.questions.study.case_selection import Place, PlaceAnswer
 from harness.questions.study.file import StudyFile
 
 SIZE = 41
@@ -62,8 +62,8 @@ def test_maps_of_other_axes_are_refined_apart() -> None:
 
 
 def test_the_boundary_takes_changes_margins_and_a_random_audit() -> None:
-    known = {(i, 0): Answer("fell" if i >= 5 else "stands", 2.0 if i >= 5 else 0.1) for i in range(10)}
-    known[(1, 0)] = Answer("stands", 0.9)
+    known = {(i, 0): PlaceAnswer("fell" if i >= 5 else "stands", 2.0 if i >= 5 else 0.1) for i in range(10)}
+    known[(1, 0)] = PlaceAnswer("stands", 0.9)
     found = selection.near_boundary(known, margin=0.25, share=0.0, seed=1)
     assert found == {(1, 0): selection.MARGIN, (4, 0): selection.NEAR, (5, 0): selection.NEAR}
     everything = selection.near_boundary(known, margin=0.25, share=1.0, seed=1)

@@ -236,7 +236,7 @@ def test_what_a_witness_judges_stays_rows(tmp_path: Path) -> None:
 
 def test_few_cases_or_other_questions_stay_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = written(tmp_path)
-    base = case_blocks.Base(path, {})
+    base = case_blocks.BaseScene(path, {})
     assert case_blocks.in_columns(load_study(path), base)
     for old, new in (
         ('engines = ["analytic"]', 'engines = ["analytic", "pymunk"]'),

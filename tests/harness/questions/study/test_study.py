@@ -16,7 +16,7 @@ from harness.questions.study import case_selection as selection
 from harness.questions.study import estimate
 from harness.questions.study.case_blocks import study_rows
 from harness.questions.study.case_selection import recheck
-from harness.questions.study.cases import Base, base_of, expand
+from harness.questions.study.cases import BaseScene, base_of, expand
 from harness.questions.study.file import load_study
 from harness.questions.study.study_run import Summary, run_study, study_name
 from harness.records.study import impacts
@@ -98,9 +98,9 @@ class Inline(InlinePool):
 def test_the_work_around_a_run_is_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     resolved: list[int] = []
     written_: list[int] = []
-    scene, add = Base.scene, Store.add
+    scene, add = BaseScene.scene, Store.add
 
-    def counted(self: Base, setting: Mapping[str, Any]) -> Scene:
+    def counted(self: BaseScene, setting: Mapping[str, Any]) -> Scene:
         resolved.append(1)
         return scene(self, setting)
 
@@ -108,7 +108,7 @@ def test_the_work_around_a_run_is_counted(tmp_path: Path, monkeypatch: pytest.Mo
         written_.append(len(results))
         add(self, results, clock_s)
 
-    monkeypatch.setattr(Base, "scene", counted)
+    monkeypatch.setattr(BaseScene, "scene", counted)
     monkeypatch.setattr(Store, "add", noted)
     path, pool = written(tmp_path, STUDY.replace("count = 6", "count = 20")), Inline()
     with Store(tmp_path / "s.sqlite") as store:

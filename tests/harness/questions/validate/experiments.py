@@ -14,7 +14,7 @@ import trimesh
 from harness.accuracy.simulation import simulate
 from harness.model.history import Outcome
 from harness.model.run import RunOptions
-from harness.questions.validate.scenes import Variant, scene_of
+from harness.questions.validate.scenes import TrialVariant, scene_of
 from harness.questions.validate.table import Trial
 from harness.questions.validate.validation_run import run_validation
 from harness.records.base import as_file
@@ -73,9 +73,9 @@ def seen(trial: Trial, **chosen: Any) -> Outcome:
     return simulate(scene, "analytic", options=RunOptions(history=False)).outcome
 
 
-def variant(trial: Trial, sample: int = 0, **chosen: Any) -> Variant:
+def variant(trial: Trial, sample: int = 0, **chosen: Any) -> TrialVariant:
     """A test at these values of what it does not know, or a draw of it."""
-    return Variant(trial.inputs(replace(trial.inputs(), **chosen)), sample)
+    return TrialVariant(trial.inputs(replace(trial.inputs(), **chosen)), sample)
 
 
 def validate(experiments: Path, folder: Path, **options: Any) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from harness.accuracy.simulation import simulate
 from harness.model.history import Outcome
 from harness.model.run import RunOptions
 from harness.questions.validate.jobs import Drawn, asked_of, lost_draws, parse_model
-from harness.questions.validate.scenes import SHIFT_M, Variant, motion_of, scene_of, thinned
+from harness.questions.validate.scenes import SHIFT_M, TrialVariant, motion_of, scene_of, thinned
 from harness.questions.validate.table import Inputs, read_table
 from harness.records.study import CaseRun
 from harness.runs.runner import Crash
@@ -21,7 +21,7 @@ from tests.harness.questions.validate.experiments import variant, write_experime
 from tests.measures.invented_stones import write_shaking, write_tests
 
 OUTCOME = RunOptions(history=False, stated=False)
-STATED = Variant(Inputs(), stated=True)
+STATED = TrialVariant(Inputs(), stated=True)
 
 
 def shaking(tmp_path: Path, lines: int, seed: int) -> SampledAcceleration:
@@ -62,7 +62,7 @@ def test_fewer_samples_change_no_probability(tmp_path: Path) -> None:
         own = replace(true, scale=1.6)
         motions = [motion_of(trial, own, fewer) for fewer in (True, False)]
         for sample in range(1, 61):
-            scenes = (scene_of(trial, Variant(own, sample), 0, motion) for motion in motions)
+            scenes = (scene_of(trial, TrialVariant(own, sample), 0, motion) for motion in motions)
             few, all_ = (simulate(scene, "analytic", options=OUTCOME).outcome.overturned for scene in scenes)
             changed.append(few != all_)
             more.append(int(few) - int(all_))

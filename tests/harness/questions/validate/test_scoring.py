@@ -24,16 +24,16 @@ from harness.questions.validate.fit import (
     WIDTHS,
     Answers,
     Ask,
-    Choice,
+    FittedInputs,
     choose,
     designed,
     fitted,
     planned,
 )
 from harness.questions.validate.jobs import parse_model
-from harness.questions.validate.scenes import GRAVITY_M_S2, Intensity, Variant
+from harness.questions.validate.scenes import GRAVITY_M_S2, Intensity, TrialVariant
 from harness.questions.validate.scoring import (
-    Answered,
+    ModelAnswers,
     best_threshold,
     by_intensity,
     case_of,
@@ -67,11 +67,11 @@ def says(right: Callable[[Trial, Inputs], bool]) -> Ask:
     return answering(lambda each, one: answer(each.fell == right(each, one.inputs)))
 
 
-def answering(of: Callable[[Trial, Variant], CaseRun]) -> Ask:
+def answering(of: Callable[[Trial, TrialVariant], CaseRun]) -> Ask:
     """Gives all answers so far."""
-    answers: dict[tuple[str, Variant], CaseRun] = {}
+    answers: dict[tuple[str, TrialVariant], CaseRun] = {}
 
-    def ask(pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
+    def ask(pairs: Sequence[tuple[Trial, TrialVariant]]) -> Answers:
         answers.update({(each.name, one): of(each, one) for each, one in pairs})
         return answers
 
@@ -90,7 +90,7 @@ def test_each_body_s_own_inputs_are_fitted() -> None:
     # Four settings of eight tests.
     assert (found.fitted_on, found.runs, found.width) == (8, 4 * 4 * 2 * DRAWS, 1.0)
     known = trial("known", True, friction=(0.7,))
-    assert found.nominal(known) == Variant(Inputs(friction=0.7), stated=True)
+    assert found.nominal(known) == TrialVariant(Inputs(friction=0.7), stated=True)
     assert choose([], says(lambda each, inputs: True), 0).fitted_on == 0
 
 
@@ -170,9 +170,9 @@ def test_what_is_planned_is_what_is_run() -> None:
     lists = {"inset_m": (0.0, 0.01, 0.02), "scale": (0.8, 0.9, 1.0), "sign": (1, -1), "friction": (0.2, 0.4, 0.6)}
     share = [trial(f"a{k}", k % 2 == 0, body=body, **lists) for k, body in enumerate("aabbccaabb")]
     tests = [*share, *(trial(f"r{k}", True, body="b", **lists) for k in range(5))]
-    model, ran = says(lambda each, inputs: inputs.sign == 1), set[tuple[str, Variant]]()
+    model, ran = says(lambda each, inputs: inputs.sign == 1), set[tuple[str, TrialVariant]]()
 
-    def ask(pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
+    def ask(pairs: Sequence[tuple[Trial, TrialVariant]]) -> Answers:
         ran.update((each.name, one) for each, one in pairs)
         return model(pairs)
 
@@ -185,12 +185,12 @@ def test_what_is_planned_is_what_is_run() -> None:
 def test_probability_counts_the_runs_that_fall_and_failures_do_not_count() -> None:
     one = trial("t", True)
     outcomes = [answer(True), answer(True), answer(True), answer(False), answer(True, outcome=Outcome.CRASHED)]
-    model, choice = parse_model("analytic"), Choice(counts=0.5)
+    model, choice = parse_model("analytic"), FittedInputs(counts=0.5)
 
     def probability(runs: Sequence[CaseRun], samples: int) -> float | None:
         variants = [choice.nominal(one), *choice.draws(one, samples)]
         answers = {(one.name, each): run for each, run in zip(variants, runs, strict=True)}
-        return Answered(model, choice, answers, samples).probability(one)
+        return ModelAnswers(model, choice, answers, samples).probability(one)
 
     assert probability(outcomes, 4) == (2 + 0.5) / (3 + 1)
     assert probability([*outcomes[:3], answer(True, outcome=Outcome.UNDECIDED), outcomes[4]], 4) == 2.5 / 3.0
@@ -202,13 +202,13 @@ def test_tests_of_one_set_up_fall_together_where_its_inputs_are_not_known() -> N
     """Two bodies whose tests fall at one of two frictions, and a test of which all is known, which falls in half of its draws."""
     trials = [trial(f"{body}{k}", True, body=body, friction=(0.2, 0.4)) for body in "ab" for k in range(3)]
     trials += [trial(f"c{k}", True, body="c") for k in range(2)]
-    model, choice, samples = parse_model("analytic"), Choice(counts=0.5), 10
-    answers: dict[tuple[str, Variant], CaseRun] = {}
+    model, choice, samples = parse_model("analytic"), FittedInputs(counts=0.5), 10
+    answers: dict[tuple[str, TrialVariant], CaseRun] = {}
     for each in trials:
         for one in choice.draws(each, samples):
             fell = one.inputs.friction == 0.4 if each.unknown else one.sample % 2 == 0
             answers[each.name, one] = answer(fell, outcome=Outcome.CRASHED) if one.sample == 7 else answer(fell)
-    answered = Answered(model, choice, answers, samples)
+    answered = ModelAnswers(model, choice, answers, samples)
     possible = answered.possible(trials)
     said = [answered.probability(each) for each in trials]
     assert possible.mean(axis=0) == pytest.approx(np.array(said), abs=4.0 * 0.5 / math.sqrt(len(possible)))
@@ -249,7 +249,7 @@ def test_a_share_of_two_tests_leaves_the_scatter_as_assumed() -> None:
     ],
 )
 def test_a_fall_decided_after_the_reliable_time_flips(fields: dict[str, Any], flips: bool) -> None:
-    assert case_of(trial("t", True), Variant(Inputs()), answer(True, **fields)).within_uncertainty is flips
+    assert case_of(trial("t", True), TrialVariant(Inputs()), answer(True, **fields)).within_uncertainty is flips
 
 
 @pytest.mark.parametrize(("below", "flips"), [(1.9, True), (2.1, False)])
@@ -281,13 +281,13 @@ def test_a_model_is_scored_whole() -> None:
     trials = [trial(f"t{k}", k >= 6) for k in range(12)]
     # One wrong of twelve: the strongest that stood is said to fall, in half of its runs.
     shaking = {each.name: Intensity(0.1 * (k + 1), 0.01 * (k + 1) * GRAVITY_M_S2) for k, each in enumerate(trials)}
-    answers: dict[tuple[str, Variant], CaseRun] = {}
-    choice = Choice(counts=0.0)
+    answers: dict[tuple[str, TrialVariant], CaseRun] = {}
+    choice = FittedInputs(counts=0.0)
     for k, each in enumerate(trials):
         answers[each.name, choice.nominal(each)] = answer(k >= 5)
         for one in choice.draws(each, 2):
             answers[each.name, one] = answer(k >= 6 or (k == 5 and one.sample == 1))
-    found = score_model(trials, trials, Answered(parse_model("analytic"), choice, answers, 2), shaking)
+    found = score_model(trials, trials, ModelAnswers(parse_model("analytic"), choice, answers, 2), shaking)
     assert found.outcomes.accuracy.value == pytest.approx(11 / 12)
     assert found.outcomes.confusion["stands"]["overturned_right"] == 1
     assert found.probability.brier == pytest.approx(0.25 / 12)
@@ -387,10 +387,10 @@ def test_a_design_of_many_inputs_is_small_and_holds_every_value() -> None:
 @pytest.mark.parametrize(("insets", "times"), [(2, DRAWS), (20, TRIED // 20), (100, 0)])
 def test_settings_are_tried_alike_and_in_each_test_by_other_draws(insets: int, times: int) -> None:
     lists = {"inset_m": tuple(0.001 * k for k in range(insets))}
-    tests, ran = [trial(f"t{k}", k % 2 == 0, **lists) for k in range(DRAWS)], list[tuple[str, Variant]]()
+    tests, ran = [trial(f"t{k}", k % 2 == 0, **lists) for k in range(DRAWS)], list[tuple[str, TrialVariant]]()
     model = says(lambda each, own: True)
 
-    def ask(pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
+    def ask(pairs: Sequence[tuple[Trial, TrialVariant]]) -> Answers:
         ran.extend((each.name, one) for each, one in pairs)
         return model(pairs)
 

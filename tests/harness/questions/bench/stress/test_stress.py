@@ -21,7 +21,7 @@ from harness.questions.bench.stress import hard_scenes as scenes
 from harness.questions.bench.stress.catalogue import catalogue, leaning
 from harness.questions.bench.stress.hard_scenes import converged
 from harness.records.base import part
-from harness.records.bench import Cell, HardRow, Harm, Measure, Mutated, PartRow, StressRecord, findings_of
+from harness.records.bench import HardRow, Harm, Measure, Mutated, PartRow, StabilityCell, StressRecord, findings_of
 from tests.measures import invariance_checks as invariance
 from tests.measures.whole import STRESS
 
@@ -207,11 +207,11 @@ def test_a_cell_is_judged_by_its_numbers(scene: Scene, exact: Run) -> None:
     assert stability.judge(scene, crashed, exact, False) == ("diverged", [], "died")
 
 
-def cell(setting: str, category: str, **more: Any) -> Cell:
-    return Cell("pymunk", setting, "hard", category, [Measure("error_rad", True, 1e-4, 1e-3)], **more)
+def cell(setting: str, category: str, **more: Any) -> StabilityCell:
+    return StabilityCell("pymunk", setting, "hard", category, [Measure("error_rad", True, 1e-4, 1e-3)], **more)
 
 
-def why(*row: Cell, converged: Cell | None = None) -> list[tuple[str | None, str]]:
+def why(*row: StabilityCell, converged: StabilityCell | None = None) -> list[tuple[str | None, str]]:
     return [(item.remedy, item.stable) for item in hard_scenes.explained(row, lambda: converged)]
 
 
