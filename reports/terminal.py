@@ -17,6 +17,7 @@ from harness.records.base import Record
 from harness.records.run import RunRecord, outside_domain, peak_lean_rad, peak_slip_m, standing
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval, Scores, Verdict
+from harness.statics.standstill import STILL_M
 from reports.blocks import Table
 from reports.messages import ENGLISH
 from reports.messages.numbers import digits, length
@@ -214,7 +215,7 @@ def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
         until = min(run.reliable_until_s, run.end_s)
         known = f"{run.numerical_uncertainty_rad:.0e} rad to {digits(until, 3)} s"
     slip_m = standing(run, "statue_slip_m") if scene.pedestal is None else peak_slip_m(run)
-    slip = "–" if slip_m is None else length(slip_m).replace("\u00a0", " ")
+    slip = "–" if slip_m is None else length(slip_m if slip_m > STILL_M else 0.0).replace("\u00a0", " ")
     return [outcome, peak, slip, known, f"{digits(run.wall_s, 2)} s"]
 
 
