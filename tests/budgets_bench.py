@@ -25,6 +25,8 @@ MODULES_OF_HELP: Final = 172
 a finder of its own; 743 with scipy's integrators, which a run needs and --help does not."""
 MODULES_OF_LATER_PYTHON: Final = 8
 """Modules that --help may load more on CPython 3.12 and later: 6 counted on 3.13, which divides its own library finer."""
+OWN_MODULES_OF_RUN: Final = 150
+"""Modules of ours in a process that runs a scene with two engines and writes its pages: 148 are."""
 MODULES_OF_RUN: Final = {"pymunk": 568, "pybullet": 828, "analytic": 499}
 """Modules that a run of one engine has loaded: 541, 789 and 475 counted; a run's end is asked of the model, which is among
 them."""

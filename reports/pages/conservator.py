@@ -23,7 +23,6 @@ from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import StudyRecord, StudyRow, SupportRecord, Value
 from reports.blocks import Block, Drawing, Section, Text, Verdict
 from reports.charts.drawn import still
-from reports.charts.map_figures import map_axes, map_figures
 from reports.drawing.conservator_pictures import order_svg, plan_svg, push_svg, reach_svg
 from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import Plan, floor_plan
@@ -632,6 +631,8 @@ def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condit
 
 def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list[Drawing]:
     """Where it falls, over the two keys of the study's own map: at each place the worst that any answer there says."""
+    from reports.charts.map_figures import map_axes, map_figures  # a run's page has no map, nor the rooms that one asks
+
     axes = map_axes(cases, [key for key in record.vary if key in varying_keys(cases)])
     if axes is None or record.panels:
         return []

@@ -131,11 +131,26 @@ def test_a_run_imports_its_own_engine_only(name: str) -> None:
     assert len(loaded) <= budgets.MODULES_OF_RUN[name]
 
 
+def command(*words: object) -> str:
+    """The code of a command, in a process that goes on after it."""
+    given = ["rockcheck", *map(str, words)]
+    return f"sys.argv = {given!r}\nfrom reports.cli import main\ntry:\n    main()\nexcept SystemExit:\n    out = sys.stdout"
+
+
+def test_a_run_of_two_engines_loads_few_of_our_modules(root: Path, tmp_path: Path) -> None:
+    ready("pymunk")
+    scene, out = root / "scenes" / "paestum_pedestal.toml", tmp_path / "run"
+    loaded = modules(
+        command("run", scene, "-e", "analytic", "-e", "pymunk", "-q", "--set", "duration_s=1.0", "--out", out)
+    )
+    assert (out / "conservator.html").is_file()
+    own = [name for name in loaded if name.partition(".")[0] in ("analytic", "harness", "meshes", "reports")]
+    assert len(own) <= budgets.OWN_MODULES_OF_RUN
+
+
 def test_a_page_of_one_model_imports_no_geometry_of_space(root: Path, tmp_path: Path) -> None:
     scene, out = root / "scenes" / "free_rocking.toml", tmp_path / "run"
-    words = ["rockcheck", "run", str(scene), "-e", "analytic", "-q", "--out", str(out)]
-    code = f"sys.argv = {words!r}\nfrom reports.cli import main\ntry:\n    main()\nexcept SystemExit:\n    out = sys.stdout"
-    loaded = modules(code)
+    loaded = modules(command("run", scene, "-e", "analytic", "-q", "--out", out))
     assert (out / "report.html").is_file()
     assert not loaded & {"scipy.spatial", "trimesh", "numba", "pybullet", "pymunk"}
 
