@@ -48,7 +48,7 @@ REST_S: Final = 0.1
 REST_SHARE: Final = 1e-6
 """this share of its weight times the centroid's height as kinetic energy;"""
 FLAT_RAD: Final = 1e-3
-"""A statue that leans less stands flat: its centroid, a metre up, is within a millimetre of the same place over its base."""
+"""A statue that leans less stands flat: the middle of its base is within a thousandth of its width of where it is at rest."""
 REST_RAD: Final = 1e-3
 """a body that turns back on a slope of 1 in 50 turns by as much."""
 
@@ -493,7 +493,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
     if "pedestal_tilt_rad" in motion.extra:
         validity["pedestal_tilt_rad"] = float(np.abs(motion.extra["pedestal_tilt_rad"]).max())
     if "out_of_plane_rad" in motion.extra:
-        validity |= _in_space(scene.statue, motion, slip_m)
+        validity |= in_space(scene.statue, motion, slip_m)
     # What an engine whose coefficient follows its own sliding does as an impact breaks the pedestal loose.
     two = scene.pedestal is not None and scene.contact.floor_kinetic < scene.contact.floor_static
     static = {"floor_impact": "static"} if two and not report.repeats else {}
@@ -605,28 +605,34 @@ def _outcome(
     return ahead
 
 
-def _in_space(statue: Statue, motion: Trajectory, slip_m: Array) -> dict[str, object]:
+def in_space(statue: Statue, motion: Trajectory, slip_m: Array) -> dict[str, object]:
     """What the rotation in the plane and the slip along it do not tell: leans from where the statue stood at first in any
-    direction, as a share of the one at which it balances in that direction, and how far base and pedestal slid in any, and the
-    base across.
+    direction, as a share of the one at which it balances in that direction; how far it shifted on its support, turned with it,
+    and how far pedestal and base slid.
     """
-    across = np.abs(motion.extra["out_of_plane_rad"] - motion.extra["out_of_plane_rad"][0])
+    columns = motion.extra
+    across = np.abs(columns["out_of_plane_rad"] - columns["out_of_plane_rad"][0])
     lean = np.arccos(np.clip(np.cos(motion.theta_rad) * np.cos(across), -1.0, 1.0))
     worst = int(lean.argmax())
     up = _up(motion, worst)[:1]
     balance = _tilt_rad(up) - _Body.of(statue, motion).excess_rad(up)
-    pedestal_m = motion.extra.get("pedestal_y_m", np.zeros_like(slip_m))
-    # Leaning, the centroid is not over the same place of the base.
+    # The middle of the base, while it stands flat.
     flat = lean < FLAT_RAD
-    slid = np.hypot(slip_m, motion.extra["statue_y_m"] - pedestal_m)[flat]
+    base = 0.5 * np.column_stack([columns[f"corner_right_{k}_m"] + columns[f"corner_left_{k}_m"] for k in "xy"])[flat]
+    shift, pedestal_y_m = base, np.zeros_like(slip_m)
+    if motion.pedestal_xz_m is not None:
+        pedestal_y_m, yaw = columns["pedestal_y_m"], columns["pedestal_yaw_rad"][flat]
+        x, y = (base - np.column_stack([motion.pedestal_xz_m[:, 0], pedestal_y_m])[flat]).T
+        shift = np.column_stack([np.cos(yaw) * x + np.sin(yaw) * y, np.cos(yaw) * y - np.sin(yaw) * x])
+    shifted_m = np.hypot(*(shift - shift[:1]).T).max(initial=0.0)
     return {
         "out_of_plane_rad": float(across.max()),
-        "yaw_rad": float(np.abs(motion.extra["yaw_rad"] - motion.extra["yaw_rad"][0]).max()),
+        "yaw_rad": float(np.abs(columns["yaw_rad"] - columns["yaw_rad"][0]).max()),
         "peak_lean_rad": float(lean[worst]),
         "peak_lean_share": float(lean[worst] / balance[0]),
-        "statue_slip_m": float(max(np.abs(slip_m).max(), slid.max(initial=0.0))),
-        "pedestal_slip_m": float(np.hypot(motion.slip_m, pedestal_m).max()),
-        "slip_across_m": float(np.abs(motion.extra["statue_y_m"][flat]).max(initial=0.0)),
+        "statue_slip_m": float(max(np.abs(slip_m).max(), shifted_m)),
+        "pedestal_slip_m": float(np.hypot(motion.slip_m, pedestal_y_m).max()),
+        "slip_across_m": float(np.abs(base[:, 1] - base[:1, 1]).max(initial=0.0)),
     }
 
 
