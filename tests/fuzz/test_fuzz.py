@@ -112,6 +112,11 @@ def test_a_found_case_does_no_harm_again(every: dict[str, Kind], folder: Path, n
     assert attempt(every[name], content, folder).wrong is None
 
 
+def test_whole_files_are_accepted(every: dict[str, Kind], folder: Path) -> None:
+    refused = {kind.name: tried for kind in every.values() if (tried := attempt(kind, kind.content, folder)) != Tried()}
+    assert refused == {}
+
+
 @pytest.mark.parametrize("name", ["scene", "study", "motion CSV", "history", "mesh OBJ"])
 def test_what_a_file_is_used_for_is_written_whole(every: dict[str, Kind], folder: Path, name: str) -> None:
     kind = every[name]

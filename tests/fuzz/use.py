@@ -143,9 +143,10 @@ def options_of_assess(path: Path) -> None:
 
 
 def trust(path: Path) -> None:
-    """The trust map of the scene at its strongest sine of one frequency, for an instant."""
+    """The trust map of the scene at its weakest and strongest sine of one frequency, for an instant."""
     whole = Plane.of(replace(load_scene(path), duration_s=INSTANT_S), "sine", coarse=True)
-    plane = replace(whole, amplitudes_g=whole.amplitudes_g[-1:], frequencies_hz=whole.frequencies_hz[-1:])
+    ends = whole.amplitudes_g[0], whole.amplitudes_g[-1]
+    plane = replace(whole, amplitudes_g=ends, frequencies_hz=whole.frequencies_hz[-1:])
     names = engines_of(plane.at(plane.points[-1]), ("pymunk",), coarse=True)
     with Store(path.with_name(WRITTEN) / STORE_NAME, "trust") as kept:
         record = trust_map(plane, names, Points(kept, Campaign(kept, InlinePool())), coarse=True, seed=0)

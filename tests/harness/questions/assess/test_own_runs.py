@@ -56,10 +56,12 @@ def test_the_thousand_runs_are_the_engines_of_now(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_an_assessment_s_interval_holds_the_thousand_runs() -> None:
+@pytest.mark.parametrize("name", ENGINES)
+def test_an_assessment_s_interval_holds_the_thousand_runs(name: str) -> None:
     """As `rockcheck assess` makes it, with draws of its own; the thousand runs err by 1.5 % themselves, which is left out."""
-    answer = assess(scene_of_runs(), ["pymunk"], more_options=None).record.answers["pymunk"]
-    truth = own_runs()["pymunk"].count("1") / RUNS
+    ready(name)
+    answer = assess(scene_of_runs(), [name], more_options=None).record.answers[name]
+    truth = own_runs()[name].count("1") / RUNS
     assert answer.low <= truth <= answer.high
     # Runs without an end count either way: they widen what the others leave, 1 − 0.1 of their share.
     assert answer.high - answer.low <= 2 * 0.05 + (1.0 - 2 * 0.05) * answer.undecided
