@@ -131,6 +131,23 @@ def test_at_rest_nothing_moves() -> None:
         assert np.ptp(values[settled]) <= budget.CREEP
 
 
+@pytest.mark.parametrize("pedestal", [True, False])
+def test_at_rest_no_level_creeps(pedestal: bool) -> None:
+    """After the contacts have settled in the first half of some steps, at the rate of a minute."""
+    on = paestum(0.0, 1.0, pedestal=pedestal)
+    for level in ENGINE.refinement_levels(on):
+        rest = replace(on, duration_s=budget.REST_STEPS * level.dt_s)
+        columns = ENGINE.simulate(rest, level, RunOptions(skips=frozenset())).history.columns()
+        late = columns["t_s"] >= 0.5 * rest.duration_s
+        minute = 60.0 / (0.5 * rest.duration_s)
+        for name, most in (
+            ("slip_m", budget.CREEP),
+            ("statue_slip_m", budget.CREEP_M),
+            ("theta_rad", budget.CREEP_TURN_RAD),
+        ):
+            assert minute * np.ptp(columns[name][late]) <= most, (level.dt_s, name)
+
+
 def test_a_mirrored_scene_gives_the_mirrored_history() -> None:
     on = paestum(0.429, 3.0, duration_s=0.6)
     mirrored = replace(
