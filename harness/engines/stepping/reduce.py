@@ -493,7 +493,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
     if "pedestal_tilt_rad" in motion.extra:
         validity["pedestal_tilt_rad"] = float(np.abs(motion.extra["pedestal_tilt_rad"]).max())
     if "out_of_plane_rad" in motion.extra:
-        validity |= in_space(scene.statue, motion, slip_m)
+        validity |= moves_in_space(scene, motion, slip_m)
     # What an engine whose coefficient follows its own sliding does as an impact breaks the pedestal loose.
     two = scene.pedestal is not None and scene.contact.floor_kinetic < scene.contact.floor_static
     static = {"floor_impact": "static"} if two and not report.repeats else {}
@@ -605,7 +605,7 @@ def _outcome(
     return ahead
 
 
-def in_space(statue: Statue, motion: Trajectory, slip_m: Array) -> dict[str, object]:
+def moves_in_space(scene: Scene, motion: Trajectory, slip_m: Array) -> dict[str, object]:
     """What the rotation in the plane and the slip along it do not tell: leans from where the statue stood at first in any
     direction, as a share of the one at which it balances in that direction; how far it shifted on its support, turned with it,
     and how far pedestal and base slid.
@@ -615,14 +615,15 @@ def in_space(statue: Statue, motion: Trajectory, slip_m: Array) -> dict[str, obj
     lean = np.arccos(np.clip(np.cos(motion.theta_rad) * np.cos(across), -1.0, 1.0))
     worst = int(lean.argmax())
     up = _up(motion, worst)[:1]
-    balance = _tilt_rad(up) - _Body.of(statue, motion).excess_rad(up)
+    balance = _tilt_rad(up) - _Body.of(scene.statue, motion).excess_rad(up)
     # The middle of the base, while it stands flat.
     flat = lean < FLAT_RAD
     base = 0.5 * np.column_stack([columns[f"corner_right_{k}_m"] + columns[f"corner_left_{k}_m"] for k in "xy"])[flat]
     shift, pedestal_y_m = base, np.zeros_like(slip_m)
-    if motion.pedestal_xz_m is not None:
+    if scene.pedestal is not None and motion.pedestal_xz_m is not None:
         pedestal_y_m, yaw = columns["pedestal_y_m"], columns["pedestal_yaw_rad"][flat]
-        x, y = (base - np.column_stack([motion.pedestal_xz_m[:, 0], pedestal_y_m])[flat]).T
+        top_x_m = motion.pedestal_xz_m[:, 0] + 0.5 * scene.pedestal.height_m * np.sin(motion.tilt_rad)
+        x, y = (base - np.column_stack([top_x_m, pedestal_y_m])[flat]).T
         shift = np.column_stack([np.cos(yaw) * x + np.sin(yaw) * y, np.cos(yaw) * y - np.sin(yaw) * x])
     shifted_m = np.hypot(*(shift - shift[:1]).T).max(initial=0.0)
     return {

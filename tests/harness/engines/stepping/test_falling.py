@@ -8,9 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from analytic.excitation import Harmonic
 from harness.engines.stepping.columns import Trajectory
+from harness.engines.stepping.frame import statue_columns
 from harness.engines.stepping.reduce import Report, reduce_trajectory
 from harness.model.history import Outcome
 from harness.model.run import Run
@@ -104,10 +106,9 @@ def spatial(up: Array, statue: Statue = BLOCK) -> Trajectory:
     # R = R_y(θ) R_x(−across): its third column is the axis.
     roll, pitch = -share[:, 0] * across, share[:, 0] * theta
     zero = np.zeros_like(T_S)
-    extra = {
-        "roll_rad": roll, "pitch_rad": pitch, "yaw_rad": zero, "out_of_plane_rad": share[:, 0] * across, "statue_y_m": zero,
-    }  # fmt: skip
-    return replace(flat, extra=extra)
+    turn = Rotation.from_euler("xyz", np.column_stack([roll, pitch, zero])).as_matrix()
+    told = {"roll_rad": roll, "pitch_rad": pitch, "yaw_rad": zero, "out_of_plane_rad": share[:, 0] * across}
+    return replace(flat, extra=statue_columns(statue, turn, np.insert(flat.statue_xz_m, 1, 0.0, axis=1)) | told)
 
 
 @pytest.mark.parametrize(

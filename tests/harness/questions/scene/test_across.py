@@ -11,14 +11,14 @@ from scipy.spatial.transform import Rotation
 from analytic import Harmonic, Pulse
 from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.frame import statue_columns
-from harness.engines.stepping.reduce import in_space
+from harness.engines.stepping.reduce import moves_in_space
 from harness.model.scene import BaseExcitation, Pedestal
 from harness.questions.scene.scene_run import Result, run_scene
 from harness.records.run import peak_lean_rad, peak_slip_m, standing
 from harness.records.scores import Verdict
 from tests.budgets_reports import PUSH, SAMPLED_M
 from tests.engines_for_tests import ready
-from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, rectangle, scene
+from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, PAESTUM_PEDESTAL, rectangle, scene
 
 
 def _shaken_across(strength_g: float, mu_statue: float) -> Result:
@@ -113,7 +113,8 @@ def test_a_twist_is_told() -> None:
 
 def test_a_statue_that_turns_with_its_pedestal_does_not_shift_on_it() -> None:
     """Its base goes round with the top; on a top that keeps still the same turn moves the base along its chord."""
-    statue, yaw = PAESTUM, np.linspace(0.0, 0.1, 50)
+    on, yaw = scene(PAESTUM, pedestal=PAESTUM_PEDESTAL), np.linspace(0.0, 0.1, 50)
+    statue = on.statue
     zero, turns = np.zeros_like(yaw), Rotation.from_euler("z", yaw[:, None]).as_matrix()
     centroid_m = turns @ np.array([0.15, 0.0, 0.0]) + [0.0, 0.0, statue.centroid_height_m]
     flat_m, still = np.column_stack([zero, zero]), {"pedestal_y_m": zero}
@@ -123,6 +124,6 @@ def test_a_statue_that_turns_with_its_pedestal_does_not_shift_on_it() -> None:
         path = Trajectory(
             yaw, zero, zero, zero, zero, flat_m[1:], centroid_m[:, ::2], flat_m, flat_m, flat_m, zero, extra=columns
         )
-        found = in_space(statue, path, zero)
+        found = moves_in_space(on, path, zero)
         assert found["statue_slip_m"] == pytest.approx(expected_m, abs=PUSH)
         assert found["yaw_rad"] == pytest.approx(0.1)
