@@ -60,7 +60,9 @@ def judge(a: Side, b: Side, both: Pair | None) -> tuple[Verdict, Evidence, list[
         # A fall across the plane is none of the planar rotation's: the two part when the statue falls for good.
         times = [side.across_s for side in (a, b) if side.across_s is not None]
         facts = replace(facts, fallen_s=min(times, default=None))
-    verdict, left = _decide(a, b, facts, flips)
+    not_given = _not_given(a, b)
+    aside = _aside(a, b) if not_given else {}
+    verdict, left = _decide(a, b, facts, flips, aside=bool(aside))
     evidence = Evidence(
         uncertainty_a_rad=a.uncertainty_rad,
         uncertainty_b_rad=b.uncertainty_rad,
@@ -86,8 +88,8 @@ def judge(a: Side, b: Side, both: Pair | None) -> tuple[Verdict, Evidence, list[
         left_domain_by="" if left is None else left.left_domain_by,
         outcome_flips_within_uncertainty=flips and not sided and verdict in OPEN,
         side_flips_within_uncertainty=sided and verdict in OPEN,
-        motion_not_given=_not_given(a, b),
-        **(_aside(a, b) if verdict is Verdict.PLANE and facts.exceeded_s is None else {}),
+        motion_not_given=not_given,
+        **(aside if verdict is Verdict.PLANE and facts.exceeded_s is None else {}),
     )
     return verdict, evidence, _findings(verdict, evidence, a, b)
 
@@ -96,8 +98,8 @@ SLIDES: Final = "statue_slides"
 """By what a model left its domain that holds the statue on its support: rotations may agree while the statue slides."""
 
 
-def _decide(a: Side, b: Side, facts: ComparedFacts, flips: bool) -> tuple[Verdict, Side | None]:
-    """The verdict, and the side that left its domain where that decides."""
+def _decide(a: Side, b: Side, facts: ComparedFacts, flips: bool, *, aside: bool) -> tuple[Verdict, Side | None]:
+    """The verdict, and the side that left its domain where that decides; `aside`: one alone moves across the plane."""
     exits = [side for side in (a, b) if side.left_domain_s is not None]
     first = min(exits, key=lambda side: side.left_domain_s or 0.0, default=None)
     left_s = math.inf if first is None or first.left_domain_s is None else first.left_domain_s
@@ -106,7 +108,7 @@ def _decide(a: Side, b: Side, facts: ComparedFacts, flips: bool) -> tuple[Verdic
             first is not None and first.left_domain_by == SLIDES and max(a.statue_slip_m, b.statue_slip_m) > SLIDES_M
         )
         if not (flips or slides):
-            return (Verdict.PLANE if _aside(a, b) else Verdict.AGREE), None
+            return (Verdict.PLANE if aside else Verdict.AGREE), None
         if left_s < math.inf:
             return Verdict.DOMAIN, first
         return (_beyond(a, b, facts.end_s) if facts.until_s < facts.end_s else Verdict.AGREE), None
@@ -120,12 +122,10 @@ def _decide(a: Side, b: Side, facts: ComparedFacts, flips: bool) -> tuple[Verdic
 def _aside(a: Side, b: Side) -> dict[str, float]:
     """How far the statue leaned out of the plane, rad, by more than its side's error, and slid, m, on the side that alone was
     given the motion across it; empty where it did neither."""
-    if not _not_given(a, b):
-        return {}
     side = max((a, b), key=lambda each: (each.out_of_plane_rad, each.slip_across_m))
     leans = side.out_of_plane_rad > max(COVERAGE * side.open_rad, ROUNDING)
-    aside = {"aside_rad": side.out_of_plane_rad} if leans else {}
-    return aside | ({"aside_m": side.slip_across_m} if side.slip_across_m > SLIDES_M else {})
+    found = {"aside_rad": side.out_of_plane_rad} if leans else {}
+    return found | ({"aside_m": side.slip_across_m} if side.slip_across_m > SLIDES_M else {})
 
 
 def _beyond(a: Side, b: Side, at_s: float) -> Verdict:
