@@ -6,7 +6,7 @@ import statistics
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby, islice
 from pathlib import Path
 from typing import Any, Final
@@ -50,9 +50,8 @@ def execute(
     >>> runs.history(1).theta_rad
 
     `store` is a file that is made where it is not there; the same call goes on where an interrupt left it. Without one nothing is
-    kept. `jobs` processes (with more than one the caller's script must be importable: its work stands under
-    `if __name__ == "__main__":`), or the Dask cluster of the scheduler at `dask`. A run that fails, or takes its process with it,
-    is a row that says so.
+    kept. `jobs` processes, or the Dask cluster of the scheduler at `dask`. A run that fails, or takes its process with it, is a
+    row that says so.
 
     Raises `InputError` for an engine that is not known, or a file that is no store.
     """
@@ -62,7 +61,8 @@ def execute(
         raise InputError(Mistake("execute", "requests", "a list of RunRequest, at least one", got))
     if type(jobs) is not int or jobs < 1:
         raise InputError(Mistake("execute", "jobs", "a number of processes, 1 or more", repr(jobs)))
-    tasks = [request.task() for request in wanted]
+    # A function of the caller's script, that makes a scene, is not known to a worker.
+    tasks = [replace(request, scene=request.made()).task() for request in wanted]
     with Store(Path(MEMORY if store is None else store)) as kept, closing(pool_of(jobs, dask)) as pool:
         # A run that took its process with it has a record that says so.
         records = [record for record in Campaign(kept, pool, on_progress).ask(tasks) if record is not None]

@@ -7,6 +7,7 @@ import multiprocessing
 import multiprocessing.util  # its own hook at exit waits for workers: ours, registered later, ends them before
 import os
 import signal
+import sys
 import threading
 import time
 import traceback
@@ -15,6 +16,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import suppress
 from multiprocessing import connection
+from types import ModuleType
 from typing import Any, Final, Protocol
 from weakref import WeakSet
 
@@ -74,6 +76,8 @@ class InlinePool:
         """Nothing to give back."""
 
 
+_STARTING: Final = threading.Lock()
+"""Held while a worker is started: `__main__` is then another module."""
 _Order = tuple[Any, int]
 """One task on its way, and how often it was tried."""
 
@@ -89,12 +93,17 @@ class _Worker:
         context = multiprocessing.get_context("spawn")
         self.pipe, theirs = context.Pipe()
         self.process = context.Process(target=_serve, args=(theirs,))
-        # An interrupt is the parent's: until the new interpreter is at its orders, it waits.
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
-        try:
-            self.process.start()
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        with _STARTING:
+            # An interrupt is the parent's: until the new interpreter is at its orders, it waits.
+            before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+            main = sys.modules["__main__"]
+            try:
+                # A worker needs nothing of the caller's script: without a guard it would run it again, and come to no end.
+                sys.modules["__main__"] = ModuleType("__main__")
+                self.process.start()
+            finally:
+                sys.modules["__main__"] = main
+                signal.pthread_sigmask(signal.SIG_SETMASK, before)
         theirs.close()
 
     def begin(self, work: Work, task: Any) -> None:

@@ -153,4 +153,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    # Its rows come from a worker, which knows them by the name of this module.
+    from tests.measures import space_scenes
+
+    space_scenes.main()

@@ -156,11 +156,11 @@ def run_scene(
 
     A model that certifies its own error also finds its horizon of prediction from its own perturbed starts (some twenty runs, of
     milliseconds each); with `horizon` every model does. `apart` runs three-dimensional engines beside the others in a process of
-    their own where they take longer than its start (the caller's script must be importable, as `multiprocessing` wants it); the
-    results are the same. With `assess` the analytic model's probability of overturning is found from what the scene does not
-    know. With `witness` unmodified engines are run beside those that locate events
-    (`harness.questions.scene.witness`). `stored` are runs of this very scene and target, `stored_horizons` horizons of this
-    very scene, that are there already. An interrupt after one of the engines has finished raises `Ended` with the result so far.
+    their own where they take longer than its start; the results are the same. With `assess` the analytic model's probability of
+    overturning is found from what the scene does not know. With `witness` unmodified engines are run beside those that locate
+    events (`harness.questions.scene.witness`). `stored` are runs of this very scene and target, `stored_horizons` horizons of
+    this very scene, that are there already. An interrupt after one of the engines has finished raises `Ended` with the result so
+    far.
     """
     check_target(accuracy_rad, dt_s)
     options = options or RunOptions()

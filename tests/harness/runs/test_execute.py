@@ -127,3 +127,10 @@ def test_a_file_that_is_no_store_is_refused_and_left(scene: harness.Scene, tmp_p
     with pytest.raises(harness.InputError):
         harness.execute(wanted(scene)[:1], mine)
     assert mine.read_text(encoding="utf-8") == "my notes"
+
+
+def test_a_function_that_a_worker_does_not_know_makes_its_scene_before(scene: harness.Scene) -> None:
+    runs = harness.execute([harness.RunRequest(lambda: scene, "pymunk", 1e-2)], jobs=2)
+    assert runs.table["outcome"].tolist() == ["stands"]
+    with pytest.raises(harness.InputError, match="a function that makes one"):
+        harness.execute([harness.RunRequest(lambda: "a scene", "pymunk")])  # type: ignore[arg-type, return-value]

@@ -108,6 +108,20 @@ def test_processes_end_with_a_parent_that_was_killed(tmp_path: Path) -> None:
     assert ended(pid)
 
 
+def test_a_script_without_a_guard_is_not_run_again_by_its_workers(tmp_path: Path) -> None:
+    code = (
+        "print('begun')\n"
+        "from harness.runs.runner import LocalPool\n"
+        "LocalPool(2).run(eval, ['1 + 1', '2 + 2'], lambda task, answer: print(answer))\n"
+    )
+    script = tmp_path / "script.py"
+    script.write_text(code)
+    environment = os.environ | {"PYTHONPATH": str(Path.cwd())}
+    said = subprocess.run([sys.executable, script], check=True, env=environment, capture_output=True, text=True)
+    assert sorted(said.stdout.split()) == ["2", "4", "begun"]
+    assert not said.stderr
+
+
 def test_a_pool_that_is_interrupted_in_the_middle_of_an_answer_leaves_no_thread_waiting() -> None:
     # The second answer takes its worker longer to write than the interrupt takes to end it.
     def interrupted(task: str, result: Any) -> None:
