@@ -50,6 +50,7 @@ class ClaimRun:
 
     varied: Mapping[str, Value]
     peak_rad: float
+    error_rad: float
     overturned: bool
     stands: bool
     no_return_s: float
@@ -79,6 +80,7 @@ def answer(run: CaseRun, varied: Mapping[str, Value]) -> ClaimRun:
     return ClaimRun(
         varied={key: value for key, value in varied.items() if key != "variant"},
         peak_rad=abs(run.peak_theta_rad),
+        error_rad=run.numerical_uncertainty_rad or 0.0,
         overturned=run.outcome.overturned,
         stands=run.outcome is Outcome.STANDS,
         no_return_s=math.inf if no_return_s is None else no_return_s,
@@ -104,19 +106,25 @@ def _series(answers: Sequence[ClaimRun], key: str) -> list[list[ClaimRun]]:
     return [*series.values()]
 
 
+def _more(one: ClaimRun, other: ClaimRun) -> float:
+    """By how much one turns more than another (rad); 0 where the stated errors of both may make the difference."""
+    difference_rad = one.peak_rad - other.peak_rad
+    return difference_rad if abs(difference_rad) > one.error_rad + other.error_rad else 0.0
+
+
 def rotates_more(answers: Sequence[ClaimRun]) -> Counted:
-    low = [(f, p) for f, p in _pairs(answers) if f.frequency_hz <= LOW_HZ]
-    held = sum(
-        f.no_return_s <= p.no_return_s if f.overturned or p.overturned else f.peak_rad > p.peak_rad for f, p in low
-    )
+    rocking = [(f, p) for f, p in _pairs(answers) if max(f.peak_rad, p.peak_rad) >= ROCKS_RAD]
+    low = [(f, p) for f, p in rocking if f.frequency_hz <= LOW_HZ]
+    held = sum(f.no_return_s <= p.no_return_s if f.overturned or p.overturned else _more(f, p) > 0.0 for f, p in low)
     both = sum(f.overturned and p.overturned for f, p in low)
     return held, len(low), info("evidence_i", held=held, cases=len(low), limit_hz=LOW_HZ, both=both)
 
 
 def prevents(answers: Sequence[ClaimRun]) -> Counted:
-    pairs = _pairs(answers)
-    saved = sum(f.overturned and not p.overturned for f, p in pairs)
-    lost = sum(p.overturned and not f.overturned for f, p in pairs)
+    # A run that comes to no end, or ends at a wall, did not fall, and was not kept from it.
+    pairs = [pair for pair in _pairs(answers) if all(run.overturned or run.stands for run in pair)]
+    saved = sum(f.overturned and p.stands for f, p in pairs)
+    lost = sum(p.overturned and f.stands for f, p in pairs)
     falling = sum(f.overturned for f, _ in pairs)
     text = info("evidence_ii", prevented=saved, falling=falling, caused=lost)
     # One case is enough for "in some cases"; where nothing overturns nothing could be prevented.
@@ -129,7 +137,7 @@ def fades(answers: Sequence[ClaimRun]) -> Counted:
     high: dict[Condition, list[float]] = defaultdict(list)
     for f, p in _pairs(answers):
         gains = low if f.frequency_hz <= LOW_HZ else high
-        gains[f.without(SUPPORT, FREQUENCY)].append(f.peak_rad - p.peak_rad)
+        gains[f.without(SUPPORT, FREQUENCY)].append(_more(f, p))
     series = [each for each in low if each in high]
     if not series:
         return _untested("pairs")
@@ -143,7 +151,7 @@ def falls_with_frequency(answers: Sequence[ClaimRun]) -> Counted:
     falls = steps = fallen = 0
     for ordered in _series(answers, FREQUENCY):
         steps += len(ordered) - 1
-        falls += sum(after.peak_rad <= before.peak_rad for before, after in pairwise(ordered))
+        falls += sum(_more(after, before) <= 0.0 for before, after in pairwise(ordered))
         fallen += sum(after.overturned and before.overturned for before, after in pairwise(ordered))
     return falls, steps, info("evidence_iv", held=falls, cases=steps, both=fallen)
 
@@ -191,11 +199,11 @@ def goes_on_rocking(answers: Sequence[ClaimRun]) -> Counted:
 
 def reduces(answers: Sequence[ClaimRun]) -> Counted:
     """(ix): where neither overturns, the statue on its pedestal turns less; one case is enough for "in some cases"."""
-    stand = [(f.peak_rad, p.peak_rad) for f, p in _pairs(answers) if f.stands and p.stands and f.peak_rad >= ROCKS_RAD]
+    stand = [(f, p) for f, p in _pairs(answers) if f.stands and p.stands and f.peak_rad >= ROCKS_RAD]
     if not stand:
         return _untested("standing")
-    less = sum(p < f for f, p in stand)
-    share = float(np.median([p / f for f, p in stand]))
+    less = sum(_more(f, p) > 0.0 for f, p in stand)
+    share = float(np.median([p.peak_rad / f.peak_rad for f, p in stand]))
     return min(less, 1), 1, info("evidence_ix", less=less, cases=len(stand), share=share)
 
 
@@ -215,7 +223,7 @@ def weakest_plane(answers: Sequence[ClaimRun]) -> Counted:
 def _is_worse(first: ClaimRun, other: ClaimRun) -> bool:
     if first.overturned or other.overturned:
         return first.no_return_s <= other.no_return_s
-    return first.peak_rad >= other.peak_rad
+    return _more(other, first) <= 0.0
 
 
 def reaches_the_wall(answers: Sequence[ClaimRun]) -> InParts:

@@ -148,6 +148,23 @@ def test_where_nothing_overturns_nothing_can_be_prevented() -> None:
     assert verdicts(standing)["ii"].verdict == claims.UNTESTED
 
 
+def test_what_numerical_error_may_make_is_no_more_and_no_less() -> None:
+    """A statue that does the same with and without its pedestal, to the last digits; and one at rest that trembles."""
+    same = [row(f, pedestal, 0.1 / f - pedestal * 1e-17) for f in FREQUENCIES for pedestal in (False, True)]
+    at_rest = [row(f, pedestal, 1e-6 * f) for f in FREQUENCIES for pedestal in (False, True)]
+    judged = verdicts([with_run(item, numerical_uncertainty_rad=1e-6) for item in same])
+    assert [judged[name].held for name in ("i", "iii", "iv", "ix")] == [0, 0, 8, 0]
+    trembles = verdicts([with_run(item, numerical_uncertainty_rad=1e-3) for item in at_rest])
+    assert (trembles["i"].cases, trembles["iii"].held, trembles["iv"].held) == (0, 0, 8)
+
+
+@pytest.mark.parametrize("end", [Outcome.UNDECIDED, Outcome.TOUCHES_WALL])
+def test_a_run_without_an_end_was_not_kept_from_falling(end: Outcome) -> None:
+    """Nor did it fall."""
+    open_end = with_run(row(1.5, True, 0.4), outcome=end)
+    assert verdicts([row(1.5, False, 1.5, fell_s=1.0), open_end])["ii"].verdict == claims.UNTESTED
+
+
 def weighed(ratio: float, frequency: float, loss_j: float) -> StudyRow:
     return with_run(row(frequency, False, 0.1, **{"contact.restitution": ratio}), impact_loss_j=loss_j)
 
