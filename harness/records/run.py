@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 from harness.input.mistakes import Contradiction
 from harness.model.finding import Finding, Say
-from harness.model.history import Outcome
+from harness.model.history import Array, Outcome
 from harness.model.run import OMITTED, Run, RunRow, number
 from harness.records.assess import Assessment
 from harness.records.base import Record
@@ -100,6 +100,14 @@ def peak_slip_m(run: RunRow) -> float:
 def peak_lean_rad(run: RunRow) -> float:
     """The statue's largest lean, rad: in the rocking plane, by an engine in space in any direction."""
     return max(run.peak_theta_rad, number(run.validity, "peak_lean_rad", 0.0))
+
+
+def balance_share(run: RunRow, theta_rad: Array, slenderness_rad: Callable[[int], float]) -> float:
+    """The largest share of the angle at which the statue balances on a side (`slenderness_rad`) that its rotation (n,) reached,
+    or by an engine in space its lean in any direction: an unsymmetric statue may lean further to the side that bears more.
+    """
+    right, left = (float((side * theta_rad).max()) / slenderness_rad(side) for side in (1, -1))
+    return max(right, left, number(run.validity, "peak_lean_share", 0.0))
 
 
 UNKNOWN: Final = (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX, Outcome.UNDECIDED)

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
-from harness.model.run import MANY, RUN_FIELDS, Run, number
-from harness.records.run import RunRecord, outside_domain
+from harness.model.run import MANY, RUN_FIELDS, Run
+from harness.records.run import RunRecord, balance_share, outside_domain
 from reports.blocks import (
     Block,
     Cell,
@@ -50,7 +50,7 @@ def blocks(folder: Path, record: RunRecord, say: Language) -> list[Block]:
     """The blocks of a run's page."""
     source = source_of(folder, record)
     names = list(source.runs)
-    chips = [chip(name, names, run, say, balance_share(source, name)) for name, run in source.runs.items()]
+    chips = [chip(name, names, run, say, _balance_share(source, name)) for name, run in source.runs.items()]
     first = run_verdict(source, chips, say)
     answered = [] if record.answer is None else [each.text for each in record.answer.findings]
     told = [each for each in record.findings if not each.code.startswith("pair_") and each.text not in answered]
@@ -156,14 +156,12 @@ def chip(name: str, names: list[str], run: Run | None, say: Language, share: flo
     return Chip(name, colour, told, run.labels, run.outcome.failed, percent)
 
 
-def balance_share(source: RunSource, name: str) -> float | None:
+def _balance_share(source: RunSource, name: str) -> float | None:
     """A model's largest lean as a share of the balance angle in its direction; None without a history, and of a fall."""
     run, history = source.runs[name], source.histories.get(name)
     if history is None or run.outcome.overturned:
         return None
-    statue = source.scene.statue
-    right, left = (float((side * history.theta_rad).max()) / statue.slenderness_rad(side) for side in (1, -1))
-    return max(right, left, number(run.validity, "peak_lean_share", 0.0))
+    return balance_share(run, history.theta_rad, source.scene.statue.slenderness_rad)
 
 
 def replay(source: RunSource, chips: list[Chip]) -> Replay:

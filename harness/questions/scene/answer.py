@@ -6,12 +6,14 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Final, Literal
 
+import numpy as np
+
 from harness.model.finding import Answer, Finding, changes_answer, info
 from harness.model.history import Outcome
-from harness.model.run import Run, number
+from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.assess import Assessment
-from harness.records.run import HorizonRecord, has_answer, outside_domain, peak_lean_rad
+from harness.records.run import HorizonRecord, balance_share, has_answer, outside_domain, peak_lean_rad
 from harness.records.scores import ROBUST, Scores, Verdict
 
 Code = Literal[
@@ -124,16 +126,15 @@ def _what(scene: Scene, known: Mapping[str, Run], runs: Mapping[str, Run]) -> Fi
 def _lean(scene: Scene, known: Mapping[str, Run]) -> dict[str, Any]:
     """The least and the largest of the models' largest leans, rad, and the largest as a share of the balance angle."""
     peaks = [peak_lean_rad(run) for run in known.values()]
-    in_plane = [run.peak_theta_rad / scene.statue.slenderness_rad(_side(run)) for run in known.values()]
-    in_space = [number(run.validity, "peak_lean_share", 0.0) for run in known.values()]
-    return {"lean_rad": [min(peaks), max(peaks)], "balance_share": max(*in_plane, *in_space)}
-
-
-def _side(run: Run) -> int:
-    """The side of a run's largest lean: +1 right, −1 left."""
-    if run.history is None:
-        return 1
-    return 1 if float(run.history.at(run.peak_time_s)) >= 0.0 else -1
+    shares = [
+        balance_share(
+            run,
+            np.array([run.peak_theta_rad]) if run.history is None else run.history.theta_rad,
+            scene.statue.slenderness_rad,
+        )
+        for run in known.values()
+    ]
+    return {"lean_rad": [min(peaks), max(peaks)], "balance_share": max(shares)}
 
 
 def _until(known: Mapping[str, Run], scores: Sequence[Scores]) -> list[Finding]:

@@ -17,7 +17,7 @@ from harness.model.scene import BaseExcitation, Pedestal
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.assess import Assessment
 from harness.records.kinds import read_result
-from harness.records.run import has_answer
+from harness.records.run import balance_share, has_answer
 from harness.records.scores import Verdict
 from harness.records.study import SupportRecord
 from reports.drawing.display_mesh import silhouette_m
@@ -27,7 +27,6 @@ from reports.messages import ENGLISH
 from reports.pages import conservator
 from reports.pages.conservator import of_run
 from reports.pages.page import write_report
-from reports.pages.run_page import balance_share
 from reports.source import run_source
 from reports.text.giving_way import (
     bearing,
@@ -389,7 +388,8 @@ def test_a_lean_to_the_front_is_told_on_both_pages(tmp_path: Path) -> None:
     text = spoken(of_run(leaning))
     assert ENGLISH("run.leans", degrees=degrees, share="75", balance=balance) in text
     assert ENGLISH("reach.aside") in text
-    assert balance_share(leaning, name) == share
+    statue = source.scene.statue
+    assert balance_share(runs[name], still[name].theta_rad, statue.slenderness_rad) == share
 
 
 def test_a_pedestal_that_one_model_lets_tip_is_not_said_to_stay_put(tmp_path: Path) -> None:

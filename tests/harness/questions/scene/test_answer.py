@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from harness import Outcome, Run, compare
@@ -39,6 +41,18 @@ def test_models_that_agree_in_outcome_and_history_agree() -> None:
     assert said["models_agree"].values["outcome"] == "stands"
     least, most = said["models_agree"].values["lean_rad"]
     assert least == most == run("a").peak_theta_rad
+
+
+def test_how_near_it_came_to_its_balance_counts_the_side_that_bears_less() -> None:
+    """It leans further to the left, where it bears 0.43 rad, and reaches more of the 0.09 rad that it bears to the right."""
+    history = doubles.rocking(amplitude_rad=0.08)
+    theta = np.where(history.theta_rad < 0.0, 3.0 * history.theta_rad, history.theta_rad)
+    right_rad, left_rad = float(theta.max()), -float(theta.min())
+    assert right_rad < left_rad
+    assert right_rad / SCENE.statue.slenderness_rad(1) > left_rad / SCENE.statue.slenderness_rad(-1)
+    _, said = told(run("a", replace(history, theta_rad=theta)))
+    values = said["model_says"].values
+    assert values["balance_share"] == pytest.approx(right_rad / SCENE.statue.slenderness_rad(1))
 
 
 def test_histories_that_part_late_agree_until_then_and_the_reason_is_told() -> None:
