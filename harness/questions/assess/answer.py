@@ -162,11 +162,12 @@ def without_clearance(item: ClearanceRecord) -> Iterator[Finding]:
 
 
 def best_option(record: OptionsRecord, *, contradicted: bool = False) -> Finding:
-    """The option with the least probable fall, of those shown to help: the less slip first; what is turned comes last, as its
-    weak side is one that no draw shakes.
+    """The option with the least probable fall, of those shown to help, a draw without an end taken for one: the less slip first;
+    what is turned comes last, as its weak side is one that no draw shakes.
     """
     helping = sorted(
-        record.helping, key=lambda item: (item.probability_overturned, item.name == TURNED, item.slip_high_m or 0.0)
+        record.helping,
+        key=lambda item: (item.probability_overturned + item.undecided, item.name == TURNED, item.slip_high_m or 0.0),
     )
     now = record.as_it_is
     if not helping:
@@ -177,6 +178,7 @@ def best_option(record: OptionsRecord, *, contradicted: bool = False) -> Finding
         "best_option",
         option=best.name,
         share=best.probability_overturned,
+        undecided=best.undecided or None,
         now=now.probability_overturned,
         slip_m=best.slip_high_m,
         equal=[item.name for item in others if item.low <= best.high],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -21,7 +22,15 @@ from harness.model.finding import Shown, new_axes
 from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain
 from harness.questions.assess.answer import answer_of, findings_of
-from harness.questions.assess.by_model import MODEL, RUN_DRAWS, SAMPLE_S, SAMPLER, probability_of, sampled
+from harness.questions.assess.by_model import (
+    MODEL,
+    RUN_DRAWS,
+    SAMPLE_S,
+    SAMPLER,
+    Outside,
+    probability_of,
+    sampled,
+)
 from harness.questions.assess.clearance import of_engine, of_model, of_space, rest_outline_m
 from harness.questions.assess.engine_draws import EngineRuns, estimate, strata_of
 from harness.questions.assess.model_draws import (
@@ -190,7 +199,10 @@ def assess(
     sampler = next((name for name in fell if name in SAMPLERS), SAMPLER)
     own = OptionDraws(model, fell.get(sampler) or sampled(model, lambda number: varied(scene, row(values, number))))
     by_own = probability_of(*own, sampler, plane_only=across)
-    differences = {name: _difference(by_own, item) for name, item in answers.items() if isinstance(item, Assessment)}
+    outside = Outside.of(*own)
+    differences = {
+        name: difference(by_own, outside, item) for name, item in answers.items() if isinstance(item, Assessment)
+    }
     answers = {MODEL: by_own, **answers}
     on_progress(f"{MODEL}: clearance")
     room = {MODEL: of_model(scene, values), **room}
@@ -269,7 +281,10 @@ def _by_one_model(
     return replace(record, fragility=found, indices=by_input)
 
 
-def _difference(own: Assessment, other: Assessment) -> ProbabilityDifference:
-    """The model's probability less another's on the same draws: only the sampling of the other is left."""
-    p = own.probability_overturned
-    return ProbabilityDifference(p - other.probability_overturned, p - other.high, p - other.low, other.level)
+def difference(own: Assessment, outside: Outside, other: Assessment) -> ProbabilityDifference:
+    """The model's probability less another's on the same draws: left are the sampling of the other, and of the draws `outside`
+    the model's domain what their sample leaves open, and those without an answer, which may fall."""
+    p, theirs = own.probability_overturned, other.probability_overturned
+    below = math.hypot(outside.falls - outside.low, other.high - theirs)
+    above = math.hypot(outside.high - outside.falls, theirs - other.low) + outside.undecided
+    return ProbabilityDifference(p - theirs, p - theirs - below, p - theirs + above, other.level)

@@ -17,11 +17,11 @@ from harness.model.run import RunOptions
 from harness.model.scene import BaseExcitation, Pedestal, Scene, Wall
 from harness.questions.assess import by_model
 from harness.questions.assess.answer import answer_of, findings_of, probability
-from harness.questions.assess.assessment import assess
-from harness.questions.assess.by_model import assess_models, probability_of
+from harness.questions.assess.assessment import assess, difference
+from harness.questions.assess.by_model import Outside, assess_models, probability_of
 from harness.questions.assess.engine_draws import jeffreys
 from harness.questions.assess.model_draws import ModelDraws, draw, draws_of, model_draws, row, uncertain_inputs, varied
-from harness.records.assess import AssessRecord, NotAssessed
+from harness.records.assess import Assessment, AssessRecord, NotAssessed
 from reports.text.wording import tone_of_answers, worse_tone
 from tests import budgets_assess as budget
 from tests.engines_for_tests import ready
@@ -119,6 +119,15 @@ def test_a_push_across_the_plane_is_the_exact_bodys_to_answer_and_never_green() 
     mine = replace(record, assessment=alone, scene=replace(record.scene, file="mine.toml"))
     (command,) = (each for each in findings_of(mine) if each.code == "assess_in_space")
     assert command.values == {"file": "mine.toml"}
+
+
+def test_a_difference_counts_what_the_models_own_draws_leave_open() -> None:
+    """Half of the draws left the domain: what a sample of them says scatters, and those without an answer may fall."""
+    own, other = Assessment(0.4, 0.3, 0.6, 0.9, 1000, 1000, 0.1), Assessment(0.5, 0.46, 0.54, 0.9, 1000, 300)
+    told = difference(own, Outside(0.2, 0.17, 0.23, 0.1), other)
+    assert (told.value, told.low, told.high) == pytest.approx((-0.1, -0.15, 0.05))
+    alone = difference(own, Outside(0.0, 0.0, 0.0, 0.0), other)
+    assert (alone.low, alone.high) == pytest.approx((-0.14, -0.06))
 
 
 def codes(record: AssessRecord) -> set[str]:
