@@ -226,6 +226,11 @@ def order_for(tolerance: float) -> int:
     return int(min(max(math.ceil(3.0 - 0.5 * math.log(tolerance)), LEAST_ORDER), MAX_ORDER))
 
 
+HELD: Final = 1.0 + 1e-9
+"""Friction under the statue up to which it is held: a pedestal that slides on a floor of the same friction asks just that much,
+and rounding adds to it."""
+
+
 def encode(problem: Problem, options: Options) -> Params:
     """The kernel's numbers of a problem and its options."""
     block, form, pedestal = problem.block, problem.form, problem.pedestal
@@ -236,7 +241,7 @@ def encode(problem: Problem, options: Options) -> Params:
         centroid_height_m=block.centroid_height_m,
         inertia_kg_m2=block.inertia_kg_m2,
         gravity_m_s2=problem.gravity_m_s2,
-        statue_friction=problem.statue_friction,
+        statue_friction=problem.statue_friction * HELD,
         base_left_rad=block.base_ends_rad[0],
         base_right_rad=block.base_ends_rad[1],
         restitution=-1.0 if form.restitution is None else form.restitution,

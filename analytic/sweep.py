@@ -31,7 +31,7 @@ from analytic.kernel.records import (
     State,
     row,
 )
-from analytic.problem import Keywords, Options, Problem, encode, encode_base, encode_motion, stated
+from analytic.problem import HELD, Keywords, Options, Problem, encode, encode_base, encode_motion, stated
 from analytic.solution import OUTCOMES, Outcome, Solution, solution_of
 from analytic.solver import (
     PARTED,
@@ -367,7 +367,7 @@ def _rows(problem: Problem, options: Options, sweep: Mapping[str, Floats]) -> Ro
     corners_x, corners_z, facets = (np.tile(each, (size, 1)) for each in block.arrays)
     for name, values in sweep.items():
         if name in _PARAMETERS:
-            params[name] = values
+            params[name] = values * HELD if name == "statue_friction" else values
         elif name in _BASE:
             if len(block.profile_m) != 2:
                 raise AnalyticInputError(f"sweep: {name} belongs to a block of two corners.")

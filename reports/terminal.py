@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from harness.input.mesh_statue import findings_of
+from harness.input.mesh_statue import findings_of, steps_of
 from harness.model.errors import printable
 from harness.model.finding import Finding, Severity, texted, weighed
 from harness.model.run import Run
@@ -283,7 +283,7 @@ def scan_lines(found: Scan, beside: int, *, verbose: bool = False) -> list[str]:
     log, facts = found.prepared.log, [printable(fact) for fact in found.facts()]
     findings = texted(findings_of(log.found), ENGLISH.say)
     if verbose:
-        return [*facts, *found.rose_lines(), *map(printable, str(log).splitlines()), *finding_lines(findings)]
+        return [*facts, *found.rose_lines(), *map(printable, steps_of(log, ENGLISH.say)), *finding_lines(findings)]
     lines = [line for fact in facts for line in wrapped(fact, 2, "  ")]
     steps = ENGLISH.listed(dict.fromkeys(change.step for change in log.changes)) or "nothing"
     lines += wrapped(f"changed: {steps}", 1)

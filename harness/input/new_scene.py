@@ -49,13 +49,14 @@ def first_scene(
 
     channels = _by_axis(shaking)
     end = max(float(channel.t_s[-1] - channel.t_s[0]) for channel in channels.values())
-    top = {"title": f"{scan.stem} under {motion.stem}", "duration_s": float(np.ceil(end + QUIET_AFTER_S))}
+    duration_s = float(np.ceil(end + QUIET_AFTER_S))
+    top = {"title": f"{scan.stem} under {motion.stem}", "duration_s": duration_s}
     parts: list[Part] = [
         (
             [
                 f"{scan.stem} under {motion.name}: a first scene, to be read and corrected.",
                 "Lines marked ASSUMED are choices made for you.",
-                info("assumed_duration", record_s=end, after_s=QUIET_AFTER_S),
+                info("assumed_duration", record_s=end, after_s=duration_s - end),
             ],
             top,
         ),

@@ -31,8 +31,8 @@ CREST: Final = 1e-3
 """A formula's crest lies between the instants looked at: a value this near to its own peak is that peak."""
 FACTOR_ROUNDING: Final = 1e-7
 """A factor is told to four digits; it is found to a thousandth of the last."""
-Cause = Literal["statue_tips", "statue_slides", "pedestal_slides", "pedestal_tips"]
-"""What can begin to move, and how."""
+Cause = Literal["statue_tips", "pedestal_slides", "statue_slides", "pedestal_tips"]
+"""What can begin to move, and how; of like limits the first: a pedestal that slides hands on no more than its own friction."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def push_of(scene: Scene, x_factor: float = 1.0) -> Push:
         level, weight = _level(parts, t_s, x_factor), scene.gravity_m_s2 + parts[2].accel_m_s2(t_s)
         sizes = {name: _shares(over, weight) for name, over in _needed(scene, level).items()}
         peak = max(peak, float(np.hypot(*level.T).max()) / scene.gravity_m_s2)
-        shares = {name: max(shares[name], float(size.max())) for name, size in sizes.items()}
+        shares = {name: max(share, float(sizes[name].max())) for name, share in shares.items()}
         crests = {int(np.argmax(size)) for size in (np.hypot(*level.T), *sizes.values())}
         t_s = np.concatenate([np.linspace(t_s[max(k - 1, 0)], t_s[min(k + 1, len(t_s) - 1)], CLOSER) for k in crests])
     return Push(peak, shares)

@@ -108,7 +108,10 @@ class Language:
         """Any value of a record in one table cell, its numbers with `count` digits."""
         if isinstance(value, bool | str):
             return self.word(str(value))
-        return self.written(numbers.plain(value, count)) if isinstance(value, float) else numbers.plain(value, count)
+        if isinstance(value, list | tuple) and any(isinstance(each, str) for each in value):
+            return numbers.plain([self.word(str(each)) for each in value])
+        # A part of a scene stands as its file has it.
+        return numbers.plain(value, count) if isinstance(value, Mapping) else self.written(numbers.plain(value, count))
 
     def count(self, count: int) -> str:
         """A small count as a word."""
@@ -180,6 +183,7 @@ def _change(say: Language, share: float) -> str:
 FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
     "plain": lambda say, value: say.word(value) if isinstance(value, str) else say.short(float(value)),
     "count": lambda say, value: str(value),
+    "given": lambda say, value: f"{value:g}",
     "number": lambda say, value: say.digits(float(value), 2),
     "s": lambda say, value: f"{say.digits(value, 3)}\u00a0s",
     "rad": lambda say, value: f"{say.digits(value, 2)}\u00a0rad",

@@ -188,10 +188,10 @@ def _shaking(source: RunSource, say: Language) -> list[str]:
     axes = motion.accel_m_s2
     if not axes:
         return []
-    push, g_m_s2 = motion.push, source.scene.gravity_m_s2
-    peak = max(map(motion.peak_m_s2, axes)) / g_m_s2 if push is None else push.peak
-    where = "_".join(["level"] if {"x", "y"} <= axes.keys() else [axis for axis in ("x", "y") if axis in axes])
-    ways = [say(f"shaking.{name}") for name in (where, "z" if "z" in axes else "") if name]
+    peaks: dict[str, float] = {axis: motion.peak_m_s2(axis) / source.scene.gravity_m_s2 for axis in axes}
+    if motion.push is not None and {"x", "y"} <= axes.keys():
+        peaks = {"level": motion.push.peak} | {axis: peak for axis, peak in peaks.items() if axis == "z"}
+    ways = [say(f"shaking.{name}", push=say.percent(peak)) for name, peak in peaks.items()]
     specs = [asked.get(axis) for axis in axes] if isinstance(asked, dict) else []
     kinds = {spec.get("kind") if isinstance(spec, dict) else None for spec in specs}
     rates = {spec["frequency_hz"] for spec in specs if isinstance(spec, dict) and kinds == {"harmonic"}}
@@ -203,7 +203,7 @@ def _shaking(source: RunSource, say: Language) -> list[str]:
     strong = np.any([size >= STRONG * size.max() for size in sizes], axis=0)
     at = np.asarray(motion.t_s)[strong]
     lasts = say.short(float(at[-1] - at[0]), 2)
-    return [say("shaking.of", push=say.percent(peak), ways=say.listed(ways), pace=pace, time=lasts)]
+    return [say("shaking.of", ways=say.listed(ways), pace=pace, time=lasts)]
 
 
 def _todo(source: RunSource, plan: Plan, say: Language) -> list[str]:

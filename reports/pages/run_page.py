@@ -34,7 +34,7 @@ from reports.charts.histories import histories_figure
 from reports.drawing.floor_plan import scene_svg
 from reports.drawing.replay import default_model, replay_payload
 from reports.messages import Language
-from reports.messages.numbers import angle, given, short, unit
+from reports.messages.numbers import angle, given, unit
 from reports.pages.assets import three_js
 from reports.source import RunSource, source_of
 from reports.text.wording import fall_times, limit_rows, plan_lines, run_verdict, score_rows
@@ -104,13 +104,13 @@ def _scene(source: RunSource, say: Language) -> Group:
         "start": (start.theta_rad or start.theta_rate_rad_s or None) and f"{say.written(unit(start.theta_rad, 'rad'))}, "
         f"{say.written(unit(start.theta_rate_rad_s, 'rad/s'))}",
         "start_pose": posed and "; ".join(
-            f"({', '.join(map(short, values))}) {name}"
+            f"({', '.join(map(say.short, values))}) {name}"
             for values, name in zip(posed, ("m", "(w, x, y, z)", "m/s", "rad/s"), strict=True)
         ),
     }  # fmt: skip
     pushes = {
         f"floor_{axis}": say(
-            "text.floor", peak=unit(motion.peak_m_s2(axis) / scene.gravity_m_s2, "g"),
+            "text.floor", peak=say.written(unit(motion.peak_m_s2(axis) / scene.gravity_m_s2, "g")),
             words=say.plain(asked[axis]) if isinstance(asked, dict) and axis in asked else motion.words(axis),
         )
         for axis in motion.accel_m_s2

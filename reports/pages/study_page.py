@@ -41,7 +41,6 @@ from reports.charts.study_figures import (
 )
 from reports.drawing.floor_plan import scene_svg
 from reports.messages import Language
-from reports.messages.numbers import plain, short
 from reports.text.giving_way import pedestal_effect
 from reports.text.wording import (
     Condition,
@@ -72,7 +71,8 @@ def blocks(_folder: Path, record: StudyRecord, say: Language) -> list[Block]:
         f"{count}: {say.word(reason)}" for reason, count in Counter(row.reason for row in record.rows).most_common()
     ]
     vary = [
-        (say.value(key, "key"), ", ".join(_shown(value) for value in values)) for key, values in record.vary.items()
+        (say.value(key, "key"), ", ".join(_shown(value, say) for value in values))
+        for key, values in record.vary.items()
     ]
     seconds = Facts([(name, say.value(value, "s")) for name, value in record.engine_seconds.items()])
     picture = Drawing(scene_svg(record.scene, say), [say("text.study_scene", title=record.scene.title)])
@@ -144,8 +144,9 @@ def study_charts(
     return charts
 
 
-def _shown(value: Any) -> str:
-    return short(float(value)) if isinstance(value, (int, float)) and not isinstance(value, bool) else plain(value)
+def _shown(value: Any, say: Language) -> str:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return say.short(float(value)) if number else say.plain(value)
 
 
 def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], say: Language) -> Verdict:
@@ -168,7 +169,7 @@ def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str
                 end = kind if kind == "overturns" else symbol(run.outcome, say)[1]
                 by_variant.setdefault(model.partition(" (")[2], set()).add(end)
         style = "differs" if any(len(ends) > 1 for ends in by_variant.values()) else ""
-        varied = [Cell(_shown(item.varied[key]), style) for key in keys]
+        varied = [Cell(_shown(item.varied[key], say), style) for key in keys]
         rows.append([*varied, *(_answer(item.answers.get(model), say) for model in models)])
     return Table(say("table.matrix"), [*map(say.heading, keys), *map(_head, models)], rows, "matrix")
 

@@ -55,6 +55,27 @@ def test_one_coefficient_for_rest_and_motion_leaves_no_run_without_a_joint_state
     assert 0.1 < found.overturned.mean() < 0.9
 
 
+def test_a_pedestal_that_slides_at_its_statue_s_own_friction_does_not_shake_it_off() -> None:
+    """It hands on just the friction under the statue: what rounding adds leaves no domain, what a coefficient lacks does."""
+    mu = np.array([0.05, 0.05, 0.07])
+    sweep = {"floor_static": mu, "floor_kinetic": mu, "statue_friction": mu * [1.0, 1.0 - 1e-6, 1.0]}
+    shaken, lifted = Harmonic(4.0, 1.7), Harmonic(2.0, 3.1)
+    found = ensemble(STATUE, shaken, lifted, sweep=sweep, duration_s=5.0, domain=True, pedestal=PEDESTAL)
+    assert (found.peak_slip_m > 0.1).all()
+    assert np.isfinite(found.left_domain_s).tolist() == [False, True, False]
+    alone = simulate(
+        STATUE,
+        shaken,
+        lifted,
+        duration_s=5.0,
+        pedestal=PEDESTAL,
+        statue_friction=0.05,
+        floor_static=0.05,
+        floor_kinetic=0.05,
+    )
+    assert alone.validity.left_domain_s is None
+
+
 def test_threads_change_no_bit() -> None:
     rng = np.random.default_rng(5)
     sweep = {

@@ -9,11 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.input.mesh_statue import steps_of
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Layout
+from harness.input.new_scene import QUIET_AFTER_S
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from reports.cli.options import ScanOptions, SupportOptions
 from reports.cli.scans import MARBLE_KG_M3, inspect, new, prepare
+from reports.messages import ENGLISH
+from reports.terminal import scan_lines
 from tests.doubles import codes
 from tests.meshes import toadstool
 
@@ -97,6 +101,15 @@ def test_the_scan_is_never_overwritten(scan: Path, tmp_path: Path) -> None:
         prepare(scan, tmp_path / "statue.txt", ScanOptions(unit="m"))
 
 
+def test_all_that_was_changed_is_printed_in_sentences(scan: Path) -> None:
+    found = inspect(scan, ScanOptions(height_m=1.3, up="z"))
+    steps = steps_of(found.prepared.log, ENGLISH.say)
+    assert steps
+    lines = scan_lines(found, 0, verbose=True)
+    assert set(steps) <= set(lines)
+    assert not any("ProcessingLog" in line for line in lines)
+
+
 def test_new_writes_a_scene_that_loads(scan: Path, motion: Path, tmp_path: Path) -> None:
     out, found = new(scan, motion, tmp_path / "first.toml", ScanOptions(unit="m", up="z"))
     assert not {"scan_up", "scan_column", "scan_askew"} & set(codes(found))
@@ -109,7 +122,9 @@ def test_new_writes_a_scene_that_loads(scan: Path, motion: Path, tmp_path: Path)
     assert scene.base_excitation.x.peak_m_s2 == pytest.approx(3.0, rel=1e-3)
     assert scene.base_excitation.y.peak_m_s2 == pytest.approx(1.0, rel=1e-3)
     assert scene.base_excitation.z.peak_m_s2 == pytest.approx(0.5, rel=1e-3)
-    assert scene.duration_s > 2.0 + 4.0
+    (lasts,) = [each for each in found if each.code == "assumed_duration"]
+    assert scene.duration_s == pytest.approx(lasts.values["record_s"] + lasts.values["after_s"])
+    assert lasts.values["after_s"] >= QUIET_AFTER_S
 
 
 def test_new_takes_pedestal_friction_and_scale(scan: Path, motion: Path, tmp_path: Path) -> None:

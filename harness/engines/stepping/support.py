@@ -53,14 +53,14 @@ def plain_spells(
         slid[np.flatnonzero(~slides[:passed]).max(initial=-1) + 1 : passed] = True
     # By reason: since when it counts, and while it does.
     causes = {
-        "the statue slides on its support": (slid, slid & slides),
-        "the statue has left its support": (lifted, lifted),
+        "statue_slides": (slid, slid & slides),
+        "contact_lost": (lifted, lifted),
     }
     if pedestal is not None and motion.pedestal_xz_m is not None:
         tips = np.abs(motion.tilt_rad) > LEFT_RAD
         place = np.where(at.lean_rad >= 0.0, at.right_x, at.left_x)
         beside = np.abs(place) > 0.5 * pedestal.width_m + LEFT_M
-        causes |= {"the pedestal tips": (tips, tips), "the statue stands beyond its pedestal's edge": (beside, beside)}
+        causes |= {"pedestal_tips": (tips, tips), "beyond_edge": (beside, beside)}
     first = {name: float(t_s[since.argmax()]) for name, (since, _) in causes.items() if since.any()}
     plain = np.any([while_it for _, while_it in causes.values()], axis=0)
     return {

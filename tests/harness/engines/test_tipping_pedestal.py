@@ -55,7 +55,7 @@ def test_a_statue_that_stands_on_a_pedestal_that_tips_neither_slides_nor_sinks_i
     engine, scene = ready(name), tipping_scene(765_005)
     validity = engine.simulate(scene, engine.settings_for_dt(scene, 2.5e-4), RunOptions()).validity
     assert validity["pedestal_tilt_rad"] > 0.05
-    assert validity["plain_because"] == ["the pedestal tips"]
+    assert validity["plain_because"] == ["pedestal_tips"]
     assert max(validity["statue_slip_m"], validity["statue_flight_m"], validity["penetration_m"]) <= budget.ON_TOP_M
 
 

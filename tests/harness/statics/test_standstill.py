@@ -47,6 +47,14 @@ def test_the_least_size_counts_the_motion_across_and_the_vertical(file: Path) ->
         assert (share >= 1.0) is moves
 
 
+def test_of_like_frictions_the_pedestal_s_gives_way_first(file: Path) -> None:
+    """What slides below hands on no more than its own friction."""
+    keys = ["pedestal={mass_kg=300.0, width_m=0.8, depth_m=0.8, height_m=0.2}", "contact.statue=0.02"]
+    found = push_of(harness.load_scene(file, [*keys, "contact.floor_static=0.02", "contact.floor_kinetic=0.02"]))
+    assert found.shares["pedestal_slides"] == found.shares["statue_slides"]
+    assert found.first[0] == "pedestal_slides"
+
+
 def test_what_moves_across_the_rocking_plane_is_not_called_still(file: Path) -> None:
     ready("pybullet")
     keys = ["motion.x.amplitude_g=0.01", "motion.y.amplitude_g=0.7", "motion.z=none", "duration_s=1.5"]

@@ -22,7 +22,7 @@ MAKERS = {"info", "caution", "changes_answer", "Doubt", "Change"}
 SAMPLES = {
     "plain": "pymunk", "count": 3, "number": 0.25, "s": 1.25, "rad": 1e-4, "angle": 0.1, "angles": [0.1, 0.2], "m": 0.012,
     "lengths": [0.01, 0.02], "g": 0.3, "j": 2.0, "share": 0.123, "names": ["analytic", "pymunk"], "vector": [1.0, 0.0, 0.0],
-    "directions": [0.0, 22.5],
+    "directions": [0.0, 22.5], "given": 0.0254,
     "choices": {"kinetic": "stands", "static": "overturned_right"},
     "groups": {"stands": ["analytic"], "overturned": ["pymunk"]}, "without": {"products_of_inertia": 0.03},
     "change": -0.02, "adjusted": {"centroid": 0.03},
@@ -114,6 +114,11 @@ def test_a_number_is_written_as_the_language_writes_it() -> None:
     assert "39\u00a0%" in language("en").say(finding)
     assert "5,1\u00a0%" in language("it").say(info("probability", share=0.051, model="analytic"))
     assert language("en").value(None, "s") == "–"
+    assert [language(code).plain(True) for code in ("en", "it")] == ["yes", "sì"]
+    told = [language("it").plain(each) for each in ([0.5, 1.25], ["statue_slides", "spatial"])]
+    assert told == ["0,5000, 1,250", "la statua scivola sul suo appoggio, spatial"]
+    # What a user copies into a scene is written as the scene wants it.
+    assert language("it").value(0.02543, "given") == "0.02543"
     assert set(SAMPLES) == set(FORMATS)
 
 

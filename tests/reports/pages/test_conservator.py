@@ -168,6 +168,20 @@ def test_the_free_space_is_that_of_standing_runs_and_falls_are_said(tmp_path: Pa
     assert not re.search("analytic|pymunk|pybullet", text), "which model says it stands in the engineer's report"
 
 
+def test_a_shaking_is_told_by_direction(tmp_path: Path) -> None:
+    """The floor's rise and fall is no part of its level push, and may be the stronger."""
+    source = run_source(write_invented(tmp_path))
+    motion, g_m_s2 = source.record.motion, source.scene.gravity_m_s2
+    up = replace(motion, z_m_s2=[2.0 * each for each in motion.x_m_s2], z_peak_m_s2=1.83 * g_m_s2)
+    text = spoken(of_run(replace(source, record=replace(source.record, motion=up))))
+    level = ENGLISH("shaking.x", push=ENGLISH.percent(motion.peak_m_s2("x") / g_m_s2))
+    assert f"{level} {ENGLISH.strings['and']} {ENGLISH('shaking.z', push='183 %')}" in text
+    alone = replace(up, x_m_s2=None, x_peak_m_s2=None, push=None)
+    assert ENGLISH("shaking.z", push="183 %") in spoken(
+        of_run(replace(source, record=replace(source.record, motion=alone)))
+    )
+
+
 def test_a_model_of_space_tells_the_room_all_round(tmp_path: Path) -> None:
     """A body that is carried 3 cm to the back and turned by nothing needs just that, and nothing at the front."""
     source = run_source(write_invented(tmp_path))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from dataclasses import replace
 from html import unescape
 from pathlib import Path
@@ -47,6 +48,16 @@ def html(folder: Path) -> str:
 
 def without_data(html: str) -> str:
     return re.sub(r"<script.*?</script>", "", html, flags=re.S)
+
+
+def test_an_italian_page_writes_its_numbers_with_a_comma(folder: Path, tmp_path: Path) -> None:
+    """In sentences, tables, lists and the drawing of the scene; a scene's own text and versions stand as they are."""
+    there = tmp_path / "run"
+    shutil.copytree(folder, there)
+    text = re.sub(r"<(script|style|pre).*?</\1>", "", write_report(there, "it").read_text(encoding="utf-8"), flags=re.S)
+    below = text[text.index('id="outcomes"') : text.index('id="repeat"')]
+    assert re.search(r"O <tspan[^>]*>α 0,\d+", below)
+    assert not re.findall(r">([^<>]*\d\.\d[^<>]*)<", below)
 
 
 def figure_of(html: str) -> Any:

@@ -12,8 +12,8 @@ from harness.model.scene import Pedestal
 TIMES = np.linspace(0.0, 1.0, 11)
 STILL = np.zeros(11)
 PEDESTAL = Pedestal(100.0, 0.6, 0.6, 0.2)
-SLIDES, FLIES = "the statue slides on its support", "the statue has left its support"
-TIPS, BESIDE = "the pedestal tips", "the statue stands beyond its pedestal's edge"
+SLIDES, FLIES = "statue_slides", "contact_lost"
+TIPS, BESIDE = "pedestal_tips", "beyond_edge"
 
 
 def spells(
