@@ -23,7 +23,7 @@ from harness.questions.scene.answer import STILL_RAD, counted, outcome_family
 from harness.questions.scene.scene_run import Result, run_scene
 from harness.records.assess import Assessment
 from harness.records.base import Plain, plain
-from harness.records.run import HorizonRecord, has_answer
+from harness.records.run import HorizonRecord, balance_share, has_answer
 from harness.records.scores import Interval, Scores, Verdict
 from harness.records.trust import Rotation, TrustClass
 from harness.runs.task import TaskResult
@@ -54,6 +54,7 @@ class Said:
     flips: bool
     left_domain: str
     peak_rad: float | None
+    balance_share: float | None
     peaks_apart_rad: float | None
     agree_until_s: float | None
     horizon_s: float | None
@@ -92,7 +93,8 @@ class Kept:
         """What those of these models that ran say of the point, whose scene that is."""
         runs = {name: run for name, run in self.runs.items() if name in names}
         scores = {pair: each for pair, each in self.scores.items() if each.a in runs and each.b in runs}
-        return said(Result(scene, runs, scores | explained(runs, scores), [], 0.0, self.horizons))
+        path = self.paths[MODEL].theta_rad if MODEL in self.paths else ()
+        return said(Result(scene, runs, scores | explained(runs, scores), [], 0.0, self.horizons), path)
 
 
 @dataclass(frozen=True)
@@ -153,8 +155,8 @@ def _paired(question: Question, name: str) -> Assessment:
     return estimate(model_draws(scene, values), fell, half_width=HALF_WIDTH, most_runs=PAIRED, batch=BATCH)
 
 
-def said(result: Result) -> Said:
-    """What a finished run says of its point."""
+def said(result: Result, path: Sequence[float] = ()) -> Said:
+    """What a finished run says of its point; `path` is what is kept of the model's rotation, rad."""
     answer, model = result.answer(), result.runs[MODEL]
     codes = {found.code: found.values for found in answer.findings}
     known = {name: run for name, run in result.runs.items() if has_answer(run)}
@@ -162,6 +164,9 @@ def said(result: Result) -> Said:
     horizon = result.horizons.get(MODEL)
     fell = any(run.outcome.overturned for run in known.values())
     peaks = [abs(run.peak_theta_rad) for run in known.values()]
+    alone = not fell and MODEL in known
+    # Of a path, which is rounded, the other side: a statue may lean less far to the side that bears less.
+    leans = np.array([model.peak_theta_rad, *(each for each in path if each * model.peak_theta_rad < 0.0)])
     until = [values["until_s"] for values in codes.values() if values.get("until_s") is not None]
     finite = [time_s for time_s in until if math.isfinite(time_s)]
     return Said(
@@ -175,7 +180,8 @@ def said(result: Result) -> Said:
         still=_still(model),
         flips=CHANGED in codes,
         left_domain=_left(model),
-        peak_rad=None if fell or MODEL not in known else abs(model.peak_theta_rad),
+        peak_rad=abs(model.peak_theta_rad) if alone else None,
+        balance_share=balance_share(model, leans, result.scene.statue.slenderness_rad) if alone else None,
         peaks_apart_rad=None if fell or len(known) < 2 else max(peaks) - min(peaks),
         agree_until_s=min(finite, default=model.end_s if answer.code == "agree" else None),
         horizon_s=None if horizon is None else horizon.intrinsic_s,

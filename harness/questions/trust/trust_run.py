@@ -421,19 +421,22 @@ def contour(name: str, cells: Sequence[TrustCell], plane: Plane) -> list[float |
     line = []
     for i in range(len(plane.frequencies_hz)):
         duration_s = plane.at((i, 0)).duration_s
-        heights = [_height(name, cell, duration_s) for cell in cells[i * count : (i + 1) * count]]
-        line.append(crossing(heights, CONTOURS[name], plane.amplitudes_g))
+        heights = {cell["amplitude_g"]: _height(name, cell, duration_s) for cell in cells[i * count : (i + 1) * count]}
+        known = {at: height for at, height in heights.items() if height is not None}
+        line.append(crossing([*known.values()], CONTOURS[name], [*known]))
     return line
 
 
-def _height(name: str, cell: TrustCell, duration_s: float) -> float:
-    """What a contour is of, at one point."""
+def _height(name: str, cell: TrustCell, duration_s: float) -> float | None:
+    """What a contour is of, at one point; None where the model, having left its domain, knows no largest lean."""
     if name.startswith("probability"):
         chance = cell["probability"].get(MODEL)
         return 0.0 if chance is None else chance.value
     if name == "horizon":
         return 0.0 if cell["horizon_s"] is None else 1.0 - cell["horizon_s"] / duration_s
-    return math.inf if cell["peak_over_alpha"] is None else cell["peak_over_alpha"]
+    if cell["peak_over_alpha"] is None:
+        return math.inf if cell["outcomes"][MODEL] in ("overturned", "undecided") else None
+    return cell["peak_over_alpha"]
 
 
 def crossing(heights: Sequence[float], level: float, at: Sequence[float]) -> float | None:
@@ -498,16 +501,16 @@ def answer_of(plane: Plane, names: Sequence[str], maps: Sequence[TrustMap], save
     """
     frequencies = [each for each in plane.frequencies_hz if each is not None]
     over = {"from_g": plane.amplitudes_g[0], "to_g": plane.amplitudes_g[-1]}
-    if frequencies:
-        over |= {"from_hz": frequencies[0], "to_hz": frequencies[-1]}
+    # The scene's own motion has no frequency of which to speak.
+    every_hz = {"from_hz": frequencies[0], "to_hz": frequencies[-1]} if frequencies else {}
     refuted = [changes_answer("trust_refuted", share=each.shares["refuted"]) for each in maps if each.shares["refuted"]]
     held, told = list[Finding](), list[Finding]()
     for each in maps:
         where, up_to_g = "own" if each is maps[0] else "floor", each.confirmed_up_to_g
-        held.append(info("trust_up_to", where=where if up_to_g is not None else f"{where}_nowhere", strength_g=up_to_g))
-        told.append(
-            info("trust_shares", where=where, shares={k: share for k, share in each.shares.items() if share}, **over)
-        )
+        held_where = where if up_to_g is not None else f"{where}_nowhere"
+        held.append(info("trust_up_to", where=held_where, strength_g=up_to_g, **every_hz))
+        shares = {kind: share for kind, share in each.shares.items() if share}
+        told.append(info("trust_shares", where=where, shares=shares, **over, **every_hz))
     planar = all(engines.load(name).capabilities.dimensions == PLANAR for name in names)
     alone = [caution("trust_in_plane")] if planar and not plane.scene.planar else []
     pedestal = [info("pedestal_saves", model=MODEL, **vars(saved[MODEL]))] if MODEL in saved else []
@@ -563,7 +566,6 @@ def _cell(found: Map, point: Point, word: tuple[TrustClass, Basis, Said], chance
     kind, basis, by = word
     own, model, plane = point in found.ran, found.model[point], found.plane
     strength, frequency = plane.without_dimension(point)
-    peak = model.peak_rad
     return {
         "amplitude_g": plane.amplitudes_g[point[1]],
         "frequency_hz": plane.frequencies_hz[point[0]],
@@ -572,8 +574,8 @@ def _cell(found: Map, point: Point, word: tuple[TrustClass, Basis, Said], chance
         "answer": by.answer if own else "",
         "why": by.why if basis != "rest" else [],
         "outcomes": by.outcomes if own else model.outcomes,
-        "peak_rad": peak,
-        "peak_over_alpha": None if peak is None else peak / plane.scene.statue.slenderness_rad(plane.weaker_side),
+        "peak_rad": model.peak_rad,
+        "peak_over_alpha": model.balance_share,
         "peaks_apart_rad": by.peaks_apart_rad if own else None,
         "agree_until_s": by.agree_until_s if own else None,
         "horizon_s": model.horizon_s,
@@ -588,4 +590,4 @@ def _cell(found: Map, point: Point, word: tuple[TrustClass, Basis, Said], chance
 def _died(names: tuple[str, ...]) -> Said:
     """A point whose process died."""
     ends = dict.fromkeys(names, "crashed")
-    return Said("no_answer", "no_answer", ["crashed"], ends, False, False, "", None, None, None, None, False)
+    return Said("no_answer", "no_answer", ["crashed"], ends, False, False, "", None, None, None, None, None, False)

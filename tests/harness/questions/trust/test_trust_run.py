@@ -25,8 +25,17 @@ from harness.model.finding import Severity
 from harness.model.scene import Scene
 from harness.questions.trust import plane, trust_run
 from harness.questions.trust.plane import Plane, Point
-from harness.questions.trust.point import Said
-from harness.questions.trust.trust_run import Map, answer_of, confirmed_up_to_g, crossing, doubtful, engines_of, falls
+from harness.questions.trust.point import MODEL, Said
+from harness.questions.trust.trust_run import (
+    Map,
+    answer_of,
+    confirmed_up_to_g,
+    contour,
+    crossing,
+    doubtful,
+    engines_of,
+    falls,
+)
 from harness.records.kinds import read_result
 from harness.records.scores import Interval
 from harness.records.trust import CLASSES, CONTOURS, Rotation, TrustRecord
@@ -153,7 +162,7 @@ def test_a_shaking_across_the_plane_is_asked_of_space_even_on_a_coarse_map() -> 
 
 
 def word(kind: str, *, still: bool = False, apart_rad: float = 0.0) -> Said:
-    return Said(kind, "agree", [], {"analytic": "stands"}, still, False, "", 0.1, apart_rad, 1.0, 1.0, True)  # type: ignore[arg-type]
+    return Said(kind, "agree", [], {"analytic": "stands"}, still, False, "", 0.1, 0.5, apart_rad, 1.0, 1.0, True)  # type: ignore[arg-type]
 
 
 def found(kinds: dict[int, str], rest: int = 0) -> Map:
@@ -317,6 +326,25 @@ def test_a_map_has_a_contour_of_each_kind_at_each_frequency(small: Path, tmp_pat
     first = [only.contours[name][0] for name in ("peak_quarter", "peak_half")]
     assert all(only.cells[0]["amplitude_g"] < at <= only.cells[2]["amplitude_g"] for at in first if at is not None)
     assert None not in first
+
+
+def test_a_lean_that_the_model_does_not_know_passes_no_contour(root: Path) -> None:
+    """A pedestal that tips leaves the model's domain, and the statue stands; it was said to lean to half of its balance angle."""
+    whole = Plane.of(load_scene(root / "scenes" / "paestum_block.toml"), "scene", coarse=True)
+    ends: list[Any] = [("stands", 0.1), ("stands", None), ("stands", 0.4), ("overturned", None)]
+    pairs = zip(ends, (0.1, 0.2, 0.4, 0.8), strict=True)
+    cells: Any = [{"amplitude_g": at, "outcomes": {MODEL: end}, "peak_over_alpha": share} for (end, share), at in pairs]
+    four = replace(whole, amplitudes_g=[0.1, 0.2, 0.4, 0.8])
+    found = [contour(name, cells, four) for name in ("peak_quarter", "peak_half")]
+    assert found == [[pytest.approx(0.2)], [pytest.approx(0.4 * 2.0**0.5)]]
+
+
+def test_only_a_map_over_frequencies_speaks_of_every_frequency(root: Path) -> None:
+    maps = invented_records.trust().maps
+    for motion, spoken in (("scene", False), ("sine", True)):
+        whole = Plane.of(load_scene(root / "scenes" / "paestum_block.toml"), motion, coarse=True)
+        held = [each for each in answer_of(whole, ("analytic",), maps, {}).findings if each.code == "trust_up_to"]
+        assert [("from_hz" in each.values) for each in held] == [spoken] * len(maps)
 
 
 def test_an_outcome_that_is_confirmed_is_every_model_s() -> None:
