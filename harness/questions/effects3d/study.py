@@ -265,24 +265,20 @@ def answer(question: tuple[type, BaseScene, tuple[Any, ...]]) -> TaskResult:
 
 
 class Questions:
-    """Asks what the store does not hold, and counts."""
+    """Asks what the store does not hold."""
 
     def __init__(self, base: BaseScene, scene: Scene, store: Store, pool: Pool, on_progress: OnProgress) -> None:
         self._base, self._scene, self._store = base, scene, store
         self.campaign = Campaign(store, pool, on_progress)
-        self.asked = self.runs = 0
 
     def ask(self, kind: type[T], questions: Sequence[tuple[Any, ...]]) -> list[T]:
-        """The answers in the questions' order; one whose process died is left out and counted."""
+        """The answers in the questions' order; one whose process died is left out."""
         name, _ = WORK[kind]
         tasks = []
         for each in questions:
             named = [item.key() if isinstance(item, Search) else item for item in each]
             tasks.append(Task(request_key(self._scene, None, name, named), answer, (kind, self._base, each)))
-        answers = [part(kind, item, self._store.path) for item in self.campaign.ask(tasks) if item is not None]
-        self.asked += len(tasks)
-        self.runs += sum(getattr(item, "runs", 1) for item in answers)
-        return answers
+        return [part(kind, item, self._store.path) for item in self.campaign.ask(tasks) if item is not None]
 
 
 def run_file(
@@ -310,7 +306,10 @@ def run_file(
         questions = Questions(base, scene, store, pool, on_progress)
         answers = _answers(study, scene, questions)
         done = questions.campaign
-        counts = questions.asked, len(done.reused), questions.runs, done.failed, done.asked_s
+        # A direction across a side may be one of the rose's, and is then one search.
+        searched = {*answers["rows"], *answers["sides"], *answers["bands"]}
+        runs = sum(each.runs for each in searched) + len(answers["departures"])
+        counts = done.computed + len(done.reused), len(done.reused), runs, done.failed, done.asked_s
     finished = EffectsRecord(
         title=study.title,
         file=path.name,

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from harness.model.scene import Scene
 from harness.questions.effects3d.search import Search
 from harness.questions.effects3d.study import (
+    WORK,
     checked_azimuths,
     effects,
+    run_file,
     scan_directions,
     side_azimuths,
     static_rose,
 )
 from harness.records.effects3d import BASELINE, Amplitude
+from harness.runs.runner import InlinePool
 
 SEARCH = Search(most_g=1.0, resolution=0.02)
 
@@ -66,3 +70,22 @@ def test_directions_are_named_on_the_scan_as_its_file_has_it(
     turned = replace(scene, given={"statue": {"mesh": {"file": "scan.ply", "up": up, "azimuth_deg": turn_deg}}})
     found = scan_directions(turned).values
     assert (found["along_0"], found["along_90"]) == said
+
+
+def test_a_search_that_is_asked_twice_is_counted_once(
+    root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Directions across the sides of the base (0°, 90°, ...) are directions of the rose, too."""
+
+    def stands(scene: Scene, condition: str, azimuth_deg: float, engine: str, *asked: object) -> Amplitude:
+        return Amplitude(condition, azimuth_deg, engine, None, 0.5, "", runs=3)
+
+    monkeypatch.setitem(WORK, Amplitude, ("search", stands))
+    path = tmp_path / "effects.toml"
+    path.write_text(
+        f'kind = "effects3d"\ntitle = "rose"\nscene = "{root / "scenes" / "3d_effects_base.toml"}"\ndirections = 8\n'
+        'engines = ["analytic", "spatial"]\nconditions = []\nsamples = 0\n'
+    )
+    for found in (0, 16):
+        summary = run_file(path, tmp_path / "out", InlinePool()).summary
+        assert (summary.asked, summary.found, summary.runs) == (16, found, 48)
