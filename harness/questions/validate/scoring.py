@@ -73,7 +73,7 @@ def _flips(trial: Trial, variant: TrialVariant, answer: CaseRun) -> bool:
     if answer.outcome.overturned:
         return until is not None and no_return is not None and no_return > until
     statue = scene_of(trial, variant).statue
-    margin = min(statue.slenderness_rad(side) for side in (1, -1)) - abs(answer.peak_theta_rad)
+    margin = statue.slenderness_rad(1 if answer.peak_theta_rad > 0.0 else -1) - abs(answer.peak_theta_rad)
     return bool(abs(margin) <= COVERAGE * uncertainty)
 
 
@@ -195,9 +195,9 @@ def _by_body(
 
 
 def repeats_of(trials: Sequence[Trial]) -> Repeats | None:
-    """What disagreeing repeats leave to the best of models; None where no test is repeated.
+    """What disagreeing repeats leave to the best of predictions; None where no test is repeated.
 
-    A group's outcomes differ by chance: with n repeats of which k fell, k (n − k)/(n (n − 1)) estimates p (1 − p) without bias.
+    Of n repeats of which k fell one probability is told: k/n is the best, and misses them by k (n − k)/n in all.
     """
     groups: dict[Trial, list[bool]] = {}
     for trial in trials:
@@ -209,7 +209,7 @@ def repeats_of(trials: Sequence[Trial]) -> Repeats | None:
     if not again:
         return None
     wrong = sum(min(sum(seen), len(seen) - sum(seen)) for seen in again)
-    spread = sum(sum(seen) * (len(seen) - sum(seen)) / (len(seen) - 1) for seen in again)
+    spread = sum(sum(seen) * (len(seen) - sum(seen)) / len(seen) for seen in again)
     return Repeats(
         sum(map(len, again)), len(again), sum(len(set(seen)) > 1 for seen in again),
         1.0 - wrong / len(trials), spread / len(trials),
