@@ -17,7 +17,7 @@ from typing import Annotated, Final, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from analytic import Block, Outcome, ensemble
+from analytic import Block, Form, Outcome, ensemble
 from analytic.block import GRAVITY_M_S2
 from analytic.excitation import Excitation
 from harness.comparison.statistics.distributions import wilson
@@ -147,7 +147,7 @@ def compute(
         # A homogeneous rectangle about its centroid: m (w² + h²)/12 = m R²/3, of one kilogramme.
         "inertia_kg_m2": size**2 / 3.0,
     }
-    law = {} if spectrum.restitution == "momentum" else {"restitution": float(spectrum.restitution)}
+    form = None if spectrum.restitution == "momentum" else Form(restitution=spectrum.restitution)
     scatter = np.sqrt(np.log1p(spectrum.strength_cov**2))
     factors = np.exp(scatter * np.random.default_rng(spectrum.seed).standard_normal(spectrum.draws))
     block, peaks, open_ends = Block.rectangle(width_m=1.0, height_m=2.0), [], 0
@@ -160,7 +160,7 @@ def compute(
             sweep={**sweep, "scale": np.full_like(size, factor)},
             threads=threads,
             duration_s=excitation.end_s + RING_DOWN_S,
-            **law,  # type: ignore[arg-type]
+            form=form,
         )
         peaks.append(np.where(answers.overturned, np.inf, answers.peak_theta_rad / alpha).astype(np.float32))
         open_ends += int(np.sum(~answers.overturned & (answers.outcomes != Outcome.STANDS)))

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from analytic import Block, simulate
+from analytic import Block, Form, simulate
 from harness.comparison.statistics.distributions import wilson
 from harness.input.tables import read_model
 from harness.model.errors import InputError
@@ -66,6 +66,20 @@ def test_every_block_is_what_it_is_by_itself(tmp_path: Path) -> None:
             assert answer.median[i, j] == pytest.approx(min(peaks), rel=budget.SWEPT_REL)
             assert answer.high[i, j] == pytest.approx(max(peaks), rel=budget.SWEPT_REL)
     assert 0.0 < answer.probability.mean() < 1.0
+
+
+def test_a_ratio_given_as_a_number_is_each_block_s(tmp_path: Path) -> None:
+    """It ended in a traceback."""
+    path = written(tmp_path, more="restitution = 0.9")
+    spectrum = read_model(SpectrumFile, path)
+    (motion, *_) = motions_of(spectrum, path)
+    answer = compute(spectrum, [motion], threads=1)
+    for i, j in np.ndindex(answer.median.shape):
+        size, alpha = spectrum.size_m.values()[i], np.arctan(1.0 / spectrum.slenderness.values()[j])
+        block = Block.rectangle(width_m=2.0 * size * np.sin(alpha), height_m=2.0 * size * np.cos(alpha))
+        run = simulate(block, motion, duration_s=motion.end_s + RING_DOWN_S, form=Form(restitution=0.9))
+        peak = np.inf if run.outcome.startswith("overturned") else abs(run.peak_theta_rad) / alpha
+        assert answer.median[i, j] == pytest.approx(peak, rel=budget.SWEPT_REL)
 
 
 def test_a_drawn_strength_makes_a_probability_of_one_motion(tmp_path: Path) -> None:
