@@ -42,7 +42,8 @@ def touches_flat(mode: int) -> bool:
 
 @jit
 def set_slides(s: Run, m: Memory, y: Floats, rows: Rows) -> None:
-    """Directions of sliding at a state; a vertex slower than `still_m_s` keeps the one that it began with.
+    """Directions of sliding at a state; a vertex slower than `still_m_s` keeps the one that it began with, and one that comes
+    straight back keeps it to the step's end: where it stops is found on a velocity that goes on smoothly.
 
     In a slow step all vertices have SHIFT of that speed more, each in its direction at the start: then the directions are smooth.
     """
@@ -57,7 +58,9 @@ def set_slides(s: Run, m: Memory, y: Floats, rows: Rows) -> None:
             dx += shift * m.heading[i, 0] + m.bent[0] - m.bent[2] * arm[1]
             dy += shift * m.heading[i, 1] + m.bent[1] + m.bent[2] * arm[0]
         speed = math.sqrt(dx * dx + dy * dy)
-        if speed > (s.still_m_s if not s.slow else 0.0):
+        along, across = dx * m.heading[i, 0] + dy * m.heading[i, 1], dy * m.heading[i, 0] - dx * m.heading[i, 1]
+        back = along < 0.0 and abs(across) <= s.still_m_s
+        if speed > (s.still_m_s if not s.slow else 0.0) and not back:
             m.slide[i, 0], m.slide[i, 1] = dx / speed, dy / speed
         else:
             m.slide[i, 0], m.slide[i, 1] = m.heading[i, 0], m.heading[i, 1]

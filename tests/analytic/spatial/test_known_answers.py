@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import analytic
 from analytic import spatial
@@ -172,6 +173,28 @@ def test_a_sliding_block_follows_newmark() -> None:
     stopped = [event for event in run.events if event.kind is spatial.EventKind.STICK_ONSET]
     assert [event.time_s for event in stopped] == pytest.approx([a * t1 / grip], abs=1e-9)
     assert run.energy_lost_by_sliding_j == pytest.approx(100.0 * grip * run.position_m[-1, 0], rel=budget.AUDIT)
+
+
+@pytest.mark.parametrize("end_s", [0.30374, 0.3038, 0.304, 0.3042, 0.3045, 0.31])
+def test_a_block_that_slides_straight_back_turns_where_it_stops(end_s: float) -> None:
+    """Under A sin ωt, A = 2 μ g, it slides from sin ωt = 1/2 until its velocity is none, and back at once, as A |sin ωt| > μ g
+    there. Friction that turned round within the step that reaches it hid the turn, wherever that step happened to end.
+    """
+    friction, omega = 0.25, 4.0 * math.pi
+    grip = friction * GRAVITY
+
+    def floor_m_s(time_s: float) -> float:
+        return 2.0 * grip * (1.0 - math.cos(omega * time_s)) / omega
+
+    def slides_m_s(time_s: float, from_s: float, sign: float) -> float:
+        return sign * grip * (time_s - from_s) - floor_m_s(time_s) + floor_m_s(from_s)
+
+    begins_s = math.asin(0.5) / omega
+    turns_s = float(brentq(lambda time_s: slides_m_s(time_s, begins_s, 1.0), 0.28, 0.32, xtol=1e-15))
+    flat = spatial.Body.block(100.0, 1.0, 0.8, 0.3)
+    shaking = analytic.Harmonic(2.0 * grip, 0.5 * omega / math.pi)
+    run = spatial.simulate(flat, shaking, duration_s=end_s, friction_static=friction, dt_out_s=end_s)
+    assert run.velocity_m_s[-1, 0] == pytest.approx(slides_m_s(end_s, turns_s, -1.0), abs=budget.SLIDE_M)
 
 
 @pytest.mark.parametrize("friction", [0.8, 1.0, 5.0])
