@@ -254,9 +254,8 @@ class StudyRecord(Record, Shown):
         apart = {"engine", *(each.name for each in RUN_FIELDS if not each.single)}
         table: dict[str, list[object]] = {name: [getattr(row, name) for row in self.rows] for name in ROW[:3]}
         table |= {key: [row.varied.get(key) for row in self.rows] for key in keys}
-        for each in fields(CaseRun):
-            if each.name not in apart:
-                table[each.name] = [getattr(row.run, each.name, None) for row in self.rows]
+        own = [each.name for each in fields(CaseRun) if each.name not in apart]
+        table |= {name: [getattr(row.run, name, None) for row in self.rows] for name in own}
         return RunSet(self.title, keys, answered({name: column_of(values) for name, values in table.items()}))
 
     def facts(self) -> dict[str, str]:

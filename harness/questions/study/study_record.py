@@ -18,6 +18,7 @@ from harness.model.errors import InputError, Mistake
 from harness.model.files import writing
 from harness.model.finding import Answer, Finding, caution, info
 from harness.model.history import History, Outcome
+from harness.model.run import NUMBERS, RUN_FIELDS
 from harness.model.scene import Scene
 from harness.questions.study import claims
 from harness.questions.study.case_blocks import KeyedRow, coarser, every_row, study_rows, table
@@ -149,6 +150,10 @@ FORMULA: Final = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "�
 """Beginnings of a text that spreadsheets take for a formula, their wide forms of East Asian keyboards among them."""
 
 
+EXPORTED: Final = sorted({*(each.name for each in RUN_FIELDS if each.single), "impacts"} - {"engine", "wall_s"})
+"""Columns of a run, by name; what it took is in no store beside it."""
+
+
 def export_csv(store: Store, study: str, path: Path, sums: Collection[str] = ()) -> None:
     """Write a study's rows as CSV (one line per case and engine), read twice and never held."""
     names = list(dict.fromkeys(name for row in every_row(store, study) for name in flat(row)))
@@ -175,7 +180,7 @@ def export_parquet(store: Store, study: str, path: Path, sums: Collection[str] =
     except ImportError as error:
         raise InputError(Mistake("--export", "", "a CSV file, or the extra [parquet]", "no pyarrow here")) from error
 
-    def groups() -> Iterator[list[dict[str, Value | None]]]:
+    def groups() -> Iterator[list[dict[str, Any]]]:
         lines = map(flat, every_row(store, study))
         while some := list(islice(lines, GROUP)):
             yield some
@@ -190,14 +195,13 @@ def export_parquet(store: Store, study: str, path: Path, sums: Collection[str] =
             writer.write_table(pyarrow.Table.from_pylist(some, schema=schema))
 
 
-def flat(row: PlannedRow) -> dict[str, Value | None]:
-    """One study row as one line of plain values; lists are counted."""
-    line: dict[str, Value | None] = {"number": row.number, "engine": row.engine, "reason": row.reason, **row.varied}
-    for name, value in (row.run or {}).items():
-        if isinstance(value, (int, float, str)) or value is None:
-            line[name] = value
-        elif name == "impact_times_s":
-            line["impacts"] = impacts(row.run or {})
+def flat(row: PlannedRow) -> dict[str, Any]:
+    """One study row as one line of plain values, impacts counted; one that failed has no numbers, as in every table of runs."""
+    line = {"number": row.number, "engine": row.engine, "reason": row.reason, **row.varied}
+    if row.run is not None:
+        nothing = NUMBERS if Outcome(str(row.run["outcome"])).failed else ()
+        run = {**row.run, "impacts": impacts(row.run)}
+        line |= {name: None if name in nothing else run.get(name) for name in EXPORTED}
     return line
 
 

@@ -1,4 +1,5 @@
-"""A table for a spreadsheet holds no formula that a user's text would begin, and its numbers stay numbers."""
+"""A table for a spreadsheet holds no formula that a user's text would begin, and its numbers stay numbers; of a run that failed
+there are none."""
 
 from __future__ import annotations
 
@@ -7,7 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from harness.questions.study.study_record import cell
+from harness.accuracy.simulation import failed
+from harness.model.history import Outcome
+from harness.model.run import NUMBERS
+from harness.questions.study.study_record import cell, flat
+from harness.runs.store import PlannedRow
+from harness.runs.task import answer_of
 from reports.cli import studies
 from tests.harness.questions.study.small_study import STUDY, written
 
@@ -34,3 +40,11 @@ def test_an_exported_study_holds_no_formula(tmp_path: Path) -> None:
     assert f"'{hostile}" in cells
     assert not [text for text in cells if text[:1] in ("=", "+", "@")]
     assert all(float(text) < 0.0 for text in cells if text.startswith("-")), "only numbers begin with a minus"
+
+
+def test_a_run_that_failed_has_no_numbers() -> None:
+    record = answer_of(failed("pymunk", Outcome.CRASHED, "the process died"), histories=False).record
+    line = flat(PlannedRow(3, "pymunk", "key", "every_case", {"contact.statue": 0.5}, record))
+    assert [line[name] for name in ("number", "contact.statue", "outcome", "impacts")] == [3, 0.5, "crashed", 0]
+    assert line["message"] == "the process died"
+    assert {line[name] for name in NUMBERS} == {None}
