@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.finding import Answer, Finding, caution, changes_answer, info
+from harness.model.history import Outcome
 from harness.records.effects3d import BASELINE, SOLID, EffectsRecord
 
 NEAR: Final = 0.05
@@ -104,7 +105,8 @@ def _effects(record: EffectsRecord) -> Iterator[Finding]:
 
 
 def _leaving(record: EffectsRecord) -> Iterator[Finding]:
-    mine = [row for row in record.departures if row.engine == record.solid_engine]
+    """How far statues that stand leave the plane: one that falls at less than the least found, too, is no example of it."""
+    mine = [each for each in record.departures if each.engine == record.solid_engine and each.outcome == Outcome.STANDS]
     leaving = [row.out_of_plane_rad for row in mine if row.out_of_plane_rad > LEAVES_RAD]
     if leaving:
         yield info(

@@ -367,7 +367,7 @@ class SpaceOutcomes:
     """Asks the exact model for outcomes, and remembers the factors at which it gave none."""
 
     def __init__(self, scene: Scene) -> None:
-        self._problem = problem_of(scene)
+        self._scene, self._problem = scene, problem_of(scene)
         self.unanswered: list[float] = []
 
     def overturning(self, factor: float, tolerance: float = LEVELS[0][0]) -> Outcome | None:
@@ -378,13 +378,21 @@ class SpaceOutcomes:
             self._problem, {"scale": [factor]}, tolerance=tolerance, threads=1, most_steps=MOST_STEPS
         )
         if not run.overturned[0]:
-            if run.outcomes[0] is not spatial.Outcome.STANDS:
+            # Of one that still leans at its end a single run says whether it can come back.
+            finished = run.outcomes[0] is spatial.Outcome.STANDS or run.steps[0] >= MOST_STEPS
+            alone = Outcome(run.outcomes[0]) if finished else self._alone(factor)
+            if alone.overturned:
+                return alone
+            if alone is not Outcome.STANDS:
                 self.unanswered.append(factor)
             return None
         x, y, _ = run.axis[0]
         if abs(y) > abs(x):
             return Outcome.OVERTURNED_BACK if y > 0.0 else Outcome.OVERTURNED_FRONT
         return Outcome.OVERTURNED_RIGHT if x > 0.0 else Outcome.OVERTURNED_LEFT
+
+    def _alone(self, factor: float) -> Outcome:
+        return simulate(amplified(self._scene, factor), EXACT, options=RunOptions(history=False)).outcome
 
     def doubt(self, above: float | None, below: float) -> Doubt:
         """Why an amplitude between `below` (stands) and `above` (overturns) is in doubt; empty where it is not."""

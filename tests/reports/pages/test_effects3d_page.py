@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from harness.model.history import Outcome
 from harness.model.run import write_json
 from harness.questions.effects3d.answer import answer_of, findings_of
 from harness.records.base import as_file
@@ -39,6 +40,8 @@ def test_the_verdict_counts_where_the_planar_model_is_too_safe(tmp_path: Path, r
     assert said["plane_worst"] == worst
     assert (said["survey_effect"]["low"], said["survey_effect"]["high"]) == pytest.approx((-0.03, -0.03))
     assert said["leaves_plane"]["walked_m"] == 0.012
+    fallen = [replace(each, outcome=Outcome.OVERTURNED_BACK, walked_m=0.6) for each in record.departures[:1]]
+    assert told(replace(record, departures=[*fallen, *record.departures]))["leaves_plane"] == said["leaves_plane"]
     never = [
         replace(row, peak_g=None) if (row.engine, row.azimuth_deg) == ("analytic", 60.0) else row for row in record.rows
     ]

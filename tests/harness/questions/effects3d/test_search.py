@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
@@ -72,6 +73,13 @@ def test_the_exact_model_asked_in_the_plane_is_the_planar_model(block: Scene) ->
     assert exact.peak_g == pytest.approx(planar.peak_g, rel=1e-12)
     assert exact.outcome == planar.outcome
     assert not exact.doubt
+
+
+def test_a_statue_that_still_falls_at_the_end_of_its_run_falls(block: Scene) -> None:
+    """As a single run says. It was taken for one that stands, and the least that falls in time for the least that falls."""
+    short = replace(block, duration_s=1.0)
+    exact, planar = (find(short, BASELINE, 90.0, name, SEARCH) for name in ("spatial", "analytic"))
+    assert (exact.peak_g, exact.outcome, exact.doubt) == (pytest.approx(planar.peak_g, rel=1e-12), planar.outcome, "")
 
 
 def test_a_run_without_an_outcome_or_one_that_changes_is_told(block: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
