@@ -214,9 +214,8 @@ def _must_resolve(vertices: NDArray[Any], faces: Faces, place: str) -> None:
     extent, offset = float((high - low).max()), float(np.abs([low, high]).max())
     if not np.isfinite(offset) or extent == 0.0:
         return
-    if vertices.dtype == np.float32:
-        step = float(np.spacing(np.float32(offset)))
-    else:
+    step = float(np.spacing(np.float32(offset) if vertices.dtype == np.float32 else offset))
+    if vertices.dtype != np.float32 and step <= FINEST_SHARE * extent:
         step = _grid(vertices, FINEST_SHARE * extent)
         collapsed = float((vertices[faces] == vertices[np.roll(faces, 1, axis=1)]).all(axis=2).any(axis=1).mean())
         if collapsed < COLLAPSED and (offset < FAR * extent or len(vertices) < MANY):

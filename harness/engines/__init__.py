@@ -49,13 +49,9 @@ def stands_alone(scene: Scene) -> bool:
 
 def load(name: str) -> Engine:
     """The engine of that name; raises `InputError` with the nearest known name."""
-    if name not in REGISTRY:
-        wanted = f"one of {', '.join(REGISTRY)}"
-        raise InputError(
-            Mistake(
-                "--engine", "", wanted, repr(name), "repeat -e for each" if "," in name else nearest(name, REGISTRY)
-            )
-        )
+    if not isinstance(name, str) or name not in REGISTRY:
+        advice = "repeat -e for each" if "," in str(name) else nearest(str(name), REGISTRY)
+        raise InputError(Mistake("--engine", "", f"one of {', '.join(REGISTRY)}", repr(name), advice))
     # Its module brings its simulator along: only who asks for the engine pays for that.
     module, _, attribute = REGISTRY[name].partition(":")
     engine: Engine = getattr(import_module(module), attribute)()

@@ -114,9 +114,10 @@ def check_folder(
 
 def check_inputs(folder: Path, names: Iterable[str], inputs: Iterable[Path]) -> None:
     """Raise `InputError` where a file to be written into `folder`, or removed with the result that is there, is an input."""
-    wanted = {(folder / name).resolve() for name in (*names, *owned(folder))}
+    # Not Path.resolve, which raises where links go round.
+    wanted = {os.path.realpath(folder / name) for name in (*names, *owned(folder))}
     for path in inputs:
-        if path.resolve() in wanted:
+        if os.path.realpath(path) in wanted:
             raise InputError(Mistake("--out", "", "another folder than its input's", f"{path} would be lost"))
 
 

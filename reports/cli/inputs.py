@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -78,7 +79,7 @@ def _check_picture(picture: Path) -> None:
     kinds = (*FORMATS, "html")
     if picture.suffix[1:] not in kinds:
         raise InputError(Mistake("--picture", "", f"a file ending in .{', .'.join(kinds)}", str(picture)))
-    if not picture.resolve().parent.is_dir():
+    if not Path(os.path.realpath(picture)).parent.is_dir():
         raise InputError(Mistake("--picture", "", "a file in an existing folder", str(picture)))
     check_own(picture, option="--picture")
 

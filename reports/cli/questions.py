@@ -209,18 +209,19 @@ def report(
     language: InLanguage = "en",
 ) -> None:
     """Write the pages of a result folder again from its records: report.html, and conservator.html where there is one."""
+    from harness.records.kinds import read_result
     from reports.export.figures import browser, write_pdf
-    from reports.pages.page import CONSERVATOR_NAME, write_report
+    from reports.pages.page import CONSERVATOR_NAME, FOR_CONSERVATORS, write_report
 
     if reader not in READERS:
         raise InputError(Mistake("--for", "", f"one of {', '.join(READERS)}", repr(reader)))
+    if reader == "conservator" and (kind := read_result(folder).kind) not in FOR_CONSERVATORS:
+        raise InputError(Mistake("--for", "", f"a record of a {' or '.join(FOR_CONSERVATORS)}", f"that of a {kind}"))
     if pdf:
         browser()
     page = write_report(folder, language)
     if reader == "conservator":
         page = folder / CONSERVATOR_NAME
-        if not page.is_file():
-            raise InputError(Mistake("--for", "", "a run or a study", "a record that has no conservator's page"))
     paths = {"report": str(page)} | ({"pdf": str(write_pdf(page))} if pdf else {})
     saying.say(paths, "\n".join(f"{name}: {path}" for name, path in paths.items()))
 

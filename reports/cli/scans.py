@@ -62,9 +62,7 @@ def prepare(
 
     Raises `InputError` for a scan that cannot be prepared or does not stand; then nothing is written.
     """
-    log = out.with_suffix(".account.json")
-    sums = listed(log).get(out.name, set())
-    _check_out(out, log, file, sums)
+    log, sums = _checked_out(out, file)
     inspection = inspect(file, known)
     if inspection.refusal is not None:
         raise InputError(mesh_mistake(inspection.refusal, str(file)))
@@ -142,13 +140,18 @@ def _plane(text: str | None) -> tuple[float, float] | None:
     return azimuth, distance
 
 
-def _check_out(out: Path, log: Path, file: Path, sums: set[str]) -> None:
-    """Refuse an output that is no mesh format, would overwrite the scan, or anything but a mesh that was prepared before."""
+def _checked_out(out: Path, file: Path) -> tuple[Path, set[str]]:
+    """The log beside an output and the checksums that it lists of this; `InputError` for an output that is no mesh format, or
+    would overwrite the scan, or anything but a mesh that was prepared before.
+    """
     from meshes.intake import FORMATS
 
     if out.suffix.lower() not in FORMATS:
         raise InputError(Mistake("--out", "", f"a file ending in {', '.join(FORMATS)}", str(out)))
-    if out.resolve() == file.resolve():
+    if os.path.realpath(out) == os.path.realpath(file):
         raise InputError(Mistake("--out", "", "another file than the scan itself", str(out)))
+    log = out.with_suffix(".account.json")
+    sums = listed(log).get(out.name, set())
     check_own(out, sums, "--out")
     check_own(log)
+    return log, sums

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
 import time
 from collections.abc import Iterator
@@ -88,7 +89,7 @@ def run(
         if export is not None:
             writer = export_parquet if export.suffix == ".parquet" else export_csv
             writer(store, study_name(study), export, _exported(export, folder))
-            finished = replace(finished, export=ExportRecord(str(export.resolve()), checksum(export)))
+            finished = replace(finished, export=ExportRecord(os.path.realpath(export), checksum(export)))
         return write_whole(folder, finished.texted(say))
 
 
@@ -129,7 +130,7 @@ def _check(folder: Path, resume: bool, export: Path | None) -> None:
         return
     if export.suffix not in (".csv", ".parquet"):
         raise InputError(Mistake("--export", "", "a file ending in .csv or .parquet", str(export)))
-    if not export.resolve().parent.is_dir():
+    if not Path(os.path.realpath(export)).parent.is_dir():
         raise InputError(Mistake("--export", "", "a file in an existing folder", str(export)))
     check_own(export, _exported(export, folder), "--export")
 
@@ -138,5 +139,5 @@ def _exported(export: Path, folder: Path) -> set[str]:
     """The checksum of what the study in `folder` wrote into that file, where it wrote it."""
     path = folder / RECORD
     written = (read_own(path) or {}).get("export")
-    mine = isinstance(written, dict) and written.get("file") == str(export.resolve()) and is_sealed(path)
+    mine = isinstance(written, dict) and written.get("file") == os.path.realpath(export) and is_sealed(path)
     return {str(written["sha256"])} if mine and isinstance(written, dict) and "sha256" in written else set()

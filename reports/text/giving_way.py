@@ -206,7 +206,7 @@ def weakest_pushes(safe: Array) -> tuple[float, list[float]]:
     edges, starts = edges[lengths > 0.0], safe[lengths > 0.0]
     outward = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.linalg.norm(edges, axis=1, keepdims=True)
     distances = np.einsum("ij,ij->i", outward, starts)
-    near = np.flatnonzero(distances <= (1.0 + EQUAL) * distances.min())
+    near = np.flatnonzero(distances <= distances.min() + EQUAL * abs(distances.min()))
     order = near[np.argsort(distances[near], kind="stable")]
     return float(distances.min()), [math.degrees(math.atan2(*outward[k][::-1])) for k in order]
 

@@ -25,6 +25,7 @@ from reports.cli import app
 from reports.cli.ending import INTERRUPTED, guarded
 from reports.pages.page import write_report
 from tests.command import rockcheck
+from tests.fuzz.originals import RATIOS
 from tests.reports.invented_run import write_invented
 
 SCENE = """
@@ -257,6 +258,14 @@ def test_the_page_of_a_reader_is_named(tmp_path: Path, reader: str) -> None:
     name = {"engineer": "report.html", "conservator": "conservator.html"}[reader]
     assert (done.returncode, done.stdout) == (0, f"report: {name}\n"), done.stderr
     assert rockcheck("report", ".", "--for", "tourist", cwd=tmp_path).returncode == 2
+
+
+def test_a_reader_without_a_page_is_told_before_any_page_is_written(tmp_path: Path) -> None:
+    (tmp_path / "ratios.csv").write_bytes(RATIOS)
+    assert rockcheck("validate", "ratios.csv", "--out", "out", "--json", cwd=tmp_path).returncode == 0
+    done = rockcheck("report", "out", "--for", "conservator", cwd=tmp_path)
+    assert (done.returncode, "--for" in done.stderr) == (2, True)
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["result.json"]
 
 
 def test_quiet_is_quiet_with_every_engine(scene: Path, tmp_path: Path) -> None:

@@ -185,3 +185,15 @@ def test_new_keeps_the_contact_tolerance_that_its_placing_rests_on(scan: Path, m
     known = ScanOptions(unit="m", up="z", contact_tolerance_m=0.004)
     scene = load_scene(new(scan, motion, tmp_path / "wide.toml", known)[0])
     assert scene.statue.solid.contact_tolerance_m == 0.004
+
+
+@pytest.mark.parametrize("out", [".", "..", "new"])
+def test_an_output_of_no_mesh_format_is_refused(scan: Path, out: str) -> None:
+    with pytest.raises(InputError, match="a file ending in"):
+        prepare(scan, Path(out), ScanOptions(unit="m"))
+
+
+def test_links_that_go_round_are_no_scan(tmp_path: Path) -> None:
+    (tmp_path / "loop.ply").symlink_to(tmp_path / "loop.ply")
+    with pytest.raises(InputError, match="loop"):
+        prepare(tmp_path / "loop.ply", tmp_path / "new.ply", ScanOptions(unit="m"))

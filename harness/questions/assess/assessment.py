@@ -149,9 +149,12 @@ def assess(
     `names`: the models asked (None: those of every run, some hundred runs of each contact engine). `more_options` are the user's
     own beside the scene's; None compares no options. Engine runs that the `store` holds are not computed again; `pool` is used,
     and not closed, where the caller has one.
-    Raises `InputError` for a scene of which nothing is uncertain, or that begins from a pose in space (the draws are stratified
-    by the planar model).
+    Raises `InputError` for a wrong number, a scene of which nothing is uncertain, or one that begins from a pose in space (the
+    draws are stratified by the planar model).
     """
+    for given, value, least in (("draws", draws, 1), ("seed", seed, 0), ("most_runs", most_runs, 1)):
+        if type(value) is not int or value < least:
+            raise InputError(Mistake("assess", given, f"a whole number of at least {least}", repr(value)))
     names = tuple(dict.fromkeys(names or engines.DEFAULT_ENGINES))
     for name in names:
         engines.load(name)

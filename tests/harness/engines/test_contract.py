@@ -19,6 +19,7 @@ from analytic.excitation import Harmonic
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.engines.base import Engine, EngineFailure
+from harness.model.errors import InputError
 from harness.model.history import Outcome
 from harness.model.run import SKIPS, Run, RunOptions
 from harness.model.scene import Scene
@@ -52,6 +53,12 @@ def shaken(engine: Engine, *args: float, pedestal: bool = True, **scene_is: Any)
 
 def test_name_is_that_of_the_registry(engine: Engine) -> None:
     assert engines.load(engine.name).name == engine.name
+
+
+@pytest.mark.parametrize("name", ["analytics", "analytic,pymunk", ["analytic"], None])
+def test_what_names_no_engine_is_refused(name: str) -> None:
+    with pytest.raises(InputError, match="wanted one of analytic"):
+        engines.load(name)
 
 
 def test_levels_go_from_coarse_to_fine(engine: Engine) -> None:

@@ -329,6 +329,11 @@ def test_an_input_that_an_earlier_result_listed_is_not_removed(tmp_path: Path, r
     assert listed(tmp_path / RECORD).keys() == {"history_analytic.csv"}
 
 
+def test_links_that_go_round_name_no_file_that_could_be_lost(tmp_path: Path) -> None:
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    check_inputs(tmp_path, ["loop.csv"], [tmp_path / "loop"])
+
+
 def test_an_input_given_from_home_or_by_a_link_is_an_input(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = scan_scene(tmp_path)
     monkeypatch.setenv("HOME", str(tmp_path))

@@ -123,6 +123,8 @@ def test_the_push_borne_holds_the_centroid_over_the_base(tmp_path: Path) -> None
     least, azimuths = weakest_pushes(safe)
     assert least == pytest.approx(0.0682 / h, abs=PUSH)
     assert azimuths == pytest.approx([0.0])
+    # A record may be of a base that the centroid stands beside.
+    assert weakest_pushes(safe + np.array([[0.0, 1.0]]))[1] == pytest.approx([-90.0])
 
 
 def test_directions_are_named_counter_clockwise_from_the_right() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pytest
@@ -13,6 +13,7 @@ from analytic import Harmonic, Pulse
 from harness import engines
 from harness.comparison.statistics.distributions import wilson
 from harness.input.scene_file import load_scene
+from harness.model.errors import InputError
 from harness.model.run import RunOptions
 from harness.model.scene import BaseExcitation, Pedestal, Scene, Wall
 from harness.questions.assess import by_model
@@ -61,6 +62,12 @@ def test_the_sweep_says_of_every_draw_what_a_single_run_says() -> None:
         outcome = model.simulate(single, model.refinement_levels(single)[0], RunOptions(history=False)).outcome
         assert outcome.overturned == swept.overturned[k]
     assert 0 < np.count_nonzero(swept.overturned) < SINGLES, "the draws should be of both kinds"
+
+
+@pytest.mark.parametrize("wrong", [{"draws": 0}, {"draws": 0.5}, {"seed": -1}, {"most_runs": 0}])
+def test_numbers_of_no_draws_are_refused_by_name(wrong: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match=f"{next(iter(wrong))}: wanted a whole number"):
+        assess(paestum(0.3, 2.0), ["analytic"], **wrong)
 
 
 def test_a_scene_that_knows_everything_has_no_probability() -> None:
