@@ -218,7 +218,7 @@ def scene_of(trial: Trial, variant: TrialVariant, seed: int = 0, motion: BaseExc
     own = None if trial.scene is None else _scene(trial.scene)
     if own is not None and own.statue.solid is None:
         turn_deg = 0.0  # numbers of one plane say nothing of others: only a turn that the table asks for is refused
-    statue = _turned(trial, inputs.azimuth_deg + turn_deg, inputs.inset_m + edge_m, inputs.contact_tolerance_m)
+    statue = _turned(trial, replace(inputs, azimuth_deg=inputs.azimuth_deg + turn_deg), edge_m)
     contact = BARE if own is None else own.contact
     contact = replace(contact, statue=rough * (contact.statue if inputs.friction is None else inputs.friction))
     duration_s = _duration_s(trial, shaken, 1.0 if own is None else own.duration_s)
@@ -281,12 +281,12 @@ def _scores(name: str, seed: int, size: int) -> Array:
     return np.asarray(ndtri(Halton(4, rng=np.random.default_rng([seed, *name.encode()])).random(size)))
 
 
-def inset(statue: Statue, by_m: float) -> Statue:
-    """A statue known by its numbers alone, with every edge of its base moved inwards by `by_m` (outwards where negative)."""
-    footprint = _inwards(statue.footprint_m, statue.footprint_m, by_m)
+def inset(statue: Statue, inset_m: float, edge_m: float) -> Statue:
+    """A statue known by its numbers alone, with every edge of its base moved inwards (outwards where negative)."""
+    footprint = _inwards(statue.footprint_m, statue.footprint_m, inset_m, edge_m)
     section = np.insert(statue.section_m, 1, 0.0, axis=1)
     low = section[:, 2] <= statue.footprint_m[:, 2].max() + 1e-9
-    section[low] = _inwards(section[low], statue.footprint_m, by_m)
+    section[low] = _inwards(section[low], statue.footprint_m, inset_m, edge_m)
     return replace(
         statue,
         corner_left_m=-float(footprint[:, 0].min()),
@@ -299,49 +299,53 @@ def inset(statue: Statue, by_m: float) -> Statue:
 _scene = lru_cache(maxsize=64)(load.load_scene)
 
 
-def _turned(trial: Trial, azimuth_deg: float, inwards_m: float, tolerance_m: float | None) -> Statue:
-    """The body of a trial, turned, every edge of its base moved inwards."""
+def _turned(trial: Trial, inputs: Inputs, edge_m: float = 0.0) -> Statue:
+    """The body of a trial, turned, every edge of its base moved inwards, and by what a draw adds."""
+    azimuth_deg, inset_m = inputs.azimuth_deg, inputs.inset_m
     if trial.scene is None:
         density = None if trial.mass_kg is not None else trial.density_kg_m3
+        tolerance_m = inputs.contact_tolerance_m
         solid = _solid(Path(trial.body), trial.unit, trial.up, density, trial.mass_kg, tolerance_m)
-        return _statue(solid, trial.body, azimuth_deg, inwards_m)
+        return _statue(solid, trial.body, azimuth_deg, inset_m, edge_m)
     statue = _scene(trial.scene).statue
-    if not azimuth_deg and not inwards_m:
+    if not azimuth_deg and not inset_m and not edge_m:
         return statue
     if statue.solid is not None:
-        return _statue(statue.solid, trial.body, azimuth_deg, inwards_m)
+        return _statue(statue.solid, trial.body, azimuth_deg, inset_m, edge_m)
     if azimuth_deg:
         wanted = "0: the scene's statue is given by numbers alone, which say nothing of other directions"
         raise InputError(Mistake(str(trial.scene), f"test {trial.name}: azimuth_deg", wanted, f"{azimuth_deg:g}"))
-    return inset(statue, inwards_m)
+    return inset(statue, inset_m, edge_m)
 
 
 @lru_cache(maxsize=1024)
-def _statue(solid: meshes.Solid, file: str, azimuth_deg: float, inwards_m: float) -> Statue:
+def _statue(solid: meshes.Solid, file: str, azimuth_deg: float, inset_m: float, edge_m: float) -> Statue:
     try:
-        return statue_of(_pared(solid.rotated(azimuth_deg) if azimuth_deg else solid, inwards_m))
+        return statue_of(_pared(solid.rotated(azimuth_deg) if azimuth_deg else solid, inset_m, edge_m))
     except meshes.MeshError as error:
         place = f"azimuth {azimuth_deg:g}"
         raise InputError(Mistake(file, place, "a body that can stand", str(error))) from error
 
 
-def _pared(solid: meshes.Solid, inwards_m: float) -> meshes.Solid:
+def _pared(solid: meshes.Solid, inset_m: float, edge_m: float) -> meshes.Solid:
     """The solid with the vertices of its base moved inwards; mass and inertia stay."""
-    if inwards_m == 0.0:
+    if inset_m == edge_m == 0.0:
         return solid
-    vertices = solid.vertices_m.copy()
+    vertices, footprint = solid.vertices_m.copy(), solid.footprint_m
     low = vertices[:, 2] <= solid.contact_tolerance_m
-    vertices[low] = _inwards(vertices[low], solid.footprint_m, inwards_m)
-    return replace(solid, vertices_m=vertices, footprint_m=_inwards(solid.footprint_m, solid.footprint_m, inwards_m))
+    vertices[low] = _inwards(vertices[low], footprint, inset_m, edge_m)
+    return replace(solid, vertices_m=vertices, footprint_m=_inwards(footprint, footprint, inset_m, edge_m))
 
 
-def _inwards(points_m: Array, footprint_m: Array, by_m: float) -> Array:
-    """Points (n, 3) moved towards the middle of the base so that its edges move by `by_m`, at most a tenth of the base."""
-    middle = 0.5 * (footprint_m.min(axis=0) + footprint_m.max(axis=0))
-    half = 0.5 * np.ptp(footprint_m, axis=0)
-    shrink = 1.0 - np.clip(by_m / np.maximum(half, 1e-9), -0.1, 0.1)
+def _inwards(points_m: Array, footprint_m: Array, inset_m: float, edge_m: float) -> Array:
+    """Points (n, 3) moved towards the middle of the base so that its edges move by `inset_m`, and by `edge_m`, which is chance:
+    by at most a tenth of the base. Of one that is worn away its middle is left.
+    """
+    low, high = footprint_m[:, :2].min(axis=0), footprint_m[:, :2].max(axis=0)
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    shrink = 1.0 - inset_m / half - np.clip(edge_m / half, -0.1, 0.1)
     moved = points_m.copy()
-    moved[:, :2] = (middle + (points_m - middle) * shrink)[:, :2]
+    moved[:, :2] = middle + (points_m[:, :2] - middle) * (shrink if shrink.min() > 0.0 else 0.0)
     return moved
 
 
@@ -359,12 +363,17 @@ def _solid(
 def intensity_of(trial: Trial) -> Intensity:
     """Peaks of a test's motion along the rocking plane, at the first value of each list; reads all of the test's files.
 
-    Raises `InputError` where the body does not stand within one of its tolerances too.
+    Raises `InputError` where the body does not stand at a value of another list too.
     """
     inputs = trial.inputs()
     otherwise_s = 1.0 if trial.scene is None else _scene(trial.scene).duration_s
-    for tolerance in trial.contact_tolerance_m:
-        _turned(trial, inputs.azimuth_deg, inputs.inset_m, tolerance)
+    for name in ("azimuth_deg", "contact_tolerance_m", "inset_m"):
+        for value in getattr(trial, name):
+            each = replace(inputs, **{name: value})
+            statue = _turned(trial, each)
+            if not min(statue.corner_left_m, statue.corner_right_m) > 0.0:
+                wanted = "an inset that leaves a base under the centroid"
+                raise InputError(Mistake(trial.body, f"test {trial.name}: inset_m", wanted, f"{each.inset_m:g}"))
     motion = motion_of(trial, inputs)
     return intensity(motion.x, _duration_s(trial, motion, otherwise_s)).times(inputs.scale)
 

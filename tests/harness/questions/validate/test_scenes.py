@@ -129,6 +129,22 @@ def test_mass_tolerance_and_worn_edge_reach_the_statue(trial: Trial) -> None:
     assert high.solid.contact_tolerance_m == 0.9
 
 
+@pytest.mark.parametrize("body", ["stone", "block"])
+def test_an_edge_is_worn_as_far_as_the_table_says(trial: Trial, tmp_path: Path, body: str) -> None:
+    """By a quarter of the base and more; what leaves no base under the centroid is refused before any run."""
+    given = replace(trial, azimuth_deg=(0.0,), inset_m=(0.0, 0.06))
+    if body == "block":
+        (tmp_path / "block.toml").write_text(SCENE)
+        given = replace(given, mesh=None, motion=None, scene=tmp_path / "block.toml")
+    whole, worn = (scene_of(given, variant(given, inset_m=by)).statue for by in given.inset_m)
+    assert worn.corner_left_m == pytest.approx(whole.corner_left_m - 0.06)
+    assert worn.corner_right_m == pytest.approx(whole.corner_right_m - 0.06)
+    intensity_of(given)
+    for by in (0.12, 0.5):
+        with pytest.raises(InputError, match="leaves a base"):
+            intensity_of(replace(given, inset_m=(0.0, by)))
+
+
 def test_sign_and_scale_reach_the_motion(trial: Trial) -> None:
     mirrored = scene_of(trial, variant(replace(trial, sign=(-1,), scale=(2.0,))))
     t = np.linspace(0.0, 2.0, 50)
@@ -172,10 +188,11 @@ def test_a_scene_of_numbers_keeps_its_motion_and_cannot_be_turned(tmp_path: Path
     block = read_table(write_table(tmp_path / "table.csv", rows))[0]
     scene = scene_of(block, variant(block))
     assert scene.duration_s == 3.0
-    assert intensity_of(block).pga_g == pytest.approx(0.3, rel=1e-3)
+    assert intensity_of(replace(block, azimuth_deg=(0.0,))).pga_g == pytest.approx(0.3, rel=1e-3)
     narrower = scene_of(block, variant(block))
     assert narrower.statue.corner_left_m == 0.1
     drawn = scene_of(block, variant(block, 1)).statue  # its base's edge is drawn, its turn is not
     assert 0.0 < abs(drawn.corner_left_m - 0.1) < 5 * BASE_SD_M
+    # It is told before any run.
     with pytest.raises(InputError, match="numbers alone"):
-        scene_of(block, variant(block, azimuth_deg=30.0))
+        intensity_of(block)

@@ -237,7 +237,7 @@ def test_a_swapped_label_is_named_on_terminal_and_page(tmp_path: Path) -> None:
 
 
 def test_a_label_that_another_value_of_the_list_explains_is_none_to_doubt(tmp_path: Path) -> None:
-    """Worn by a tenth of its base the stone falls in what it stands whole; nothing was fitted, so draws take both."""
+    """Worn by a sixth of its base the stone falls in what it stands whole; nothing was fitted, so draws take both."""
     path = write_experiments(tmp_path, [4.0, 4.25, 6.0], inset_m="0;0.02", observed="stands")
     trials = read_table(path)
     ends = [[seen(trial, inset_m=worn) for worn in (0.0, 0.02)] for trial in trials]
