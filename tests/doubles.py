@@ -128,7 +128,7 @@ def run_of(history: History | None, engine: str = "double", **fields: Any) -> Ru
     peak = (0.0, 0.0)
     if history is not None:
         k = int(np.argmax(np.abs(history.theta_rad)))
-        peak = float(history.theta_rad[k]), float(history.t_s[k])
+        peak = float(abs(history.theta_rad[k])), float(history.t_s[k])
     known: dict[str, Any] = {
         "engine": engine,
         "outcome": Outcome.STANDS,

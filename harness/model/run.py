@@ -222,7 +222,7 @@ class Run(RunRow, Shown):
         facts = {"engine": self.engine, "outcome": self.outcome.value}
         if self.outcome.failed:
             return facts | {"because": self.message}
-        facts["largest rotation"] = f"{self.peak_theta_rad:+.4g}{error} rad at {self.peak_time_s:.4g} s"
+        facts["largest rotation"] = f"{self.peak_theta_rad:.4g}{error} rad at {self.peak_time_s:.4g} s"
         return facts | ({"largest slip": f"{1e3 * self.peak_slip_m:.4g} mm"} if self.peak_slip_m else {})
 
     def columns(self) -> dict[str, object]:

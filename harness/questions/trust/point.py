@@ -93,8 +93,8 @@ class Kept:
         """What those of these models that ran say of the point, whose scene that is."""
         runs = {name: run for name, run in self.runs.items() if name in names}
         scores = {pair: each for pair, each in self.scores.items() if each.a in runs and each.b in runs}
-        path = self.paths[MODEL].theta_rad if MODEL in self.paths else ()
-        return said(Result(scene, runs, scores | explained(runs, scores), [], 0.0, self.horizons), path)
+        result = Result(scene, runs, scores | explained(runs, scores), [], 0.0, self.horizons)
+        return said(result, self.paths.get(MODEL))
 
 
 @dataclass(frozen=True)
@@ -155,8 +155,8 @@ def _paired(question: Question, name: str) -> Assessment:
     return estimate(model_draws(scene, values), fell, half_width=HALF_WIDTH, most_runs=PAIRED, batch=BATCH)
 
 
-def said(result: Result, path: Sequence[float] = ()) -> Said:
-    """What a finished run says of its point; `path` is what is kept of the model's rotation, rad."""
+def said(result: Result, path: Rotation | None = None) -> Said:
+    """What a finished run says of its point; `path` is what is kept of the model's history."""
     answer, model = result.answer(), result.runs[MODEL]
     codes = {found.code: found.values for found in answer.findings}
     known = {name: run for name, run in result.runs.items() if has_answer(run)}
@@ -165,8 +165,8 @@ def said(result: Result, path: Sequence[float] = ()) -> Said:
     fell = any(run.outcome.overturned for run in known.values())
     peaks = [abs(run.peak_theta_rad) for run in known.values()]
     alone = not fell and MODEL in known
-    # Of a path, which is rounded, the other side: a statue may lean less far to the side that bears less.
-    leans = np.array([model.peak_theta_rad, *(each for each in path if each * model.peak_theta_rad < 0.0)])
+    # A largest rotation has no side: an unsymmetric statue may lean further to the one that bears more.
+    path = path or (None if model.history is None else path_of(model.history))
     until = [values["until_s"] for values in codes.values() if values.get("until_s") is not None]
     finite = [time_s for time_s in until if math.isfinite(time_s)]
     return Said(
@@ -181,7 +181,9 @@ def said(result: Result, path: Sequence[float] = ()) -> Said:
         flips=CHANGED in codes,
         left_domain=_left(model),
         peak_rad=abs(model.peak_theta_rad) if alone else None,
-        balance_share=balance_share(model, leans, result.scene.statue.slenderness_rad) if alone else None,
+        balance_share=balance_share(model, np.array(path.theta_rad), result.scene.statue.slenderness_rad)
+        if alone and path is not None
+        else None,
         peaks_apart_rad=None if fell or len(known) < 2 else max(peaks) - min(peaks),
         agree_until_s=min(finite, default=model.end_s if answer.code == "agree" else None),
         horizon_s=None if horizon is None else horizon.intrinsic_s,

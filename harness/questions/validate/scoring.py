@@ -72,9 +72,11 @@ def _flips(trial: Trial, variant: TrialVariant, answer: CaseRun) -> bool:
     no_return = answer.no_return_time_s
     if answer.outcome.overturned:
         return until is not None and no_return is not None and no_return > until
+    peak_rad, share = answer.peak_theta_rad, answer.validity.get("peak_over_slenderness")
+    # The analytic model says to which side it leant so far.
     statue = scene_of(trial, variant).statue
-    margin = statue.slenderness_rad(1 if answer.peak_theta_rad > 0.0 else -1) - abs(answer.peak_theta_rad)
-    return bool(abs(margin) <= COVERAGE * uncertainty)
+    balances_rad = [peak_rad / share] if share else [statue.slenderness_rad(side) for side in (1, -1)]
+    return any(abs(each - peak_rad) <= COVERAGE * uncertainty for each in balances_rad)
 
 
 @dataclass(frozen=True, eq=False)

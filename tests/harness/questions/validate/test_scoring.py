@@ -272,9 +272,15 @@ def test_a_stand_is_held_against_the_balance_angle_of_the_side_that_it_leans_to(
 ) -> None:
     scene = paestum()
     monkeypatch.setattr(scoring, "scene_of", lambda *given: scene)
-    weaker_rad = scene.statue.slenderness_rad(1)
-    for peak_rad, flips in ((weaker_rad, True), (-weaker_rad, False)):
-        run = answer(False, numerical_uncertainty_rad=1e-3, peak_theta_rad=peak_rad)
+    left_rad, right_rad = (scene.statue.slenderness_rad(side) for side in (-1, 1))
+    for validity, peak_rad, flips in (
+        ({"peak_over_slenderness": 1.0}, right_rad, True),
+        ({"peak_over_slenderness": right_rad / left_rad}, right_rad, False),
+        ({}, right_rad, True),
+        ({}, left_rad, True),
+        ({}, 0.5 * left_rad, False),
+    ):
+        run = answer(False, numerical_uncertainty_rad=1e-3, peak_theta_rad=peak_rad, validity=validity)
         assert case_of(trial("t", False), TrialVariant(Inputs()), run).within_uncertainty is flips
 
 
