@@ -165,7 +165,6 @@ def said(result: Result, path: Rotation | None = None) -> Said:
     fell = any(run.outcome.overturned for run in known.values())
     peaks = [abs(run.peak_theta_rad) for run in known.values()]
     alone = not fell and MODEL in known
-    # A largest rotation has no side: an unsymmetric statue may lean further to the one that bears more.
     path = path or (None if model.history is None else path_of(model.history))
     until = [values["until_s"] for values in codes.values() if values.get("until_s") is not None]
     finite = [time_s for time_s in until if math.isfinite(time_s)]
@@ -181,14 +180,23 @@ def said(result: Result, path: Rotation | None = None) -> Said:
         flips=CHANGED in codes,
         left_domain=_left(model),
         peak_rad=abs(model.peak_theta_rad) if alone else None,
-        balance_share=balance_share(model, np.array(path.theta_rad), result.scene.statue.slenderness_rad)
-        if alone and path is not None
-        else None,
+        balance_share=_balance_share(result.scene, model, path) if alone and path is not None else None,
         peaks_apart_rad=None if fell or len(known) < 2 else max(peaks) - min(peaks),
         agree_until_s=min(finite, default=model.end_s if answer.code == "agree" else None),
         horizon_s=None if horizon is None else horizon.intrinsic_s,
         whole=horizon is not None and horizon.intrinsic_s >= model.end_s,
     )
+
+
+def _balance_share(scene: Scene, model: Run, path: Rotation) -> float:
+    """The largest share of a side's balance angle: an unsymmetric statue may lean further to the side that bears more.
+
+    The largest rotation has no side, and a path is rounded.
+    """
+    theta = np.array(path.theta_rad)
+    side = 1 if theta.max() >= -theta.min() else -1
+    leans = np.append(theta[side * theta < 0.0], side * abs(model.peak_theta_rad))
+    return balance_share(model, leans, scene.statue.slenderness_rad)
 
 
 def class_of(result: Result, code: str, others: Sequence[str]) -> tuple[TrustClass, list[str]]:
