@@ -209,17 +209,25 @@ def _shaking(source: RunSource, say: Language) -> list[str]:
 def _todo(source: RunSource, plan: Plan, say: Language) -> list[str]:
     """What the record gives reason to do: room to keep free, a fall to reckon with, remedies to have compared."""
     rooms, unsafe, answered = _rooms(plan, say), tone(source) != "agree", source.answered
-    slip_m = max(map(peak_slip_m, answered.values()), default=0.0)
+    stone = source.scene.pedestal
+    under_m = 0.0 if stone is None else stone.height_m
+    stone_m = 0.0 if stone is None else max((_moves_m(source, name, under_m) for name in answered), default=0.0)
     reasons = {
         "free": rooms,
         "wall": any(run.outcome is Outcome.TOUCHES_WALL for run in answered.values()),
-        "slide": source.scene.pedestal is not None and slip_m > VISIBLE_M,
+        "slide": stone_m > VISIBLE_M,
         "fall": unsafe and _may_fall(source),
         "ask": unsafe,
     }
-    lengths = {"length": say.length(slip_m), "height": say.length(source.scene.statue.height_m)}
+    lengths = {"length": say.length(stone_m), "height": say.length(under_m + source.scene.statue.height_m)}
     said = [say(f"todo.{key}", rooms=rooms, **lengths) for key, there in reasons.items() if there]
     return said or [say("todo.nothing")]
+
+
+def _moves_m(source: RunSource, name: str, height_m: float) -> float:
+    """How far a model's pedestal of this height moves at most: its slip, and its top where it tips."""
+    run = source.runs[name]
+    return peak_slip_m(run) + height_m * math.sin(tilt_rad(run, source.histories.get(name)))
 
 
 def _may_fall(source: RunSource) -> bool:

@@ -449,3 +449,7 @@ def test_a_model_that_holds_upright_a_pedestal_that_tips_gives_no_answer(tmp_pat
     assert "stays put" not in alone + beside
     assert "Only one computer model gave an answer. One model gave no answer." in beside
     assert re.search(r"Its pedestal itself tips, with the statue on it, by up to [4-7]\.?\d?°", beside)
+    # What moves is the pedestal's top, 1.1 m up; what falls with it reaches as far as both are high.
+    room_cm = float(re.search(r"Keep ([\d.]+)\u00a0cm free around its pedestal", beside)[1])
+    assert room_cm > 110.0 * math.sin(math.radians(4.0))
+    assert ENGLISH("todo.fall", height=ENGLISH.length(2.1)) in beside
