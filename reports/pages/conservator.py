@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -24,7 +24,6 @@ from harness.records.study import StudyRecord, StudyRow, SupportRecord, Value
 from reports.blocks import Block, Drawing, Section, Text, Verdict
 from reports.charts.drawn import still
 from reports.drawing.conservator_pictures import order_svg, plan_svg, push_svg, reach_svg
-from reports.drawing.display_mesh import silhouette_m
 from reports.drawing.floor_plan import Plan, floor_plan
 from reports.drawing.kinematics import Array, section
 from reports.messages import ENGLISH, Language, probability_text
@@ -393,14 +392,17 @@ def _trust(source: RunSource, say: Language) -> list[str]:
     return []
 
 
+def _poses(source: RunSource) -> list[tuple[Array, Array]]:
+    """Rotation and the support's displacement (n,) of each model in which it stands."""
+    standing = [source.histories[name] for name in source.standing]
+    return [(item.theta_rad, base_shift_m(source.scene.pedestal, item.slip_m, item.extra)) for item in standing]
+
+
 def _extremes(source: RunSource) -> list[tuple[float, float]]:
     """Rotation and the support's displacement at the top's farthest shifts to each side, over the models in which it stands."""
-    shape, stone = section(source.scene), source.scene.pedestal
-    standing = [source.histories[name] for name in source.standing]
-    poses = [(item.theta_rad, base_shift_m(stone, item.slip_m, item.extra)) for item in standing]
-    extremes = []
+    shape, extremes = section(source.scene), []
     for side in (-1.0, 1.0):
-        tops = [(side * shape.top_displacement_m(*pose), *pose) for pose in poses]
+        tops = [(side * shape.top_displacement_m(*pose), *pose) for pose in _poses(source)]
         farthest = [(top[k], theta[k], moved[k]) for top, theta, moved in tops for k in [int(np.argmax(top))]]
         top_m, theta_rad, moved_m = map(float, max(farthest, default=(0.0, 0.0, 0.0)))
         extremes += [(theta_rad, moved_m)] if top_m > VISIBLE_M else []
@@ -410,7 +412,7 @@ def _extremes(source: RunSource) -> list[tuple[float, float]]:
 def reach_picture(source: RunSource, say: Language, heading: str = "reach.heading") -> Drawing:
     """Its farthest positions against the lean at which it balances, and its wall; of a statue that falls, the latter alone."""
     extremes, title, standing = _extremes(source), say(heading), source.standing
-    outline, shape = silhouette_m(source.scene, source.mesh), section(source.scene)
+    shape = section(source.scene)
     statue, (_, lean_rad, balance_rad, side) = source.scene.statue, _worst_lean(source)
     own = _own_moves(source)
     across = max((number(source.runs[name].validity, "slip_across_m", 0.0) for name in standing), default=0.0)
@@ -419,11 +421,10 @@ def reach_picture(source: RunSource, say: Language, heading: str = "reach.headin
     words = [say(f"reach.{key}") for key, told in moves.items() if told] if standing else []
     wall = source.scene.wall
     if wall is not None and standing:
-        sign = 1.0 if wall.side == "right" else -1.0
-        rest = _farthest(outline, shape, (0.0, 0.0), sign)
-        edge = shape.corner_right_m if sign > 0 else shape.corner_left_m
-        gap = wall.distance_m + edge - rest
-        left = gap - _beyond(outline, shape, extremes, sign)
+        towards, still = 1 if wall.side == "right" else -1, np.zeros(1)
+        poses = [(still, still), *_poses(source)]
+        gap, *left_m = (wall.distance_m - float(shape.overhang_m(*pose, towards).max()) for pose in poses)
+        left = min(left_m)
         remains = say("reach.remain", left=say.length(left)) if left > 0 else say("reach.strikes")
         words.append(f"{say('reach.free', gap=say.length(gap))} {remains}")
     ends = [run.outcome for run in source.answered.values()]
@@ -463,16 +464,6 @@ def plan_picture(source: RunSource, plan: Plan, slip: Sequence[str], say: Langua
     shown = Plan(plan.rest_m, plan.moved_m, {side: room for side, room in plan.room_m.items() if room > VISIBLE_M})
     drawn = plan_svg(source.scene, shown, f"{heading} {' '.join(words)}", say)
     return Drawing(drawn, words, heading=heading)
-
-
-def _farthest(outline: Array, shape: Any, pose: tuple[float, float], sign: float) -> float:
-    return float((sign * shape.posed_m(outline, *pose)[0][:, 0]).max())
-
-
-def _beyond(outline: Array, shape: Any, poses: Sequence[tuple[float, float]], sign: float) -> float:
-    """How far the outline at these poses stands out beyond its own outline at rest, on one side."""
-    rest = _farthest(outline, shape, (0.0, 0.0), sign)
-    return max([0.0, *(_farthest(outline, shape, pose, sign) - rest for pose in poses)])
 
 
 # Of a study: how often the statue falls, how strong a shaking it bore, what the pedestal changed.

@@ -16,6 +16,7 @@ import numpy as np
 
 from harness import engines
 from harness.comparison.statistics.distributions import wilson
+from harness.model.history import Outcome
 from harness.model.scene import Scene
 from harness.questions.assess.engine_draws import LEVEL, jeffreys, run_of
 from harness.questions.assess.model_draws import (
@@ -45,7 +46,9 @@ motion of 10 s at 4 ms."""
 SAMPLE_S: Final = 2.0
 """What they take of the processor, s, as a forecast tells it."""
 MOST_SAMPLED: Final = 60
-NONE_SAMPLED: Final[Mapping[int, bool | None]] = {}
+End = bool | Outcome | None
+"""How an engine's run of a draw ended: whether the statue falls, `TOUCHES_WALL`, None without an answer."""
+NONE_SAMPLED: Final[Mapping[int, End]] = {}
 TRIAL_SHARE: Final = 0.01
 """Of the draws are timed before all of them are run."""
 
@@ -90,10 +93,10 @@ def assessed_s(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> float:
     return seconds + SAMPLE_S * bool(model.left.mean() > OPEN) + SPACE_S * shaken_across(scene)
 
 
-def sampled(model: ModelDraws, scene_of: Callable[[int], Scene]) -> dict[int, bool | None]:
-    """Whether the statue falls by the engine, by number of the draw, in the first draws outside the model's domain: as many as
+def sampled(model: ModelDraws, scene_of: Callable[[int], Scene]) -> dict[int, End]:
+    """How the engine's runs end, by number of the draw, in the first draws outside the model's domain: as many as
     `SAMPLE_STEPS` allows, none where they are few. `scene_of` gives the scene of a draw."""
-    engine, fell = engines.load(SAMPLER), dict[int, bool | None]()
+    engine, fell = engines.load(SAMPLER), dict[int, End]()
     if model.left.size == 0 or model.left.mean() <= OPEN or engine.missing() is not None:
         return fell
     steps = 0
@@ -101,36 +104,39 @@ def sampled(model: ModelDraws, scene_of: Callable[[int], Scene]) -> dict[int, bo
         if steps >= SAMPLE_STEPS:
             break
         run = run_of(engine, scene_of(number))
-        fell[number] = None if run is None else run.outcome.fell
+        touches = run is not None and run.outcome is Outcome.TOUCHES_WALL
+        fell[number] = Outcome.TOUCHES_WALL if touches else None if run is None else run.outcome.fell
         steps += 0 if run is None else run.steps
     return fell
 
 
 class Outside(NamedTuple):
     """What an engine's sample answers of the draws outside the model's domain, as shares of all draws: what falls, with its
-    interval, and what nobody answers.
+    interval, what nobody answers, and what of that touches the wall.
     """
 
     falls: float
     low: float
     high: float
     undecided: float
+    wall: float = 0.0
 
     @classmethod
-    def of(cls, model: ModelDraws, fell: Mapping[int, bool | None], level: float = LEVEL) -> Outside:
+    def of(cls, model: ModelDraws, fell: Mapping[int, End], level: float = LEVEL) -> Outside:
         """Of the draws, where `fell` holds the engine's runs by number of the draw."""
         runs = [fell[number] for number in np.flatnonzero(model.left).tolist() if number in fell]
-        ends = [each for each in runs if each is not None]
+        ends = [each for each in runs if isinstance(each, bool)]
         size, left, unknown = model.decided.size, int(model.left.sum()), int((~model.decided).sum())
         answers = left * len(ends) / len(runs) if runs else 0.0
         answered = answers / size
         falls, low, high = (answered * share for share in jeffreys(sum(ends), len(ends), level))
-        return cls(falls, low, high, max(unknown - answers, 0.0) / size)
+        walls = left / size * runs.count(Outcome.TOUCHES_WALL) / len(runs) if runs else 0.0
+        return cls(falls, low, high, max(unknown - answers, 0.0) / size, walls)
 
 
 def probability_of(
     model: ModelDraws,
-    fell: Mapping[int, bool | None] = NONE_SAMPLED,
+    fell: Mapping[int, End] = NONE_SAMPLED,
     engine: str = SAMPLER,
     *,
     plane_only: bool = False,
@@ -157,5 +163,5 @@ def probability_of(
         left_domain=float(model.left.mean()),
         sampler=engine if runs else "",
         sampled=runs,
-        touches_wall=float(model.wall.mean()),
+        touches_wall=float(model.wall.mean()) + outside.wall,
     )

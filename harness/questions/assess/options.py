@@ -20,7 +20,7 @@ from harness.input.scene_file import check_wall
 from harness.input.tables import read_model
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene, Uncertain, scan_azimuth_deg, written
-from harness.questions.assess.by_model import MODEL, NONE_SAMPLED, Outside, probability_of, sampled
+from harness.questions.assess.by_model import MODEL, NONE_SAMPLED, End, Outside, probability_of, sampled
 from harness.questions.assess.engine_draws import LEVEL
 from harness.questions.assess.model_draws import (
     KINETIC,
@@ -239,7 +239,7 @@ class OptionDraws(NamedTuple):
     """What a model says of each draw, and whether the statue falls by an engine in the first of those outside its domain."""
 
     model: ModelDraws
-    fell: Mapping[int, bool | None] = NONE_SAMPLED
+    fell: Mapping[int, End] = NONE_SAMPLED
 
 
 Ask = Callable[[Option], OptionDraws | None]

@@ -134,7 +134,9 @@ def _lean(scene: Scene, known: Mapping[str, Run]) -> dict[str, Any]:
         )
         for run in known.values()
     ]
-    return {"lean_rad": [min(peaks), max(peaks)], "balance_share": max(shares)}
+    # A contact engine at rest gives by less.
+    leans = [each if each >= STILL_RAD else 0.0 for each in (min(peaks), max(peaks))]
+    return {"lean_rad": leans, "balance_share": max(shares)}
 
 
 def _until(known: Mapping[str, Run], scores: Sequence[Scores]) -> list[Finding]:

@@ -14,6 +14,7 @@ from harness import engines
 from harness.comparison.statistics.distributions import wilson
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
+from harness.model.history import Outcome
 from harness.model.run import RunOptions
 from harness.model.scene import BaseExcitation, Pedestal, Scene, Wall
 from harness.questions.assess import by_model
@@ -222,6 +223,16 @@ def test_the_interval_holds_open_draws_either_way() -> None:
     assert (some.low, some.high) == pytest.approx(
         (some.probability_overturned - below, some.probability_overturned + above)
     )
+
+
+def test_an_engine_s_draws_that_touch_the_wall_are_told_apart_from_those_without_an_answer() -> None:
+    """Ten touch it by the model, 40 of the 80 outside its domain by an engine's half; what follows is open in all of them."""
+    kind = np.repeat(np.arange(3), (10, 10, 80))
+    model = ModelDraws(kind == 0, np.zeros(100, bool), np.ones(100), np.zeros(100), kind == 2, kind == 1)
+    found = probability_of(model, {20: Outcome.TOUCHES_WALL, 21: Outcome.TOUCHES_WALL, 22: False, 23: None})
+    assert found.touches_wall == pytest.approx(0.1 + 0.8 / 2)
+    assert found.undecided == pytest.approx(found.touches_wall + 0.8 / 4)
+    assert found.probability_overturned == 0.0
 
 
 def test_draws_that_an_engine_all_answers_leave_nothing_undecided() -> None:

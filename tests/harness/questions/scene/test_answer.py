@@ -41,6 +41,9 @@ def test_models_that_agree_in_outcome_and_history_agree() -> None:
     assert said["models_agree"].values["outcome"] == "stands"
     least, most = said["models_agree"].values["lean_rad"]
     assert least == most == run("a").peak_theta_rad
+    # What a contact engine gives at rest is no lean.
+    still = replace(run("b"), peak_theta_rad=3e-14)
+    assert told(run("a"), still)[1]["models_agree"].values["lean_rad"] == [0.0, most]
 
 
 def test_how_near_it_came_to_its_balance_counts_the_side_that_bears_less() -> None:
