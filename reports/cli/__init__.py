@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import sys
 from io import TextIOWrapper
 
@@ -22,6 +23,10 @@ def main() -> None:
     gc.set_threshold(
         100_000
     )  # what is imported lives to the end: to look through it every 700 objects takes a tenth of a start
+    for name in ("stdin", "stdout", "stderr"):
+        # Who starts the command may have closed it: the next file would take its number, and all that is printed.
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "r" if name == "stdin" else "w"))  # noqa: SIM115
     if isinstance(sys.stdout, TextIOWrapper):
         # The name of a file may be no text: what cannot be printed is printed as escapes.
         sys.stdout.reconfigure(errors="backslashreplace")

@@ -276,6 +276,14 @@ def test_quiet_is_quiet_with_every_engine(scene: Path, tmp_path: Path) -> None:
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
+def test_a_command_whose_standard_streams_are_closed_writes_its_result(scene: Path, tmp_path: Path) -> None:
+    done = in_a_shell("rockcheck run block.toml -e analytic --set duration_s=0.05 <&- >&- 2>&-", tmp_path)
+    assert done.returncode == 0
+    assert (tmp_path / "out" / "block" / "conservator.html").is_file()
+    wrong = in_a_shell("rockcheck run other.toml 2>&-", tmp_path)
+    assert (wrong.returncode, wrong.stdout) == (2, "")
+
+
 def test_two_histories_of_any_software_are_compared(scene: Path, tmp_path: Path) -> None:
     rockcheck("run", "block.toml", "-e", "analytic", "-q", cwd=tmp_path)
     table = str(tmp_path / "out" / "block" / "history_analytic.csv")

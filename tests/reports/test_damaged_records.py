@@ -63,6 +63,7 @@ DAMAGE: dict[str, tuple[Edit, str]] = {
     "no verdict": (without("scores", "analytic_vs_pymunk", "verdict"), "scores.analytic_vs_pymunk.verdict"),
     "a history of nobody": (put(["analytic", "nobody"], "histories"), "histories"),
     "the plan as a table": (put({}, "plan"), "plan"),
+    "a pattern as text": (put(["sine"], "runs", "pymunk", "patterns"), "runs.pymunk.patterns.0"),
     "a version as a number": (put(1, "versions", "numpy"), "versions.numpy"),
 }
 
@@ -85,7 +86,9 @@ def test_damage_is_told_by_file_and_key(
     (folder / "result.json").write_text(json.dumps(record), encoding="utf-8")
     before = sorted(folder.iterdir())
     assert guarded(lambda: app([command, str(folder)], standalone_mode=False)) == WRONG_INPUT
-    assert f"{folder / 'result.json'}: {key}: wanted " in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert f"{folder / 'result.json'}: {key}: wanted " in said
+    assert "Input should" not in said
     assert sorted(folder.iterdir()) == before
 
 

@@ -36,7 +36,7 @@ def kind_of(table: Path, **options: object) -> str:
     kind, taken, _ = MEASURED.get(header(table)[0], ("tests", OF_TESTS, None))
     mistakes = [
         Mistake(
-            f"--{name.replace('_', '-')}", "", f"no such option with a table of {kind.replace('_', ' ')}", repr(value)
+            f"--{name.replace('_', '-')}", "", f"no such option with a table of {kind.replace('_', ' ')}", str(value)
         )
         for name, value in options.items()
         if value and name not in taken
