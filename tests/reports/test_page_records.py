@@ -168,6 +168,10 @@ def test_runs_outside_the_models_domain_are_counted_by_cause(tmp_path: Path) -> 
     (told,) = (each for each in findings_of(replace(record, rows=rows)) if each.code == "left_domain_in_runs")
     assert told.engine == "analytic (own)"
     assert told.values == {"left": 3, "cases": 5, "causes": {"statue_slides": 2, "pedestal_tips": 1}}
+    fallen = {"outcome": "overturned_left", "no_return_time_s": 0.8}
+    left = {"left_domain_by": "statue_slides", "left_domain_s": 1.8}
+    # A statue that slides as it falls decides nothing any more.
+    rows[3] = invented_study.case_row("analytic", invented_study.case_run(validity=left, **fallen))
     assert "left_domain_in_runs" not in [each.code for each in findings_of(replace(record, rows=rows[3:]))]
 
 
