@@ -352,7 +352,7 @@ def bandpass(series: Series, low_hz: float, high_hz: float) -> Series:
         butter(FILTER_ORDER, (low_hz, high_hz), "bandpass", fs=1.0 / series.dt_s, output="sos"), padded
     )
     passed = np.asarray(filtered[pad : pad + series.accel_m_s2.size], dtype=np.float64)
-    lost = 1.0 - float((passed**2).sum() / (series.accel_m_s2**2).sum())
+    lost = 1.0 - float((passed**2).sum() / ((series.accel_m_s2**2).sum() or 1.0))
     return series.changed(passed, info("step_bandpass", low_hz=low_hz, high_hz=high_hz, order=FILTER_ORDER, lost=lost))
 
 

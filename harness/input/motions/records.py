@@ -18,6 +18,9 @@ from harness.input.motions.spec import Source
 from harness.input.motions.text import mistake
 from harness.model.finding import Finding, info
 
+ROUNDING: Final = 1e-12
+"""Of a record's peak: what treating samples that are alike leaves of them."""
+
 
 def load(source: Source, *, base_dir: Path, where: str, key: str) -> tuple[Series, tuple[Finding, ...]]:
     """The processed history, and what the reader said of it; InputError names `key` of `where`, or the file and its line."""
@@ -59,12 +62,19 @@ def _shaped(series: Series, source: Source) -> Series:
     return series
 
 
+def _moving(part: Series, whole: Series) -> Series:
+    """What is left of a history. Raises `Contradiction` where that is at rest: a factor on it would be one on its rounding."""
+    if not np.abs(part.accel_m_s2).max() > ROUNDING * np.abs(whole.accel_m_s2).max():
+        raise Contradiction("file", "a record that moves where it is used", "nothing but zeros there")
+    return part
+
+
 def _processed(series: Series, record: RecordFile, source: Source) -> Series:
-    shaped = _shaped(series, source)
+    shaped = _moving(_shaped(series, source), series)
     if source.significant is not None:
         every = [_shaped(channel, source).accel_m_s2 for channel in aligned(record).values()]
         joint = np.sum([accel**2 for accel in every], axis=0)
-        shaped = process.significant(shaped, source.significant, joint)
+        shaped = _moving(process.significant(shaped, source.significant, joint), series)
     if source.pga_g is not None:
         shaped = process.to_pga(shaped, source.pga_g)
     elif source.pgv_m_s is not None:

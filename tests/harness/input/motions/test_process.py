@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from harness.input.mistakes import Contradiction
 from harness.input.motions import process
 from harness.input.motions.recordfile import Series, displacement_m, velocity_m_s
+from harness.input.motions.records import load
+from harness.input.motions.spec import RecordSpec
 from harness.input.motions.spectra import measures, peak_velocity_m_s
+from harness.model.errors import InputError
 from tests.budgets_motions import FILTER_PASS, FILTER_STOP, RETURN_TO_REST_M, RETURN_TO_REST_M_S, SAME_MOTION
 from tests.harness.input.motions.writers import GRAVITY, wave
 
@@ -101,6 +106,22 @@ def test_scaling_reaches_pga_and_pgv_and_keeps_their_sign() -> None:
     assert measures(process.to_pgv(NOISE, 0.2)).pgv_m_s == pytest.approx(0.2, rel=SAME_MOTION)
     assert process.scaled(NOISE, -1.0, "sign").accel_m_s2[77] == -NOISE.accel_m_s2[77]
     assert process.scaled(NOISE, 1.0, "scale").done == ()
+
+
+@pytest.mark.parametrize("more", [
+    {}, {"pga_g": 0.3}, {"pgv_m_s": 0.3}, {"baseline": "mean"}, {"significant": (0.05, 0.95)}, {"bandpass_hz": (1.0, 9.0)},
+])  # fmt: skip
+def test_a_part_of_a_record_in_which_it_is_at_rest_is_refused(more: dict[str, object], tmp_path: Path) -> None:
+    """A factor on it would be infinite. What another channel does is its own."""
+    t = 0.01 * np.arange(1000)
+    late = np.where(t > 3.0, np.sin(12.0 * t), 0.0)
+    table = np.column_stack([t, late, np.roll(late, -250)])
+    np.savetxt(tmp_path / "r.csv", table, delimiter=",", header="t_s,a_ms2,b_ms2", comments="", fmt="%.6g")
+    made = {"kind": "record", "file": str(tmp_path / "r.csv"), "window_s": (0.0, 2.0), **more}
+    with pytest.raises(InputError, match="moves where it is used"):
+        load(RecordSpec(**made, column="a_ms2"), base_dir=tmp_path, where="scene", key="motion.x")  # type: ignore[arg-type]
+    moving, _ = load(RecordSpec(**made, column="b_ms2"), base_dir=tmp_path, where="scene", key="motion.x")  # type: ignore[arg-type]
+    assert moving.accel_m_s2.any()
 
 
 def test_measures_of_a_sine_have_closed_forms() -> None:
