@@ -137,6 +137,9 @@ class ContactGaps:
 
     def heights(self, row: Row, floor_m: float, floor_m_s: float) -> list[tuple[float, float]]:
         """Height of each foot over its support, m, and the velocity at which it comes down, m/s."""
+        if self.within_m is None and len(self.feet) <= MANY:
+            (ha, hb, hc, place), (va, vb, vc, rate) = self._support(row, floor_m, floor_m_s)
+            return [(x * ha + y * hb + z * hc + place, -(x * va + y * vb + z * vc + rate)) for x, y, z in self.feet]
         gap, closing = self._all_gaps(row, floor_m, floor_m_s)
         return list(zip(gap.tolist(), closing.tolist(), strict=True))
 

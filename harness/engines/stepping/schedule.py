@@ -11,7 +11,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Final
 
 import numpy as np
@@ -76,16 +76,23 @@ class Schedule:
         if end_s <= start_s:
             return 0.0, 0.0, 0.0
         pull = [0.0, 0.0, -self.scene.gravity_m_s2 * (end_s - start_s) / step_s]
-        for axis, velocity in self._velocities:
-            pull[axis] -= (velocity(end_s) - velocity(start_s)) / step_s
+        for (axis, after), (_, before) in zip(self._velocities(end_s), self._velocities(start_s), strict=True):
+            pull[axis] -= (after - before) / step_s
         return pull[0], pull[1], pull[2]
 
     @cached_property
-    def _velocities(self) -> list[tuple[int, Callable[[float], float]]]:
-        """The axes along which the frame is accelerated, with the velocities of their motions, m/s, at one time each."""
+    def _velocities(self) -> Callable[[float], list[tuple[int, float]]]:
+        """What gives, at a time, the axes along which the frame is accelerated, each with its motion's velocity, m/s."""
         base_excitation = self.scene.base_excitation
         parts = [] if self.moving else list(enumerate((base_excitation.x, base_excitation.y, base_excitation.z)))
-        return [(axis, part.velocity_at) for axis, part in parts if not isinstance(part, ZeroExcitation)]
+        moving = [(axis, part.velocity_at) for axis, part in parts if not isinstance(part, ZeroExcitation)]
+
+        # One step begins where the last one ended.
+        @lru_cache(maxsize=2)
+        def at(t_s: float) -> list[tuple[int, float]]:
+            return [(axis, velocity(t_s)) for axis, velocity in moving]
+
+        return at
 
     def table(self, t_s: float, kick_s: float, step_s: float) -> tuple[Vector, Vector]:
         """Displacement of a moving table at the start of a step, and its mean velocity in it; where its acceleration jumps at
