@@ -256,10 +256,12 @@ class Stepper:
         row = self.backend.advance(gravity)
         if not self.switches:
             return row
-        # A velocity is solved at the places at which its step began.
-        self.slip_before = self._slip(before if self.places is None else self.places, before, self.table_before)
-        self.places = before
+        places, self.places = before if self.places is None else self.places, before
         pull = (gravity[0] * step_s, gravity[1] * step_s, gravity[2] * step_s)
+        if self.stuck and not self._gives_way(pull, before, row):
+            return row
+        # A velocity is solved at the places at which its step began.
+        self.slip_before = self._slip(places, before, self.table_before)
         if self.stuck:
             row = self._slip_onset(gravity, pull, before, row)
             # What a blow set moving slides throughout: no force before it tells when it broke loose.
@@ -277,16 +279,20 @@ class Stepper:
             # pull: what slid before it has the kinetic coefficient throughout, whichever way it slides after.
             self._hold(self.static)
             self._again(before, REVERSAL)
-            row = self._slip_onset(gravity, pull, before, self.backend.advance(gravity))
+            row = self.backend.advance(gravity)
+            if self._gives_way(pull, before, row):
+                row = self._slip_onset(gravity, pull, before, row)
         return row
 
+    def _gives_way(self, pull: Vector, before: Row, row: Row) -> bool:
+        """Whether friction reached its static limit in a step that was computed with it."""
+        return self._share_of_limit(self.static, pull, before, row) >= 1.0 - self.events.unsolved
+
     def _slip_onset(self, gravity: Vector, pull: Vector, before: Row, row: Row) -> Row:
-        """A step computed with the static limit, or, where it reached the limit, once more with kinetic friction.
+        """A step that reached the static limit as it stands, or once more with kinetic friction.
 
         One that brings the pedestal to rest, from a slip or a blow, reaches the limit too: static friction has it then.
         """
-        if self._share_of_limit(self.static, pull, before, row) < 1.0 - self.events.unsolved:
-            return row
         slip = self._slip(before, row, self.table_rate)
         gaining = math.hypot(*slip) > math.hypot(*self.slip_before)
         if not gaining and (self._sticks(slip) or self._reversed(slip)):
