@@ -390,7 +390,7 @@ def _sweep_of(scene: Scene, key: str, values: Array) -> dict[str, Array] | None:
         # The axis of time stretched: see harness.questions.assess.model_draws.
         return own if key == "motion.scale" else {**own, "gravity_m_s2": scene.gravity_m_s2 * factor}
     if key == "motion.x.frequency_hz" and isinstance(base_excitation.x, Harmonic):
-        return {"frequency_hz": values}
+        return {"frequency_hz": values} if base_excitation.x.amplitude_m_s2 else {}
     if key == "contact.statue":
         return {"statue_friction": values}
     if key == "motion.y.frequency_hz" and isinstance(base_excitation.y, Harmonic):

@@ -89,6 +89,14 @@ def test_without_a_table_friction_strength_and_frequency_are_assumed() -> None:
     ]
 
 
+def test_the_frequency_of_a_motion_without_strength_changes_nothing() -> None:
+    """A harmonic motion of amplitude 0 is none to the compiled sweep, which knows no frequency of it."""
+    scene = paestum(0.0, 2.0, pedestal=False)
+    found = model_draws(scene, draw(uncertain_inputs(scene), 3, 0))
+    assert found.decided.tolist() == [True] * 3
+    assert not found.peak_share.any()
+
+
 def test_draws_have_the_stated_median_and_spread() -> None:
     kinds = {"lognormal": 0.15, "normal": 0.02, "uniform": 0.05}
     inputs = [Uncertain(kind, kind, 0.2, width) for kind, width in kinds.items()]  # type: ignore[arg-type]
