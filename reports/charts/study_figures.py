@@ -40,7 +40,7 @@ from reports.charts.map_figures import LEAST, grouped, map_axes, number_map, num
 from reports.drawing.effects_figures import RoseCurve, rose_of
 from reports.drawing.shapes import Picture
 from reports.messages import ENGLISH, Language
-from reports.text.wording import Condition, family, runs_of, symbol
+from reports.text.wording import Condition, runs_of, symbol
 
 # Maps of numbers: how far the statue rotates and its pedestal slides over what varies, and where the pedestal
 # would tip.
@@ -235,14 +235,15 @@ def fragility_figure(
 ) -> Json | None:
     """Share of overturned runs against an intensity, with 95 % intervals and the lognormal fit with its band.
 
-    Everything else that varies is pooled. None unless some model has at least three levels of ten runs each.
+    Everything else that varies is pooled; runs without an end are left out. None unless some model has at least three levels of
+    ten runs each.
     """
     data: dict[str, list[Json]] = {"points": [], "fits": []}
     for model in models:
         levels: dict[float, list[bool]] = {}
         for item, run in runs_of(conditions, model):
-            if family(run.outcome) != "failed":
-                levels.setdefault(float(item.varied[key]), []).append(run.outcome.overturned)
+            if (fallen := run.outcome.fell) is not None:
+                levels.setdefault(float(item.varied[key]), []).append(fallen)
         if sum(len(fell) >= LEAST_RUNS for fell in levels.values()) >= 3:
             shares = [(x, share) for x, fell in sorted(levels.items()) if (share := wilson(sum(fell), len(fell)))]
             estimated = columns_of([share for _, share in shares])

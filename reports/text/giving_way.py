@@ -12,7 +12,6 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.finding import Finding, info
-from harness.model.history import Outcome
 from harness.records.scene import PushRecord, SceneRecord
 from harness.records.study import StudyRecord, SupportRecord
 from harness.records.trust import Saved
@@ -70,8 +69,9 @@ def pedestal_effect(
     for item, run in runs_of(cases, model):
         setting = "floor" if item.varied["pedestal"] == "none" else "pedestal"
         place = (float(item.varied[pace]), setting)
-        fell.setdefault(place, []).append(run.outcome.overturned)
-        if run.outcome is Outcome.STANDS:
+        if (fallen := run.outcome.fell) is not None:
+            fell.setdefault(place, []).append(fallen)
+        if fallen is False:
             theta = run.peak_theta_rad * np.array([-1.0, 1.0])
             moved = float(np.abs(shape.top_displacement_m(theta, np.zeros(2))).max()) + run.peak_slip_m
             reach[place] = max(reach.get(place, 0.0), moved)
@@ -84,11 +84,12 @@ def pedestal_effect(
 
 
 def _saved(cases: Sequence[Condition], model: str) -> Finding:
-    """How often the pedestal prevents, and how often it causes, an overturning under the same condition."""
+    """How often the pedestal prevents, and how often it causes, an overturning under the same condition, where both runs end."""
     pairs: dict[tuple[Any, ...], dict[bool, bool]] = {}
     for item, run in runs_of(cases, model):
         rest = tuple(value for key, value in item.varied.items() if key != "pedestal")
-        pairs.setdefault(rest, {})[item.varied["pedestal"] == "none"] = run.outcome.overturned
+        if (fallen := run.outcome.fell) is not None:
+            pairs.setdefault(rest, {})[item.varied["pedestal"] == "none"] = fallen
     saved = Saved.of([(pair[True], pair[False]) for pair in pairs.values() if len(pair) == 2])
     return info("pedestal_saves", model=model, **vars(saved))
 

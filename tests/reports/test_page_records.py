@@ -7,6 +7,8 @@ from dataclasses import replace
 from html import unescape
 from pathlib import Path
 
+import pytest
+
 from harness.comparison.statistics.outcomes import score_outcomes
 from harness.model.finding import Answer, caution, info
 from harness.model.run import write_json
@@ -23,7 +25,7 @@ from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import SetScores, ValidationRecord
 from reports.blocks import Cell, Chart, Group, Section, Table, Text, verdict
 from reports.charts.curve_figures import on_front, precision_figure, scaling_figure
-from reports.charts.study_figures import rose_picture
+from reports.charts.study_figures import fragility_figure, rose_picture
 from reports.messages import ENGLISH
 from reports.pages import conservator
 from reports.pages.page import page_blocks, write_report
@@ -173,6 +175,25 @@ def test_runs_outside_the_models_domain_are_counted_by_cause(tmp_path: Path) -> 
     # A statue that slides as it falls decides nothing any more.
     rows[3] = invented_study.case_row("analytic", invented_study.case_run(validity=left, **fallen))
     assert "left_domain_in_runs" not in [each.code for each in findings_of(replace(record, rows=rows[3:]))]
+
+
+def test_runs_without_an_end_are_told_and_no_share_of_falls_counts_them_as_standing(tmp_path: Path) -> None:
+    ends = ("overturned_left", "stands", *["undecided"] * 10, *["overturned_left"] * 9)
+    rows = [
+        replace(
+            invented_study.case_row("analytic", invented_study.case_run(end)),
+            number=21 * k + place, varied={"motion.x.amplitude_g": level, "draw": float(place), "variant": "own"},
+        )
+        for k, level in enumerate((0.1, 0.2, 0.3)) for place, end in enumerate(ends)
+    ]  # fmt: skip
+    record = invented_study.study(invented_study.write_map_study(tmp_path))
+    told = answer_of(replace(record, headline=None, scores=None, rows=rows)).findings[0]
+    assert (told.values["falls"], told.values["cases"], told.values["open"]) == (30, 63, 30)
+    whole = answer_of(replace(record, headline=None, scores=None, rows=rows[:2])).findings[0]
+    assert whole.values["open"] is None
+    figure = fragility_figure(*conditions(rows), "motion.x.amplitude_g")
+    assert figure is not None
+    assert part(figure, "points")["y"] == [pytest.approx(10 / 11)] * 3
 
 
 def test_findings_of_runs_that_differ_in_numbers_are_one(tmp_path: Path) -> None:

@@ -85,12 +85,15 @@ def findings_of(record: StudyRecord) -> list[Finding]:
 
 
 def _falls(rows: Sequence[StudyRow]) -> list[Finding]:
-    """In how many cases each model lets the statue overturn."""
-    runs: dict[str, list[bool]] = {}
+    """In how many cases each model lets the statue overturn, and in how many it does not say."""
+    runs: dict[str, list[bool | None]] = {}
     for row in rows:
         if row.run is not None:
-            runs.setdefault(row.model, []).append(row.run.outcome.overturned)
-    return [info("overturns_in", falls=sum(falls), cases=len(falls), model=model) for model, falls in runs.items()]
+            runs.setdefault(row.model, []).append(row.run.outcome.fell)
+    return [
+        info("overturns_in", falls=fell.count(True), cases=len(fell), open=fell.count(None) or None, model=model)
+        for model, fell in runs.items()
+    ]
 
 
 def _left_domain(rows: Sequence[StudyRow]) -> Iterator[Finding]:

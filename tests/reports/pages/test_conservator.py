@@ -238,6 +238,23 @@ def test_what_the_pedestal_prevents_is_counted_by_condition(tmp_path: Path) -> N
     assert figures["saved"]["datasets"]["falls"][0]["count"] == ["6/6", "6/6", "0/6", "0/6", "0/6"]
 
 
+def test_a_run_without_an_end_is_neither_prevented_nor_a_stand(tmp_path: Path) -> None:
+    """Its statue still leans as it ends."""
+    record = study(write_table_study(tmp_path))
+    rows = [
+        replace(row, run=replace(row.run, outcome=Outcome.UNDECIDED))
+        if row.run and row.varied["pedestal"] == "keep"
+        else row
+        for row in record.rows
+    ]
+    found = pedestal_effect(record, *conditions(rows))
+    assert found is not None
+    told, charts = found
+    assert (told.values["total"], told.values["prevented"]) == (0, 0)
+    figures = {each.name: each.figure for each in charts}
+    assert figures["saved"]["datasets"]["falls"][1]["count"] == []
+
+
 def test_a_frequency_that_is_kept_is_no_number(tmp_path: Path) -> None:
     record = study(write_table_study(tmp_path))
     rows = [replace(row, varied={**row.varied, "motion.x.frequency_hz": "keep"}) for row in record.rows]
