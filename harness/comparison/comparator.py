@@ -398,6 +398,8 @@ def _scores(
     """What can be said of any two answers, also of a run that kept only its outcome; nothing of single instants."""
     verdict, evidence, findings = judge(*sides, both)
     of_histories: dict[str, Any] = dict.fromkeys(OF_HISTORIES)
+    # Where one history has not begun or has ended, no event of the other is missing from it.
+    common_s = (-math.inf, until_s) if both is None else (both.start_s, min(both.end_s, until_s))
     return Scores(
         a=sides[0].name,
         b=sides[1].name,
@@ -405,7 +407,7 @@ def _scores(
         together_tolerance_rad=TOGETHER_RAD,
         **of_histories,
         **_peaks(*peaks),
-        **event_scores(*excursions, inertia, until_s),
+        **event_scores(*excursions, inertia, common_s),
         **_outcomes(*sides),
         numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, excursions, until_s),
         verdict=verdict,

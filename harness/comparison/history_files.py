@@ -53,7 +53,7 @@ def compare_files(
         ]
     scores = compare(
         *histories,
-        names=(a.name, b.name),
+        names=(a.name, b.name) if a.name != b.name else (str(a), str(b)),
         uncertainties_rad=(uncertainty_rad, uncertainty_rad if measured is None else None),
         slip_uncertainties_m=(slip_uncertainty_m, slip_uncertainty_m),
         iso=iso,
@@ -76,7 +76,9 @@ def write_comparison(a: Path, b: Path, scores: Scores, folder: Path) -> None:
     names = [*PAGES, RECORD, COMING, *FILES]
     check_inputs(folder, names, (a, b))
     check_folder(folder, ("compare",), names)
-    record = CompareRecord(title=f"{a.name} against {b.name}", scores=scores, versions=versions(), machine=machine())
+    record = CompareRecord(
+        title=f"{scores.a} against {scores.b}", scores=scores, versions=versions(), machine=machine()
+    )
 
     def write(fresh: Path) -> None:
         for path, name in zip((a, b), FILES, strict=True):

@@ -212,14 +212,14 @@ class Matched:
     alone_a: int
     alone_b: int
 
-    def until(self, time_a: Array, time_b: Array, end_s: float) -> Matched:
-        """Only the pairs whose event in b, and the events alone, that come up to `end_s`; `time_*` are all events' times."""
-        early = time_b[self.index_b] <= end_s
+    def within(self, time_a: Array, time_b: Array, begin_s: float, end_s: float) -> Matched:
+        """Only the pairs whose event in b, and the events alone, that come from begin to end; `time_*` are all events' times."""
+        there_a, there_b = ((begin_s <= times) & (times <= end_s) for times in (time_a, time_b))
+        both = there_b[self.index_b]
         alone = [
-            int(np.sum(np.delete(times, index) <= end_s))
-            for times, index in ((time_a, self.index_a), (time_b, self.index_b))
+            int(np.sum(np.delete(there, index))) for there, index in ((there_a, self.index_a), (there_b, self.index_b))
         ]
-        return Matched(self.index_a[early], self.index_b[early], *alone)
+        return Matched(self.index_a[both], self.index_b[both], *alone)
 
 
 def match(time_a: Array, side_a: Side, window_a: Array, time_b: Array, side_b: Side, window_b: Array) -> Matched:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,22 +15,24 @@ from harness.comparison.side import Side
 from harness.model.history import Array
 from harness.model.scene import Statue
 
+ALWAYS: Final = (-math.inf, math.inf)
+
 
 def event_scores(
-    a: events.Excursions, b: events.Excursions, inertia: RockingInertia | None, until_s: float = math.inf
+    a: events.Excursions, b: events.Excursions, inertia: RockingInertia | None, common_s: tuple[float, float] = ALWAYS
 ) -> dict[str, Any]:
     """Matched uplifts and impacts of two histories, and the energy that each matched impact takes; pairs whose event in b, and
-    events alone, come after `until_s` are left out."""
+    events alone, come before or after the stretch `common_s` are left out."""
     rise_a, rise_b = a.from_rest, b.from_rest
     up_a, up_b = a.uplift_s[rise_a], b.uplift_s[rise_b]
     uplifts = events.match(up_a, a.side[rise_a], a.length_s[rise_a], up_b, b.side[rise_b], b.length_s[rise_b])
-    uplifts = uplifts.until(up_a, up_b, until_s)
+    uplifts = uplifts.within(up_a, up_b, *common_s)
     down_a, down_b = a.landed, b.landed
     times_a, times_b = a.impact_s[down_a], b.impact_s[down_b]
     # An impact is the same one when it is off by less than half the excursion that it ends.
     impacts = events.match(
         times_a, a.side[down_a], 0.5 * a.length_s[down_a], times_b, b.side[down_b], 0.5 * b.length_s[down_b]
-    ).until(times_a, times_b, until_s)
+    ).within(times_a, times_b, *common_s)
     index_a, index_b = np.flatnonzero(down_a)[impacts.index_a], np.flatnonzero(down_b)[impacts.index_b]
     share_a, share_b = share_lost(a, inertia)[index_a], share_lost(b, inertia)[index_b]
     return {

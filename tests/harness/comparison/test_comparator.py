@@ -196,6 +196,21 @@ def test_files_of_other_software_are_compared(tmp_path: Path) -> None:
     json.dumps(to_plain(scores), allow_nan=False)
 
 
+def test_files_of_one_name_are_told_apart_and_only_their_common_stretch_is_counted(tmp_path: Path) -> None:
+    """What comes before one history begins, or after it ended, is missing from nothing."""
+    whole = doubles.rocking()
+    cut = (whole.t_s > 2.0) & (whole.t_s < 6.0)
+    folders = tmp_path / "a", tmp_path / "b"
+    for folder, rows in zip(folders, (np.ones_like(cut), cut), strict=True):
+        folder.mkdir()
+        columns = [whole.t_s[rows], whole.theta_rad[rows]]
+        np.savetxt(folder / "history.csv", np.column_stack(columns), delimiter=",", header="t_s,theta_rad", comments="")
+    scores = compare_files(*(folder / "history.csv" for folder in folders))
+    assert (scores.a, scores.b) == tuple(str(folder / "history.csv") for folder in folders)
+    assert len(scores.impact_times_a_s) > 3
+    assert scores.impacts_alone_a == 0
+
+
 def test_a_stated_error_of_files_decides_their_verdict(tmp_path: Path) -> None:
     history = doubles.rocking()
     history.write_csv(tmp_path / "mine.csv")
