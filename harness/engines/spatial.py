@@ -230,6 +230,8 @@ def _findings(certified: Certified, unfinished: Sequence[tuple[float, Solution]]
         found.append(changes_answer("no_consistent_motion", at_s=solution.end_s))
     if solution.gave_up:
         found.append(changes_answer("run_given_up", at_s=solution.end_s, steps=solution.work.steps))
+    if solution.ambiguous_states:
+        found.append(caution("several_joint_states", count=solution.ambiguous_states))
     if not certified.outcome_is_sure:
         found.append(changes_answer("outcome_changes_with_steps", outcomes=[]))
     if certified.reliable_until_s < solution.end_s:

@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import pytest
 
-from analytic.excitation import Pulse
+from analytic.excitation import Harmonic, Pulse
 from harness import engines
 from harness.engines import spatial
 from harness.engines.spatial import LEVELS
 from harness.model.history import Outcome
 from harness.model.run import RunOptions
 from harness.model.scene import BaseExcitation, Scene
-from tests.scenes_for_tests import block, scene
+from tests.scenes_for_tests import GRAVITY_M_S2, block, rectangle, scene
 
 
 def between_two_feet() -> Scene:
@@ -51,3 +51,13 @@ def test_a_level_that_takes_too_many_steps_is_answered_by_the_next_coarser(monke
     assert run.outcome is alone.outcome
     assert run.peak_theta_rad == alone.peak_theta_rad
     assert run.numerical_uncertainty_rad == alone.numerical_uncertainty_rad
+
+
+def test_choices_among_several_motions_are_told() -> None:
+    """Where the floor falls away under an edge that begins to slide, one of its vertices may let go before the other."""
+    given, engine = scene(rectangle(0.27, 1.2, depth_m=0.4), mu_statue=1.0, duration_s=0.15), engines.load("spatial")
+    floor = BaseExcitation(x=Harmonic(0.3 * GRAVITY_M_S2, 2.0), z=Harmonic(1.3 * GRAVITY_M_S2, 6.0))
+    shaken = replace(given, base_excitation=floor)
+    run = engine.simulate(shaken, engine.refinement_levels(shaken)[0], RunOptions())
+    (told,) = [found for found in run.findings if found.code == "several_joint_states"]
+    assert told.values["count"] == run.work["ambiguous_states"] > 0
