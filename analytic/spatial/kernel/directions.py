@@ -32,6 +32,8 @@ CONVERGED: Final = 1e-13
 ROOT: Final = 1e3
 """A root's response across, over what counts as zero: its slope times the angle's rounding is far below, a pole's far above."""
 TWO_PI: Final = 2.0 * math.pi
+TURNS: Final = (0.0, 1.0, -1.0)
+"""Shares of a start aside and about the vertical: none, to one side, to the other."""
 
 
 @inlined
@@ -208,7 +210,8 @@ def _flat_newton(s: Run, m: Memory, rows: Rows, d: Vector, reach: float, size: f
 def flat_directions(s: Run, m: Memory, rows: Rows, size: float, zero: float) -> bool:
     """Find the directions of all vertices of a flat base that begins to slide; True with the solution in memory.
 
-    Newton's method starts from the motion without contact, from its place alone, with yaw to either side, and from yaw alone.
+    Newton's method starts from the motion without contact, and from its place ahead, back (an impact may turn a slide round), and
+    aside, without and with yaw.
     """
     reach, n = 0.0, 1.0 * s.touching
     for k in range(s.touching):
@@ -220,12 +223,13 @@ def flat_directions(s: Run, m: Memory, rows: Rows, size: float, zero: float) -> 
     side = math.sqrt(free[0] * free[0] + free[1] * free[1])
     if _flat_newton(s, m, rows, _towards(free, (0.0, 0.0, 0.0)), reach, size, zero):
         return True
-    for start in range(5):
-        level = 1.0 / side if start < 3 and side > 0.0 else 0.0
-        yaw = 0.0 if start == 0 else (1.0 if start % 2 == 1 else -1.0)
-        if level == 0.0 and yaw == 0.0:
+    fx, fy = (free[0] / side, free[1] / side) if side > 0.0 else (0.0, 0.0)
+    for start in range(27):
+        ahead, aside, yaw = 1.0 - start // 3 % 3, TURNS[start // 9], TURNS[start % 3]
+        d = ahead * fx - aside * fy, ahead * fy + aside * fx, yaw
+        if length(d) == 0.0:
             continue
-        d = _towards((level * free[0], level * free[1], yaw), (0.0, 0.0, 0.0))
+        d = _towards(d, (0.0, 0.0, 0.0))
         if _flat_newton(s, m, rows, d, reach, size, zero):
             return True
     return False

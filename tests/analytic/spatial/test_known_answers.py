@@ -161,6 +161,53 @@ def test_a_block_that_lands_flat(friction: float, printed: float) -> None:
     assert modes == [Mode.EDGE_SLIDE, Mode.EDGE_STICK]
 
 
+@pytest.mark.parametrize("vx_m_s", [0.19, 0.3])
+def test_a_square_that_rocks_onto_its_base_may_slide_the_other_way(vx_m_s: float) -> None:
+    """It turns about an edge that slides by v_x − ω h, to either side: the base comes to lie flat, and slides on by what its
+    friction leaves of the centroid's velocity.
+    """
+    half, rate, friction = 0.03, 6.6, 0.25
+    square = spatial.Body.block(0.1, 2.0 * half, 2.0 * half, 2.0 * half)
+    run = spatial.simulate(
+        square,
+        duration_s=1e-6,
+        friction_static=friction,
+        velocity_m_s=(vx_m_s, 0.0, -rate * half),
+        angular_velocity_rad_s=(0.0, rate, 0.0),
+        dt_out_s=None,
+    )
+    assert run.intervals[0].mode is Mode.FLAT_SLIDE
+    (impact,) = run.impacts
+    assert impact.impulses_n_s.sum(axis=0) == pytest.approx([-friction * 0.1 * rate * half, 0.0, 0.1 * rate * half])
+
+
+@pytest.mark.parametrize(
+    ("size_m", "friction", "velocity_m_s", "spin_rad_s"),
+    [
+        ((0.2322, 0.1024, 0.1786), 0.193, (-0.1153, -0.0067, -0.4164), (4.9126, -1.4203, 0.0)),
+        ((0.2473, 0.1299, 0.1628), 0.218, (-0.006, 0.1068, -0.3009), (-1.3008, 1.75, 0.0)),
+    ],
+)
+def test_every_landing_has_an_answer(
+    size_m: tuple[float, float, float],
+    friction: float,
+    velocity_m_s: tuple[float, float, float],
+    spin_rad_s: tuple[float, float, float],
+) -> None:
+    """Impulses with Coulomb friction always have a solution: here the base lies flat and turns as no start without yaw says."""
+    body = spatial.Body.block(1.0, *size_m)
+    run = spatial.simulate(
+        body,
+        duration_s=1e-6,
+        friction_static=friction,
+        velocity_m_s=velocity_m_s,
+        angular_velocity_rad_s=spin_rad_s,
+        dt_out_s=None,
+    )
+    assert run.intervals[0].mode is Mode.FLAT_SLIDE
+    assert run.momentum_residual < budget.AUDIT
+
+
 def test_a_sliding_block_follows_newmark() -> None:
     """A push a for t1 on a block with friction μ: it slides 0.5 (a − μ g) a t1²/(μ g) and stops at a t1/(μ g)."""
     a, friction, t1 = 3.0, 0.2, 0.3
