@@ -338,6 +338,7 @@ def _answer(rows: Sequence[Sequence[Cell]], scored: int, count: int) -> Answer:
     best = min(models, key=lambda row: float(row["log_score"] or 0.0))
     gains = [(float(best[a] or 0.0), float(best[b] or 0.0)) for a, b in zip(SCORES[3:7:2], SCORES[4:7:2], strict=True)]
     least, error = min(gains)
-    told = all(gain > TOLD * noise for gain, noise in gains)
-    values = {"model": best["model"], "log_score": best["log_score"], "least_gain": least, "error": error, "told": told}
-    return Answer("drops_told" if told else "drops_not_told", [info("drops_best", scored=scored, of=count, **values)])
+    told = "less" if least < 0.0 else "more" if all(gain > TOLD * noise for gain, noise in gains) else "chance"
+    values = {"model": best["model"], "log_score": best["log_score"], "gain": abs(least), "error": error, "told": told}
+    code = "drops_told" if told == "more" else "drops_not_told"
+    return Answer(code, [info("drops_best", scored=scored, of=count, **values)])

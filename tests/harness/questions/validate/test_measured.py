@@ -256,3 +256,16 @@ def test_real_drops_and_ratios_read(data_dir: Path, square: Scene, tmp_path: Pat
     assert np.median([drop.fall_m_s2 for drop in found]) == pytest.approx(9.0, abs=budget.PLATES_FALL_M_S2)
     record = validate_measured(table, tmp_path / "out", quiet=True)
     assert record.tables[0].rows[0][1:3] == pytest.approx([0.0134, 0.0427], abs=budget.LIMESTONE)
+
+
+@pytest.mark.parametrize(("gains", "told", "code"), [
+    ((0.4, 0.6), "more", "drops_told"), ((0.1, 0.6), "chance", "drops_not_told"), ((-0.43, 0.1), "less", "drops_not_told"),
+])  # fmt: skip
+def test_a_model_that_a_rule_without_one_beats_is_not_called_the_likeliest(
+    gains: tuple[float, float], told: str, code: str
+) -> None:
+    row = {"model": "spatial", "log_score": 2.46, "gain_all_drops": gains[1], "gain_first_face": gains[0]}
+    whole = dict.fromkeys(drops.SCORES, 0.146) | row
+    found = drops._answer([[whole[name] for name in drops.SCORES]], 8, 12)
+    assert found.code == code
+    assert (found.findings[0].values["told"], found.findings[0].values["gain"]) == (told, abs(gains[0]))
