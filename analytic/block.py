@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 # Numbers that every model of one scene must share; defined here once, for those outside this package too.
 
-
 GRAVITY_M_S2: Final = 9.81
 """Where a scene names no other: standard gravity to three digits."""
 OVERTURN_RAD: Final = 1.5
@@ -29,8 +28,7 @@ class AnalyticInputError(ValueError):
     """Raised for numbers that no run can use; the sentence says what was wanted, what came and what to do."""
 
 
-# Rotation matrices of quaternions, in a module of its own that does not start the compiler.
-
+# Rotation matrices of quaternions.
 
 Floats = NDArray[np.float64]
 

@@ -20,7 +20,6 @@ from analytic.block import AnalyticInputError
 
 # What every floor motion offers, and the motion that is none.
 
-
 Floats = NDArray[np.float64]
 
 LEAST_JUMP: Final = 1e-6

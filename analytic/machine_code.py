@@ -27,7 +27,6 @@ import llvmlite.binding as llvm
 
 # Who hears that code is being compiled, which takes half a minute once after an upgrade.
 
-
 OnCompile = Callable[[int, int], None]
 """Called as functions are compiled: how many are begun and how many there are, at the end as many as there are."""
 listeners: Final[list[OnCompile]] = []
@@ -40,11 +39,9 @@ def say(done: int, total: int) -> None:
         each(done, total)
 
 
-# Where compiled code is kept: one folder for each state of the sources, the newest two of them. The
-# compiler's own cache notices a change of a function's file, not one of a file that it calls into: so the
-# cache stands in a folder named after the digest of all compiled sources. What is kept there is run: so it is
-# taken only from folders into which nobody else can write.
-
+# Where compiled code is kept: one folder for each state of the sources, the newest two of them. The compiler's own cache
+# notices a change of a function's file, not one of a file that it calls into: so the cache stands in a folder named after the
+# digest of all compiled sources. What is kept there is run: so it is taken only from folders into which nobody else can write.
 
 MOST_FOLDERS: Final = 2
 """Folders kept: this state of the sources and the one before, to which one may go back."""

@@ -157,7 +157,6 @@ def stated(
 
 # A problem as the compiled kernel reads it: records of numbers, and the samples of a motion.
 
-
 LOCAL_SHARE: Final = 1e-2
 """Local error of a step, in the accuracy asked: most steps end at an event, far inside their length, and err much less."""
 FINEST_REST_RAD: Final = 1e-14

@@ -153,7 +153,6 @@ class Doubts:
 
 # The solution that the kernel's records say.
 
-
 LEFT_BY: Final = ("", "statue_slides", "contact_lost", "pedestal_tips", "beyond_base")
 """What each of the kernel's codes for a limit passed says: statue on its support, statue or pedestal in flight, pedestal, a lean
 beyond the statue's base."""

@@ -203,7 +203,6 @@ def simulate(
 
 # How sure a run is of its own numbers: the same run again with finer steps, and what made it doubtful.
 
-
 BASE_ACCURACY_RAD: Final = 1e-12
 """Accuracy of the run that is given back; its local error is 1e-15 rad."""
 SECOND_RUN_SHARE: Final = 1e-2

@@ -45,9 +45,7 @@ from analytic.solver import (
     run,
 )
 
-# Many problems with their certificates, for the outcome alone: what `certify` says of each, by two
-# compiled sweeps.
-
+# Many problems with their certificates, for the outcome alone: what `certify` says of each, by two compiled sweeps.
 
 Motions = tuple[Excitation, Excitation]
 """The floor's accelerations along x and z."""

@@ -134,9 +134,7 @@ def cut_beyond(mesh: RawMesh, azimuth_deg: float, distance_m: float) -> RawMesh:
     return cut.with_faces(np.vstack([cut.faces, *caps])).moved(cut.vertices @ turn)
 
 
-# A floor or plate scanned together with a statue: seen by its width under a body, and cut off where the
-# caller says so.
-
+# A floor or plate scanned together with a statue: seen by its width under a body, and cut off where the caller says so.
 
 WIDER: Final = 3.0
 """Area under the body over that of the whole body above, from which the lowest layer is a floor.

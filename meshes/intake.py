@@ -18,9 +18,8 @@ from meshes.orientation import turn_axis
 from meshes.processing_log import EdgeCount, by_part
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, mass_properties, solid_from_mesh, turn_about_z
 
-# What a glTF file says of itself: a kilobyte may ask for gigabytes of zeros, or for one mesh ten thousand
-# times; how it is packed.
-
+# What a glTF file says of itself: a kilobyte may ask for gigabytes of zeros, or for one mesh ten thousand times; how it is
+# packed.
 
 MOST_ELEMENTS: Final = 100_000_000
 """Vertices and indices of all nodes together: a scan of ten million faces has 35 million."""

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
+
 # What goes wrong between a scan and a solid.
 
 
@@ -39,7 +41,6 @@ class MeshError(ValueError):
         return f"{self.place}: {text}" if self.place else text
 
 
-Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
 
 

@@ -27,9 +27,7 @@ from meshes.repair import close_pinches, open_branches
 from meshes.self_intersection import crossings
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, solid_from_mesh
 
-# Fewer triangles within stated bounds on volume, centroid and inertia; vertices of the base are never
-# touched.
-
+# Fewer triangles within stated bounds on volume, centroid and inertia; vertices of the base are never touched.
 
 PINCHED_SHARE = 0.02
 """Edge collapses may pinch at most this share of the edges, or the decimation is given up."""

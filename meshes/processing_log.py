@@ -17,7 +17,6 @@ from meshes.solid import MassProperties
 
 # How the triangles of a mesh hang together: edges, parts, rims of holes, orientation.
 
-
 Indices = NDArray[np.int64]
 
 

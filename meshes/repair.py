@@ -27,9 +27,7 @@ from meshes.processing_log import Change, EdgeCount, Edges, Indices, by_part, me
 from meshes.solid import CONTACT_TOLERANCE_M
 from meshes.survey import OUTSIDE_REL
 
-# Holes closed: the open base of a scan by a plane under its rim, every other hole by triangles over its
-# own rim.
-
+# Holes closed: the open base of a scan by a plane under its rim, every other hole by triangles over its own rim.
 
 BASE_LEVEL = 0.25
 """The open base lies within this share of the height from the lowest point."""

@@ -106,7 +106,6 @@ def agrees(survey: float, mesh: float) -> bool:
 
 # A hollow or cored statue from two surfaces: the scan outside, an inner shell in the same file frame.
 
-
 OUTSIDE_REL: Final = 1e-3
 """Share of an inner shell's volume that may lie outside the statue: two scans that touch differ by their noise."""
 

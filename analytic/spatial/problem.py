@@ -17,7 +17,6 @@ from analytic.spatial.kernel.records import MAX_VERTICES
 
 # A rigid body on the vertices of its base.
 
-
 Floats = NDArray[np.float64]
 SYMMETRIC: Final = 1e-9
 """Relative difference up to which an inertia tensor's halves are taken for rounded."""

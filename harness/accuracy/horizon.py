@@ -19,9 +19,7 @@ from harness.model.scene import Scene
 from harness.records.run import HorizonRecord
 from harness.statics.plan import as_one
 
-# Whether finer steps are worth their cost: by how errors grow in the analytic model, and by what a climb's
-# comparisons show.
-
+# Whether finer steps are worth their cost: by how errors grow in the analytic model, and by what a climb's comparisons show.
 
 LEAST_COMPARED: Final = 3
 """Comparisons before a climb is given up: the gain of one step to the next, which two tell, is luck where runs part at events."""

@@ -40,11 +40,9 @@ from harness.model.finding import Finding, caution, info
 from harness.model.run import Run, RunOptions, number
 from harness.model.scene import Scene
 
-# How much a small change of the motion moves an engine's answer: where that is much, two runs may agree by
-# chance. The error of a step acts as a slightly other motion does. A third run, under a motion stronger by as
-# much as the step is expected to err by, shows what the scene makes of such an error: it does not take part
-# in the luck of two runs that agree.
-
+# How much a small change of the motion moves an engine's answer: where that is much, two runs may agree by chance. The error of
+# a step acts as a slightly other motion does. A third run, under a motion stronger by as much as the step is expected to err
+# by, shows what the scene makes of such an error: it does not take part in the luck of two runs that agree.
 
 PARTED: Final = 4.0
 """Two runs that differ by this many times the target have parted for good."""

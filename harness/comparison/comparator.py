@@ -26,9 +26,7 @@ from harness.records.scores import Evidence, Scores, Verdict
 
 # By how much and from when two runs differ, and why, computed from the record.
 #
-# Numerical error, model, plane, horizon, an error that is not bounded so far, or a model outside its
-# domain.
-
+# Numerical error, model, plane, horizon, an error that is not bounded so far, or a model outside its domain.
 
 COVERAGE: Final = 2.0
 """A difference counts when it exceeds this multiple of the joint uncertainty U = u_a + u_b.

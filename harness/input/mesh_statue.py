@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 # A mesh as a library's user reads it: mass properties of any scan, and what makes them doubtful.
 
-
 MARBLE_KG_M3: Final = 2700.0
 """Density assumed for a statue of which nothing is said, and said so: marble."""
 

@@ -13,9 +13,7 @@ from pydantic import JsonValue
 
 from harness.model.errors import InputError, Mistake
 
-# TOML as a user hands it in: no more of it than memory should be given, and no number that TOML does not
-# have.
-
+# TOML as a user hands it in: no more of it than memory should be given, and no number that TOML does not have.
 
 MOST_KEYS: Final = 10_000
 """Far more than any scene or study has; the tables of a million keys take gigabytes."""

@@ -10,7 +10,6 @@ from typing import Any, Final
 
 # A user's own text on a terminal and on a page: what would steer either is shown as its escape instead.
 
-
 CONTROL: Final = re.compile("[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
 """C0 and C1 controls (ECMA-48), line and direction marks (Unicode UAX 9 and 14), bytes of a file name that are no UTF-8."""
 

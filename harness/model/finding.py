@@ -103,8 +103,7 @@ class Answer:
         return Answer(self.code, said, " ".join(each.text for each in said if each.text))
 
 
-# What a notebook asks of a result: a line, a small table, a data frame, a picture. Nothing of it is loaded
-# before.
+# What a notebook asks of a result: a line, a small table, a data frame, a picture. Nothing of it is loaded before.
 
 
 class Shown(ABC):

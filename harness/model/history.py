@@ -16,6 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Shown, new_axes
 
+Array = NDArray[np.float64]
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -127,8 +129,6 @@ def first_beyond_s(t_s: Array, size: Array, limit: float) -> float | None:
     share = (limit - size[k - 1]) / (size[k] - size[k - 1])
     return float(t_s[k - 1] + share * (t_s[k] - t_s[k - 1]))
 
-
-Array = NDArray[np.float64]
 
 ROWS_AT_ONCE: Final = 100_000
 """Lines of a history that are held as text while it is written: 100 bytes each, and as much for their numbers."""

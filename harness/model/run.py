@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 # What is asked of a run, what it may leave out, and what an engine is able to do.
 
-
 SKIPS: Final[Mapping[str, str]] = {
     "quiet_start": "nothing is integrated before the motion first reaches a limit of rest",
     "quiet_rest": "nothing is integrated while the statue is at rest and the motion stays below its limits of rest",

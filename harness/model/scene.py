@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from meshes import Solid
 
 
-# A pedestal that tips: where its centroid and its top come to lie, whose slip is that of the edge on which it
-# stands.
+# A pedestal that tips: where its centroid and its top come to lie, whose slip is that of the edge on which it stands.
 
 
 def centroid_shift_m(pedestal: Pedestal, tilt_rad: Array) -> Array:

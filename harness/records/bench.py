@@ -267,7 +267,6 @@ class BenchRecord(Record):
 
 # The record of a stress run: stability maps, hard scenes and the mutated inputs.
 
-
 CELL: Final = ("setting", "difficulty", "category")
 """What is said of a cell that nothing explains."""
 Remedy = Literal["step", "iterations", "margin", "spheres"]

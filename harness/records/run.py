@@ -19,7 +19,6 @@ from harness.statics.plan import Step
 
 # The record of a witness: what an unmodified engine says of the runs beside it.
 
-
 PLAIN: Final = ":plain"
 """What the name of an unmodified engine adds to that of the event-located one."""
 LEAST_S: Final = 1e-9

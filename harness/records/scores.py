@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 # The record of two histories from files, compared; both lie beside it in the contract's units.
 
-
 FILES: Final = ("history_a.csv", "history_b.csv")
 """The two histories beside the record, the reference second."""
 

@@ -271,9 +271,7 @@ class StudyRecord(Record, Shown):
         return self.run_set().plot(ax, engine)
 
 
-# The record of a rocking spectrum: how far blocks of every size and slenderness rock in a set of motions,
-# and which fall.
-
+# The record of a rocking spectrum: how far blocks of every size and slenderness rock in a set of motions, and which fall.
 
 Numbers = Sequence[Sequence[float]]
 """A number for each size (rows) and slenderness (columns)."""

@@ -11,9 +11,7 @@ from harness.model.run import OMITTED
 from harness.records.base import Record, RunCounts
 from harness.records.scores import Interval, Scores
 
-# The record of a measured set that is told by tables: tosses, planar drops, impact ratios; or of all that
-# was checked.
-
+# The record of a measured set that is told by tables: tosses, planar drops, impact ratios; or of all that was checked.
 
 Cell = str | float | None
 About = Literal["tosses", "drops", "impact_ratios", "checked"]
@@ -43,8 +41,7 @@ class MeasuredRecord(Record):
     seconds: float
 
 
-# Scores of many cases, as statistics give them and as they stand in the records of studies and
-# validations.
+# Scores of many cases, as statistics give them and as they stand in the records of studies and validations.
 
 
 @dataclass(frozen=True)

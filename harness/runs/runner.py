@@ -284,7 +284,6 @@ def _end_with_parent() -> None:
 
 # Workers of a Dask cluster; needs the extra [dask].
 
-
 REACH_S: Final = 10.0
 """Time in which a scheduler answers."""
 GONE_S: Final = 60.0

@@ -29,7 +29,6 @@ from harness.runs.task import RUN, RunRequest, TaskResult
 
 # Results as a store takes them, and histories as bytes and back, exact to the last bit.
 
-
 NOISE_BYTES: Final = 5
 """Low bytes of a difference of neighbouring samples: no two are alike, so they are kept as they are (half the
 time of writing a run would else go into compressing noise)."""

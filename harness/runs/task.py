@@ -32,9 +32,7 @@ from harness.runs.runner import Crash, Hung, LocalPool
 
 # The cache key: the hash of a scene's physics, as far as an engine looks at it.
 #
-# It is made of names and of exact numbers; a class or a field that is renamed in the code keeps its name
-# here.
-
+# It is made of names and of exact numbers; a class or a field that is renamed in the code keeps its name here.
 
 NOT_PHYSICS: Final[Mapping[type, str]] = {Scene: "title source given findings uncertainty", Statue: "solid"}
 """Fields of which a run does not depend; of a mesh its own digest is part of the key where an engine uses it."""

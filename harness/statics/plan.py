@@ -18,12 +18,7 @@ from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Statue
 from harness.statics.standstill import tipping_of_pedestal
 from meshes.footprint import margin_m, outward_sides
 
-# What a statue at rest bears: the floor's acceleration below which nothing can move, and when a motion
-# passes it.
-
-
-# Other bodies made of a statue and its pedestal: both as one, its base widened, another side before the
-# shaking.
+# Other bodies made of a statue and its pedestal: both as one, its base widened, another side before the shaking.
 
 
 def as_one(statue: Statue, pedestal: Pedestal) -> Statue:
@@ -242,7 +237,6 @@ def _knots(components: Sequence[Excitation], duration_s: float) -> Array | None:
 
 # Which collision shape of the statue a 3D run needs, and why: a pure function of the scene.
 
-
 HULL_EXCESS_LIMIT: Final = 0.12
 """What a hull may add to the volume near an edge: about what the convex parts themselves add to a statue (docs/meshes.md)."""
 
@@ -285,7 +279,6 @@ def edge_reach_m(statue: Statue, pedestal: Pedestal) -> float:
 
 
 # Whether a scene is its own mirror image across the rocking plane.
-
 
 SAME: Final = 1e-9
 """Lengths (m) and shares of the inertia that differ by no more are equal: rounding of the numbers given."""

@@ -19,9 +19,7 @@ from harness.model.run import Run
 from harness.model.scene import Pedestal, Scene, written
 from meshes.footprint import outward_sides
 
-# What the floor's motion asks of a statue at rest: its strongest push, and how near that comes to moving
-# the statue.
-
+# What the floor's motion asks of a statue at rest: its strongest push, and how near that comes to moving the statue.
 
 SAMPLES: Final = 40_001
 """Instants at which a formula is looked at first: four hundred for each cycle of a motion of a hundred cycles."""

@@ -211,7 +211,6 @@ def scaling_figure(items: Sequence[ScalingRow], say: Language = ENGLISH) -> Json
 
 # The charts of a validation: accuracy by model, every test in its plane of intensities, fragility.
 
-
 BASELINE_LOOK: Final = Look("#8a6d00", "2 3")
 DASHES: Final = ("", "6 4", "1.5 3", "6 3 1.5 3", "10 4")
 

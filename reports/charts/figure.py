@@ -10,9 +10,7 @@ from typing import Any, Final
 from harness.records.scores import Interval
 from reports.charts import Json
 
-# Colours and dashes of all pages and figures: Okabe and Ito's palette, told apart by every form of colour
-# vision.
-
+# Colours and dashes of all pages and figures: Okabe and Ito's palette, told apart by every form of colour vision.
 
 INK: Final = "#1c2430"
 MUTED: Final = "#566070"

@@ -34,9 +34,7 @@ from reports.messages import ENGLISH, Language
 from reports.source import RunSource, run_event_s
 from reports.text.wording import horizon_s, prediction_s
 
-# Samples as a page carries them: fewer for the screen with every peak kept, packed as differences of
-# multiples of a step.
-
+# Samples as a page carries them: fewer for the screen with every peak kept, packed as differences of multiples of a step.
 
 Array = NDArray[np.float64]
 

@@ -250,7 +250,6 @@ def _scale_of(values: Sequence[float]) -> str:
 
 # The maps that one page each shows: of trust, of stability, of blocks.
 
-
 POINT: Final = "point"
 """The chart in which a point of a map that is clicked opens, and what it is chosen by."""
 CLASS_COLOURS: Final = dict(zip(CLASSES, SURFACES, strict=True))

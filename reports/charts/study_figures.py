@@ -42,9 +42,7 @@ from reports.drawing.shapes import Picture
 from reports.messages import ENGLISH, Language
 from reports.text.wording import Condition, runs_of, symbol
 
-# Maps of numbers: how far the statue rotates and its pedestal slides over what varies, and where the pedestal
-# would tip.
-
+# Maps of numbers: how far the statue rotates and its pedestal slides over what varies, and where the pedestal would tip.
 
 MOST_PLACES: Final = 10_000
 """Larger maps show where the statue falls only: a number for every place would make the page large."""
@@ -124,7 +122,6 @@ def _value_map(
 
 
 # Studies along one axis: each model's outcome, largest rotation and slip against what varies.
-
 
 MOST_GROUPS: Final = 6
 """More combinations of what else varies are no curves of one axis: the table shows them."""

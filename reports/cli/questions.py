@@ -195,7 +195,6 @@ def validate(
 
 # The commands that make something of finished records: pages, figures, an animation.
 
-
 READERS: Final = ("engineer", "conservator")
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.json.", show_default=False)]
 
@@ -260,7 +259,6 @@ def gif(
 
 
 # The commands that measure: run time against error, and numerical stability.
-
 
 Quick = Annotated[bool, typer.Option("--quick", help="A few rows of each kind: to see that it works, not to judge.")]
 Parts = Annotated[

@@ -122,7 +122,6 @@ def _chosen(columns: Sequence[Array]) -> Any:
 
 # The scene drawn to scale as inline SVG: floor, pedestal, silhouette, corners, centroid, wall, dimensions.
 
-
 WIDTH: Final = 460.0
 HEIGHT: Final = 440.0
 MARGIN: Final = {"left": 74.0, "right": 74.0, "top": 26.0, "bottom": 84.0}

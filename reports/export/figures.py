@@ -33,9 +33,7 @@ from reports.pages.page import page_blocks
 from reports.source import source_of
 from reports.text.wording import conditions
 
-# A page printed to PDF by the machine's own Chromium: the stills in place of the live charts, nothing
-# folded away.
-
+# A page printed to PDF by the machine's own Chromium: the stills in place of the live charts, nothing folded away.
 
 BROWSERS: Final = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 LIMIT_S: Final = 180.0

@@ -468,7 +468,6 @@ def plan_picture(source: RunSource, plan: Plan, slip: Sequence[str], say: Langua
 
 # Of a study: how often the statue falls, how strong a shaking it bore, what the pedestal changed.
 
-
 WIDTH: Final = 480
 """Width of the charts among the page's pictures."""
 AXES: Final = {"frequency_hz": "plain.frequency", "amplitude_g": "plain.strength", "pga_g": "plain.strength"}

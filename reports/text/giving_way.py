@@ -35,9 +35,7 @@ from reports.drawing.kinematics import Array, section
 from reports.messages import ENGLISH, Language
 from reports.text.wording import Condition, runs_of
 
-# What the pedestal changes over a study: how often it prevents a fall, and how far the top moves with and
-# without it.
-
+# What the pedestal changes over a study: how often it prevents a fall, and how far the top moves with and without it.
 
 WALL_COLOUR: Final = "#8c1d2f"
 

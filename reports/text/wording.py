@@ -27,7 +27,6 @@ from reports.source import RunSource
 
 # A study's rows arranged for tables and pictures: conditions down, models across.
 
-
 SIGNS: Final = {
     "stands": "●", "overturned_left": "◀", "overturned_right": "▶", "overturned_front": "▼", "overturned_back": "▲",
     "touches_wall": "▌", "left_pedestal": "⇲", "lift_off": "↥", "friction_paradox": "∅", "undecided": "?",

@@ -14,7 +14,6 @@ from harness.records.scores import AfterHorizon, Apart, PeaksApart
 
 # Two histories beyond the horizon, where no instant of one can be asked of the other: their distributions.
 
-
 LEAST_VALUES: Final = 8
 """Fewer values than this have no distribution worth a probability: a quartile would rest on two values."""
 RESAMPLES: Final = 200

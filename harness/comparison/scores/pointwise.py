@@ -18,7 +18,6 @@ from harness.records.scores import ComparisonError, IsoRating
 
 # How far two runs are apart.
 
-
 INSTANTS: Final = 4000
 """Instants at which two histories are compared: the finest features, impacts, last longer than a thousandth of any scene."""
 
@@ -99,7 +98,6 @@ def together_until_s(pair: Pair, tolerance_rad: float) -> float:
 
 # ISO/TS 18571 by the library of TU Graz (extra `iso`), on a stated resampling; loaded only when asked.
 
-
 SAMPLES: Final = 1001
 """Samples after resampling: the rating's time warping costs the square of their number in time and memory."""
 
@@ -143,9 +141,7 @@ def resampled(pair: Pair, samples: int) -> tuple[tuple[Any, Any], float]:
     return (curves[0], curves[1]), float(t_s[1] - t_s[0])
 
 
-# A simulation against a measurement: the comparison error E = S − D and the uncertainties of both (ASME
-# V&V 20).
-
+# A simulation against a measurement: the comparison error E = S − D and the uncertainties of both (ASME V&V 20).
 
 RECTANGLE: Final = 1.0 / math.sqrt(3.0)
 """Standard uncertainty of what is only known to lie within ± 1 (GUM, 4.3.7): a stated numerical error is such a bound."""

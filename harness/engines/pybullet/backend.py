@@ -24,14 +24,11 @@ IN_LINE_RAD: Final = 3e-4
 EIGHTH_RAD: Final = 0.25 * math.pi
 
 
-# Bullet's gyroscopic torque made of second order: what a step's own misses is added to it as an external
-# torque.
+# Bullet's gyroscopic torque made of second order: what a step's own misses is added to it as an external torque.
 #
-# Euler's equations are I ω̇ + ω × I ω = τ. Bullet takes ω × I ω at the velocity with which a step begins,
-# half a step before the step's middle: the rotation then errs by the first order of the step, in flight as
-# about a vertex. Here it is taken at the velocity foreseen for the middle of the time over which the
-# velocity is changed. No place and no velocity is written.
-
+# Euler's equations are I ω̇ + ω × I ω = τ. Bullet takes ω × I ω at the velocity with which a step begins, half a step before
+# the step's middle: the rotation then errs by the first order of the step, in flight as about a vertex. Here it is taken at the
+# velocity foreseen for the middle of the time over which the velocity is changed. No place and no velocity is written.
 
 KIND: Final = "gyroscopic"
 """Kind of this intervention."""

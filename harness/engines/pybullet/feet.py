@@ -20,13 +20,10 @@ from harness.engines.stepping.frame import matrices
 from harness.engines.stepping.step_log import ALONE, Row
 from harness.model.scene import OVERTURN_RAD, Statue
 
-# When the pedestal's edge can meet the statue: only if some part of the statue comes to or below the top's
-# plane beside it.
+# When the pedestal's edge can meet the statue: only if some part of the statue comes to or below the top's plane beside it.
 #
-# Above that plane nothing but the plane itself can touch a convex body, and it does so at vertices: the
-# feet are exact. Beside the top that plane is not there: a vertex about to come down to it must find the
-# pedestal's edges instead.
-
+# Above that plane nothing but the plane itself can touch a convex body, and it does so at vertices: the feet are exact. Beside
+# the top that plane is not there: a vertex about to come down to it must find the pedestal's edges instead.
 
 Array = NDArray[np.float64]
 

@@ -19,9 +19,7 @@ from harness.engines.pybullet.settings import REFERENCE_DT_S, BulletSettings
 from harness.engines.stepping.step_log import ALONE, Row, Vector
 from harness.model.scene import Pedestal, Scene
 
-# What Bullet's solver is told: every parameter of a world, and what the length of a step or a rest asks of
-# it.
-
+# What Bullet's solver is told: every parameter of a world, and what the length of a step or a rest asks of it.
 
 Array = NDArray[np.float64]
 
@@ -38,13 +36,11 @@ NO_RESTITUTION_BELOW_M_S: Final = 1e9
 """Every contact is slower than this, so none bounces."""
 
 
-# The scene turned about the vertical in Bullet's world, so that what slides does so along one of Bullet's
-# axes.
+# The scene turned about the vertical in Bullet's world, so that what slides does so along one of Bullet's axes.
 #
-# Bullet resolves friction along its own x and y. Askew to these the force that it settles on leans towards
-# them at every step, so that runs with finer steps agree on it; along them it is Coulomb's
-# (docs/engines.md). All above the world keeps the scene's axes: states and pulls are turned as they are
-# handed to Bullet, rows as they are read.
+# Bullet resolves friction along its own x and y. Askew to these the force that it settles on leans towards them at every step,
+# so that runs with finer steps agree on it; along them it is Coulomb's (docs/engines.md). All above the world keeps the scene's
+# axes: states and pulls are turned as they are handed to Bullet, rows as they are read.
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,6 @@ from harness.model.scene import Scene, centroid_shift_m
 
 # What a contact engine's loop recorded, before it becomes a run.
 
-
 Array = NDArray[np.float64]
 
 

@@ -20,19 +20,18 @@ from harness.engines.stepping.forces import Impulses
 from harness.model.run import Intervention
 from harness.model.scene import Contact, Scene
 
+Array = NDArray[np.float64]
+
 # Two coefficients of friction in an engine that knows one.
 #
-# The rule, for each step: if the pedestal is stuck when the step begins, the step is computed with the
-# static coefficient; if the floor's friction impulse then stands at its limit, the static limit was passed
-# inside the step, and the step is computed again from its beginning with the kinetic coefficient
-# (docs/model.md, sections 2 and 3: sticking holds while |F| ≤ μ_s N, else F = −μ_k N, in motion and in an
-# impact alike). A step that begins sliding is computed with the kinetic coefficient; when the velocity
-# comes to rest or changes sign in it, the next one begins stuck. Without the repetition the first sliding
-# step, or an impact that breaks the pedestal loose, acts with μ_s: at an impact that is an error of (μ_s −
-# μ_k) P_n that no step size cures. Judging by the velocity instead of the impulse is late by a time that
-# falls only with the root of the step: the velocity has first to grow above what the solver leaves in a
-# pedestal that is stuck.
-
+# The rule, for each step: if the pedestal is stuck when the step begins, the step is computed with the static coefficient; if
+# the floor's friction impulse then stands at its limit, the static limit was passed inside the step, and the step is computed
+# again from its beginning with the kinetic coefficient (docs/model.md, sections 2 and 3: sticking holds while |F| ≤ μ_s N, else
+# F = −μ_k N, in motion and in an impact alike). A step that begins sliding is computed with the kinetic coefficient; when the
+# velocity comes to rest or changes sign in it, the next one begins stuck. Without the repetition the first sliding step, or an
+# impact that breaks the pedestal loose, acts with μ_s: at an impact that is an error of (μ_s − μ_k) P_n that no step size
+# cures. Judging by the velocity instead of the impulse is late by a time that falls only with the root of the step: the
+# velocity has first to grow above what the solver leaves in a pedestal that is stuck.
 
 Pair = tuple[float, float]
 
@@ -60,8 +59,6 @@ def followed(contact: Contact, rest_m_s: float, before_m_s: Pair, now_m_s: Pair)
     slides = u * x + v * y > 0.0 and min(math.hypot(u, v), math.hypot(x, y)) > rest_m_s
     return contact.floor_kinetic if slides else contact.floor_static
 
-
-Array = NDArray[np.float64]
 
 SLIDES: Final = 10.0
 """A velocity above so many times the one that counts as rest is sliding: what a solver leaves is below a tenth of it."""

@@ -12,9 +12,7 @@ from analytic.block import rotation_matrices
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.model.scene import OVERTURN_RAD, Scene, Statue
 
-# What three dimensions add to a trajectory: rotation matrices, the columns of a body's pose, a fall in any
-# direction.
-
+# What three dimensions add to a trajectory: rotation matrices, the columns of a body's pose, a fall in any direction.
 
 Array = NDArray[np.float64]
 

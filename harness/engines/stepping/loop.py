@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +20,10 @@ from harness.engines.stepping.support import wall_touch
 from harness.model.scene import Scene
 from harness.statics.plan import LimitsOfRest
 
-if TYPE_CHECKING:
-    from harness.engines.stepping.contact_gaps import ContactGaps
+Array = NDArray[np.float64]
 
 
-# The model's impact map on both bodies, to be imposed in a contact engine (docs/model.md, sections 3 and
-# 4).
-
+# The model's impact map on both bodies, to be imposed in a contact engine (docs/model.md, sections 3 and 4).
 
 IMPOSED_LABEL: Final = "impact law imposed"
 """Label of a run whose impacts are the model's: it tests the motion between impacts, not the impact."""
@@ -92,14 +89,8 @@ def impact(scene: Scene, *, old_side: int, theta_rate_rad_s: float, slip_rate_m_
     return Impact(0.0, (friction - needed) / total, normal, friction)
 
 
-# What a run in progress is looked at for, and what ends it.
-
-
-Array = NDArray[np.float64]
-
-# Spells of rest inside a run: while the statue rests on its base and the motion cannot move it, nothing is
-# integrated.
-
+# What a run in progress is looked at for, and what ends it. While the statue rests on its base and the motion cannot move it,
+# nothing is integrated.
 
 STILL_M_S: Final = 1e-5
 """Velocity, m/s and rad/s, below which everything counts as still."""
@@ -207,8 +198,7 @@ class Watch:
     ends_fallen: bool = True
 
 
-# Micro-rocking: half-cycles of a few steps are followed in parts of each, so that none ends in the step in
-# which it returns.
+# Micro-rocking: half-cycles of a few steps are followed in parts of each, so that none ends in the step in which it returns.
 
 
 def after_impact(state: StepState, gaps: ContactGaps) -> HalfCycle | None:
@@ -256,8 +246,7 @@ def follow(state: StepState, half_cycle: HalfCycle) -> bool | None:
     return False
 
 
-# An event inside a step, met at its instant: velocities are brought there by the engine, places by their
-# velocities.
+# An event inside a step, met at its instant: velocities are brought there by the engine, places by their velocities.
 
 
 def locate_event(

@@ -29,10 +29,8 @@ if TYPE_CHECKING:
 
 # Whether a statue has overturned: the one definition, for contact engines of two and of three dimensions.
 #
-# A run that reaches `OVERTURN_RAD` has overturned. So has one that ends beyond the balance point of the
-# base it left, the vertical through its centroid missing that base, and lies there or cannot come back
-# (docs/model.md, section 2).
-
+# A run that reaches `OVERTURN_RAD` has overturned. So has one that ends beyond the balance point of the base it left, the
+# vertical through its centroid missing that base, and lies there or cannot come back (docs/model.md, section 2).
 
 Array = NDArray[np.float64]
 
@@ -246,7 +244,6 @@ def side_of(motion: Trajectory) -> Outcome:
 
 # Impacts, uplifts and motion patterns of a recorded rotation.
 
-
 Ints = NDArray[np.int64]
 
 THROUGH_SHARE: Final = 4.0
@@ -350,11 +347,10 @@ def patterns(
     return tuple(patterns)
 
 
-# How a run ends whose statue still moves over still ground: by the rule of the analytic model, from the state
-# in which it ends. Once the floor is at rest the energy decides (docs/model.md, section 7), in the model and
-# in an engine alike: the engine's last state, in the rocking plane and on a vertex of its base, is asked of
-# the same compiled rule by which the model ends its own runs.
-
+# How a run ends whose statue still moves over still ground: by the rule of the analytic model, from the state in which it ends.
+# Once the floor is at rest the energy decides (docs/model.md, section 7), in the model and in an engine alike: the engine's
+# last state, in the rocking plane and on a vertex of its base, is asked of the same compiled rule by which the model ends its
+# own runs.
 
 IN_PLANE_RAD: Final = 0.01
 """A body that leaves the plane, has turned about the vertical or stands on a support that tilts by less rocks as the model's."""

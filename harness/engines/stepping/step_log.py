@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from harness.engines.base import LayerFault
 from harness.model.run import Intervention
 
-# Rows of numbers: places, rotations and velocities of statue and pedestal at one instant, as the layer
-# keeps them.
+Array = NDArray[np.float64]
 
+# Rows of numbers: places, rotations and velocities of statue and pedestal at one instant, as the layer keeps them.
 
 Row = tuple[float, ...]
 """Place (3), quaternion (x, y, z, w) of the principal frame, velocity (3) and angular velocity (3) of the statue, world axes,
@@ -92,11 +92,10 @@ def _carried(body: Row, seconds: float) -> Row:
     return px + u * seconds, py + v * seconds, pz + q * seconds, *turn, u, v, q, a, b, c
 
 
-# The account of what is written to an engine's bodies, and whether the steps explain it. A step of length dt
-# turns a body by ω dt about the point R away on which it stands, so a velocity that belongs to another
-# instant of the same step differs by at most ω² R dt. A larger correction is none of time: its formula is
-# wrong (another pivot, another sign, another arm), or what it assumes does not hold.
-
+# The account of what is written to an engine's bodies, and whether the steps explain it. A step of length dt turns a body by ω
+# dt about the point R away on which it stands, so a velocity that belongs to another instant of the same step differs by at
+# most ω² R dt. A larger correction is none of time: its formula is wrong (another pivot, another sign, another arm), or what it
+# assumes does not hold.
 
 MOST_EXPLAINED: Final = 1.0
 """Sum of a kind's changes of velocity over what the steps explain, at most: corrections are over half a step on average; measured
@@ -177,9 +176,6 @@ class Ledger:
             kind: Intervention(**{name: getattr(sums, name) for name in Intervention.__dataclass_fields__})
             for kind, sums in self.kinds.items()
         }
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(eq=False)

@@ -34,6 +34,8 @@ from harness.engines.stepping.step_log import (
 )
 from harness.model.scene import Scene
 
+Array = NDArray[np.float64]
+
 
 class Backend(Protocol):
     """What an engine offers so that events can be located in it: one world with the scene's bodies, its own step.
@@ -87,13 +89,11 @@ class Backend(Protocol):
         """After whole steps under `pulls`: what the bodies' contacts need next."""
 
 
-# Whether each body's momentum, and its turning in the plane, changed by what the engine's own contacts gave
-# it, and by the pull. At every impact, with what was written after it, and over a whole step now and then.
-# The impulses are those that the engine reports, the pull is taken from the scene: what the layer believes of
-# either is not asked. Both engines keep this balance to rounding.
+# Whether each body's momentum, and its turning in the plane, changed by what the engine's own contacts gave it, and by the
+# pull. At every impact, with what was written after it, and over a whole step now and then. The impulses are those that the
+# engine reports, the pull is taken from the scene: what the layer believes of either is not asked. Both engines keep this
+# balance to rounding.
 
-
-Array = NDArray[np.float64]
 
 MOST_UNBALANCED: Final = 1e-4
 """Share of all impulses that may be missing in the balance: 1e-12 is, and 1e-3 where a pull or an inertia is off by it."""
@@ -177,8 +177,7 @@ class Balance:
                 raise LayerFault(f"unbalanced_{what}", **{f"{of}_missing": missing, f"{of}_whole": size})
 
 
-# The one place from which an engine's bodies are written to while a run goes on, and the account of what is
-# written.
+# The one place from which an engine's bodies are written to while a run goes on, and the account of what is written.
 
 
 class RowWriter:
@@ -428,8 +427,8 @@ def _held(stepper: Stepper, record: StepLog, index: int) -> float:
     return math.hypot(x, y) / normal if normal > 0.0 else 0.0
 
 
-# When a foot comes down that gathers speed: velocities are older than places, and a short half-cycle's change
-# much in that time.
+# When a foot comes down that gathers speed: velocities are older than places, and a short half-cycle's change much in that
+# time.
 
 
 class ContactTimeEstimate:

@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from harness.engines.stepping.columns import Trajectory
 from harness.model.scene import Pedestal, Scene
 
-# Where the contact is the one that events are located for: a statue that turns about a corner at rest on an
-# upright pedestal. Elsewhere steps are those of any loop, and errors fall at first order: of events inside
-# them only a foot that comes down while the statue slides is met at its instant.
-
+# Where the contact is the one that events are located for: a statue that turns about a corner at rest on an upright pedestal.
+# Elsewhere steps are those of any loop, and errors fall at first order: of events inside them only a foot that comes down while
+# the statue slides is met at its instant.
 
 Array = NDArray[np.float64]
 

@@ -27,12 +27,10 @@ from harness.input.motions.spectra import arias_share, peak_velocity_m_s
 from harness.input.motions.text import mistake
 from harness.model.finding import Finding, caution, info
 
-# The building's filter: the acceleration of a floor from that of the ground, by one or several
-# oscillators.
+# The building's filter: the acceleration of a floor from that of the ground, by one or several oscillators.
 #
-# a_floor = (1 − Σφᵢ) a + Σ φᵢ (q̈ᵢ + a), with qᵢ the i-th mode's relative displacement and φᵢ its share
-# (participation factor times shape at the floor): docs/motions.md, "The building's filter".
-
+# a_floor = (1 − Σφᵢ) a + Σ φᵢ (q̈ᵢ + a), with qᵢ the i-th mode's relative displacement and φᵢ its share (participation factor
+# times shape at the floor): docs/motions.md, "The building's filter".
 
 POINTS_PER_PERIOD: Final = 70
 """Samples in the shortest period: straight lines miss a sine by at most (2π/70)²/8 = 0.1 % of its amplitude."""
@@ -122,9 +120,7 @@ def _drawn(t_s: Floats, before: Floats, after: Floats) -> SampledAcceleration:
     return SampledAcceleration(times, values)
 
 
-# Times of samples as files print them: even within their digits, or put on an even clock that keeps every
-# sample it can.
-
+# Times of samples as files print them: even within their digits, or put on an even clock that keeps every sample it can.
 
 JITTER: Final = 0.02
 """Of a step: what times printed with few digits are off by."""

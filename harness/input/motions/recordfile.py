@@ -18,7 +18,6 @@ from harness.model.finding import Finding
 
 # Directions of recorded channels, from the many ways in which networks write them.
 
-
 _QUADRANT = re.compile(r"([NS])\s*(\d{1,2}(?:\.\d+)?)\s*([EW])", re.IGNORECASE)
 _NUMBER = re.compile(r"[0-9]{1,3}(?:\.[0-9]+)?")
 _SEED_CODE = re.compile(r"[HBECSMDL][NLHG]([NEZ])", re.IGNORECASE)
@@ -88,9 +87,7 @@ def parse_orientation(text: str) -> ChannelOrientation:
     return ChannelOrientation()
 
 
-# A uniform acceleration history on its way from a file to an excitation, with the list of what was done to
-# it.
-
+# A uniform acceleration history on its way from a file to an excitation, with the list of what was done to it.
 
 Floats = NDArray[np.float64]
 

@@ -103,7 +103,6 @@ def _horizontal(target: Target) -> tuple[tuple[float, float, float, float], str]
 
 # Intensity measures of one history: peaks, Arias intensity and its build-up, durations.
 
-
 BRACKET_G: Final = 0.05
 """Threshold of the bracketed duration (Bolt 1973)."""
 

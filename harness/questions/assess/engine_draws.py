@@ -127,7 +127,6 @@ class _Tally:
 
 # The engine's runs: each a keyed task of one campaign, so that a killed assessment goes on.
 
-
 OUTCOME: Final = "end and reach"
 """Kind of a result that is whether a statue fell, and how far one that stands went on the plan."""
 

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 # What a scene does not know, and seeded draws of it.
 
-
 Array = NDArray[np.float64]
 
 MOST: Final = {"contact.restitution": 1.0}
@@ -131,7 +130,6 @@ def row(draws: Mapping[str, Array], number: int) -> dict[str, float]:
 
 
 # A scene with other values of what it does not know.
-
 
 AXES: Final = ("x", "y", "z")
 STATIC: Final = "contact.floor_static"
@@ -400,7 +398,6 @@ def _sweep_of(scene: Scene, key: str, values: Array) -> dict[str, Array] | None:
 
 
 # The exact body in three dimensions on the draws of a scene that is shaken across its rocking plane.
-
 
 SPACE: Final = "spatial"
 MOST_STEPS: Final = 300_000

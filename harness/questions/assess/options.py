@@ -220,7 +220,6 @@ PAIRS: Final = (
 
 # Options set against the scene as it is, by one model with common random numbers.
 
-
 DIFFERENCE_LEVEL: Final = 0.99
 """Level of a difference's interval: of ten options without effect, one table in ten then names one."""
 HIGH: Final = 0.95

@@ -26,9 +26,8 @@ from harness.records.bench import (
 )
 from harness.runs.parts import Measurement, Part
 
-# Is the stated numerical uncertainty honest, and what does a target take? Seeded scenes, each against a much
-# finer run. Measured by a program that is given; its rows are kept and counted here.
-
+# Is the stated numerical uncertainty honest, and what does a target take? Seeded scenes, each against a much finer run.
+# Measured by a program that is given; its rows are kept and counted here.
 
 FIRST_SEED: Final = 20_900
 """Scenes from here on were not used to choose the levels or the safety factor."""

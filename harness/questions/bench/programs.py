@@ -19,7 +19,6 @@ from harness.runs.parts import Row
 
 # What a piece of work costs: best of several, after a warm-up, by the clock and by the processor.
 
-
 T = TypeVar("T")
 REPEATS: Final = 5
 BUDGET_S: Final = 1.0

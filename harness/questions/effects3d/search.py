@@ -32,9 +32,7 @@ from meshes.survey import adjusted
 if TYPE_CHECKING:
     from functools import _lru_cache_wrapper
 
-# What is changed of a scene, one thing at a time: components of the motion, base, inertia, survey,
-# friction, time step.
-
+# What is changed of a scene, one thing at a time: components of the motion, base, inertia, survey, friction, time step.
 
 GEOMETRY_REL: Final = 0.03
 """Uncertainty of centroid height, corners and inertia: a few per cent, as surveys of one statue differ."""
@@ -162,9 +160,7 @@ def without_meaning(scene: Scene) -> dict[str, str]:
     return reasons
 
 
-# How far a run in three dimensions leaves the plane of shaking: tilt, yaw, way, and whether it rocks on an
-# edge or a corner.
-
+# How far a run in three dimensions leaves the plane of shaking: tilt, yaw, way, and whether it rocks on an edge or a corner.
 
 UPRIGHT_RAD: Final = 1.0
 """Beyond this tilt the statue is falling: its yaw and its way say nothing of rocking."""

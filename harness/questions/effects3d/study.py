@@ -64,9 +64,7 @@ from meshes import footprint
 from meshes.orientation import turn_axis
 from meshes.solid import turn_about_z
 
-# What the rows of an effects study say together: the planar model asked at the base's sides, and each
-# condition's effect.
-
+# What the rows of an effects study say together: the planar model asked at the base's sides, and each condition's effect.
 
 GRAZING_COS: Final = 0.05
 """A side that the shaking meets more obliquely than this (87°) is not tipped by it."""
@@ -133,7 +131,6 @@ def effects(rows: Sequence[Amplitude], conditions: Sequence[str]) -> list[Effect
 
 # One case of an effects study run with histories, to be watched: where 3D leaves the plane most.
 
-
 PLANAR: Final = "analytic"
 
 
@@ -178,9 +175,7 @@ def _command(scene: Scene, azimuth_deg: float, peak: float, engine: str, dt_s: f
     )
 
 
-# The planar model's overturning amplitude of many statues that differ by a survey's errors: the band around a
-# rose.
-
+# The planar model's overturning amplitude of many statues that differ by a survey's errors: the band around a rose.
 
 SIGMAS: Final = 2.0
 """The stated uncertainty of a length or an inertia is this many standard deviations."""

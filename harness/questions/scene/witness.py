@@ -27,9 +27,7 @@ from harness.questions.scene.floor_impact import MODEL, under_static
 from harness.records.run import LEAST_S, PLAIN, Judged, Witness
 from harness.records.scores import ROBUST, Scores
 
-# Before two models are said to differ, a contact engine's run is made again to a finer target, up to where
-# they differ.
-
+# Before two models are said to differ, a contact engine's run is made again to a finer target, up to where they differ.
 
 CONFIRMATION_FACTOR: Final = 4.0
 """The finer run's target is this many times smaller: some two halvings of the step."""

@@ -39,9 +39,7 @@ from harness.records.study import CaseRun, StudyRow, TableRecord
 from harness.runs.store import STORE_NAME, PlannedRow, Store
 from harness.runs.task import RunRequest, Task, TaskResult, key_of, run_request
 
-# The rows of a study as its store holds them, one by one or in blocks: typed once, for all that is counted
-# and shown of them.
-
+# The rows of a study as its store holds them, one by one or in blocks: typed once, for all that is counted and shown of them.
 
 Chosen = Callable[[NDArray[np.int64]], NDArray[np.bool_]]
 MOST_WHOLE: Final = 110_000

@@ -136,7 +136,6 @@ def _drawn(item: Scatter, base: BaseScene, stream: np.random.Generator, samples:
 
 # What the analytic model needs of a study's cases: what many of them share is read and resolved once.
 
-
 Setting = Mapping[str, Value]
 SCALE: Final = "motion.scale"
 OF_MOTION: Final = ("gravity_m_s2", "duration_s")

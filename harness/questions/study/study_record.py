@@ -45,9 +45,7 @@ from harness.records.study import (
 )
 from harness.runs.store import PlannedRow, Store
 
-# What a study says: the claims where it judges any, else how often the models agree, else how often the
-# statue overturns.
-
+# What a study says: the claims where it judges any, else how often the models agree, else how often the statue overturns.
 
 MOST_FINDINGS: Final = 30
 """Kinds of findings of runs that a study keeps, the most frequent ones."""
@@ -155,7 +153,6 @@ def _witness(item: StudyWitness) -> list[Finding]:
 
 
 # A study's rows as a table for other programs.
-
 
 GROUP: Final = 16_384
 """Rows of a row group."""

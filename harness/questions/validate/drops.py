@@ -29,10 +29,8 @@ from harness.records.validation import Cell, MeasuredTable
 
 # Measured planar drops: how probable each model makes the final quarter turn that was seen.
 #
-# One line a frame: `drop` (its name), `row` (its number), the centroid's place `x_m, z_m` over the ground,
-# the rotation `theta_rad` (from x to z, not wrapped) and the velocities, which are not read: a flight's
-# own places say them with less noise.
-
+# One line a frame: `drop` (its name), `row` (its number), the centroid's place `x_m, z_m` over the ground, the rotation
+# `theta_rad` (from x to z, not wrapped) and the velocities, which are not read: a flight's own places say them with less noise.
 
 COLUMNS: Final = ("drop", "row", "x_m", "z_m", "theta_rad", "vx_m_s", "vz_m_s", "omega_rad_s")
 FRAME_S: Final = 1.0 / 250.0

@@ -32,7 +32,6 @@ from harness.runs.task import scene_key
 
 # The motion of a test: its table's columns, treated as the row says, and how strong it is.
 
-
 MOST_READ: Final = 512
 """Motions that are kept once they are read: of 39 000 samples they take 300 MB."""
 
@@ -185,7 +184,6 @@ def detrended(t_s: Array, velocity_m_s: Array) -> Array:
 
 
 # The scene of a test at one value of what is not known.
-
 
 AZIMUTH_SD_DEG: Final = 2.0
 """Scatter of the body's azimuth on the table: what placing by hand leaves."""

@@ -349,7 +349,6 @@ def _row(trial: Trial, item: ModelAnswers) -> KeyedRow:
 
 # What needs no model: a bare PGV threshold and probability, and the fragility contour in PGA against PGV/PGA.
 
-
 RIDGE: Final = 1e-6
 """Weight of the ridge that keeps the contour's Newton steps finite where the classes are separated: one case in a million."""
 CURVE_POINTS: Final = 60

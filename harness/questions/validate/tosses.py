@@ -215,7 +215,6 @@ def _corrected(pose: Pose, turn_rad: Array, spin_rad_s: Array, shift_m: Array, p
 
 # One toss computed and scored: how far rotation and place are off at every frame.
 
-
 STEPS_A_FRAME: Final = 8
 """Steps between two frames where no step is asked for: 0.84 ms at 148 Hz; four times as many change no median by a sixth
 of itself, less than the fit of friction leaves open (docs/scores.md)."""

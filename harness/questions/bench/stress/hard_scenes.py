@@ -20,7 +20,6 @@ from harness.records.bench import HardRow, KnownFailure, Measure, StabilityCell
 
 # Why a cell of a stability map is not stable: the setting of the same row that is, or nothing.
 
-
 ITERATIONS: Final = 3000
 """Solver iterations a step: ten times those of the finest levels, which leaves a bench scene's error to the step alone."""
 IMPACT_ITERATIONS: Final = 9000

@@ -18,7 +18,6 @@ from harness.runs.parts import Measurement, Part, Row
 
 # Mutated input files: a fuzz that is given, run in processes of its own; its rows summed by kind.
 
-
 PIECE: Final = 5000
 """Inputs of one process, of all kinds in turn: it first uses a whole file of each, which takes seconds."""
 COUNTS: Final = ("inputs", "accepted", "tracebacks", "hangs", "half_written")
