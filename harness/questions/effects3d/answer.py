@@ -47,23 +47,19 @@ def _peaks(record: EffectsRecord, engine: str) -> dict[float, float]:
 
 def _planar(record: EffectsRecord, solid: Peaks, planar: Peaks) -> Iterator[Finding]:
     over = [a for a in solid if math.isfinite(solid[a]) and planar[a] > (1.0 + NEAR) * solid[a]]
-    ratios = np.abs(
-        [
-            row.projected_g / solid[row.azimuth_deg] - 1.0
-            for row in record.static
-            if row.projected_g is not None and math.isfinite(solid.get(row.azimuth_deg, math.inf))
-        ]
-    )
+    sides = [row for row in record.static if math.isfinite(solid.get(row.azimuth_deg, math.inf))]
+    apart = {row: abs(row.projected_g / solid[row.azimuth_deg] - 1.0) for row in sides if row.projected_g is not None}
     values: dict[str, Any] = {"over": len(over), "directions": len(solid), "near": NEAR, "model": record.solid_engine}
     yield changes_answer("plane_unsafe", **values) if over else info("plane_safe", **values)
-    if ratios.size:
-        within = int((ratios <= NEAR).sum())
-        yield info("plane_by_sides", median=float(np.median(ratios)), directions=ratios.size, within=within, near=NEAR)
+    fall_over = {row.azimuth_deg: [row.side_deg] for row, share in apart.items() if share <= NEAR}
+    if apart:
+        median = float(np.median([*apart.values()]))
+        yield info("plane_by_sides", median=median, directions=len(apart), within=len(fall_over), near=NEAR)
     if over:
         most_g = record.study.search.most_g
         worst = max(over, key=lambda a: min(planar[a], most_g) / solid[a])
         never = sum(math.isinf(planar[a]) for a in over)
-        values = {"azimuth_deg": worst, "solid_g": solid[worst], "never": never}
+        values = {"azimuth_deg": worst, "solid_g": solid[worst], "never": never, "sides_deg": fall_over.get(worst, [])}
         bounded = math.isfinite(planar[worst])
         yield info(
             "plane_worst",

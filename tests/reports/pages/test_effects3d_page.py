@@ -37,7 +37,10 @@ def test_the_verdict_counts_where_the_planar_model_is_too_safe(tmp_path: Path, r
     assert (said["plane_unsafe"]["over"], said["plane_unsafe"]["directions"]) == (1, 4)
     assert said["plane_by_sides"]["within"] == 3
     worst = {"bounded": True, "azimuth_deg": 60.0, "planar_g": 1.0, "solid_g": 0.5, "error": 1.0, "never": 0}
-    assert said["plane_worst"] == worst
+    # Half of the shaking turns it about the side at 0°: that it falls there is told where the amplitude is that side's.
+    assert said["plane_worst"] == {**worst, "sides_deg": [0.0]}
+    elsewhere = [replace(each, projected_g=0.6) if each.azimuth_deg == 60.0 else each for each in record.static]
+    assert told(replace(record, static=elsewhere))["plane_worst"] == {**worst, "sides_deg": []}
     assert (said["survey_effect"]["low"], said["survey_effect"]["high"]) == pytest.approx((-0.03, -0.03))
     assert said["leaves_plane"]["walked_m"] == 0.012
     fallen = [replace(each, outcome=Outcome.OVERTURNED_BACK, walked_m=0.6) for each in record.departures[:1]]
