@@ -72,8 +72,12 @@ def design_figures(
 
 
 def best_designs(models: Sequence[str], conditions: Sequence[Condition], axes: tuple[str, str] | None) -> list[Finding]:
-    """For each model that slides: of the designs in which the statue stands and nothing tips, the least slip."""
+    """For each model that slides: of the designs in which the statue stands and nothing tips, the least slip, and which has it
+    where one has. Shakings are no designs.
+    """
     if axes is None or len({tuple(item.varied[key] for key in axes) for item in conditions}) != len(conditions):
+        return []
+    if any(key.startswith("motion.") for key in axes):
         return []
     found = []
     for model in models:
@@ -84,11 +88,10 @@ def best_designs(models: Sequence[str], conditions: Sequence[Condition], axes: t
         if not good:
             found.append(info("no_design_stands", designs=len(runs), model=model))
             continue
-        run, item = min(good, key=lambda pair: float(pair[0].peak_slip_m))
-        at = {key: item.number(key) for key in axes}
-        found.append(
-            info("best_design", good=len(good), designs=len(runs), slip_m=float(run.peak_slip_m), at=at, model=model)
-        )
+        slip_m = min(float(run.peak_slip_m) for run, _ in good)
+        best, *others = [item for run, item in good if run.peak_slip_m == slip_m]
+        at = {} if others else {key: best.number(key) for key in axes}
+        found.append(info("best_design", good=len(good), designs=len(runs), slip_m=slip_m, at=at, model=model))
     return found
 
 

@@ -35,6 +35,15 @@ def test_the_best_design_stands_and_does_not_tip() -> None:
     assert "width 0.8\u00a0m and height 0.2\u00a0m" in ENGLISH.say(found)
 
 
+def test_none_of_several_designs_that_slide_alike_is_named_and_no_shaking_is_a_design() -> None:
+    alike = [*DESIGNS, condition(0.8, 0.1, slip_m=0.0), condition(0.8, 0.3, slip_m=0.0)]
+    (found,) = best_designs([MODEL], alike, AXES)
+    assert (found.values["slip_m"], found.values["at"]) == (0.0, {})
+    shaken = ("pedestal.width_m", "motion.x.amplitude_g")
+    rows = [Condition(dict(zip(shaken, each.varied.values(), strict=True)), each.answers) for each in DESIGNS]
+    assert best_designs([MODEL], rows, shaken) == []
+
+
 def test_where_no_design_holds_that_is_said() -> None:
     (found,) = best_designs([MODEL], [DESIGNS[0], DESIGNS[3]], AXES)
     assert (found.code, found.values["designs"]) == ("no_design_stands", 2)
