@@ -670,12 +670,14 @@ def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> 
     pictures = [push_picture(scene, support, say, borne=borne), order_picture(scene, support, say)]
     if record.replay:
         pictures.insert(0, reach_picture(run_source(folder / record.replay.folder), say, "reach.replayed"))
-    variants = len({row.condition for row in record.rows})
+    groups = {item.condition: item.group for item in record.effects}.values()
+    # As it is known, and as it may be: neither a shorter step nor further components of the shaking are another statue.
+    variants = 1 + sum(group in ("base", "uncertainty") for group in groups)
     strongest = say.percent(borne[strong])
     points = [
         say("study.effects_least", weak=compass(weak, say), strong=compass(strong, say), push=strongest),
         say("study.effects_directions", count=len(borne), variants=variants),
-        say("study.effects_form"),
+        say("study.effects_axes" if "components" in groups else "study.effects_form"),
     ]
     # What shaking is borne says nothing of how probable a fall is: never green.
     headline = say("study.effects", push=say.percent(borne[weak]))

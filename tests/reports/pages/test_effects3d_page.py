@@ -20,6 +20,8 @@ from harness.records.kinds import read_result
 from reports.blocks import verdict
 from reports.charts.figure import Look
 from reports.drawing.effects_figures import RoseCurve, changes, rose, rose_of, turned_scan
+from reports.messages import ENGLISH
+from reports.pages.conservator import of_effects
 from reports.pages.page import write_report
 from reports.source import run_source
 from tests.budgets_reports import BASE_M
@@ -88,6 +90,20 @@ def test_the_page_is_written_and_says_what_was_left_out(record: EffectsRecord, t
     assert "rockcheck study rose.toml" in page
     assert 'id="replay-data"' not in page
     assert page.count("25 %") >= 1, "the share of the time on a corner"
+
+
+def test_the_conservator_is_told_of_variants_of_the_statue_and_of_what_shakes_it(
+    record: EffectsRecord, tmp_path: Path
+) -> None:
+    """Neither a shorter step nor a further component of the motion is another statue."""
+    more = [
+        replace(record.effects[0], condition=name, group=group)
+        for name, group in (("half the time step", "numerical"), ("with all three components", "components"))
+    ]
+    for beside, shaken in (([], "form"), (more[:1], "form"), (more, "axes")):
+        answer, *_ = of_effects(tmp_path, replace(record, effects=[*record.effects, *beside]))
+        assert ENGLISH("study.effects_directions", count=4, variants=2) in answer.points
+        assert ENGLISH(f"study.effects_{shaken}") in answer.points
 
 
 def test_a_rose_joins_only_directions_asked_one_after_another() -> None:
