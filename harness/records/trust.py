@@ -119,7 +119,7 @@ class TrustMap:
 @dataclass(frozen=True)
 class TrustSummary:
     """What a map cost: points, those at which engines were asked, those that checked the others and how many of these changed,
-    results found finished, processor time of all answers."""
+    results found finished, processor time of all answers; at how many all engines were asked, those in space too."""
 
     points: int
     asked: int
@@ -128,6 +128,7 @@ class TrustSummary:
     found: int
     cpu_s: float
     failed: int = 0
+    whole: int = 0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

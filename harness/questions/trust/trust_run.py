@@ -346,6 +346,7 @@ def trust_map(plane: Plane, names: tuple[str, ...], points: Points, *, coarse: b
         found=len(points.campaign.reused),
         cpu_s=points.campaign.asked_s,
         failed=points.campaign.failed,
+        whole=sum(len(each.whole) for each in found),
     )
     saved = saved_by(names, maps)
     return TrustRecord(
@@ -521,9 +522,10 @@ def findings_of(
     maps: Sequence[TrustMap], saved: Mapping[str, Saved], summary: TrustSummary, seed: int
 ) -> list[Finding]:
     """What the maps rest on, why models left their domain or the plane is not enough, and what the pedestal saves by engines."""
+    some = summary.whole if summary.whole < summary.asked else None
     checks = {"checked": summary.checked, "changed": summary.changed, "seed": seed}
     found = [
-        info("trust_asked", points=summary.points, asked=summary.asked),
+        info("trust_asked", points=summary.points, asked=summary.asked, some=some),
         caution("trust_checked", **checks) if summary.changed else info("trust_checked", **checks),
         *(info("pedestal_saves", model=name, **vars(each)) for name, each in saved.items() if name != MODEL),
     ]

@@ -35,10 +35,11 @@ from harness.questions.trust.trust_run import (
     doubtful,
     engines_of,
     falls,
+    findings_of,
 )
 from harness.records.kinds import read_result
 from harness.records.scores import Interval
-from harness.records.trust import CLASSES, CONTOURS, Rotation, TrustRecord
+from harness.records.trust import CLASSES, CONTOURS, Rotation, TrustRecord, TrustSummary
 from harness.runs.progress import duration_words
 from harness.runs.runner import InlinePool
 from harness.runs.store import STORE_NAME, Store
@@ -87,7 +88,7 @@ def test_the_command_writes_a_row_for_each_point_and_goes_on_with_what_it_has(sm
     assert [cell["class"] for cell in cells if cell["amplitude_over_g_tan_alpha"] < 1.0] == ["nothing_moves"] * 2
     asked = [cell for cell in cells if cell["basis"] in ("runs", "checked")]
     assert {*asked[0]["outcomes"]} == {"analytic", "pymunk"}
-    assert len(asked) == record["summary"]["asked"]
+    assert len(asked) == record["summary"]["asked"] == record["summary"]["whole"]
     with (out / "cells.csv").open() as stream:
         rows = list(csv.DictReader(stream))
     assert [row["class"] for row in rows] == [cell["class"] for cell in cells]
@@ -97,6 +98,13 @@ def test_the_command_writes_a_row_for_each_point_and_goes_on_with_what_it_has(sm
     assert second["maps"][0]["cells"] == cells
     with Store(out / STORE_NAME, "trust") as store:
         assert second["summary"]["found"] == len(store.keys())
+
+
+def test_at_how_many_points_an_engine_in_space_was_asked_is_told() -> None:
+    """It is asked on a coarse grid: not all models ran at each point at which those in the plane did."""
+    for whole, some in ((4, 4), (12, None)):
+        asked, *_ = findings_of([], {}, TrustSummary(24, 12, 1, 0, 0, 1.0, whole=whole), 0)
+        assert asked.values == {"points": 24, "asked": 12, "some": some}
 
 
 def test_what_a_map_takes_is_told_before_it_begins(monkeypatch: pytest.MonkeyPatch) -> None:
