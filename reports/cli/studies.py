@@ -15,7 +15,7 @@ from typing import Any, Final
 from harness.input.tables import kind_of
 from harness.model.errors import InputError, Mistake
 from harness.model.files import check_own, checksum, is_sealed
-from harness.model.finding import Say
+from harness.model.finding import Say, caution
 from harness.questions.study import estimate
 from harness.questions.study.cases import base_of
 from harness.questions.study.file import load_study
@@ -61,7 +61,7 @@ def run(
         if isinstance(kind, str) and kind in QUESTIONS:
             question: Any = import_module(QUESTIONS[kind])
             check_folder(folder, (kind,))
-            for name, given in (("--export", export), ("--resume", resume), ("--dask", dask)):
+            for name, given in (("--export", export), ("--resume", resume), ("--dask", dask), ("--witness", witness)):
                 if given and name in question.REFUSES:
                     raise InputError(Mistake(name, "", question.REFUSES[name], str(given)))
             pool = pool or stack.enter_context(_pool(jobs, dask, LIMIT_S))
@@ -86,6 +86,8 @@ def run(
         summary = run_study(study, path, store, pool, on_progress, singly=witness)
         seen = witness_study(study, path, store, pool, on_progress) if witness else None
         finished = study_record(study, path, store, summary, time.perf_counter() - start, seen)
+        if witness and seen is None:
+            finished = replace(finished, findings=[caution("no_witness"), *finished.findings])
         if export is not None:
             writer = export_parquet if export.suffix == ".parquet" else export_csv
             writer(store, study_name(study), export, _exported(export, folder))

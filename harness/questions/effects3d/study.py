@@ -407,7 +407,9 @@ def side_azimuths(scene: Scene) -> list[float]:
     return sorted(azimuths | {round((a + 180.0) % 360.0, 6) for a in azimuths})
 
 
-REFUSES: Final = {"--export": "a study of cases: all of one of the third dimension stands in its result.json"}
+REFUSES: Final = dict.fromkeys(
+    ("--export", "--witness"), "a study of cases: all of one of the third dimension stands in its result.json"
+)
 KIND = "effects3d"
 
 

@@ -46,7 +46,7 @@ COLUMNS: Final = (
     "peak_84_over_alpha",
 )
 REFUSES: Final = dict.fromkeys(
-    ("--export", "--resume", "--dask"),
+    ("--export", "--resume", "--dask", "--witness"),
     f"a study of cases: a rocking spectrum is computed at once, its map is {MAP_NAME}",
 )
 RING_DOWN_S: Final = 5.0

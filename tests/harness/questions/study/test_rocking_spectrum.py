@@ -138,7 +138,7 @@ def test_a_wrong_file_is_told_and_nothing_written(tmp_path: Path, more: str, say
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("option", [["--resume"], ["--dask", "local"], ["--export", "x.csv"]])
+@pytest.mark.parametrize("option", [["--resume"], ["--dask", "local"], ["--export", "x.csv"], ["--witness"]])
 def test_options_of_other_studies_are_refused(tmp_path: Path, option: list[str]) -> None:
     answer = CliRunner().invoke(app, ["study", str(written(tmp_path)), *option, "--out", str(tmp_path / "out")])
     assert isinstance(answer.exception, InputError)

@@ -21,6 +21,7 @@ from harness.records.kinds import read_result
 from harness.records.study import StudyRecord
 from harness.runs.runner import InlinePool
 from reports.cli import studies
+from tests.doubles import codes
 from tests.harness.questions.study.small_study import CONTACT, STUDY, written
 
 
@@ -68,8 +69,20 @@ def test_a_study_without_a_witness_says_nothing_of_one(tmp_path: Path) -> None:
     assert stored(tmp_path) == {"run": 24}
 
 
-def test_a_study_of_the_model_alone_has_no_witness(tmp_path: Path) -> None:
-    assert ran(tmp_path, STUDY, witness=True).witness is None
+def test_a_study_of_the_model_alone_has_no_witness_and_says_so(tmp_path: Path) -> None:
+    for asked in (True, False):
+        record = ran(tmp_path, STUDY, witness=asked)
+        assert record.witness is None
+        assert ("no_witness" in codes(record.findings)) is asked
+
+
+def test_why_runs_failed_is_told(tmp_path: Path) -> None:
+    """The exact body knows no pedestal: a count alone stood there."""
+    record = ran(tmp_path, STUDY.replace('engines = ["analytic"]', 'engines = ["analytic", "spatial"]'))
+    (told,) = (each for each in record.findings if each.code == "runs_failed")
+    failed = [row for row in record.rows if row.run and row.run.outcome.failed]
+    assert (told.engine, told.values["count"]) == ("spatial", len(failed))
+    assert "pedestal" in told.values["reason"]
 
 
 def test_what_plain_engines_refuse_is_not_drawn(tmp_path: Path) -> None:
