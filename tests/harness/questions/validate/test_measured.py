@@ -200,7 +200,9 @@ def test_ratios_are_held_against_the_model_and_an_imposed_one(tmp_path: Path) ->
     # Each block by the other's mean: 0.87 − 0.69 either way.
     assert imposed[2] == pytest.approx(math.sqrt(0.18**2 + scatter**2 / 2))
     assert [row[6] for row in groups.rows] == [pytest.approx(0.01), pytest.approx(-0.02)]
-    assert "By block" in write_report(tmp_path / "out").read_text(encoding="utf-8")
+    page = write_report(tmp_path / "out").read_text(encoding="utf-8")
+    assert "By block" in page
+    assert "<td>4</td>" in page, "a count has no decimals"
 
 
 @pytest.mark.parametrize(
