@@ -131,10 +131,11 @@ def _uncertain(model: BaseModel, key: str, spread: Lognormal | Normal | Uniform 
         return _impact(model, place, spread)
     value = FACTORS.get(key, _number(model, JOINT.get(key, key)))
     if value is None or key.startswith("uncertainty"):
+        advice = nearest(key, [item.keys for item in ASSUMPTIONS]) if assumption(key) is None else ""
         raise Contradiction(
             place,
             'the dotted key of a number of this scene, such as "contact.floor" or "motion.scale"',
-            "; ".join(filter(None, ("no such number", nearest(key, [item.keys for item in ASSUMPTIONS])))),
+            "; ".join(filter(None, ("no such number", advice))),
         )
     if spread.kind == "assumed":
         if (given := assumption(key)) is None:

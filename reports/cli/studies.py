@@ -132,8 +132,9 @@ def _check(folder: Path, resume: bool, export: Path | None) -> None:
         return
     if export.suffix not in (".csv", ".parquet"):
         raise InputError(Mistake("--export", "", "a file ending in .csv or .parquet", str(export)))
-    if not Path(os.path.realpath(export)).parent.is_dir():
-        raise InputError(Mistake("--export", "", "a file in an existing folder", str(export)))
+    there = Path(os.path.realpath(export)).parent
+    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
+        raise InputError(Mistake("--export", "", "a file in a folder that can be written", str(export)))
     check_own(export, _exported(export, folder), "--export")
 
 

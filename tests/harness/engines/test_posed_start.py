@@ -55,6 +55,16 @@ def turned(found: Run) -> Rotation:
     return Rotation.from_euler("xyz", np.column_stack([extra[f"{name}_rad"] for name in ("roll", "pitch", "yaw")]))
 
 
+def test_a_thrown_body_of_too_many_vertices_is_refused_in_one_sentence() -> None:
+    angles = np.linspace(0.0, 2.0 * math.pi, 300, endpoint=False)
+    ring = np.column_stack([0.2 * np.cos(angles), 0.2 * np.sin(angles), np.zeros(300)])
+    case = thrown(Pose((0.0, 0.0, 2.0)), 0.2)
+    found = run("spatial", replace(case, statue=replace(case.statue, footprint_m=ring)), 1e-3)
+    assert found.outcome is Outcome.CRASHED
+    assert "at most 256 vertices" in found.message
+    assert not found.message.endswith(".")
+
+
 @pytest.mark.parametrize("name", sorted(engines.REGISTRY))
 def test_a_pose_is_begun_from_or_refused(name: str) -> None:
     engine: Engine = engines.load(name)

@@ -60,6 +60,7 @@ WIDE = '{ kind = "lognormal", cov = 0.4 }'
 @pytest.mark.parametrize(
     ("line", "wanted"),
     [
+        ('"statue.mesh.density_kg_m3" = { kind = "normal", sd = 0.1 }', "got no such number$"),
         ('"contact.flor" = { kind = "lognormal", cov = 0.1 }', "got no such number; did you mean contact.floor?"),
         ('"title" = { kind = "normal", sd = 0.1 }', "a number of this scene"),
         ('"initial.theta_rad" = { kind = "lognormal", cov = 0.1 }', "a positive value"),
