@@ -13,7 +13,8 @@ from harness.records.scores import Interval, Scores
 
 # The record of a measured set that is told by tables: tosses, planar drops, impact ratios; or of all that was checked.
 
-Cell = str | float | None
+Cell = str | int | float | None
+"""A count that is read as one is told without decimals."""
 About = Literal["tosses", "drops", "impact_ratios", "checked"]
 
 
