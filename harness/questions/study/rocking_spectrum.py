@@ -18,11 +18,11 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from analytic import Block, Form, Outcome, ensemble
-from analytic.block import GRAVITY_M_S2
 from analytic.excitation import Excitation
 from harness.comparison.statistics.distributions import wilson
 from harness.input.mistakes import Contradiction, UserTable
 from harness.input.motions import SceneMotion, prepare
+from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
 from harness.input.motions.spec import RecordSpec, Source
 from harness.input.tables import read_model
 from harness.model.errors import InputError, Mistake
@@ -191,7 +191,9 @@ def run_file(
     motions = []
     for source, item in zip(spectrum.motion, excitations, strict=True):
         pgv_m_s = float(np.max(np.abs(item.velocity_m_s(np.linspace(0.0, item.end_s, 20_001)))))
-        motions.append(SpectrumMotion(Path(source.file).name, item.peak_m_s2 / GRAVITY_M_S2, pgv_m_s, item.end_s))
+        motions.append(
+            SpectrumMotion(Path(source.file).name, item.peak_m_s2 / STANDARD_GRAVITY_M_S2, pgv_m_s, item.end_s)
+        )
     record = RockingSpectrumRecord(
         title=spectrum.title,
         restitution=spectrum.restitution,

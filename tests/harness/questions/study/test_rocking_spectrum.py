@@ -97,10 +97,12 @@ def test_a_drawn_strength_makes_a_probability_of_one_motion(tmp_path: Path) -> N
 
 def test_the_command_writes_page_record_and_map(tmp_path: Path) -> None:
     path = written(tmp_path)
+    path.write_text(path.read_text().replace('"weak.csv"', '"weak.csv"\npga_g = 0.2'))
     answer = CliRunner().invoke(app, ["study", str(path), "-j", "1", "--out", str(tmp_path / "out")])
     assert answer.exit_code == 0, answer.output
     assert "40 runs" in answer.output
     record = json.loads((tmp_path / "out" / "result.json").read_text(encoding="utf-8"))
+    assert record["motions"][0]["pga_g"] == pytest.approx(0.2, rel=1e-12), "in the g in which it was asked"
     with (tmp_path / "out" / "spectrum.csv").open(newline="", encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     assert len(rows) == 4 * 5
