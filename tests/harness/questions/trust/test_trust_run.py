@@ -34,6 +34,7 @@ from harness.questions.trust.trust_run import (
     crossing,
     doubtful,
     engines_of,
+    explored,
     falls,
     findings_of,
 )
@@ -242,6 +243,42 @@ def wide() -> Map:
     whole = Plane(None, None, "sine", [0.1 * 1.08**j for j in range(9)], [1.0, 1.5, 2.0])  # type: ignore[arg-type]
     model = {point: word("no_answer") for point in whole.points}
     return Map(whole, ALL, model, set(), {(i, j): word("confirmed") for i in range(3) for j in (0, 8)})
+
+
+@dataclass
+class Invented:
+    """Answers as `Points` gives them, of no run: at these points engines refute the model, at all others they confirm it."""
+
+    refuted: set[Point]
+    asked: dict[tuple[str, ...], set[Point]] = field(default_factory=dict)
+    horizons: dict[str, Any] = field(default_factory=dict)
+    paths: dict[str, Rotation] = field(default_factory=dict)
+
+    def kept(self, plane: Plane, points: Sequence[Point], names: tuple[str, ...], horizons: object = None) -> Any:
+        self.asked.setdefault(names, set()).update(points)
+        return {at: replace(self, refuted={at} & self.refuted) for at in points}
+
+    def said(self, scene: Scene, names: tuple[str, ...]) -> Said:
+        return word("refuted" if self.refuted and names != (MODEL,) else "confirmed")
+
+
+def test_a_whole_map_is_asked_from_its_ends_and_what_a_check_finds_is_bracketed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """No engine runs: the questions of a map are answered by whoever is given."""
+    monkeypatch.setattr(Plane, "at", lambda plane, point: None)
+    monkeypatch.setattr(Plane, "at_rest", lambda plane, point: False)
+    whole = Plane(None, None, "sine", [0.1 * 1.02**j for j in range(33)], [1.0, 1.3, 1.7, 2.2])  # type: ignore[arg-type]
+    calm = Invented(set())
+    found = explored(whole, NAMES, calm, 0)  # type: ignore[arg-type]
+    assert calm.asked[MODEL,] == set(whole.points)
+    assert calm.asked[NAMES] == {(i, j) for i in range(4) for j in (0, 32)} | found.checks
+    # Between the ends of a frequency, at which the model says the same.
+    odd = Invented({(1, j) for j in range(9, 25)})
+    found = explored(whole, NAMES, odd, 1)  # type: ignore[arg-type]
+    assert found.changed
+    assert {at for at, (kind, _, _) in found.words().items() if kind == "refuted"} == odd.refuted
+    assert len(odd.asked[NAMES]) < len(whole.points) / 2
 
 
 def test_an_engine_in_space_is_asked_where_it_says_another_class(monkeypatch: pytest.MonkeyPatch) -> None:
