@@ -76,9 +76,14 @@ def fixed_width(
         )
     padded = [_plain(line.rstrip()) for line in lines]
     padded = [line.ljust(-(-len(line) // width) * width) for line in padded]
-    text = "".join(padded)[: count * width]
+    joined = "".join(padded)
+    text = joined[: count * width]
     values = _words(padded, count)
     if values is None:
+        # A last line may be filled up with noughts; other numbers are the next block's, or of a line that is there twice.
+        if re.search("[1-9]", joined[count * width :]):
+            advice = "a line is missing, or there twice: download the file again"
+            raise mistake(where, what, f"{count} numbers in {len(lines)} lines, as its header says", "more", advice)
         try:
             values = _floats(text, [text[i : i + width] for i in range(0, len(text), width)])
         except ValueError:

@@ -51,8 +51,11 @@ def test_what_is_no_number_is_refused_with_its_line(bad: str) -> None:
 
 
 def test_fixed_width_reads_what_touches_and_names_a_bad_field() -> None:
-    found = fixed_width(["-11024.7 12.5   1.0", "   2.5"], 8, 3, where="f", first_line=1)
-    np.testing.assert_array_equal(found, [-11024.7, 12.5, 1.0])
+    for filled_up in ("", "   0.0"):
+        found = fixed_width(["-11024.7 12.5   1.0", filled_up], 8, 3, where="f", first_line=1)
+        np.testing.assert_array_equal(found, [-11024.7, 12.5, 1.0])
+    with pytest.raises(InputError, match="wanted 3 numbers in 2 lines, as its header says, got more"):
+        fixed_width(["-11024.7 12.5   1.0", "   2.5"], 8, 3, where="f", first_line=1)
     with pytest.raises(InputError, match="line 5, column 9"):
         fixed_width(["     1.0********"], 8, 2, where="f", first_line=5)
     with pytest.raises(
