@@ -60,7 +60,7 @@ def blocks(_folder: Path, record: AssessRecord, say: Language) -> list[Block]:
 def models_table(record: AssessRecord, say: Language) -> Table | None:
     """How probable a fall is by each model, or why it says nothing; the terminal shows the same."""
     rows = [
-        {"model": name, "probability": say.value(item.probability_overturned, "share"), "interval": _between(say, item),
+        {"model": name, "probability": _probability(item, say), "interval": _between(say, item),
          "draws": item.draws, "runs": item.engine_runs, "undecided": say.value(item.undecided, "share")}
         if isinstance(item, Assessment) else
         {"model": name, "probability": say("text.not_assessed"), "interval": item.message if item else "",
@@ -73,6 +73,11 @@ def models_table(record: AssessRecord, say: Language) -> Table | None:
 def assess_verdict(record: AssessRecord) -> Verdict:
     """The record's answer, in the colour of the most probable fall."""
     return verdict(record, tone_of_answers(record.answers) if record.answers else "failed")
+
+
+def _probability(item: Assessment | OptionAnswer, say: Language) -> str:
+    """How probable the fall is; of one that may as well be improbable no number."""
+    return say.value(item.probability_overturned, "share") if item.tells else "–"
 
 
 def _between(say: Language, item: Assessment | OptionAnswer) -> str:
@@ -104,7 +109,7 @@ def _options(record: AssessRecord, say: Language) -> list[Section]:
     rows = [
         {
             "option": say.word(item.name),
-            "probability": (say.value(item.probability_overturned, "share") if item.tells else "–")
+            "probability": _probability(item, say)
             + (f" ({say('text.no_end', share=say.value(item.undecided, 'share'))})" if item.undecided else ""),
             "shown": "" if item.difference is None
             else say("text.helps" if item.helps else "text.harms" if item.harms else "text.not_shown"),

@@ -102,7 +102,7 @@ def _other_commands(answers: Mapping[str, Assessment], file: str | None, *, pede
     """The command that knows what every answer leaves out: the shaking across the plane, or most draws on a pedestal."""
     if answers and all(item.plane_only for item in answers.values()):
         yield caution("assess_in_space", file=file or "SCENE")
-    if answers and pedestal and all(not item.tells for item in answers.values()):
+    if list(answers) == [MODEL] and pedestal and not answers[MODEL].tells:
         yield caution("assess_by_contact", file=file or "SCENE")
 
 
@@ -179,7 +179,7 @@ def best_option(record: OptionsRecord, *, contradicted: bool = False) -> Finding
         option=best.name,
         share=best.probability_overturned,
         undecided=best.undecided or None,
-        now=now.probability_overturned,
+        now=now.probability_overturned if now.tells else None,
         slip_m=best.slip_high_m,
         equal=[item.name for item in others if item.low <= best.high],
     )

@@ -208,7 +208,7 @@ def assess(
     }
     answers = {MODEL: by_own, **answers}
     on_progress(f"{MODEL}: clearance")
-    room = {MODEL: of_model(scene, values), **room}
+    room = {MODEL: of_model(scene, values, model), **room}
     record = AssessRecord(
         title=scene.title,
         scene=SceneRecord.of(scene),

@@ -44,22 +44,19 @@ LEAST_DRAWS: Final = 20
 """Fewer standing draws have no 95 % quantile: none is told then."""
 
 
-def of_model(scene: Scene, values: Mapping[str, Array]) -> ClearanceByModel:
-    """The clearance right and left by the analytic model, on the first draws."""
-    from analytic import Outcome, simulate
+def of_model(scene: Scene, values: Mapping[str, Array], draws: ModelDraws) -> ClearanceByModel:
+    """The clearance right and left by the analytic model: of the first draws those in which it knows that the statue stands."""
+    from analytic import simulate
 
-    size = min(CLEARANCE_DRAWS if sweepable(scene, values) else SLOW_DRAWS, len(next(iter(values.values()))))
-    reached, undecided = [], 0
-    for k in range(size):
-        drawn = varied(scene, row(values, k))
+    size = CLEARANCE_DRAWS if sweepable(scene, values) else SLOW_DRAWS
+    decided, fell, reached = draws.decided[:size], draws.overturned[:size], []
+    for number in np.flatnonzero(decided & ~fell).tolist():
+        drawn = varied(scene, row(values, number))
         shaken = drawn.base_excitation
         keywords = {**twoblock.keywords(drawn), "dt_s": STEP_S}
         solution = simulate(twoblock.block_of(drawn), shaken.x, shaken.z, **keywords)  # type: ignore[arg-type]
-        if solution.outcome == Outcome.STANDS:
-            reached.append(reach_m(drawn, solution.theta_rad, solution.slip_m, {}))
-        elif not solution.outcome.startswith("overturned"):
-            undecided += 1
-    return clearance(reached, np.ones(len(reached)), size, undecided)
+        reached.append(reach_m(drawn, solution.theta_rad, solution.slip_m, {}))
+    return clearance(reached, np.ones(len(reached)), decided.size, int((~decided).sum()))
 
 
 def of_engine(strata: Ints, fell: Mapping[int, bool | None], reached_m: Mapping[int, Array]) -> ClearanceByModel:

@@ -24,6 +24,8 @@ from harness.questions.assess.by_model import Outside, assess_models, probabilit
 from harness.questions.assess.engine_draws import jeffreys
 from harness.questions.assess.model_draws import ModelDraws, draw, draws_of, model_draws, row, uncertain_inputs, varied
 from harness.records.assess import Assessment, AssessRecord, NotAssessed
+from reports.messages import ENGLISH
+from reports.pages.assess_page import models_table
 from reports.text.wording import tone_of_answers, worse_tone
 from tests import budgets_assess as budget
 from tests.engines_for_tests import ready
@@ -136,6 +138,17 @@ def test_a_difference_counts_what_the_models_own_draws_leave_open() -> None:
     assert (told.value, told.low, told.high) == pytest.approx((-0.1, -0.15, 0.05))
     alone = difference(own, Outside(0.0, 0.0, 0.0, 0.0), other)
     assert (alone.low, alone.high) == pytest.approx((-0.14, -0.06))
+
+
+def test_a_contact_engine_that_was_asked_is_not_advised() -> None:
+    record = assess(paestum(0.05, 3.0, duration_s=0.5), ["analytic"], draws=20, more_options=None).record
+    open_ended = Assessment(0.03, 0.01, 0.7, 0.9, 20, 20, 0.6)
+    for names, advised in ((["analytic"], True), (["analytic", "pymunk"], False)):
+        mine = replace(record, assessment=dict.fromkeys(names, open_ended))
+        assert ("assess_by_contact" in codes(mine)) is advised
+    table = models_table(replace(record, assessment={"analytic": open_ended}), ENGLISH)
+    assert table is not None
+    assert table.rows[0][1] == "–"
 
 
 def codes(record: AssessRecord) -> set[str]:

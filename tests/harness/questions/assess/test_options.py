@@ -177,6 +177,9 @@ def test_of_options_that_never_fall_the_one_whose_draws_all_end_is_the_best() ->
     ]
     told = [best_option(OptionsRecord(some, 300, 0.9, 0.99, {})).values for some in (ends, ends[:2])]
     assert [(each["option"], each["undecided"]) for each in told] == [("ends", None), ("open", 0.02)]
+    assert told[0]["now"] == 0.2
+    unknown = replace(ends[0], high=0.8)
+    assert best_option(OptionsRecord([unknown, *ends[1:]], 300, 0.9, 0.99, {})).values["now"] is None
 
 
 def test_the_shipped_pedestal_protects_its_statue() -> None:
