@@ -112,9 +112,13 @@ def _more(one: ClaimRun, other: ClaimRun) -> float:
     return difference_rad if abs(difference_rad) > one.error_rad + other.error_rad else 0.0
 
 
+def _rocks(one: ClaimRun, other: ClaimRun) -> bool:
+    """Whether either statue rocks: two at rest are no comparison."""
+    return max(one.peak_rad, other.peak_rad) >= ROCKS_RAD
+
+
 def rotates_more(answers: Sequence[ClaimRun]) -> Counted:
-    rocking = [(f, p) for f, p in _pairs(answers) if max(f.peak_rad, p.peak_rad) >= ROCKS_RAD]
-    low = [(f, p) for f, p in rocking if f.frequency_hz <= LOW_HZ]
+    low = [(f, p) for f, p in _pairs(answers) if f.frequency_hz <= LOW_HZ and _rocks(f, p)]
     held = sum(f.no_return_s <= p.no_return_s if f.overturned or p.overturned else _more(f, p) > 0.0 for f, p in low)
     both = sum(f.overturned and p.overturned for f, p in low)
     return held, len(low), info("evidence_i", held=held, cases=len(low), limit_hz=LOW_HZ, both=both)
@@ -213,7 +217,8 @@ def weakest_plane(answers: Sequence[ClaimRun]) -> Counted:
     others = [
         item for item in answers if float(item.varied.get(AZIMUTH, 0.0)) != 0.0 and item.without(AZIMUTH) in lateral
     ]
-    pairs = [(lateral[item.without(AZIMUTH)], item) for item in others]
+    both = [(lateral[item.without(AZIMUTH)], item) for item in others]
+    pairs = [(first, other) for first, other in both if _rocks(first, other)]
     held = sum(_is_worse(first, other) for first, other in pairs)
     falls = sum(item.overturned for item in lateral.values())
     values = {"falls": falls, "lateral": len(lateral), "other_falls": sum(item.overturned for item in others)}

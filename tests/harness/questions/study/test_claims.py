@@ -196,6 +196,7 @@ def test_the_weakest_plane_is_the_one_in_which_every_motion_does_most() -> None:
     assert verdict(plane(0.0, 0.2), plane(60.0, 1.5, 2.0), plane(90.0, 0.1)) == claims.SOME
     assert verdict(plane(0.0, 0.2), plane(90.0, 0.3)) == claims.FAILS
     assert verdict(plane(0.0, 0.2)) == claims.UNTESTED
+    assert verdict(plane(0.0, 0.0), plane(90.0, 1e-5)) == claims.UNTESTED, "two at rest are no comparison"
 
 
 def test_pedestals_of_two_masses_are_each_compared_with_the_floor() -> None:
