@@ -250,8 +250,11 @@ def _answer(source: RunSource, nominal: str, say: Language) -> tuple[str, list[s
     item = source.record.assessment[worst(source.record.assessment)]
     # What follows a touch of the wall no model knows: such a draw is undecided, and yet it is known what happens.
     undecided, wall = max(item.undecided - item.touches_wall, 0.0), item.touches_wall
+    # Where draws leave it open, an end other than standing of the values as given is more than no answer.
+    ends = [run.outcome for run in source.answered.values()]
+    unknown = nominal if any(end is not Outcome.STANDS for end in ends) else say("chance.open")
     if undecided >= 1.0:
-        return say("chance.open"), []
+        return unknown, []
     open_ = [
         *([say("chance.wall", share=_share(wall, say))] if wall else []),
         *([say("chance.undecided", share=_share(undecided, say))] if undecided else []),
@@ -262,7 +265,7 @@ def _answer(source: RunSource, nominal: str, say: Language) -> tuple[str, list[s
     if wall >= MOSTLY:
         often = "wall_always" if wall > 1.0 - NEXT_TO_NONE else "wall_mostly"
         return say(f"chance.{often}", share=f"{100.0 * wall:.0f}"), basis
-    return _falls(item, say) if item.tells else say("chance.open"), basis
+    return _falls(item, say) if item.tells else unknown, basis
 
 
 def _falls(item: Assessment, say: Language) -> str:

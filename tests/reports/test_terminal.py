@@ -78,6 +78,7 @@ def test_a_motion_of_many_findings_fits(data_dir: Path) -> None:
         [*found.findings, *(caution("record_flat", channel=f"C{k}", lasts_s=0.2) for k in range(9))], ENGLISH.say
     )
     lines = [*motion_lines(found, many), "picture: out/quake/motion.png"]
+    assert found.source["unit"] in lines[0]
     assert len(lines) <= LINES
     assert max(map(len, lines)) <= COLUMNS
     assert sum("further finding" in line for line in lines) == 1

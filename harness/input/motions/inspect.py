@@ -75,7 +75,8 @@ def inspect_file(
     """The record in `path` as it is, with its sister files' channels; InputError where it cannot be read."""
     record = read_record(path, unit=unit, layout=layout)
     tested = "tried on originals" if record.tested else "untested on originals"
-    source = {"file": str(path), "format": f"{record.format} (reader {tested})", "unit": record.unit}
+    # A path may be long: in a line that is cut off the unit stands before it.
+    source = {"unit": record.unit, "format": f"{record.format} (reader {tested})", "file": str(path)}
     source |= {key: " ".join(said.split()) for key, said in record.facts.items()}
     series = aligned(record)
     traces = tuple(

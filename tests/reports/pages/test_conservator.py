@@ -321,6 +321,12 @@ def test_the_few_draws_that_ended_are_no_headline(tmp_path: Path) -> None:
     assert answer(page).tone == "differ"
     assert not re.search("0[.]0026|0[.]26|0[.]19", spoken(page)), "a share of the few draws that ended"
     assert not re.search("analytic|pymunk|pybullet", spoken(page)), "an engine"
+    # An end of the values as given is told before that: it is more than no answer.
+    off = {name: replace(run, outcome=Outcome.LEFT_PEDESTAL) for name, run in source.runs.items()}
+    for undecided in (0.9974, 1.0):
+        open_ = {"analytic": replace(few, undecided=undecided)}
+        page = of_run(replace(source, record=replace(source.record, assessment=open_, runs=off)))
+        assert answer(page).headline.endswith(ENGLISH(f"end.{Outcome.LEFT_PEDESTAL}"))
 
 
 def test_draws_that_strike_the_wall_are_no_open_answer(tmp_path: Path) -> None:
