@@ -327,14 +327,19 @@ def _intensity_and_fall(
 
 
 def score_pairs(trials: Sequence[Trial], answered: Sequence[ModelAnswers]) -> list[PairScores]:
-    """One entry for each two models, the later of the two against the earlier, over the tests that both answered.
+    """One entry for each two models, the later of the two against the earlier, over the tests that both were asked; none without.
 
     The verdicts take a numerical error that is not stated as zero. No histories are kept of a validation's runs: verdicts rest on
     the peaks and the times at which they are reached.
     """
-    rows = {item.model.name: [_row(trial, item) for trial in trials] for item in answered}
+    rows = {
+        item.model.name: [_row(trial, item) for trial in trials if item.asked is None or trial.name in item.asked]
+        for item in answered
+    }
     pairs = []
     for b, a in itertools.combinations(rows, 2):
+        if not {row.number for row in rows[a]} & {row.number for row in rows[b]}:
+            continue
         scores = score_sets([*rows[b], *rows[a]], reference=b)[a]
         unstated = [
             name for name in (a, b) if any(row.run and row.run.numerical_uncertainty_rad is None for row in rows[name])

@@ -158,6 +158,7 @@ def test_an_engine_is_asked_near_the_boundary_of_another_model_alone(tmp_path: P
     found = validate(path, tmp_path / "out", models=names, samples=6, quiet=True)
     model = found["models"]["spatial@near=analytic"]
     assert (model["near"], model["asked"]) == ("analytic", 2)
+    assert [pair["cases"] for pair in found["pairs"]] == [2], "what is taken from the other agrees with it"
     p = [[row["probability"][name] for name in names] for row in found["rows"]]
     assert all(p[k][0] == p[k][1] for k in (0, 3))
     # Four tests as they are and in six draws by the model, two again by the exact body.
