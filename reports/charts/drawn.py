@@ -6,8 +6,10 @@ its rows. Columns that are arrays are the samples of curves along the first of t
 
 from __future__ import annotations
 
+import errno
 import itertools
 import re
+import resource
 from collections.abc import Iterable, Mapping, Sequence
 from textwrap import wrap
 from typing import Any, Final
@@ -29,6 +31,8 @@ BETWEEN: Final = 24
 """Pixels between plots side by side."""
 BESIDE: Final = 96
 """Pixels beside the plot of a chart of several, for the names of its axes."""
+RESERVED: Final = 68 * 2**30
+"""Bytes of addresses, not of memory, that the library's engine reserves; where it may not, it ends the process."""
 CUT: Final = re.compile(r"(?<=[\"#])clip\d+(?=[\")])")
 """What the library calls the outlines at which it cuts."""
 TAG: Final = re.compile(r"<[^>]*>")
@@ -90,9 +94,13 @@ def sized(spec: Any, width: float, alone: bool = True) -> Any:
 
 
 def svg(spec: Json, width: float = WIDE, most: int = POINTS, words: str = "", background: str = "transparent") -> str:
-    """The chart as SVG that many pixels wide, `words` over it."""
+    """The chart as SVG that many pixels wide, `words` over it. Raises `OSError` where addresses are limited to too few."""
     import vl_convert
 
+    if 0 <= resource.getrlimit(resource.RLIMIT_AS)[0] < RESERVED:
+        raise OSError(
+            errno.ENOMEM, f"charts take {RESERVED // 2**30} GiB of addresses: give `ulimit -v unlimited` before"
+        )
     chosen = {each["name"]: each["value"] for each in spec["params"] if "bind" in each and "value" in each}
     data = {name: rows(parts, most, chosen) for name, parts in spec["datasets"].items()}
     over = {"title": wrap(words, max(20, int((width - 16.0) / LETTER)))} if words else {}

@@ -68,7 +68,7 @@ def fixed_width(
 ) -> NDArray[np.float64]:
     """The first `count` numbers of `lines`: so many words, of any width, or columns of `width` characters that may touch.
 
-    `first_line` is the number of lines[0] in the file, for messages. Raises InputError where numbers are missing or none.
+    `first_line` is the number of lines[0] in the file, for messages. Raises InputError where numbers are missing, none, or more.
     """
     if not 1 <= width <= WIDEST:
         raise mistake(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import resource
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import Any
@@ -144,3 +145,11 @@ def test_rings_are_round_within_and_few(most: float) -> None:
     assert found == pytest.approx(found[0] * np.arange(1, len(found) + 1))
     assert found[-1] <= most < found[-1] + found[0]
     assert f"{found[0]:e}"[0] in "125"
+
+
+def test_addresses_that_are_limited_are_told_before_the_library_ends_the_process(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (2**33, 2**33))
+    with pytest.raises(OSError, match="ulimit -v unlimited"):
+        svg(curve([0.0, 1.0], [0.0, 1.0]))
