@@ -148,14 +148,16 @@ def _shares(say: Language, shares: Mapping[str, float]) -> str:
 
 
 def _factors(say: Language, factors: Mapping[str, Sequence[float | None]]) -> str:
-    """`5 % at 1.10 (1.02 to 1.20)`: the factor at which each share is reached, and what draws leave open."""
+    """`5 % at 1.10 (1.02 to 1.20)`: the factor at which each share is reached, what draws leave open, `≤` the weakest tried."""
 
-    def factor(at: float | None) -> str:
-        return "–" if at is None else say.digits(at, 3)
+    def factor(at: float | None, weakest: float | None) -> str:
+        return "–" if at is None else f"≤ {say.digits(at, 3)}" if at == weakest else say.digits(at, 3)
 
-    def each(share: str, soonest: float | None, at: float | None, latest: float | None) -> str:
-        between = "" if soonest == latest else f" ({factor(soonest)} {say.word('to')} {factor(latest)})"
-        return f"{say.value(float(share), 'share')} {say.word('at')} {factor(at)}{between}"
+    def each(
+        share: str, soonest: float | None, at: float | None, latest: float | None, weakest: float | None = None
+    ) -> str:
+        between = f" ({factor(soonest, weakest)} {say.word('to')} {factor(latest, weakest)})"
+        return f"{say.value(float(share), 'share')} {say.word('at')} {factor(at, weakest)}{'' if soonest == latest else between}"
 
     return say.listed(each(share, *at) for share, at in factors.items())
 

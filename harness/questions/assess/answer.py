@@ -122,7 +122,11 @@ def reserve(item: FragilityRecord, alone: str = "") -> Finding:
     `alone`: the analytic model's is none, as it leaves a part of the shaking out ("plane") or others contradict it ("alone").
     """
     soonest, latest = ({**item.factor_at, **at} for at in (item.soonest_at, item.latest_at))
-    factors = {share: [soonest[share], at, latest[share]] for share, at in item.factor_at.items() if at is not None}
+    # A probability that the weakest shaking tried already has is reached by that, or by less.
+    weakest = item.factor[0]
+    factors = {
+        share: [soonest[share], at, latest[share], weakest] for share, at in item.factor_at.items() if at is not None
+    }
     kind = "none" if (item.factor_at[FIRST] or math.inf) <= 1.0 else "some"
     if kind == "some" and (soonest[FIRST] or math.inf) <= 1.0:
         kind = "open"

@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 
 from harness.input.scene_file import load_scene
+from harness.model.finding import info
 from harness.model.scene import Uncertain
 from harness.questions.assess.answer import reserve
 from harness.questions.assess.model_draws import ModelDraws, draw, model_draws, sweepable, uncertain_inputs
 from harness.questions.assess.sensitivity import LEAST_DRAWS, fragility, fragility_of, indices, indices_of_draws
+from reports.messages import ENGLISH
 from tests import budgets_assess as budget
 from tests.harness.questions.assess.measure_own_runs import SCENE
 
@@ -114,7 +116,11 @@ def test_draws_without_an_end_stand_at_one_edge_of_the_fragility_and_fall_at_the
         assert soonest < (decided.soonest_at[asked] or 0.0)
     told, at = reserve(decided).values, decided.factor_at["0.05"]
     assert (told["kind"], told["undecided"]) == ("some", 0.0)
-    assert told["factors"]["0.05"] == [decided.soonest_at["0.05"], at, decided.latest_at["0.05"]]
+    assert told["factors"]["0.05"] == [decided.soonest_at["0.05"], at, decided.latest_at["0.05"], decided.factor[0]]
+    factors = {"0.05": [0.25, 0.25, 0.3, 0.25], "0.50": [0.6, 0.7, 0.8, 0.25]}
+    said = ENGLISH.say(info("reserve", kind="none", factors=factors, most=None, soonest=None, undecided=0.0))
+    assert "≤ 0.250 (≤ 0.250" in said, "the weakest shaking tried has it already: it was told as where it begins"
+    assert "0.700 (0.600" in said
     told = reserve(some_open).values
     assert (told["kind"], told["undecided"]) == ("open", 0.3), "at today's strength a fifth of the draws may fall"
     assert reserve(decided, "plane").values["kind"] == "plane"
