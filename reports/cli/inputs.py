@@ -151,7 +151,7 @@ def motion_inspect(
     from reports.export.motion_figure import WIDE, motion_picture
     from reports.terminal import motion_lines
 
-    folder = folder_of(out, file.with_name(file.name.split(".")[0] or file.name))
+    folder = folder_of(out, Path(file.name.split(".")[0] or file.name))
     picture, record = (folder / name for name in INSPECTED)
     check_folder(folder, names=INSPECTED)
     inspected = _inspected(file, unit, axis, text)

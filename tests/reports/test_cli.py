@@ -340,6 +340,13 @@ def test_a_name_too_long_is_a_mistake(scene: Path, tmp_path: Path, arguments: li
     assert [path.name for path in tmp_path.iterdir()] == ["block.toml"]
 
 
+@pytest.mark.parametrize("command", ["run", "study", "motion inspect", "mesh inspect", "report", "compare"])
+@pytest.mark.parametrize("name", [".", "..", "/"])
+def test_a_folder_is_no_file(tmp_path: Path, command: str, name: str) -> None:
+    assert rockcheck(*command.split(), name, cwd=tmp_path).returncode == 2
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_name_that_is_no_text_is_carried_through(scene: Path, tmp_path: Path) -> None:
     name = os.fsdecode(b"bl\xffock")
     scene.rename(tmp_path / f"{name}.toml")
