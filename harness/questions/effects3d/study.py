@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import shlex
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal, TypeVar
 
@@ -259,21 +260,15 @@ def answer(question: tuple[type, BaseScene, tuple[Any, ...]]) -> TaskResult:
     return TaskResult(name, plain, time.process_time() - begin)
 
 
-class Questions:
-    """Asks what the store does not hold."""
-
-    def __init__(self, base: BaseScene, scene: Scene, store: Store, pool: Pool, on_progress: OnProgress) -> None:
-        self._base, self._scene, self._store = base, scene, store
-        self.campaign = Campaign(store, pool, on_progress)
-
-    def ask(self, kind: type[T], questions: Sequence[tuple[Any, ...]]) -> list[T]:
-        """The answers in the questions' order; one whose process died is left out."""
-        name, _ = WORK[kind]
-        tasks = []
-        for each in questions:
-            named = [item.key() if isinstance(item, Search) else item for item in each]
-            tasks.append(Task(request_key(self._scene, None, name, named), answer, (kind, self._base, each)))
-        return [part(kind, item, self._store.path) for item in self.campaign.ask(tasks) if item is not None]
+def asked(
+    base: BaseScene, campaign: Campaign, where: Path, kind: type[T], questions: Iterable[tuple[Any, ...]]
+) -> list[T]:
+    """The answers in the questions' order, those that the store `where` lacks found now; one whose process died is left out."""
+    (name, _), scene, tasks = WORK[kind], base.scene({}), []
+    for each in questions:
+        named = [item.key() if isinstance(item, Search) else item for item in each]
+        tasks.append(Task(request_key(scene, None, name, named), answer, (kind, base, each)))
+    return [part(kind, item, where) for item in campaign.ask(tasks) if item is not None]
 
 
 def run_file(
@@ -298,9 +293,8 @@ def run_file(
     scene = base.scene({})
     _check(scene, path)
     with Store(folder / STORE_NAME, "effects3d") as store:
-        questions = Questions(base, scene, store, pool, on_progress)
-        answers = _answers(study, scene, questions)
-        done = questions.campaign
+        done = Campaign(store, pool, on_progress)
+        answers = answers_of(study, scene, partial(asked, base, done, store.path))
         # A direction across a side may be one of the rose's, and is then one search.
         searched = {*answers["rows"], *answers["sides"], *answers["bands"]}
         runs = sum(each.runs for each in searched) + len(answers["departures"])
@@ -332,22 +326,24 @@ def _check(scene: Scene, path: Path) -> None:
         raise InputError(Mistake(str(path), "scene", wanted, "a pedestal or a wall"))
 
 
-def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> dict[str, Any]:
-    """All rows of the record: the roses first, then what follows each of them."""
+def answers_of(study: EffectsFile, scene: Scene, ask: Callable[..., list[Any]]) -> dict[str, Any]:
+    """All rows of the record: the roses first, then what follows each of them; `ask(kind, questions)` gives the answers."""
     search = study.search
     engines = sorted(study.engines, key=ORDER.index)
     first = [name for name in engines if name in (EXACT, PLANAR)] if EXACT in engines else engines
-    rows = questions.ask(Amplitude, [(BASELINE, a, name, search) for name in first for a in study.azimuths_deg()])
+    rows: list[Amplitude] = ask(
+        Amplitude, [(BASELINE, a, name, search) for name in first for a in study.azimuths_deg()]
+    )
     others = [name for name in engines if name not in first]
-    rows += questions.ask(Amplitude, [(BASELINE, a, name, search) for name in others for a in checked_azimuths(rows)])
-    projected = questions.ask(Amplitude, [(BASELINE, a, PLANAR, search) for a in side_azimuths(scene)])
+    rows += ask(Amplitude, [(BASELINE, a, name, search) for name in others for a in checked_azimuths(rows)])
+    projected = ask(Amplitude, [(BASELINE, a, PLANAR, search) for a in side_azimuths(scene)])
     near = {(row.engine, row.azimuth_deg): row.peak_g for row in rows}
     empty = without_meaning(scene)
     wanted = [name for name in study.conditions if name not in empty]
     if EXACT in engines:
         empty |= {name: OWN_STEPS for name in wanted if CONDITIONS[name].group == "numerical"}
         wanted = [name for name in wanted if name not in empty]
-    changed = questions.ask(Amplitude, list(_changed(study, wanted, first, search, near)))
+    changed = ask(Amplitude, _changed(study, wanted, first, search, near))
     bands = [(a, search, study.samples, study.seed) for a in study.azimuths_deg(study.every)] if study.samples else []
     leaving = [
         (a, name, study.share * peak, search.dt_s)
@@ -362,8 +358,8 @@ def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> dict[str
         "rows": everything,
         "sides": projected,
         "static": static_rose(scene, study.azimuths_deg(), projected),
-        "bands": questions.ask(Band, bands),
-        "departures": questions.ask(Departure, leaving),
+        "bands": ask(Band, bands),
+        "departures": ask(Departure, leaving),
         "effects": effects(everything, wanted),
         "left_out": empty,
     }

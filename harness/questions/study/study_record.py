@@ -29,6 +29,7 @@ from harness.questions.study.claims import energy_lost_j, last_impact_s
 from harness.questions.study.ensembles import score_sets
 from harness.questions.study.file import StudyFile
 from harness.questions.study.study_run import Summary, study_name
+from harness.records.base import same_fields
 from harness.records.run import PLAIN
 from harness.records.scene import SceneRecord
 from harness.records.study import (
@@ -36,6 +37,7 @@ from harness.records.study import (
     Panel,
     StudyRecord,
     StudyRow,
+    StudySummary,
     StudyWitness,
     SupportRecord,
     TableRecord,
@@ -245,7 +247,7 @@ def study_record(
             for item in study.vary
         },
         supports=supports(study, base, sorted({row.number for row in rows})),
-        summary=summary.record(),
+        summary=StudySummary(**same_fields(StudySummary, summary)),
         usage=summary.usage,
         seconds=seconds,
         engine_seconds=store.engine_seconds(name),

@@ -19,7 +19,6 @@ from harness.questions.study import case_selection as selection
 from harness.questions.study.case_blocks import block_tasks, in_columns
 from harness.questions.study.cases import BaseScene, Case, base_of, expand
 from harness.questions.study.file import StudyFile, Value
-from harness.records.base import same_fields
 from harness.records.study import CaseRun, StudySummary, UsageRecord
 from harness.runs.execute import Campaign, OnProgress, silent
 from harness.runs.runner import Pool
@@ -36,10 +35,6 @@ class Summary(StudySummary):
     """What a call of a study did, and where its seconds went."""
 
     usage: UsageRecord
-
-    def record(self) -> StudySummary:
-        """The counts, as a record holds them."""
-        return StudySummary(**same_fields(StudySummary, self))
 
 
 def run_study(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,6 +13,8 @@ from harness.model.scene import Scene
 from harness.questions.effects3d.search import Search
 from harness.questions.effects3d.study import (
     WORK,
+    EffectsFile,
+    answers_of,
     checked_azimuths,
     effects,
     run_file,
@@ -70,6 +74,35 @@ def test_directions_are_named_on_the_scan_as_its_file_has_it(
     turned = replace(scene, given={"statue": {"mesh": {"file": "scan.ply", "up": up, "azimuth_deg": turn_deg}}})
     found = scan_directions(turned).values
     assert (found["along_0"], found["along_90"]) == said
+
+
+def test_each_engine_is_asked_what_the_one_before_leaves_open(scene: Scene) -> None:
+    """No engine runs: the study's questions are answered by whoever is given."""
+    asked: dict[tuple[str, str], list[float]] = {}
+
+    def ask(kind: type, questions: Iterable[tuple[Any, ...]]) -> list[Amplitude]:
+        found = []
+        for condition, azimuth, engine, *_ in questions if kind is Amplitude else ():
+            asked.setdefault((engine, condition), []).append(azimuth)
+            # Towards 90° nothing overturns; towards 270° the plane errs most.
+            peak = None if azimuth == 90.0 else 0.3 + 0.001 * azimuth * (engine == "analytic")
+            found.append(Amplitude(condition, azimuth, engine, peak, 0.2, "", 3))
+        return found
+
+    name, shorter = "centroid 3 % higher", "half the time step"
+    study = EffectsFile(
+        kind="effects3d", title="rose", scene="scene.toml", directions=4, every=1, samples=0,
+        engines=["pymunk", "analytic", "spatial"], conditions=[name, shorter, "base planed flat"],
+    )  # fmt: skip
+    found = answers_of(study, scene, ask)
+    every = [0.0, 90.0, 180.0, 270.0]
+    assert asked["spatial", BASELINE] == every
+    assert asked["pymunk", BASELINE] == [270.0]
+    assert asked["analytic", BASELINE] == [*every, *side_azimuths(scene)]
+    # An amplitude is followed from the one found before; the exact model has no step, and the base is flat.
+    assert asked["spatial", name] == asked["analytic", name] == [0.0, 180.0, 270.0]
+    assert {condition for _, condition in asked} == {BASELINE, name}
+    assert {*found["left_out"]} == {shorter, "base planed flat"}
 
 
 def test_a_search_that_is_asked_twice_is_counted_once(
