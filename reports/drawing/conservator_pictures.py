@@ -201,15 +201,17 @@ def order_svg(levels: Sequence[PushLevel], peak: float | None, title: str, say: 
     most = max([level.push for level in levels] + ([peak] if peak is not None else []))
     wide, row = SIDE - 84.0, 74.0
     height = 64 + row * len(levels)
-    shapes: list[str] = []
+    # Words stand on all that is drawn, with a rim of their own.
+    shapes, words = list[str](), list[str]()
     for k, level in enumerate(levels):
         y, size = 52 + row * k, wide * level.push / most
         colour = PEDESTAL_COLOUR if level.cause == "pedestal_slides" else FLOOR_COLOUR
-        shapes += [text(10, y, level.words, "start", INK), box(10, y + 8, size, 26, fill=colour)]
-        shapes.append(text(16 + size, y + 26, say.percent(level.push), "start", INK))
+        shapes.append(box(10, y + 8, size, 26, fill=colour))
+        words.append(text(10, y, level.words, "start", INK))
+        words.append(text(16 + size, y + 26, say.percent(level.push), "start", INK))
     if peak is not None:
         x = 10 + wide * peak / most
         shapes.append(path([(x, 24), (x, height - 8)], stroke=SHAKING, width=2, dash="6 4"))
         anchor = "end" if x > SIDE / 2 else "start"
-        shapes.append(text(x, 18, say("order.this_shaking", push=say.percent(peak, 3)), anchor, SHAKING))
-    return _svg(shapes, title, height)
+        words.append(text(x, 18, say("order.this_shaking", push=say.percent(peak, 3)), anchor, SHAKING))
+    return _svg([*shapes, *words], title, height)

@@ -457,8 +457,9 @@ def plan_picture(source: RunSource, plan: Plan, slip: Sequence[str], say: Langua
     """The space that the statue needs while it rocks, all round where a model follows it in space, and its pedestal's slip."""
     heading, standing = say("plan.heading"), source.standing
     rooms = _rooms(plan, say)
-    words = [say("plan.seen"), *([say("plan.stone")] if source.scene.pedestal is not None else [])]
-    words.append(say("plan.room", rooms=rooms) if rooms else say("plan.still"))
+    words = [say("plan.seen" if rooms else "plan.still")]
+    words += [say("plan.stone")] if source.scene.pedestal is not None else []
+    words += [say("plan.room", rooms=rooms)] if rooms else []
     if not standing:
         words = [say("plan.none")]
     elif "front" not in plan.room_m:

@@ -171,6 +171,12 @@ def test_the_free_space_is_that_of_standing_runs_and_falls_are_said(tmp_path: Pa
     assert not re.search("analytic|pymunk|pybullet", text), "which model says it stands in the engineer's report"
 
 
+def test_no_line_crosses_the_words_of_what_gives_way(tmp_path: Path) -> None:
+    source = run_source(write_invented(tmp_path))
+    drawn = str(conservator.order_picture(source.scene, support_of(source.scene), ENGLISH, source.record.motion).svg)
+    assert drawn.rindex("stroke-dasharray") < drawn.index("<text")
+
+
 def test_a_shaking_is_told_by_direction(tmp_path: Path) -> None:
     """The floor's rise and fall is no part of its level push, and may be the stronger."""
     source = run_source(write_invented(tmp_path))
@@ -432,6 +438,7 @@ def test_a_lean_to_the_front_is_told_on_both_pages(tmp_path: Path) -> None:
     text = spoken(of_run(leaning))
     assert ENGLISH("run.leans", degrees=degrees, share="75", balance=balance) in text
     assert ENGLISH("reach.aside") in text
+    assert ENGLISH("plan.seen") not in text, "no line is dashed where it keeps within its outline"
     statue = source.scene.statue
     assert balance_share(runs[name], still[name].theta_rad, statue.slenderness_rad) == share
 
