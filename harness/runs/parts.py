@@ -164,12 +164,12 @@ def _measured(part: Part, keys: Mapping[str, str], store: Store) -> tuple[list[A
 def _rows(asked: tuple[Part, str]) -> TaskResult:
     """What a worker does: the rows of one task of a part."""
     part, task = asked
-    begin = _processor_s()
+    begin = processor_s()
     rows = record.to_plain(part.work(task))
-    return TaskResult(part.name, {"rows": rows}, _processor_s() - begin)
+    return TaskResult(part.name, {"rows": rows}, processor_s() - begin)
 
 
-def _processor_s() -> float:
+def processor_s() -> float:
     """Processor time so far of this process and of those that it began and that ended."""
     return sum(os.times()[:4])
 

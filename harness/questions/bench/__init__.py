@@ -1,6 +1,6 @@
 """The bench and the stress run: what a run costs and errs by, and where engines stop being right.
 
-`rockcheck bench` is `bench_run.py`: run time against error (`precision.py`), what a target takes (`coverage.py`), what skips gain
+`rockcheck bench` is `bench_run.py`: run time against error (`precision.py`), what a target takes, what skips gain
 together and alone (`skips.py`), how cost grows (`scaling.py`), and other integrators, starts, overhead
 (`other_integrators.py`); `findings.py` says what it shows. `rockcheck stress` is `stress/`.
 

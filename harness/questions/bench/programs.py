@@ -78,12 +78,6 @@ def largest_child_mb() -> float:
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
 
 
-def children_cpu_s() -> float:
-    """Processor time of all ended children of this process, s."""
-    spent = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return spent.ru_utime + spent.ru_stime
-
-
 Programs = Mapping[str, str]
 """Modules by what they measure."""
 NONE: Final[Programs] = MappingProxyType({})

@@ -17,10 +17,11 @@ import numpy as np
 from harness.accuracy.simulation import simulate
 from harness.model.finding import Finding, info
 from harness.model.scene import Scene
-from harness.questions.bench.programs import children_cpu_s, cost, largest_child_mb, peak_memory_mb
+from harness.questions.bench.programs import cost, largest_child_mb, peak_memory_mb
 from harness.questions.bench.skips import written_study
 from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.records.bench import ScalingRow
+from harness.runs.parts import processor_s
 from harness.runs.runner import LIMIT_S, LocalPool
 from harness.runs.task import call
 
@@ -102,7 +103,7 @@ def _workers(jobs: int) -> tuple[float, float, float]:
         begin = time.perf_counter()
         run(pool)
         wall_s = time.perf_counter() - begin
-    return wall_s, peak_memory_mb() + jobs * largest_child_mb(), children_cpu_s() + time.process_time()
+    return wall_s, peak_memory_mb() + jobs * largest_child_mb(), processor_s()
 
 
 def findings(rows: Sequence[ScalingRow]) -> list[Finding]:
