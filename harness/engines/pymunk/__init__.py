@@ -54,8 +54,8 @@ rest, with 60, it turned by 7e-7 rad a minute at 4 ms, and a later start (skip `
 TURNING_SHARE: Final = 0.25
 TURNING_LEAST: Final = 24
 """Share of the iterations, and their least number, while the statue turns on one corner: twice those at which errors grow."""
-IMPACT_ITERATIONS: Final = 400
-"""Least iterations of a step in which all contacts meet an impact or a stick onset: it starts from impulses of another state."""
+AT_IMPACTS: Final = 2
+"""Times the iterations in a step in which all contacts meet an impact or a stick onset: its first guess is of another state."""
 DEPTH_RAD_S: Final = 1e-5
 """Depth at which a vertex is held over the base's width and the step: what comes down is felt at its depth, and must not be so
 before its impact is met."""
@@ -118,7 +118,7 @@ class Munk2D(Engine):
                 expected_error_rad=VERIFICATION_STEP_SHARE * own.expected_error_rad,
                 iterations=iterations,
                 turning_iterations=_turning(iterations),
-                impact_iterations=max(IMPACT_ITERATIONS, 3 * own.iterations),
+                impact_iterations=3 * own.iterations,
                 pedestal_first=not own.pedestal_first,
                 event_share=VERIFICATION_EVENT_SHARE,
             ),
@@ -223,8 +223,8 @@ def _settings(scene: Scene, dt_s: float, most_iterations: float, error_rad: floa
     if scene.pedestal is None:
         iterations = max(round(ALONE_SHARE * iterations), ALONE_LEAST)
     depth = DEPTH_RAD_S * base * dt_s
-    many = max(IMPACT_ITERATIONS, 2 * iterations)
-    return MunkSettings(dt_s, error_rad, iterations, _turning(iterations), depth, SLOP_RAD_S * base * dt_s, many)
+    slop = SLOP_RAD_S * base * dt_s
+    return MunkSettings(dt_s, error_rad, iterations, _turning(iterations), depth, slop, AT_IMPACTS * iterations)
 
 
 def _turning(iterations: int) -> int:

@@ -21,6 +21,6 @@ class MunkSettings(Settings):
     turning_iterations: int
     depth_m: float
     slop_m: float
-    impact_iterations: int = 400
+    impact_iterations: int
     pedestal_first: bool = True
     event_share: float = 1.0
