@@ -46,6 +46,9 @@ COLUMNS: Final[Mapping[str, str]] = {
     "day": "day of testing, or whatever else was set up at once (default: all tests of a body)",
     "share": "name of the part of the tests that this one belongs to (unknown inputs are fitted on one named share)",
 }
+OF_MESH: Final = ("unit", "up", "density_kg_m3", "mass_kg", "contact_tolerance_m")
+OF_MOTION: Final = ("column", "column_y", "column_z", "motion_unit", "time_column", "baseline", "bandpass_hz")
+"""What is said of a body's mesh, and of a motion's file."""
 OBSERVED: Final = (FELL, *(outcome.value for outcome in Outcome if outcome is Outcome.STANDS or outcome.overturned))
 NUMBERED: Final[Mapping[str, str]] = {"0": Outcome.STANDS.value, "1": FELL}
 """Outcomes as a logbook writes them."""
@@ -225,10 +228,10 @@ class _Row:
         motion = self._file("motion")
         if self._cell("mesh") and not self._cell("motion"):
             self._wrong("motion", "a file with the table's motion", "nothing")
-        if scene and (self._cell("mass_kg") or self._cell("contact_tolerance_m")):
-            self._wrong("scene", "mass_kg and contact_tolerance_m of a mesh", "a scene", "say them in its own file")
-        if not self._cell("motion") and (self._cell("baseline") or self._cell("bandpass_hz")):
-            self._wrong("motion", "a file, whose motion baseline and bandpass_hz treat", "the scene's own")
+        elif not self._cell("motion") and (said := self._said(OF_MOTION)):
+            self._wrong("motion", f"{said} of a file", "the scene's own motion", "say it in its own file")
+        if scene and (said := self._said(OF_MESH)):
+            self._wrong("scene", f"{said} of a mesh", "a scene", "say it in its own file")
         return Trial(
             name=self._cell("test") or self._missing("test"),
             row=self._number,
@@ -259,6 +262,10 @@ class _Row:
             day=self._cell("day"),
             share=self._cell("share"),
         )
+
+    def _said(self, columns: Sequence[str]) -> str:
+        """Those of the columns in which something stands."""
+        return " and ".join(name for name in columns if self._cell(name))
 
     def _cell(self, name: str) -> str:
         return self._cells.get(name, "")

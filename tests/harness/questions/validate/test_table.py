@@ -72,6 +72,22 @@ def test_a_wrong_cell_is_told(tmp_path: Path, columns: dict[str, str], says: str
         read_table(write_experiments(tmp_path, [2.0], **columns))
 
 
+@pytest.mark.parametrize(
+    ("cells", "says"),
+    [
+        ({"density_kg_m3": "2000", "up": "y"}, "scene: wanted up and density_kg_m3 of a mesh, got a scene"),
+        ({"mass_kg": "30"}, "scene: wanted mass_kg of a mesh"),
+        ({"column": "table", "motion_unit": "g"}, "motion: wanted column and motion_unit of a file"),
+        ({"baseline": "linear"}, "motion: wanted baseline of a file"),
+    ],
+)
+def test_what_says_nothing_of_a_scene_is_refused(tmp_path: Path, cells: dict[str, str], says: str) -> None:
+    (tmp_path / "block.toml").write_text("")
+    row = {"test": "a", "scene": "block.toml", "observed": "stands", **cells}
+    with pytest.raises(InputError, match=says):
+        read_table(write_table(tmp_path / "table.csv", [row]))
+
+
 def test_outcomes_may_be_numbers_and_motions_are_treated(tmp_path: Path) -> None:
     path = write_experiments(
         tmp_path, [2.0], observed="1", mass_kg="12.5", baseline="linear", bandpass_hz="0.2;20", inset_m="0;0.002"
