@@ -118,16 +118,11 @@ def _support(user_input: UserInput) -> Iterator[Part]:
 
 
 def _by_axis(shaking: RecordFile) -> dict[str, Channel]:
-    """The strongest horizontal channel as x, the other as y, the vertical one as z; a lone channel is x."""
+    """The strongest horizontal channel as x, the next as y, the vertical one as z."""
     vertical = list(shaking.verticals)
-    level = [channel for channel in shaking.channels if channel not in vertical] or list(shaking.channels)
+    level = [channel for channel in shaking.channels if channel not in vertical]
     level.sort(key=lambda channel: float(np.abs(channel.accel_m_s2).max()), reverse=True)
-    by_axis = {"x": level[0]}
-    if len(level) > 1:
-        by_axis["y"] = level[1]
-    if vertical:
-        by_axis["z"] = vertical[0]
-    return by_axis
+    return dict(zip("xy", level, strict=False)) | dict(zip("z", vertical, strict=False))
 
 
 def _motion(
@@ -138,6 +133,8 @@ def _motion(
     unused = [channel.name for channel in shaking.channels if channel not in channels.values()]
     if unused:
         comments.append(caution("assumed_not_needed", file=motion.name, channels=unused))
+    if "x" not in channels:
+        comments.append(caution("assumed_no_level"))
     unknown = [c.name for c in channels.values() if c.orientation.azimuth_deg is None and not c.orientation.vertical]
     if len(shaking.channels) > 1 and unknown:
         comments.append(caution("assumed_level", channels=unknown))
@@ -148,7 +145,7 @@ def _motion(
         )
         comments = []
     why: Mapping[str, str | Finding] = {
-        "x": info("assumed_strongest", channel=channels["x"].name),
+        "x": info("assumed_strongest", channel=next(iter(channels.values())).name),
         "y": "The other horizontal channel across it (3D engines only)",
         "z": "The vertical channel",
     }

@@ -127,6 +127,15 @@ def test_new_writes_a_scene_that_loads(scan: Path, motion: Path, tmp_path: Path)
     assert lasts.values["after_s"] >= QUIET_AFTER_S
 
 
+def test_a_record_of_the_vertical_alone_shakes_nothing_sideways(scan: Path, tmp_path: Path) -> None:
+    file = tmp_path / "up.csv"
+    rows = "\n".join(f"{0.01 * k:.2f},{math.sin(0.1 * k):.6f}" for k in range(200))
+    file.write_text(f"t_s,a_UP_ms2\n{rows}\n")
+    out, found = new(scan, file, tmp_path / "up.toml", ScanOptions(unit="m", up="z"))
+    assert "assumed_no_level" in codes(found)
+    assert load_scene(out).base_excitation.axes() == ("z",)
+
+
 def test_new_takes_pedestal_friction_and_scale(scan: Path, motion: Path, tmp_path: Path) -> None:
     around = SupportOptions(pedestal="250,0.7,0.8,0.2", friction=0.35, scale=2.5)
     out, _ = new(scan, motion, tmp_path / "second.toml", ScanOptions(unit="m", up="z", mass_kg=650.0), around)
