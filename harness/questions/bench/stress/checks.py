@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.comparison.scores.pointwise import error_rad as difference_rad
-from harness.model.history import Array
+from harness.model.history import Array, Outcome
 from harness.model.run import Run, number
 from harness.model.scene import Scene
 from harness.records.bench import Measure
@@ -60,8 +60,9 @@ def barrier_j(scene: Scene) -> float:
 def exchanged_j(scene: Scene, run: Run) -> float:
     """Energy, J, that the run exchanges: to lift the centroid over the nearer corner, and what it falls from there."""
     s = scene.statue
-    corner = s.corner_m(1 if run.peak_theta_rad > 0.0 else -1)
-    beyond = max(abs(run.peak_theta_rad) - float(np.arctan2(corner, s.centroid_height_m)), 0.0)
+    # A largest rotation has no side; only of a fall is what lies beyond the balance angle much.
+    corner = s.corner_m(-1 if run.outcome is Outcome.OVERTURNED_LEFT else 1)
+    beyond = max(run.peak_theta_rad - float(np.arctan2(corner, s.centroid_height_m)), 0.0)
     fallen = float(np.hypot(corner, s.centroid_height_m)) * (1.0 - float(np.cos(beyond)))
     return barrier_j(scene) + s.mass_kg * scene.gravity_m_s2 * fallen
 

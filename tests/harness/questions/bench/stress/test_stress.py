@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
@@ -22,8 +23,10 @@ from harness.questions.bench.stress.catalogue import catalogue, leaning
 from harness.questions.bench.stress.hard_scenes import converged
 from harness.records.base import part
 from harness.records.bench import HardRow, Harm, Measure, Mutated, PartRow, StabilityCell, StressRecord, findings_of
+from tests import doubles
 from tests.measures import invariance_checks as invariance
 from tests.measures.whole import STRESS
+from tests.scenes_for_tests import paestum
 
 QUICK = ("released 1e-6 rad below balance", "released 1e-3 rad beyond balance", "0.01 m high", "100 m high",
          "floor falls at 1 g: the two-block model", "floor falls at 1 g: the engines", "height to width 50",
@@ -351,3 +354,15 @@ def test_what_does_not_hold_is_told_and_fails() -> None:
     assert (found.engine, found.values["check"], found.values["value"]) == ("pymunk", "creep_rad", 2e-6)
     told = {each.code: each.values for each in findings_of(replace(whole, absent={"pybullet": "no wheel"}))}
     assert told["not_measured"] == {"what": "pybullet", "reason": "no wheel"}
+
+
+def test_a_fall_exchanges_what_its_own_corner_lets_it_fall() -> None:
+    """An unsymmetric block lies lower on one side; runs state the size of their largest rotation, not its side."""
+    given = paestum(0.4, 2.0)
+    for outcome, side in ((Outcome.OVERTURNED_LEFT, -1), (Outcome.OVERTURNED_RIGHT, 1)):
+        fallen = checks.exchanged_j(
+            given, doubles.run_of(None, outcome=outcome, peak_theta_rad=1.5)
+        ) - checks.barrier_j(given)
+        corner, height = given.statue.corner_m(side), given.statue.centroid_height_m
+        arm, alpha = math.hypot(corner, height), math.atan2(corner, height)
+        assert fallen == pytest.approx(given.statue.mass_kg * given.gravity_m_s2 * arm * (1.0 - math.cos(1.5 - alpha)))
