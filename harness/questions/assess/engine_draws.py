@@ -80,15 +80,15 @@ class _Tally:
     """Runs and falls of each stratum (3,), of known weights."""
 
     def __init__(self, weights: Array) -> None:
-        self._weights, self.runs, self._undecided = weights, 0, 0
-        self._decided, self._fell = np.zeros((2, weights.size))
+        self._weights, self.runs = weights, 0
+        self._decided, self._fell, self._open = np.zeros((3, weights.size))
 
     def add(self, run: Runs, picks: Sequence[tuple[int, int]]) -> None:
         """Run the engine on these draws and count."""
         for (h, _), fell in zip(picks, run([draw for _, draw in picks]), strict=True):
             self.runs += 1
             if fell is None:
-                self._undecided += 1
+                self._open[h] += 1
             else:
                 self._decided[h] += 1
                 self._fell[h] += fell
@@ -114,9 +114,10 @@ class _Tally:
 
         Its interval is that of Σ w p_h from those of each p_h (Jeffreys), arms added as squares (Zou, Huang and Zhang 2009).
         """
-        known, undecided = self._decided > 0.0, self._undecided / self.runs
+        known = self._decided > 0.0
         if not known.any():
-            return Assessment(math.nan, 0.0, 1.0, LEVEL, draws, self.runs, undecided)
+            return Assessment(math.nan, 0.0, 1.0, LEVEL, draws, self.runs, 1.0)
+        undecided = float(self._weights @ (self._open / np.maximum(self._open + self._decided, 1.0)))
         share, low, high = np.array([jeffreys(*each) for each in zip(self._fell, self._decided, strict=True)]).T
         p = float(np.sum((self._weights * share)[known]) / np.sum(self._weights[known]))
         middle = float(self._weights @ share)

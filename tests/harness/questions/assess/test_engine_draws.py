@@ -43,6 +43,21 @@ def estimated(model: ModelDraws, engine: np.ndarray, half_width: float = 0.05) -
     return estimate(model, run, half_width=half_width, most_runs=2000, batch=8)
 
 
+def test_undecided_runs_weigh_as_much_as_the_draws_they_stand_for() -> None:
+    """Of a tenth of the draws, near falling, no run ends: a tenth is undecided, however many of the runs were made there."""
+    share = np.repeat([0.2, 1.0], [900, 100])
+    none = np.zeros(share.size, dtype=bool)
+    model = ModelDraws(~none, none, share, np.zeros(share.size), none, none)
+
+    def run(numbers: Sequence[int]) -> list[bool | None]:
+        return [None if share[k] == 1.0 else False for k in numbers]
+
+    answer = estimate(model, run, half_width=0.001, most_runs=100, batch=8)
+    assert answer.undecided == pytest.approx(0.1)
+    assert answer.probability_overturned == 0.0
+    assert 0.1 < answer.high < 0.25
+
+
 @pytest.mark.parametrize(("agreement", "probability"), [(0.9, 0.4), (0.0, 0.4), (0.95, 0.1), (0.8, 0.03)])
 def test_intervals_cover_the_engines_own_probability(agreement: float, probability: float) -> None:
     random = np.random.default_rng(7)
@@ -139,8 +154,9 @@ def test_draws_are_written_with_every_outcome(tmp_path: Path) -> None:
     assert [row["draw"] for row in rows[:3]] == ["0", "1", "2"]
     share = sum(int(row["analytic_overturned"]) for row in rows) / 100
     assert share == record.answers["analytic"].probability_overturned
-    undecided = record.answers["pymunk"].undecided * record.runs.wanted
-    assert sum(row["pymunk_overturned"] != "" for row in rows) == pytest.approx(record.runs.wanted - undecided)
+    assert record.clearance is not None
+    undecided = record.clearance.by_model["pymunk"].undecided
+    assert sum(row["pymunk_overturned"] != "" for row in rows) == record.runs.wanted - undecided
     assert all(float(row["contact.floor"]) > 0.0 for row in rows)
     # With the store of the first, a second call runs nothing, and takes away what it is not asked for.
     again = assessments.run(SCENE, folder, asked, SAMPLING, no_options=True, jobs=1, resume=True, quiet=True)
