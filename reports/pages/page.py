@@ -11,8 +11,9 @@ from markupsafe import Markup
 
 from harness.model.errors import InputError, Mistake, printable
 from harness.model.files import write_text
-from harness.records.base import Record
+from harness.records.base import REWRITE, Record
 from harness.records.kinds import read_result
+from harness.records.result_folder import RECORD
 from reports.blocks import SHOWN_POINTS, Block, Replay, Section, walk
 from reports.charts.drawn import told_apart
 from reports.charts.figure import dark_css
@@ -34,7 +35,13 @@ def write_report(folder: Path, language_code: str = "en") -> Path:
     page itself tripped over, with a note that names the page.
     """
     say = language(language_code)
-    record = read_result(folder).texted(say.say)
+    read = read_result(folder)
+    try:
+        record = read.texted(say.say)
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        # What a finding's values may be, only its sentence knows.
+        wanted = "codes and values as they were written"
+        raise InputError(Mistake(str(folder / RECORD), "findings", wanted, repr(error), REWRITE)) from error
     mistakes: list[Mistake] = []
     faults: list[Exception] = []
     builders: dict[str, Callable[[Path, Record, Language], str]] = {REPORT_NAME: _report}
