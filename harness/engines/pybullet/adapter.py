@@ -22,7 +22,7 @@ from harness.engines.pybullet import mirror
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.stepping.coulomb import stuck_below_m_s
 from harness.engines.stepping.loop import IMPOSED_LABEL
-from harness.engines.stepping.reduce import Report, reduce_trajectory
+from harness.engines.stepping.reduce import REST_BAND_RAD, Report, reduce_trajectory
 from harness.model.finding import Finding, caution, changes_answer
 from harness.model.run import Capabilities, Run, RunOptions
 from harness.model.scene import Scene
@@ -51,8 +51,6 @@ MOST_ITERATIONS: Final = 1000
 """So many the finest level makes, and"""
 MOST_ITERATIONS_ALONE: Final = 300
 """without a pedestal, where these already reach rounding."""
-REST_BAND_RAD: Final = 1e-5
-"""Rotation within which a statue that rests on all its feet is left by the contact's slop."""
 OUT_OF_PLANE_REPORTED_RAD: Final = 1e-3
 """A larger rotation out of the plane is said: a planar model cannot follow it."""
 

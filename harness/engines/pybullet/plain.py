@@ -14,7 +14,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar, Final, final
 
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings, near, own_settings
-from harness.engines.pybullet.adapter import REST_BAND_RAD, Bullet3D
+from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pybullet.mirror import halves
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.stepping.columns import trajectory
@@ -22,7 +22,7 @@ from harness.engines.stepping.coulomb import stuck_below_m_s
 from harness.engines.stepping.frame import greatest_pull_m_s2, step_count
 from harness.engines.stepping.loop import LOOK_STEPS, WallWatch, Watch
 from harness.engines.stepping.plain_steps import plain_steps, refuse_steering
-from harness.engines.stepping.reduce import Report, reduce_trajectory
+from harness.engines.stepping.reduce import REST_BAND_RAD, Report, reduce_trajectory
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
 from harness.model.run import Capabilities, Run, RunOptions

@@ -25,7 +25,7 @@ from harness.engines.stepping.contact_gaps import ContactGaps
 from harness.engines.stepping.coulomb import stuck_below_m_s
 from harness.engines.stepping.frame import step_count
 from harness.engines.stepping.loop import IMPOSED_LABEL, STILL_M_S, WallWatch, Watch, integrate
-from harness.engines.stepping.reduce import Report, reduce_trajectory
+from harness.engines.stepping.reduce import REST_BAND_RAD, Report, reduce_trajectory
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import Stepper, StepState
@@ -151,7 +151,7 @@ class Munk2D(Engine):
             settings=own.as_dict(),
             steps=len(record.t_s) - 1,
             wall_s=0.0,
-            resolution_rad=resolution_rad(scene, own),
+            resolution_rad=REST_BAND_RAD if _located(scene) else resolution_rad(scene, own),
             stuck_below_m_s=max(10.0 * stuck_below_m_s(scene, own.dt_s), STILL_M_S),
             rested=record.rested,
             with_history=options.history or not options.allows("no_history"),

@@ -246,6 +246,8 @@ def side_of(motion: Trajectory) -> Outcome:
 
 Ints = NDArray[np.int64]
 
+REST_BAND_RAD: Final = 1e-5
+"""Rotation within which a statue that rests on all its feet is left by the contact's slop, where impacts are located."""
 THROUGH_SHARE: Final = 4.0
 """A statue that stays inside the band of rest longer than this many times its passage has come to rest in it."""
 SHORTEST_PATTERN_S: Final = 2e-3
@@ -280,8 +282,12 @@ def rocking(t_s: Array, theta_rad: Array, theta_rate_rad_s: Array, resolution_ra
             uplifts.append(_uplift_time(t_s, theta_rad, theta_rate_rad_s, int(first)))
         if end >= last:
             continue
-        following = int(min(end + 2, last))
-        impacts.append(_impact_time(t_s, theta_rad, theta_rate_rad_s, int(end)))
+        # The band may hold samples on the way: the impact lies before the first that is back or beyond.
+        back, next_first = int(end) + 1, int(starts[number + 1]) if number + 1 < starts.size else last
+        while back < next_first and theta_rad[back] * theta_rad[end] > 0.0:
+            back += 1
+        following = min(back + 1, last)
+        impacts.append(_impact_time(t_s, theta_rad, theta_rate_rad_s, int(end), back))
         before.append(_rate_at(impacts[-1], t_s, theta_rate_rad_s, int(end), int(end) - 1))
         after.append(_rate_at(impacts[-1], t_s, theta_rate_rad_s, following, following + 1))
     return Rocking(tuple(uplifts), tuple(impacts), tuple(before), tuple(after))
@@ -303,10 +309,10 @@ def _rested(t_s: Array, rate: Array, end: int, first: int, band: float) -> bool:
     return float(t_s[first] - t_s[end]) > THROUGH_SHARE * passage
 
 
-def _impact_time(t_s: Array, theta: Array, rate: Array, end: int) -> float:
+def _impact_time(t_s: Array, theta: Array, rate: Array, end: int, back: int) -> float:
     if theta[end] * rate[end] >= 0.0:
         return float(t_s[end + 1])
-    return float(min(t_s[end] - theta[end] / rate[end], t_s[end + 1]))
+    return float(min(t_s[end] - theta[end] / rate[end], t_s[back]))
 
 
 def _rate_at(time_s: float, t_s: Array, rate: Array, sample: int, beside: int) -> float:
@@ -510,7 +516,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
         impact_times_s=tuple(time for time in cycles.impact_times_s if time <= end_s),
         uplift_times_s=tuple(time for time in cycles.uplift_times_s if time <= end_s),
         peak_slip_m=float(np.abs(motion.slip_m).max()),
-        residual_slip_m=float(motion.slip_m[-1]),
+        residual_slip_m=float(np.interp(end_s, motion.t_s, motion.slip_m)),
         patterns=patterns(motion.t_s, theta, motion.slip_rate_m_s, report.resolution_rad, report.stuck_below_m_s),
         validity=validity | dict(report.validity),
         work=report.work,

@@ -65,6 +65,28 @@ def test_impacts_of_a_sine_are_its_zeros() -> None:
     np.testing.assert_allclose(run.validity["impact_ratios"], 1.0, atol=0.05)
 
 
+@pytest.mark.parametrize("band_rad", [1e-5, 4e-4, 1.2e-3])
+def test_an_impact_is_where_the_rotation_is_back_however_wide_the_band(band_rad: float) -> None:
+    """Down at 0.2 rad/s, through zero at 0.7003 s, up on the other side at nine tenths of that."""
+    since = TIMES - 0.7003
+    theta = np.where(since < 0.0, -0.2, -0.18) * since
+    rate = np.where(since < 0.0, -0.2, -0.18)
+    found = rocking(TIMES, theta, rate, band_rad)
+    assert found.impact_times_s == pytest.approx([0.7003], abs=budget.EVENT_TIME_S)
+    assert found.rates_before_rad_s == pytest.approx([-0.2])
+    assert found.rates_after_rad_s == pytest.approx([-0.18])
+
+
+def test_what_remains_of_a_slip_is_that_at_the_end() -> None:
+    """A step may go on beyond the end of the scene."""
+    motion = standing(np.zeros_like(TIMES), np.zeros_like(TIMES))
+    sliding = replace(motion, slip_m=0.1 * TIMES, slip_rate_m_s=np.full_like(TIMES, 0.1))
+    on = replace(paestum(0.3, pedestal=True), duration_s=1.9995)
+    run = reduce_trajectory(on, sliding, REPORT)
+    assert run.residual_slip_m == pytest.approx(0.1 * run.end_s, abs=1e-12)
+    assert run.residual_slip_m == pytest.approx(run.history.slip_m[-1], abs=1e-12)
+
+
 @pytest.mark.parametrize("power", [2.0, 3.0])
 def test_uplift_is_the_start_of_its_power_law(power: float) -> None:
     start = 0.4003
