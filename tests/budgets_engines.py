@@ -174,3 +174,8 @@ pybullet's hull is drawn inside the statue, a tenth of what a millimetre does.""
 
 TIPS_S = 1e-3
 """When a pedestal first tips, by the two-block model's statics and by Housner's block of both: a step of what is written."""
+
+SMALL_IMPACT_S = 3e-4
+"""A sixth of the step, 1.8 ms, in which rocking of a milliradian passes from one corner to the other."""
+SMALL_RATIO = 0.02
+"""Two rates that are gone on with over up to two steps of 1.8 ms, in half-cycles of thirty."""
