@@ -179,3 +179,8 @@ SMALL_IMPACT_S = 3e-4
 """A sixth of the step, 1.8 ms, in which rocking of a milliradian passes from one corner to the other."""
 SMALL_RATIO = 0.02
 """Two rates that are gone on with over up to two steps of 1.8 ms, in half-cycles of thirty."""
+
+MOVED_ASIDE_RAD = 4e-7
+"""A table that moves aside, 0.25 ms: 1.4e-7; with its mean velocity of a step at the instant of an impact it was 8.8e-7."""
+MOVED_UP_RAD = 4e-6
+"""And up and down, 1 ms: 1.2e-6; with the table left where a step began it was 2.9e-4, as no impact was met."""

@@ -95,11 +95,11 @@ class Schedule:
         return at
 
     def table(self, t_s: float, kick_s: float, step_s: float) -> tuple[Vector, Vector]:
-        """Displacement of a moving table at the start of a step, and its mean velocity in it; where its acceleration jumps at
-        `kick_s`, to which the step takes velocities, that instant's.
+        """Displacement of a moving table at the start of a step, and its mean velocity in it; that of the instant `kick_s`, to which
+        the step takes velocities, where this is not its middle: at impacts, and where the floor's acceleration jumps.
         """
         here, there = frame.table_displacement(self.scene, np.array([t_s, t_s + step_s]))
         rate = (there - here) / step_s
-        if kick_s in self._jumps_s:
+        if abs(kick_s - t_s - 0.5 * step_s) > SAME_INSTANT * self.step_s or kick_s in self._jumps_s:
             rate = frame.table_velocity(self.scene, np.array([kick_s]))[0]
         return (float(here[0]), float(here[1]), float(here[2])), (float(rate[0]), float(rate[1]), float(rate[2]))

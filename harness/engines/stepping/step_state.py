@@ -249,8 +249,10 @@ class Stepper:
         """Advance the world from `before` at `t_s` by `step_s`, velocities to `kick_s`."""
         if self.schedule.moving:
             self.table_before = self.table_rate
-            self.table_place, self.table_rate = self.schedule.table(t_s, kick_s, step_s)
-            self.backend.move_table(self.table_place, self.table_rate)
+            place, self.table_rate = self.schedule.table(t_s, kick_s, step_s)
+            self.backend.move_table(place, self.table_rate)
+            self.table_place = place
+            self.carry_table(step_s)
         self.just_slipped = False
         row = self.backend.advance(gravity)
         if not self.switches:
@@ -286,6 +288,11 @@ class Stepper:
     def _gives_way(self, pull: Vector, before: Row, row: Row) -> bool:
         """Whether friction reached its static limit in a step that was computed with it."""
         return self._share_of_limit(self.static, pull, before, row) >= 1.0 - self.events.unsolved
+
+    def carry_table(self, seconds: float) -> None:
+        """Let a moving table be where its velocity takes it: gaps are between places of one instant."""
+        (x, y, z), (u, v, w) = self.table_place, self.table_rate
+        self.table_place = x + u * seconds, y + v * seconds, z + w * seconds
 
     def _slip_onset(self, gravity: Vector, pull: Vector, before: Row, row: Row) -> Row:
         """A step that reached the static limit as it stands, or once more with kinetic friction.
@@ -566,6 +573,7 @@ class StepState:
     def drift(self, seconds: float) -> None:
         """Places go on, or back, with the present velocities, by no step of the engine's."""
         self._write("part_of_step", advanced(self.row, seconds))
+        self.stepper.carry_table(seconds)
         self.t_s += seconds
 
     def turn(self, seconds: float, foot_m: Vector) -> None:

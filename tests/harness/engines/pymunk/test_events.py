@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from analytic.excitation import Harmonic, Pulse
 from harness.engines.analytic import TwoBlock
 from harness.engines.pymunk import Munk2D
 from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
+from harness.model.scene import BaseExcitation, Scene
 from harness.questions.bench.standard_scenes import PEDESTAL, TWO
 from harness.questions.study.cases import BaseScene
 from tests import budgets_engines as budget
@@ -58,6 +59,24 @@ def test_no_step_lets_go_of_the_standing_corner(dt_s: float) -> None:
     # Where a step between two impacts loses the contact, the statue falls freely in it and the next ratio is off by per cent.
     on = scene(rectangle(0.2, 1.0), theta_rad=0.0987, duration_s=2.0)
     assert error(on, dt_s) <= budget.FREE_ROCKING_ANY_STEP_RAD
+
+
+@pytest.mark.parametrize(
+    ("floor", "dt_s", "budget_rad"),
+    [
+        (BaseExcitation(x=Harmonic(4.0, 2.0)), 2.5e-4, budget.MOVED_ASIDE_RAD),
+        (
+            BaseExcitation(x=Pulse("one_sine", 4.0, 0.6, 0.02), z=Pulse("one_sine", 4.0, 0.4, 0.05)),
+            1e-3,
+            budget.MOVED_UP_RAD,
+        ),
+    ],
+)
+def test_impacts_on_a_table_that_moves_are_met_where_it_is_then(
+    floor: BaseExcitation, dt_s: float, budget_rad: float
+) -> None:
+    on = replace(scene(rectangle(0.3, 1.2), duration_s=0.8), base_excitation=floor)
+    assert error(replace(on, table="moving"), dt_s) <= budget_rad
 
 
 def test_a_fall_errs_at_second_order() -> None:
