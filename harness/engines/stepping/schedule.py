@@ -95,8 +95,8 @@ class Schedule:
         return at
 
     def table(self, t_s: float, kick_s: float, step_s: float) -> tuple[Vector, Vector]:
-        """Displacement of a moving table at the start of a step, and its mean velocity in it; that of the instant `kick_s`, to which
-        the step takes velocities, where this is not its middle: at impacts, and where the floor's acceleration jumps.
+        """Displacement of a moving table at the start of a step, and its mean velocity in it; that of the instant `kick_s`, to
+        which the step takes velocities, where this is not its middle: at impacts, and where the floor's acceleration jumps.
         """
         here, there = frame.table_displacement(self.scene, np.array([t_s, t_s + step_s]))
         rate = (there - here) / step_s
