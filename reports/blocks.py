@@ -175,7 +175,8 @@ TONES: Final[Mapping[str, Mapping[str, str]]] = {
 
 def verdict(record: Record, tone: str = "", more: Sequence[str] = (), chips: Sequence[Chip] = ()) -> Verdict:
     """A record's answer as headline and points, and what else a page says with it; without a `tone` the one of its code."""
-    first, *points = [each.text for each in record.answer.findings] if record.answer else [record.title or record.kind]
+    said = [each.text for each in record.answer.findings] if record.answer else []
+    first, *points = said or [record.title or record.kind]
     if not tone:
         of_codes = TONES[record.kind]
         tone = of_codes.get(code(record), of_codes.get("otherwise", "differ"))

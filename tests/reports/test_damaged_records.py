@@ -116,6 +116,15 @@ def test_a_finding_that_makes_no_sentence_is_damage(
     assert f"{folder / 'result.json'}: findings" in capsys.readouterr().err
 
 
+def test_an_answer_of_no_sentence_is_headed_by_its_title(tmp_path: Path, whole: Path) -> None:
+    folder = tmp_path / "out"
+    shutil.copytree(whole, folder)
+    record = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+    record["answer"] = {"code": "one_model", "findings": [], "text": ""}
+    (folder / "result.json").write_text(json.dumps(record), encoding="utf-8")
+    assert write_report(folder) == folder / "report.html"
+
+
 def test_a_pages_own_fault_is_no_damage(tmp_path: Path, whole: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(*_: object) -> None:
         raise KeyError("a fault of the page")
