@@ -64,15 +64,21 @@ def outgrown_s(scene: Scene, error_rad: float, target_rad: float) -> float:
     return min((each for each in apart_s if each is not None and each < until_s), default=math.inf)
 
 
+SEEN: Final = 4.0
+"""Times an error that a tilt must be to be seen, and to which of it what both bodies rock as one may come: what a contact's depth
+gives way by is as large as the error of a step (4.7e-5 and 4.5e-5 rad in a scene where both rock by 3e-3)."""
+
+
 def unseen_tipping_s(scene: Scene, run: Run, error_rad: float) -> float:
-    """From when a pedestal tips that the run does not see tip, by no more than an error as small as this; else infinite.
+    """From when a pedestal tips that the run does not see tip, by little more than an error as small as this; else infinite.
 
     Levels that all hold a tall pedestal by their contacts' depth agree on it, and none tells what its rocking grows to. When it
     tips is known by the model, which leaves its domain there; that it matters by the model of both as one body, which rocks by
     more than that error.
     """
     pedestal = scene.pedestal
-    if pedestal is None or number(run.validity, "pedestal_tilt_rad", 0.0) > error_rad:
+    tilt_rad = number(run.validity, "pedestal_tilt_rad", 0.0)
+    if pedestal is None or tilt_rad > SEEN * error_rad:
         return math.inf
     try:
         validity = _by_model(scene).validity
@@ -82,7 +88,8 @@ def unseen_tipping_s(scene: Scene, run: Run, error_rad: float) -> float:
         together = _by_model(one)
     except EngineFailure:
         return math.inf
-    return number(validity, "left_domain_s") if abs(together.peak_theta_rad) > error_rad else math.inf
+    unseen = abs(together.peak_theta_rad) > max(error_rad, SEEN * tilt_rad)
+    return number(validity, "left_domain_s") if unseen else math.inf
 
 
 def hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float, target: Error) -> bool:

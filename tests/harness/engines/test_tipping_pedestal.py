@@ -112,6 +112,7 @@ def test_a_tipping_that_no_step_resolves_ends_what_is_stated(name: str) -> None:
     block = analytic.Block(mass, z_m, inertia, ((-half_m - x_m, 0.0), (half_m - x_m, 0.0)))
     together = analytic.simulate(block, motion, duration_s=tall.duration_s)
     run = run_to_accuracy(engine, tall, 1e-3, RunOptions())
-    assert together.peak_theta_rad > 2.0 * run.numerical_uncertainty_rad > 10.0 * run.validity["pedestal_tilt_rad"]
+    # It rocks by more than what the run states, and than ten times what the run sees of it.
+    assert together.peak_theta_rad > max(2.0 * run.numerical_uncertainty_rad, 10.0 * run.validity["pedestal_tilt_rad"])
     assert run.reliable_until_s == pytest.approx(together.uplift_times_s[0], abs=budget.TIPS_S)
     assert "tipping_not_resolved" in [each.code for each in run.findings]
