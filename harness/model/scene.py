@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+import pickle
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -98,6 +99,10 @@ class Form:
     pedestal_at_impact: Literal["momentum", "unchanged"] = "momentum"
 
 
+KEPT_STATUES: Final = 2
+"""Statues that a worker keeps: a question asks of one, here and there beside another."""
+
+
 @dataclass(frozen=True, eq=False)
 class Statue:
     """The statue in its own frame: origin on the base plane below the centroid, x in the rocking plane, z up.
@@ -118,6 +123,10 @@ class Statue:
     footprint_m: Array
     inertia_tensor_kg_m2: Array
     solid: Solid | None = None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """To another process a statue goes as its bytes: what is worked out of a mesh there is kept for the next scene of it."""
+        return _unpacked, (pickle.dumps([getattr(self, each.name) for each in fields(self)]),)
 
     @property
     def base_centre_m(self) -> float:
@@ -143,6 +152,11 @@ class Statue:
     def slenderness_rad(self, side: int) -> float:
         """α_s = atan(b_s / h)."""
         return math.atan(self.corner_m(side) / self.centroid_height_m)
+
+
+@lru_cache(maxsize=KEPT_STATUES)
+def _unpacked(packed: bytes) -> Statue:
+    return Statue(*pickle.loads(packed))
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import gc
 import multiprocessing
 import multiprocessing.util  # its own hook at exit waits for workers: ours, registered later, ends them before
 import os
@@ -255,6 +256,9 @@ def _serve(parent: connection.Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
     warnings.showwarning = lambda *_: None  # what is to be said of a run stands in it
+    gc.set_threshold(
+        100_000
+    )  # what is imported lives to the end, and a run makes no rings: it is looked through less often
     threading.Thread(target=_end_with_parent, daemon=True).start()
     while True:
         try:
