@@ -8,6 +8,7 @@ import sysconfig
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import closing
+from importlib import import_module
 from pathlib import Path
 from typing import Final
 
@@ -133,6 +134,4 @@ def _failed(rows: Sequence[StudyRow]) -> bool:
 
 if __name__ == "__main__":
     # Its examples are made by workers, which know them by the name of this module.
-    from reports import build_examples
-
-    sys.exit(guarded(build_examples.main))
+    sys.exit(guarded(import_module("reports.build_examples").main))
