@@ -98,7 +98,7 @@ class TwoBlock(Engine):
                 **given,
             )
         except AnalyticInputError as error:
-            raise EngineFailure(str(error).removesuffix(".")) from error
+            raise EngineFailure(str(error)) from error
         run = _run(scene, chosen, certified.solution, time.perf_counter() - start, keep)
         return replace(
             run,
@@ -124,7 +124,7 @@ def by_other_impact(scene: Scene) -> tuple[Run, float | None]:
     try:
         usual, other = simulate(*motion, **own), simulate(*motion, **others)
     except AnalyticInputError as error:
-        raise EngineFailure(str(error).removesuffix(".")) from error
+        raise EngineFailure(str(error)) from error
     # Both compute the same numbers up to there.
     parts = (min(a.time_s, b.time_s) for a, b in zip(usual.events, other.events, strict=False) if a != b)
     return _run(scene, TwoBlockSettings(0.0, ACCURACIES_RAD[-1]), other, 0.0, keep=True), next(parts, None)

@@ -41,6 +41,10 @@ MOVING_TABLE: Final = "a moving table (table; it accelerates the floor's frame)"
 class EngineFailure(RuntimeError):
     """The engine could not finish this run; the harness records it as a failure of this run only."""
 
+    def __init__(self, reason: str) -> None:
+        """The reason is part of a sentence, which ends with its own full stop."""
+        super().__init__(reason.removesuffix("."))
+
 
 class LayerFault(EngineFailure):
     """What locates events in an engine is at fault, not the engine: a `code` that says what, and the `values` that show it."""

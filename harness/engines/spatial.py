@@ -100,7 +100,7 @@ class Spatial(Engine):
         try:
             own, certified, unfinished = _answer(scene, own, problem_of(scene))
         except AnalyticInputError as error:
-            raise EngineFailure(str(error).removesuffix(".")) from error
+            raise EngineFailure(str(error)) from error
         return _run(scene, own, certified, unfinished, options, begin)
 
 

@@ -39,6 +39,7 @@ class ContactGaps:
         statue, events = scene.statue, settings.EVENTS
         self.feet_m, self.half_m, self.within_m = np.ascontiguousarray(feet_m), half_m, within_m
         self.feet = [tuple(foot) for foot in feet_m.tolist()]
+        self.few = within_m is None and len(self.feet) <= MANY
         self.base_m = statue.corner_left_m + statue.corner_right_m
         height_m, own_rad_s = statue.centroid_height_m, math.sqrt(scene.gravity_m_s2 / statue.centroid_height_m)
         self.near_m, self.rest_m, self.held = events.near * height_m, events.rest * height_m, events.held
@@ -60,7 +61,7 @@ class ContactGaps:
         A time is infinite when no foot comes down, or all stand.
         """
         falling = self.falling_m_s(row)
-        if self.within_m is not None or len(self.feet) > MANY:
+        if not self.few:
             return self._of_many(row, falling, floor_m, floor_m_s)
         near = self.stands_m(row)
         first_s = soonest_s = math.inf
@@ -137,7 +138,7 @@ class ContactGaps:
 
     def heights(self, row: Row, floor_m: float, floor_m_s: float) -> list[tuple[float, float]]:
         """Height of each foot over its support, m, and the velocity at which it comes down, m/s."""
-        if self.within_m is None and len(self.feet) <= MANY:
+        if self.few:
             (ha, hb, hc, place), (va, vb, vc, rate) = self._support(row, floor_m, floor_m_s)
             return [(x * ha + y * hb + z * hc + place, -(x * va + y * vb + z * vc + rate)) for x, y, z in self.feet]
         gap, closing = self._all_gaps(row, floor_m, floor_m_s)

@@ -93,17 +93,24 @@ def test_processes_are_started_once() -> None:
     assert len(seen) == 1
 
 
-def test_processes_end_with_a_parent_that_was_killed(tmp_path: Path) -> None:
-    code = (
-        "import sys; from pathlib import Path; from harness.runs.runner import LocalPool\n"
-        "BUSY = \"__import__('time').sleep(60.0)\"\n"
-        "def told(task, pid): Path(sys.argv[1]).write_text(str(pid)); __import__('os').kill(__import__('os').getpid(), 9)\n"
-        "if __name__ == '__main__': LocalPool(1).run(eval, [\"__import__('os').getpid()\", BUSY], told)\n"
-    )
-    script = tmp_path / "script.py"
+def script_run(folder: Path, code: str) -> subprocess.CompletedProcess[str]:
+    """A script of these lines, run in a folder by an interpreter of its own."""
+    script = folder / "script.py"
     script.write_text(code)
     environment = os.environ | {"PYTHONPATH": str(Path.cwd())}
-    subprocess.run([sys.executable, script, tmp_path / "pid"], check=False, env=environment)
+    return subprocess.run(
+        [sys.executable, script], check=False, env=environment, cwd=folder, capture_output=True, text=True
+    )
+
+
+def test_processes_end_with_a_parent_that_was_killed(tmp_path: Path) -> None:
+    code = (
+        "from pathlib import Path; from harness.runs.runner import LocalPool\n"
+        "BUSY = \"__import__('time').sleep(60.0)\"\n"
+        "def told(task, pid): Path('pid').write_text(str(pid)); __import__('os').kill(__import__('os').getpid(), 9)\n"
+        "if __name__ == '__main__': LocalPool(1).run(eval, [\"__import__('os').getpid()\", BUSY], told)\n"
+    )
+    script_run(tmp_path, code)
     pid = int((tmp_path / "pid").read_text())
     assert ended(pid)
 
@@ -114,10 +121,8 @@ def test_a_script_without_a_guard_is_not_run_again_by_its_workers(tmp_path: Path
         "from harness.runs.runner import LocalPool\n"
         "LocalPool(2).run(eval, ['1 + 1', '2 + 2'], lambda task, answer: print(answer))\n"
     )
-    script = tmp_path / "script.py"
-    script.write_text(code)
-    environment = os.environ | {"PYTHONPATH": str(Path.cwd())}
-    said = subprocess.run([sys.executable, script], check=True, env=environment, capture_output=True, text=True)
+    said = script_run(tmp_path, code)
+    assert said.returncode == 0
     assert sorted(said.stdout.split()) == ["2", "4", "begun"]
     assert not said.stderr
 
