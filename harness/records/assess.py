@@ -202,7 +202,9 @@ class ClearanceByModel:
 
 @dataclass(frozen=True)
 class ClearanceRecord:
-    """The room needed by each model, beyond the outline at rest (k, 2) seen from above, m; one that falls needs its height."""
+    """The room needed by each model, beyond the outline at rest (k, 2) seen from above, m; one that falls needs `height_m`, as
+    far as its top is above the floor.
+    """
 
     height_m: float
     rest_m: Sequence[Sequence[float]]

@@ -209,6 +209,7 @@ def assess(
     answers = {MODEL: by_own, **answers}
     on_progress(f"{MODEL}: clearance")
     room = {MODEL: of_model(scene, values, model), **room}
+    top_m = scene.statue.height_m + (0.0 if scene.pedestal is None else scene.pedestal.height_m)
     record = AssessRecord(
         title=scene.title,
         scene=SceneRecord.of(scene),
@@ -221,7 +222,7 @@ def assess(
         versions=versions(),
         machine=machine(),
         runs=counts,
-        clearance=ClearanceRecord(scene.statue.height_m, rest_outline_m(scene.statue).tolist(), room),
+        clearance=ClearanceRecord(top_m, rest_outline_m(scene.statue).tolist(), room),
     )
     record = _by_one_model(record, scene, values, own, space, more_options, on_progress)
     record = replace(record, answer=answer_of(record), findings=[*findings_of(record), *record.findings])

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines import analytic as twoblock
+from harness.model.history import Outcome
 from harness.model.scene import SOLID_COLUMNS, Scene, Statue, rotations, support_m
 from harness.questions.assess.model_draws import SLOW_DRAWS, Array, ModelDraws, row, sweepable, varied
 from harness.records.assess import ClearanceByModel
@@ -55,7 +56,9 @@ def of_model(scene: Scene, values: Mapping[str, Array], draws: ModelDraws) -> Cl
         shaken = drawn.base_excitation
         keywords = {**twoblock.keywords(drawn), "dt_s": STEP_S}
         solution = simulate(twoblock.block_of(drawn), shaken.x, shaken.z, **keywords)  # type: ignore[arg-type]
-        reached.append(reach_m(drawn, solution.theta_rad, solution.slip_m, {}))
+        # Past its horizon a run ends by rounding: one that falls when it is repeated is none of a statue that stands.
+        if solution.outcome.value == Outcome.STANDS:
+            reached.append(reach_m(drawn, solution.theta_rad, solution.slip_m, {}))
     return clearance(reached, np.ones(len(reached)), decided.size, int((~decided).sum()))
 
 
@@ -73,19 +76,21 @@ def of_space(scene: Scene, values: Mapping[str, Array], draws: ModelDraws) -> Cl
     standing = np.flatnonzero(draws.decided & ~draws.overturned).tolist()
     chosen = standing[:SPACE_RUNS]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        reached = list(pool.map(lambda number: _in_space_m(varied(scene, row(values, number))), chosen))
+        repeated = pool.map(lambda number: _in_space_m(varied(scene, row(values, number))), chosen)
+        reached = [each for each in repeated if each is not None]
     decided = draws.decided if len(chosen) == len(standing) else draws.decided[: chosen[-1] + 1]
     return clearance(reached, np.ones(len(reached)), decided.size, int((~decided).sum()))
 
 
-def _in_space_m(scene: Scene) -> Array:
+def _in_space_m(scene: Scene) -> Array | None:
+    """What the exact body reaches; None of a run that does not stand when it is repeated."""
     from analytic import spatial
     from harness.engines.spatial import problem_of, trajectory_of
 
-    problem = problem_of(scene)
-    history = trajectory_of(
-        scene, spatial.solve(problem, tolerance=SPACE_TOLERANCE, dt_out_s=SPACE_STEP_S, events=False)
-    )
+    solution = spatial.solve(problem_of(scene), tolerance=SPACE_TOLERANCE, dt_out_s=SPACE_STEP_S, events=False)
+    if solution.outcome.value != Outcome.STANDS:
+        return None
+    history = trajectory_of(scene, solution)
     return reach_m(scene, history.theta_rad, history.slip_m, history.extra)
 
 

@@ -129,6 +129,16 @@ def test_draws_without_an_end_are_no_standing_ones() -> None:
     assert (told["by"], told["right_m"], told["left_m"], told["height_m"]) == ("plane", right_m, left_m, 1.46)
 
 
+def test_a_draw_that_falls_when_it_is_repeated_is_no_standing_one() -> None:
+    """Past the horizon a run ends by rounding: here draws that fell are given out as standing."""
+    shaken = paestum(0.429, 3.0, duration_s=10.0)
+    values = draw(uncertain_inputs(shaken), 100, seed=0)
+    model = model_draws(shaken, values)
+    answer = of_model(shaken, values, model._replace(overturned=np.zeros_like(model.overturned)))
+    assert answer.standing < int(model.decided.sum())
+    assert np.max(answer.outline_m) < 0.5, "none of the statue's height"
+
+
 def test_a_run_counts_for_what_it_stands_for() -> None:
     """Ninety runs of no reach for a tenth of the draws, ten of one metre for the rest: more than half need the metre."""
     reached = [np.zeros((len(PARTS), 2))] * 90 + [np.ones((len(PARTS), 2))] * 10
@@ -163,6 +173,12 @@ def test_a_scene_in_space_has_its_room_all_round(engine: str) -> None:
     plan = probable_plan(record.clearance, 0.95)
     assert plan.moved_m[:, 1].max() == pytest.approx(0.25 + beyond[90.0], abs=budget.PLACE_M)
     assert plan.moved_m[:, 0].min() == pytest.approx(-0.3 - beyond[180.0], abs=budget.PLACE_M)
+
+
+def test_a_fall_from_a_pedestal_needs_the_tops_height_above_the_floor() -> None:
+    shaken = paestum(0.02, 3.0, duration_s=1.0)
+    record = assess(shaken, ["analytic"], draws=30, more_options=None, pool=InlinePool()).record
+    assert record.clearance.height_m == pytest.approx(shaken.statue.height_m + shaken.pedestal.height_m)
 
 
 def test_a_plane_s_plan_is_the_outline_moved_to_both_sides() -> None:
