@@ -19,7 +19,7 @@ from harness.engines.stepping.support import Corners, plain_spells
 from harness.model.finding import Finding, caution
 from harness.model.history import History, Outcome, hermites, output_grid
 from harness.model.run import Intervention, Pattern, PatternName, Run
-from harness.model.scene import OVERTURN_RAD, Scene, Statue
+from harness.model.scene import OVERTURN_RAD, Scene, Statue, rotations
 from harness.model.two_block import block_of, keywords
 from meshes.footprint import outward_sides
 
@@ -496,6 +496,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
         validity["pedestal_tilt_rad"] = float(np.abs(motion.extra["pedestal_tilt_rad"]).max())
     if "out_of_plane_rad" in motion.extra:
         validity |= moves_in_space(scene, motion, slip_m)
+        validity["statue_flight_m"] = float(max(np.minimum(gap_m, _clear_m(scene, motion, at)).max(), 0.0))
     # What an engine whose coefficient follows its own sliding does as an impact breaks the pedestal loose.
     two = scene.pedestal is not None and scene.contact.floor_kinetic < scene.contact.floor_static
     static = {"floor_impact": "static"} if two and not report.repeats else {}
@@ -605,6 +606,16 @@ def _outcome(
     if ahead is None or (own is Outcome.UNDECIDED and ahead[0] is side_of(motion)):
         return own, 0.0
     return ahead
+
+
+def _clear_m(scene: Scene, motion: Trajectory, at: support.Corners) -> Array:
+    """Height (n,) of the base's lowest vertex above the support: both corners rise as it rocks across the plane."""
+    tilt = motion.tilt_rad
+    normal = np.column_stack([np.sin(tilt), np.zeros_like(tilt), np.cos(tilt)])
+    seen = np.einsum("tji,tj->ti", rotations(motion.extra), normal)
+    base = scene.statue.feet_m - np.array([0.0, 0.0, scene.statue.centroid_height_m])
+    clear: Array = at.centroid_z + (seen @ base.T).min(axis=1)
+    return clear
 
 
 def moves_in_space(scene: Scene, motion: Trajectory, slip_m: Array) -> dict[str, object]:

@@ -15,6 +15,7 @@ from harness.engines import load
 from harness.engines.base import LayerFault
 from harness.engines.stepping import forces, frame, reduce
 from harness.engines.stepping.columns import Trajectory
+from harness.engines.stepping.frame import statue_columns
 from harness.engines.stepping.reduce import Report, last_outward, reduce_trajectory, rocking
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
@@ -177,6 +178,18 @@ def test_flight_is_told_from_lying_on_another_edge() -> None:
     assert reduce_trajectory(on, lying, REPORT).validity["statue_flight_m"] <= budget.IMPULSE
     lifted = replace(lying, statue_xz_m=lying.statue_xz_m + np.array([0.0, 0.01]))
     assert reduce_trajectory(on, lifted, REPORT).validity["statue_flight_m"] == pytest.approx(0.01, abs=1e-9)
+    # Rocking about its front edge lifts both corners of the plane, and not the statue.
+    block = rectangle(0.4, 1.0)
+    foot = np.array([0.0, -0.5 * block.depth_m, 0.0])
+    roll = 0.1 * np.sin(0.5 * math.pi * TIMES)
+    cos, sin, zero, one = np.cos(roll), np.sin(roll), np.zeros_like(roll), np.ones_like(roll)
+    turn = np.stack([one, zero, zero, zero, cos, -sin, zero, sin, cos], axis=1).reshape(-1, 3, 3)
+    place = foot + turn @ (np.array([0.0, 0.0, block.centroid_height_m]) - foot)
+    for lift_m in (0.0, 0.01):
+        at = place + np.array([0.0, 0.0, lift_m])
+        rocking = replace(standing(zero, zero), statue_xz_m=at[:, [0, 2]], extra=statue_columns(block, turn, at))
+        found = reduce_trajectory(scene(block, duration_s=2.0), rocking, REPORT).validity
+        assert found["statue_flight_m"] == pytest.approx(lift_m, abs=1e-9)
     bulge = np.vstack([PAESTUM.section_m, [[0.4, 0.5]]])
     rounded = replace(on, statue=replace(PAESTUM, section_m=bulge))
     found = reduce_trajectory(rounded, lying, REPORT).validity
