@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.model.history import History
-from harness.model.scene import SOLID_COLUMNS, Pedestal, centroid_shift_m, rotations
+from harness.model.scene import SOLID_COLUMNS, Pedestal, base_shift_m, centroid_shift_m, rotations
 from harness.records.scene import SceneRecord
 
 Array = NDArray[np.float64]
@@ -37,12 +37,24 @@ class StatueSection:
         x = pivot + dx * np.cos(theta) + dz * np.sin(theta) + np.atleast_1d(np.asarray(slip_m))[:, None]
         return np.stack([x, -dx * np.sin(theta) + dz * np.cos(theta)], axis=-1)
 
-    def top_displacement_m(self, theta_rad: Array, slip_m: Array) -> Array:
-        """Horizontal displacement (n,) of the middle of the statue's top from where it stood."""
+    @property
+    def top_m(self) -> Array:
+        """The middle (2,) of the statue's top."""
         height = self.outline_m[:, 1].max()
         at_top = self.outline_m[self.outline_m[:, 1] >= height - 1e-9]
-        top = np.array([[0.5 * (at_top[:, 0].min() + at_top[:, 0].max()), height]])
-        return np.asarray(self.posed_m(top, theta_rad, slip_m)[:, 0, 0] - top[0, 0])
+        return np.array([0.5 * (at_top[:, 0].min() + at_top[:, 0].max()), height])
+
+    def top_displacement_m(self, theta_rad: Array, slip_m: Array) -> Array:
+        """Displacement (n,) of the middle of the statue's top along x from where it stood."""
+        return np.asarray(self.posed_m(self.top_m, theta_rad, slip_m)[:, 0, 0] - self.top_m[0])
+
+    def top_way_m(self, history: History, pedestal: Pedestal | None) -> Array:
+        """How far (n,) the middle of the statue's top is from where it stood, by an engine in space in any level direction."""
+        if all(name in history.extra for name in SOLID_COLUMNS):
+            x, z = self.top_m
+            place = posed_in_space_m(np.array([[x, 0.0, z]]), self.corner_right_m, history.extra)[:, 0]
+            return np.asarray(np.hypot(place[:, 0] - x, place[:, 1]))
+        return np.abs(self.top_displacement_m(history.theta_rad, base_shift_m(pedestal, history.slip_m, history.extra)))
 
     def overhang_m(self, theta_rad: Array, slip_m: Array, side: int) -> Array:
         """How far (n,) anything of the statue stands out over its base's edge on that side (+1 right): what a wall limits."""

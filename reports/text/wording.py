@@ -11,7 +11,7 @@ from typing import Final, Literal
 import numpy as np
 
 from harness.model.finding import Finding, info
-from harness.model.history import Array, History, Outcome
+from harness.model.history import History, Outcome
 from harness.model.run import Intervention, Run
 from harness.model.scene import base_shift_m
 from harness.records.assess import Assessment
@@ -168,13 +168,9 @@ def tone(source: RunSource) -> str:
 
 def _reach(source: RunSource) -> list[Finding]:
     """How far the top moves where the statue stands, and what room is left to the wall."""
-    shape, wall, found = section(source.scene), source.scene.wall, []
-
-    def moved(item: History) -> Array:
-        return base_shift_m(source.scene.pedestal, item.slip_m, item.extra)
-
+    shape, wall, pedestal, found = section(source.scene), source.scene.wall, source.scene.pedestal, []
     tops = {
-        name: float(np.abs(shape.top_displacement_m(item.theta_rad, moved(item))).max())
+        name: float(shape.top_way_m(item, pedestal).max())
         for name, item in source.histories.items()
         if source.runs[name].outcome == Outcome.STANDS
     }
@@ -187,10 +183,10 @@ def _reach(source: RunSource) -> list[Finding]:
         and not any(r.outcome is Outcome.TOUCHES_WALL for r in source.runs.values())
     ):
         side = 1 if wall.side == "right" else -1
-        left = min(
-            wall.distance_m - float(shape.overhang_m(item.theta_rad, moved(item), side).max())
-            for item in source.histories.values()
+        shifted = (
+            (item.theta_rad, base_shift_m(pedestal, item.slip_m, item.extra)) for item in source.histories.values()
         )
+        left = min(wall.distance_m - float(shape.overhang_m(*pose, side).max()) for pose in shifted)
         found.append(info("room_to_wall", side=wall.side, left_m=max(left, 0.0)))
     return found
 

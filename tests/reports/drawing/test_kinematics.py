@@ -49,6 +49,18 @@ def test_the_papers_top_displacement() -> None:
     assert abs(tall.top_displacement_m(theta, slip)[0]) == pytest.approx(0.70, abs=0.005)
 
 
+def test_a_lean_across_the_plane_moves_the_top() -> None:
+    """Leant across the plane by 0.1 rad the top goes as far as within it; the rotation in the plane tells nothing of that."""
+    still, lean = np.zeros(2), np.array([0.0, 0.1])
+    pose = dict.fromkeys(SOLID_COLUMNS, still) | {"roll_rad": lean, "corner_right_x_m": np.full(2, 0.0682)}
+    across, planar = (
+        History(np.arange(2.0), theta, still, still, still, extra) for theta, extra in ((still, pose), (lean, {}))
+    )
+    for history in (across, planar):
+        top_m = 1.46 * math.sin(0.1)
+        assert PAESTUM.top_way_m(history, None)[1] == pytest.approx(top_m, abs=2e-3), "about a corner 0.2 m aside"
+
+
 def test_overhang_is_measured_from_the_bases_edge() -> None:
     still = PAESTUM.overhang_m(np.zeros(1), np.zeros(1), 1)
     assert still == pytest.approx([0.0], abs=POSE_M)
