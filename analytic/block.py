@@ -158,12 +158,14 @@ class Block:
         return abs(x), self.centroid_height_m - z
 
     @cached_property
-    def _radii_m(self) -> tuple[float, float]:
-        return math.hypot(*self._outer(1)), math.hypot(*self._outer(-1))
+    def _about_corners(self) -> tuple[tuple[float, float], ...]:
+        """R and J of the outer corners on the left and on the right, m and kg m²."""
+        radii_m = (math.hypot(*self._outer(side)) for side in (-1, 1))
+        return tuple((radius_m, self.inertia_kg_m2 + self.mass_kg * radius_m**2) for radius_m in radii_m)
 
     def radius_m(self, side: int) -> float:
         """R of the outer corner on that side (1 right, −1 left), m."""
-        return self._radii_m[0 if side > 0 else 1]
+        return self._about_corners[side > 0][0]
 
     def alpha_rad(self, side: int) -> float:
         """α of the outer corner on that side (1 right, −1 left), rad."""
@@ -171,12 +173,12 @@ class Block:
 
     def inertia_corner_kg_m2(self, side: int) -> float:
         """J about the outer corner on that side, kg m²."""
-        return self.inertia_kg_m2 + self.mass_kg * self.radius_m(side) ** 2
+        return self._about_corners[side > 0][1]
 
     def p_rad_s(self, side: int, gravity_m_s2: float = GRAVITY_M_S2) -> float:
         """Frequency parameter p = √(m g R/J) about the outer corner on that side, rad/s."""
-        radius_m = self.radius_m(side)
-        return math.sqrt(self.mass_kg * gravity_m_s2 * radius_m / self.inertia_corner_kg_m2(side))
+        radius_m, inertia_kg_m2 = self._about_corners[side > 0]
+        return math.sqrt(self.mass_kg * gravity_m_s2 * radius_m / inertia_kg_m2)
 
     def mirrored(self) -> Self:
         """The same statue with left and right exchanged."""

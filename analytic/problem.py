@@ -176,11 +176,7 @@ _NOWHERE: Final = (_EMPTY.ctypes.data, _EMPTY.ctypes.data, 0)
 """The outline of a statue without a wall."""
 
 
-def _params(kind: int, peak: float, omega: float = 0.0, phase: float = 0.0, ramp: float = 0.0) -> MotionParams:
-    return MotionParams(kind, peak, omega, phase, ramp, 0.0, 0.0, 1.0, 0, 0, 0)
-
-
-STILL: Final = _params(NONE, 0.0)
+STILL: Final = MotionParams(NONE, 0.0)
 """No motion; not to be written to."""
 
 
@@ -193,17 +189,15 @@ def encode_motion(motion: Excitation) -> tuple[MotionParams, Floats, Floats]:
     if motion.peak_m_s2 == 0.0:
         return STILL, _EMPTY, _EMPTY
     if isinstance(motion, Harmonic):
-        wave = motion.amplitude_m_s2, motion.omega_rad_s, motion.phase_rad, motion.ramp_s
-        return _params(HARMONIC, *wave), _EMPTY, _EMPTY
+        wave = HARMONIC, motion.amplitude_m_s2, motion.omega_rad_s
+        return MotionParams(*wave, motion.phase_rad, motion.ramp_s), _EMPTY, _EMPTY
     if isinstance(motion, Pulse):
-        params = _params(PULSES[motion.shape], motion.amplitude_m_s2, motion.omega_rad_s)
-        params.start_s, params.end_s = motion.start_s, motion.end_s
-        return params, _EMPTY, _EMPTY
+        wave = PULSES[motion.shape], motion.amplitude_m_s2, motion.omega_rad_s
+        return MotionParams(*wave, start_s=motion.start_s, end_s=motion.end_s), _EMPTY, _EMPTY
     if isinstance(motion, SampledAcceleration):
         times, samples = (np.ascontiguousarray(each, np.float64) for each in (motion.t_s, motion.samples_m_s2))
-        params = _params(SAMPLED, motion.peak_m_s2)
-        params.times, params.samples, params.n_samples = times.ctypes.data, samples.ctypes.data, times.size
-        return params, times, samples
+        record = {"times": times.ctypes.data, "samples": samples.ctypes.data, "n_samples": times.size}
+        return MotionParams(SAMPLED, motion.peak_m_s2, **record), times, samples
     known = ", ".join(each.__name__ for each in (ZeroExcitation, Harmonic, Pulse, SampledAcceleration))
     raise AnalyticInputError(
         f"motion: one of {known} is wanted, {type(motion).__name__} came: sample it into the last."
@@ -261,21 +255,9 @@ def encode(problem: Problem, options: Options) -> Params:
         skip_rest=options.skip_rest,
         skip_energy=options.skip_energy,
         keep_validity=options.validity,
-        has_pedestal=pedestal is not None,
-        pedestal_mass_kg=0.0,
-        pedestal_width_m=0.0,
-        pedestal_height_m=0.0,
-        pedestal_centre_m=0.0,
-        floor_static=0.0,
-        floor_kinetic=0.0,
-        floor_impact=0.0,
-        wall_side=0,
-        wall_m=math.inf,
-        wall_pedestal_m=math.inf,
-        wall_lever_m=0.0,
     )
     if pedestal is not None:
-        params.pedestal_mass_kg = pedestal.mass_kg
+        params.has_pedestal, params.pedestal_mass_kg = True, pedestal.mass_kg
         params.pedestal_width_m, params.pedestal_height_m = pedestal.width_m, pedestal.height_m
         params.pedestal_centre_m = 0.5 * (block.profile_m[0][0] + block.profile_m[-1][0]) + pedestal.offset_m
         friction = Friction(problem.floor_static, problem.floor_kinetic, problem.floor_impact)

@@ -183,26 +183,90 @@ class Solution:
     """
 
     outcome: Outcome
-    end_s: float
-    t_s: Floats
-    theta_rad: Floats
-    theta_rate_rad_s: Floats
-    slip_m: Floats
-    slip_rate_m_s: Floats
-    peak_theta_rad: float
-    peak_signed_rad: float
-    peak_time_s: float
-    peak_slip_m: float
-    final_slip_m: float
-    overturn_time_s: float | None
-    no_return_time_s: float | None
-    energy_lost_j: float
-    energy_gained_j: float
+    results: Results
     params: Params = field(repr=False)
-    results: Results = field(repr=False)
+    state: State = field(repr=False)
     counts: Counts = field(repr=False)
+    history: Floats = field(repr=False)
+    """Rows of t, θ, θ̇, u, u̇, (5, n)."""
     event_rows: Records = field(repr=False)
-    """The kernel's own records, made into what is asked of them when it is first asked."""
+    """The kernel's own records, made into what is asked of them when it is asked."""
+
+    @property
+    def end_s(self) -> float:
+        """When it ended, s."""
+        return self.state.time_s
+
+    @property
+    def t_s(self) -> Floats:
+        """Times of the history, s."""
+        return np.asarray(self.history[0])
+
+    @property
+    def theta_rad(self) -> Floats:
+        """θ."""
+        return np.asarray(self.history[1])
+
+    @property
+    def theta_rate_rad_s(self) -> Floats:
+        """θ̇."""
+        return np.asarray(self.history[2])
+
+    @property
+    def slip_m(self) -> Floats:
+        """u."""
+        return np.asarray(self.history[3])
+
+    @property
+    def slip_rate_m_s(self) -> Floats:
+        """u̇."""
+        return np.asarray(self.history[4])
+
+    @property
+    def peak_theta_rad(self) -> float:
+        """Largest |θ|."""
+        return abs(self.results.peak_theta_rad)
+
+    @property
+    def peak_signed_rad(self) -> float:
+        """θ where it was largest."""
+        return self.results.peak_theta_rad
+
+    @property
+    def peak_time_s(self) -> float:
+        """When it was."""
+        return self.results.peak_time_s
+
+    @property
+    def peak_slip_m(self) -> float:
+        """Largest |u|."""
+        return self.results.peak_slip_m
+
+    @property
+    def final_slip_m(self) -> float:
+        """u at the end."""
+        return self.state.slip_m
+
+    @property
+    def overturn_time_s(self) -> float | None:
+        """Instant of the overturning limit, s."""
+        return _optional(self.results.overturn_time_s)
+
+    @property
+    def no_return_time_s(self) -> float | None:
+        """Last outward crossing of the balance point before an overturning, s."""
+        overturned = self.outcome in (Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT)
+        return _optional(self.results.no_return_time_s) if overturned else None
+
+    @property
+    def energy_lost_j(self) -> float:
+        """Energy lost at impacts, J."""
+        return self.results.energy_lost_j
+
+    @property
+    def energy_gained_j(self) -> float:
+        """Energy gained at impacts, J."""
+        return self.results.energy_gained_j
 
     @cached_property
     def events(self) -> tuple[Event, ...]:
@@ -306,39 +370,3 @@ class Solution:
         ends = [*time_s[begin[1:]].tolist(), *time_s[-1:].tolist()]
         patterns = [PATTERNS[kind] for kind in kinds[begin].tolist()]
         return tuple(map(Interval, time_s[begin].tolist(), ends, patterns))
-
-
-def solution_of(
-    params: Params,
-    state: State,
-    results: Results,
-    counts: Counts,
-    history: NDArray[np.float64] = NO_HISTORY,
-    events: Records = NO_EVENTS,
-) -> Solution:
-    """The solution that the kernel's records say; without a history (5, n) and events (m,) that of the outcome alone."""
-    t, theta, theta_rate, slip, slip_rate = history
-    outcome = OUTCOMES[state.outcome]
-    overturned = outcome in (Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT)
-    return Solution(
-        outcome=outcome,
-        end_s=state.time_s,
-        t_s=t,
-        theta_rad=theta,
-        theta_rate_rad_s=theta_rate,
-        slip_m=slip,
-        slip_rate_m_s=slip_rate,
-        peak_theta_rad=abs(results.peak_theta_rad),
-        peak_signed_rad=results.peak_theta_rad,
-        peak_time_s=results.peak_time_s,
-        peak_slip_m=results.peak_slip_m,
-        final_slip_m=state.slip_m,
-        overturn_time_s=_optional(results.overturn_time_s),
-        no_return_time_s=_optional(results.no_return_time_s) if overturned else None,
-        energy_lost_j=results.energy_lost_j,
-        energy_gained_j=results.energy_gained_j,
-        params=params,
-        results=results,
-        counts=counts,
-        event_rows=events,
-    )

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import math
-from dataclasses import dataclass
-from typing import Any, Final, Literal, NamedTuple, TypeVar, final
+from dataclasses import dataclass, fields
+from typing import Any, Final, Literal, NamedTuple, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,15 +14,18 @@ from analytic.block import GRAVITY_M_S2, OVERTURN_RAD, Block, Form, Pedestal, Wa
 from analytic.excitation import Excitation, Floats, ZeroExcitation
 from analytic.kernel.records import (
     EVENT_ROW,
+    MOTION_PARAMS,
     TASK,
     Base,
     Counts,
+    Motion,
     MotionParams,
     Output,
     Params,
     Records,
     Results,
     State,
+    layout,
     packing,
 )
 from analytic.machine_code import Entry
@@ -36,12 +39,9 @@ from analytic.problem import (
     encode_base,
     encode_motion,
 )
-from analytic.solution import NO_EVENTS, Outcome, Solution, solution_of
+from analytic.solution import NO_EVENTS, OUTCOMES, Outcome, Solution
 
 run: Final = Entry("analytic.kernel.integrator", "run")
-Record = TypeVar("Record", State, Results, Counts, Output)
-ALONE: Final = (0, 0, 0, 0, 0, 1, 0, 0, 0)
-"""Arguments after a task that is run as it stands."""
 
 
 def address(memory: bytearray | NDArray[np.generic]) -> int:
@@ -49,31 +49,13 @@ def address(memory: bytearray | NDArray[np.generic]) -> int:
     return ctypes.addressof(ctypes.c_char.from_buffer(memory))  # type: ignore[arg-type]
 
 
-def _offset(*names: str) -> int:
-    """Where a record stands in a task, bytes."""
-    place, record = 0, TASK
-    for name in names:
-        assert record.fields is not None
-        place, record = place + record.fields[name][1], record.fields[name][0]
-    return place
-
-
-_WRITTEN: Final = (
-    _offset("params"),
-    _offset("motion_x", "params"),
-    _offset("motion_z", "params"),
-    _offset("base"),
-    _offset("output"),
-)
-"""Where what a run reads stands in its task."""
-_LEFT: Final = {
-    State: _offset("state"),
-    Results: _offset("results"),
-    Counts: _offset("counts"),
-    Output: _offset("output"),
-}
-"""Where what it leaves behind stands."""
-_PACKING: Final = {each: packing(each) for each in (Params, MotionParams, Base, *_LEFT)}
+_OWN: Final = layout(Motion).itemsize - MOTION_PARAMS.itemsize
+"""Bytes of a motion that are the run's own."""
+_READ: Final = packing(Params, Base, MotionParams, _OWN, MotionParams, _OWN, Output)
+"""What a run reads: a task begins with it."""
+_LEFT: Final = packing(State, Results, Counts)
+"""What it leaves behind: in a task it follows."""
+_STATE, _RESULTS = (len(fields(each)) for each in (State, Results))
 
 
 class Prepared(NamedTuple):
@@ -87,13 +69,12 @@ class Prepared(NamedTuple):
     owners: tuple[object, ...]
     """Whose numbers motions and base name by address: kept alive."""
 
-    def run(self) -> None:
-        """Run the task."""
-        run(address(self.memory), *ALONE)
-
-    def read(self, record: type[Record]) -> Record:
-        """One of the records that the run left behind."""
-        return record(*_PACKING[record].unpack_from(self.memory, _LEFT[record]))
+    def run(self) -> tuple[State, Results, Counts]:
+        """Run the task; what it leaves behind."""
+        run(address(self.memory), 0)
+        left = _LEFT.unpack_from(self.memory, _READ.size)
+        state, results, counts = left[:_STATE], left[_STATE : _STATE + _RESULTS], left[_STATE + _RESULTS :]
+        return State(*state), Results(*results), Counts(*counts)
 
 
 FIRST_EVENTS: Final = 256
@@ -111,31 +92,23 @@ def prepare(problem: Problem, params: Params, event_rows: int) -> Prepared:
     memory = bytearray(TASK.itemsize)
     history, events = np.zeros((5, instants)), np.zeros(event_rows, EVENT_ROW) if event_rows else NO_EVENTS
     table, rows = (address(each) if each.size else 0 for each in (history, events))
-    output = Output(table, max(instants - 1, 0), 0, rows, event_rows)
-    for place, record in zip(_WRITTEN, (params, x, z, encode_base(problem), output), strict=True):
-        _PACKING[type(record)].pack_into(memory, place, *vars(record).values())
+    output = table, max(instants - 1, 0), rows, event_rows
+    base, motions = encode_base(problem), (*vars(x).values(), *vars(z).values())
+    _READ.pack_into(memory, 0, *vars(params).values(), *vars(base).values(), *motions, *output)
     return Prepared(memory, history, events, (problem.block, problem.wall, times_x, times_z, samples_x, samples_z))
 
 
-def _read(params: Params, finished: Prepared, counts: Counts) -> Solution:
-    """The solution that a finished task holds; its arrays are read-only."""
-    n_samples = finished.read(Output).next_sample
-    finished.history.setflags(write=False)
-    written = finished.history[:, :n_samples], finished.events[: counts.events]
-    return solution_of(params, finished.read(State), finished.read(Results), counts, *written)
-
-
 def solve(problem: Problem, options: Options = DEFAULT_OPTIONS) -> Solution:
-    """Run the model of docs/model.md, sections 1 to 5 and 8."""
+    """Run the model of docs/model.md, sections 1 to 5 and 8; the solution's arrays are read-only."""
     params = encode(problem, options)
     task = prepare(problem, params, FIRST_EVENTS if options.events else 0)
-    task.run()
-    counts = task.read(Counts)
+    state, results, counts = task.run()
     if options.events and counts.events > FIRST_EVENTS:
         task = prepare(problem, params, counts.events)
-        task.run()
-        counts = task.read(Counts)
-    return _read(params, task, counts)
+        state, results, counts = task.run()
+    task.history.setflags(write=False)
+    history, rows = task.history[:, : counts.samples], task.events[: counts.events]
+    return Solution(OUTCOMES[state.outcome], results, params, state, counts, history, rows)
 
 
 def simulate(

@@ -22,6 +22,7 @@ from analytic.kernel.records import (
     PARAMS,
     RESULTS,
     STATE,
+    TABLES,
     TASK,
     Counts,
     Floats,
@@ -32,7 +33,7 @@ from analytic.kernel.records import (
     row,
 )
 from analytic.problem import HELD, Keywords, Options, Problem, encode, encode_base, encode_motion, stated
-from analytic.solution import OUTCOMES, Outcome, Solution, solution_of
+from analytic.solution import NO_EVENTS, NO_HISTORY, OUTCOMES, Outcome, Solution
 from analytic.solver import (
     PARTED,
     SAFETY,
@@ -164,8 +165,9 @@ def _time_scale_s(bodies: Sequence[Body], body: NDArray[np.int64], gravity_m_s2:
 
 
 def _solution(params: Params, out: Out, i: int) -> Solution:
-    state, results, counts = (rows[i].item() for rows in out)
-    return solution_of(params, State(*state), Results(*results), Counts(*counts))
+    ended, results, counts = (rows[i].item() for rows in out)
+    state = State(*ended)
+    return Solution(OUTCOMES[state.outcome], Results(*results), params, state, Counts(*counts), NO_HISTORY, NO_EVENTS)
 
 
 CHUNKS_PER_THREAD: Final = 16
@@ -468,4 +470,6 @@ def _work(rows: Rows, out: Out, size: int, threads: int, progress: Progress | bo
 def run_rows(rows: Rows, out: Out, start: int, stop: int) -> None:
     """Run the rows start to stop − 1 for their outcome, in memory of their own; no history and no events are kept."""
     task = bytearray(TASK.itemsize)
-    run(address(task), *(table.ctypes.data for table in rows[:4]), start, stop, *(table.ctypes.data for table in out))
+    addresses = (table.ctypes.data for table in (*rows[:4], *out))
+    tables = np.array([(*addresses, start, stop)], TABLES)
+    run(address(task), address(tables))

@@ -49,10 +49,10 @@ def stays(task: Task, ax: float, gz: float, variation: float) -> bool:
 @jit
 def hold(task: Task, until: float) -> None:
     """Move the clock to until, the state unchanged, and fill the output samples passed."""
-    state, output, dt = task.state, task.output, task.params.output_step_s
+    state, counts, dt = task.state, task.counts, task.params.output_step_s
     if dt > 0.0:
-        while output.next_sample < output.n_samples and output.next_sample * dt < until:
-            sample_state(task, output.next_sample * dt)
+        while counts.samples < task.output.n_samples and counts.samples * dt < until:
+            sample_state(task, counts.samples * dt)
     task.results.peak_slip_m = max(task.results.peak_slip_m, abs(state.slip_m))
     task.results.skipped_s += until - state.time_s
     state.time_s = until

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from analytic.kernel.records import (
     PARAMS,
     RESULTS,
     STATE,
+    TABLES,
     TASK,
     Base,
     Counts,
@@ -143,7 +144,6 @@ def _support(task: Task, theta: float, omega: float) -> tuple[int, int]:
 def _begin(task: Task) -> None:
     """Clear the results and set the initial state: u = u' = 0, side = sgn θ, else sgn θ'."""
     task.state, task.results, task.counts = BLANK[0].state, BLANK[0].results, BLANK[0].counts
-    task.output.next_sample = 0
     task.series.floor_accel[:], task.series.gravity[:] = 0.0, 0.0
     prepare(task.motion_x)
     prepare(task.motion_z)
@@ -252,34 +252,26 @@ base_row: Final[Callable[[int, int], Base]] = row_at(BASE)
 state_row: Final[Callable[[int, int], State]] = row_at(STATE)
 results_row: Final[Callable[[int, int], Results]] = row_at(RESULTS)
 counts_row: Final[Callable[[int, int], Counts]] = row_at(COUNTS)
+tables_row: Final[Callable[[int, int], Any]] = row_at(TABLES)
 
 
-def run(
-    task_at: int,
-    params: int,
-    motion_x: int,
-    motion_z: int,
-    bases: int,
-    start: int,
-    stop: int,
-    states: int,
-    results: int,
-    counts: int,
-) -> None:
-    """Run the rows start to stop − 1 in the memory of one task, whose address is given as those of the tables are.
+def run(task_at: int, tables_at: int) -> None:
+    """Run rows of tables in the memory of one task, whose address is given as that of the tables' own (`records.TABLES`) is.
 
     Without tables (0) the task is run as it stands, history and events included.
     """
-    task = task_row(task_at, 0)
+    task, tables = task_row(task_at, 0), tables_row(tables_at, 0)
+    many = tables_at != 0
+    start, stop = (tables.start, tables.stop) if many else (0, 1)
     for i in range(start, stop):
         # One entry for both: another would be compiled from the first line to the last once more.
-        if params != 0:
-            task.params, task.base = params_row(params, i), base_row(bases, i)
-            task.motion_x.params, task.motion_z.params = motion_row(motion_x, i), motion_row(motion_z, i)
+        if many:
+            task.params, task.base = params_row(tables.params, i), base_row(tables.bases, i)
+            task.motion_x.params, task.motion_z.params = motion_row(tables.motion_x, i), motion_row(tables.motion_z, i)
         run_one(task)
         if task.params.output_step_s > 0.0:
             sample_end(task)
-        if params != 0:
-            set_row(state_row(states, i), task.state)
-            set_row(results_row(results, i), task.results)
-            set_row(counts_row(counts, i), task.counts)
+        if many:
+            set_row(state_row(tables.states, i), task.state)
+            set_row(results_row(tables.results, i), task.results)
+            set_row(counts_row(tables.counts, i), task.counts)

@@ -7,6 +7,7 @@ A field is a float, an int, a bool, another record, or an array of a stated shap
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from struct import Struct
 from typing import Annotated, Any, Final, get_args, get_origin, get_type_hints
@@ -76,23 +77,23 @@ class Params:
     skip_energy: bool
     """Let the energy decide the outcome once the motions are over."""
     keep_validity: bool
-    has_pedestal: bool
-    pedestal_mass_kg: float
-    pedestal_width_m: float
-    pedestal_height_m: float
-    pedestal_centre_m: float
+    has_pedestal: bool = False
+    pedestal_mass_kg: float = 0.0
+    pedestal_width_m: float = 0.0
+    pedestal_height_m: float = 0.0
+    pedestal_centre_m: float = 0.0
     """In the statue's frame."""
-    floor_static: float
-    floor_kinetic: float
-    floor_impact: float
+    floor_static: float = 0.0
+    floor_kinetic: float = 0.0
+    floor_impact: float = 0.0
     """Acts as an impact breaks a stuck pedestal loose."""
-    wall_side: int
+    wall_side: int = 0
     """−1 left, 0 none, 1 right."""
-    wall_m: float
+    wall_m: float = math.inf
     """Where the wall stands, from below the centroid of the statue at rest, positive on its side."""
-    wall_pedestal_m: float
+    wall_pedestal_m: float = math.inf
     """Slip towards the wall with which the pedestal touches it; infinite without one."""
-    wall_lever_m: float
+    wall_lever_m: float = 0.0
     """Greatest distance of a vertex of the base from a point of the outline: by no more a rotation moves any of these."""
 
 
@@ -104,18 +105,18 @@ class MotionParams:
     """One of the kinds of `analytic.kernel.codes`."""
     amplitude_m_s2: float
     """Of a record, its largest absolute sample."""
-    omega_rad_s: float
-    phase_rad: float
-    ramp_s: float
-    start_s: float
-    end_s: float
-    scale: float
+    omega_rad_s: float = 0.0
+    phase_rad: float = 0.0
+    ramp_s: float = 0.0
+    start_s: float = 0.0
+    end_s: float = 0.0
+    scale: float = 1.0
     """By which a record's samples are multiplied."""
-    times: int
+    times: int = 0
     """Address of a record's times, s."""
-    samples: int
+    samples: int = 0
     """Address of its accelerations, m/s²."""
-    n_samples: int
+    n_samples: int = 0
 
 
 @dataclass
@@ -256,6 +257,8 @@ class Counts:
     stalled: int
     """Events in a row in which the clock did not move."""
     given_up: int
+    samples: int
+    """Output samples written."""
 
 
 @dataclass
@@ -286,7 +289,6 @@ class Output:
     """Address of the rows of t, θ, θ̇, u, u̇."""
     n_samples: int
     """Items of each row before the last instant, which has one more."""
-    next_sample: int
     events: int
     """Address of the table of events."""
     n_events: int
@@ -330,9 +332,14 @@ def layout(record: type) -> np.dtype[np.void]:
     return np.dtype(fields, align=True)
 
 
-def packing(record: type) -> Struct:
-    """Packs and unpacks a record without others in it, in the same places: some ten times faster than numpy, item by item."""
-    return Struct("".join(_PLAIN[hint][0] for hint in get_type_hints(record).values()))
+def packing(*parts: type | int) -> Struct:
+    """Packs and unpacks records without others in them one after another, each in the same places, and so many bytes of zeros
+    between them: some ten times faster than numpy, item by item."""
+    formats = [
+        f"{part}x" if isinstance(part, int) else "".join(_PLAIN[hint][0] for hint in get_type_hints(part).values())
+        for part in parts
+    ]
+    return Struct("".join(formats))
 
 
 def row(record: Any) -> tuple[Any, ...]:
@@ -348,3 +355,10 @@ STATE: Final = layout(State)
 RESULTS: Final = layout(Results)
 COUNTS: Final = layout(Counts)
 EVENT_ROW: Final = layout(EventRow)
+TABLES: Final = np.dtype(
+    [
+        (name, np.int64)
+        for name in ("params", "motion_x", "motion_z", "bases", "states", "results", "counts", "start", "stop")
+    ]
+)
+"""Addresses of the tables of many runs, row by row, and which of their rows are to be run."""

@@ -177,13 +177,13 @@ def _move(task: Task, n: int, tau: float) -> None:
 @inlined
 def _sample(task: Task, time: float, theta: float, theta_rate: float, slip: float, slip_rate: float) -> None:
     """Write the next output sample."""
-    history, i, row = task.output.history, task.output.next_sample, task.output.n_samples + 1
+    history, i, row = task.output.history, task.counts.samples, task.output.n_samples + 1
     store_double(history, i, time)
     store_double(history, i + row, theta)
     store_double(history, i + 2 * row, theta_rate)
     store_double(history, i + 3 * row, slip)
     store_double(history, i + 4 * row, slip_rate)
-    task.output.next_sample += 1
+    task.counts.samples += 1
 
 
 @inlined
@@ -196,9 +196,9 @@ def sample_state(task: Task, time: float) -> None:
 @jit
 def _sample_step(task: Task, n: int, until: float) -> None:
     """Write the output samples before until."""
-    series, state, output, dt = task.series, task.state, task.output, task.params.output_step_s
-    while output.next_sample < output.n_samples and output.next_sample * dt < until:
-        time = output.next_sample * dt
+    series, state, counts, dt = task.series, task.state, task.counts, task.params.output_step_s
+    while counts.samples < task.output.n_samples and counts.samples * dt < until:
+        time = counts.samples * dt
         at = max(time - state.time_s, 0.0)
         slip, slip_rate = state.slip_m, 0.0
         if state.slide != 0:
@@ -209,9 +209,9 @@ def _sample_step(task: Task, n: int, until: float) -> None:
 @jit
 def sample_end(task: Task) -> None:
     """Write the last instant after the output samples, or over the last of them if that is as late."""
-    state, output, dt = task.state, task.output, task.params.output_step_s
-    if output.next_sample > 0 and state.time_s - (output.next_sample - 1) * dt <= SAME_INSTANT * dt:
-        output.next_sample -= 1
+    state, counts, dt = task.state, task.counts, task.params.output_step_s
+    if counts.samples > 0 and state.time_s - (counts.samples - 1) * dt <= SAME_INSTANT * dt:
+        counts.samples -= 1
     sample_state(task, state.time_s)
 
 

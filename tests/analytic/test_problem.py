@@ -12,8 +12,9 @@ import pytest
 import analytic
 from analytic import AnalyticInputError, Block, Harmonic, Keywords, Options, Problem, simulate, solve
 from analytic.kernel import records
-from analytic.kernel.records import PARAMS, layout, packing, row
-from analytic.problem import encode
+from analytic.kernel.records import PARAMS, TASK, layout, packing, row
+from analytic.problem import encode, encode_base, encode_motion
+from analytic.solver import prepare
 from tests.analytic.paestum import PEDESTAL, STATUE
 
 MOTION = Harmonic(3.0, 2.0)
@@ -80,6 +81,22 @@ def test_every_number_of_a_problem_reaches_the_kernel_by_its_name() -> None:
     given = np.array([row(params)], PARAMS)[0]
     for name in PARAMS.names or ():
         assert given[name] == getattr(params, name)
+
+
+def test_what_is_packed_for_a_run_stands_where_the_compiler_reads_it() -> None:
+    motions = (Harmonic(3.0, 2.0, phase_rad=0.5, ramp_s=0.2), analytic.Pulse("one_sine", 4.0, 1.0, 0.3))
+    problem = Problem(STATUE, *motions, 2.0, PEDESTAL, 0.2, 0.15)
+    task = prepare(problem, encode(problem, Options(dt_s=0.01)), 3)
+    read = np.frombuffer(task.memory, TASK)[0]
+    assert read["params"].item() == row(encode(problem, Options(dt_s=0.01)))
+    assert read["base"].item() == row(encode_base(problem))
+    for name, motion in zip(("motion_x", "motion_z"), motions, strict=True):
+        assert read[name]["params"].item() == row(encode_motion(motion)[0])
+    assert read["output"].item() == (task.history.ctypes.data, 201, task.events.ctypes.data, 3)
+    state, results, counts = task.run()
+    left = np.frombuffer(task.memory, TASK)[0]
+    assert (left["state"].item(), left["counts"].item()) == (row(state), row(counts))
+    assert results.peak_slip_m == left["results"]["peak_slip_m"] > 0.0
 
 
 def test_a_copied_block_has_arrays_and_addresses_of_its_own() -> None:

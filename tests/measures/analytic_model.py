@@ -27,7 +27,6 @@ from analytic import (
     simulate,
 )
 from analytic.block import GRAVITY_M_S2
-from analytic.kernel.records import Counts, State
 from analytic.problem import Options, Problem, encode
 from analytic.solver import Prepared, prepare
 from analytic.sweep import body_of, certify_rows
@@ -207,8 +206,8 @@ def taylor() -> tuple[list[Entry], list[SolverRow]]:
         task = packed(FORCED, tolerance)
 
         def kernel(task: Prepared = task) -> Answer:
-            task.run()
-            return np.array([task.read(State).theta_rad]), task.read(Counts).steps
+            state, _, counts = task.run()
+            return np.array([state.theta_rad]), counts.steps
 
         entries.append(Entry("analytic, kernel alone", tolerance, kernel))
         assert isinstance(FORCED.motion, Harmonic)
