@@ -229,7 +229,7 @@ def _base_excitation(model: SceneFile, path: Path, mistakes: list[Mistake], foun
             continue
         try:
             prepared = motions.prepare(motion)
-            excitations[axis] = prepared.excitation.scaled(model.motion.scale)
+            excitations[axis] = prepared.excitation
             found.extend(replace(each, values={"key": motion.key, **each.values}) for each in prepared.findings)
         except InputError as error:
             mistakes.extend(error.mistakes)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -50,7 +50,8 @@ class SceneMotion:
     """One component of a scene's motion, and what of the scene it needs; `where` and `key` name it in messages.
 
     `duration_s` is the scene's: only a harmonic motion through a building needs it. `gravity_m_s2` is the scene's: formulas give
-    their amplitude as a share of it, so that a block's limits in g are exact; records in g mean standard gravity.
+    their amplitude as a share of it, so that a block's limits in g are exact; records in g mean standard gravity. `scale` is
+    what the scene multiplies all its components by.
     """
 
     component: Component
@@ -59,6 +60,7 @@ class SceneMotion:
     key: str
     duration_s: float | None = None
     gravity_m_s2: float = STANDARD_GRAVITY_M_S2
+    scale: float = 1.0
 
     @classmethod
     def of(cls, scene: SceneFile, axis: str, path: Path) -> SceneMotion | None:
@@ -66,7 +68,8 @@ class SceneMotion:
         component: Component | None = getattr(scene.motion, axis)
         if component is None:
             return None
-        return cls(component, path.parent, str(path), f"motion.{axis}", scene.duration_s, scene.gravity_m_s2)
+        key, scale = f"motion.{axis}", scene.motion.scale
+        return cls(component, path.parent, str(path), key, scene.duration_s, scene.gravity_m_s2, scale)
 
 
 def prepare(motion: SceneMotion) -> PreparedMotion:
@@ -90,7 +93,11 @@ def prepare(motion: SceneMotion) -> PreparedMotion:
         ground = _of_series(Series(component.dt_s, np.array(component.accel_m_s2)), ())
     else:
         ground = _compatible(component, motion)
-    return _on_floor(ground, component.floor, motion) if component.floor else ground
+    moved = _on_floor(ground, component.floor, motion) if component.floor else ground
+    if motion.scale == 1.0:
+        return moved
+    done = (*moved.done, info("step_scaled", factor=motion.scale, why="scale", target=""))
+    return replace(moved, excitation=moved.excitation.scaled(motion.scale), done=done)
 
 
 def _of_series(series: Series, findings: tuple[Finding, ...], target: DesignSpectrum | None = None) -> PreparedMotion:

@@ -76,3 +76,18 @@ def test_components_without_a_file(keys: dict[str, Any]) -> None:
     assert all(np.all(np.isfinite(values)) for values in columns)
     assert printed(motion_picture(found), WIDE).startswith("<?xml")
     json.dumps(inspection_record(found, ENGLISH.say))
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"kind": "harmonic", "amplitude_g": 0.3, "frequency_hz": 100.0},
+        {"kind": "pulse", "shape": "one_sine", "amplitude_g": 0.3, "duration_s": 0.05, "start_s": 30.1},
+    ],
+)
+def test_a_fast_component_is_shown_at_its_peak_and_as_strong_as_the_scene_makes_it(keys: dict[str, Any]) -> None:
+    component = ADAPTER.validate_python(keys)
+    found = inspect_component(SceneMotion(component, Path(), "scene.toml", "motion.x", 4.0, scale=2.0))
+    # 80 samples in a period miss a crest by at most (2π/80)²/8.
+    assert found.traces[0].measures.pga_g == pytest.approx(0.6, rel=1e-3)
+    assert [(each.code, each.values["factor"]) for each in found.traces[0].series.done] == [("step_scaled", 2.0)]
