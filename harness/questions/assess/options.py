@@ -19,7 +19,7 @@ from harness.input.mistakes import UserTable
 from harness.input.scene_file import check_wall
 from harness.input.tables import read_model
 from harness.model.errors import InputError, Mistake
-from harness.model.scene import Scene, Uncertain, scan_azimuth_deg, written
+from harness.model.scene import Contact, Scene, Uncertain, scan_azimuth_deg, written
 from harness.questions.assess.by_model import MODEL, NONE_SAMPLED, End, Outside, probability_of, sampled
 from harness.questions.assess.engine_draws import LEVEL
 from harness.questions.assess.model_draws import (
@@ -103,8 +103,9 @@ def _before_wall(scene: Scene) -> bool:
 
 
 def _of_pedestal(scene: Scene) -> list[Option]:
-    own = scene.contact.floor_static
-    pairs = [pair for pair in PAIRS if own == 0.0 or abs(pair.static / own - 1.0) > SAME_FRICTION]
+    own = scene.contact
+    static = own.floor_static
+    pairs = [pair for pair in PAIRS if static == 0.0 or abs(pair.static / static - 1.0) > SAME_FRICTION]
     return [
         Option(FLOOR, lambda given: replace(given, pedestal=None)),
         *(_with_friction(pair, own) for pair in pairs),
@@ -113,14 +114,16 @@ def _of_pedestal(scene: Scene) -> list[Option]:
     ]
 
 
-def _with_friction(pair: MaterialPair, own: float) -> Option:
-    higher = "more" if pair.static > own else "less"
+def _with_friction(pair: MaterialPair, own: Contact) -> Option:
+    higher = "more" if pair.static > own.floor_static else "less"
     values: dict[str, float | str] = {"static": pair.static, "kinetic": pair.kinetic, "pair": pair.name}
 
     def change(scene: Scene) -> Scene:
         # What is drawn of the friction as it is moves the new friction by the same factor.
-        factor = scene.contact.floor_static / own if own > 0.0 else 1.0
-        return replace(scene, contact=scene.contact.with_floor(factor * pair.static, factor * pair.kinetic))
+        drawn = scene.contact
+        static = pair.static * (drawn.floor_static / own.floor_static if own.floor_static > 0.0 else 1.0)
+        kinetic = pair.kinetic * (drawn.floor_kinetic / own.floor_kinetic if own.floor_kinetic > 0.0 else 1.0)
+        return replace(scene, contact=drawn.with_floor(static, kinetic))
 
     return Option(f"{higher}_friction_{pair.name}", change, values, pair.source)
 
@@ -142,9 +145,11 @@ def _base_widened(scene: Scene) -> Scene:
 
 
 def _fixed(scene: Scene) -> Scene:
-    return (
-        scene if scene.pedestal is None else replace(scene, statue=as_one(scene.statue, scene.pedestal), pedestal=None)
-    )
+    if scene.pedestal is None:
+        return scene
+    # The one body stands on the pedestal's base, whose friction bears it.
+    contact = replace(scene.contact, statue=scene.contact.floor_static)
+    return replace(scene, statue=as_one(scene.statue, scene.pedestal), pedestal=None, contact=contact)
 
 
 def _turned(scene: Scene) -> Scene:
@@ -226,6 +231,9 @@ HIGH: Final = 0.95
 """The quantile of the pedestal's slip that is told beside the median."""
 ALIKE: Final = ("contact.", "motion.", "initial.")
 """Keys whose draws are the same before and after a statue or a pedestal is changed."""
+STATUE: Final = "contact.statue"
+HOLDS: Final = 1e3
+"""A friction under which nothing slips."""
 NEW_KEYS: Final = 2_000_003
 """Added to the seed where an option brings an uncertain number that the scene as it is does not have."""
 SPACE_OPTION_DRAWS: Final = 300
@@ -274,7 +282,7 @@ def in_plane(
     on the first of them."""
     size = len(next(iter(values.values())))
     own = [option for option in options if not option.user]
-    swept = {option.name: _swept(scene, inputs, option.change(scene), values, seed) for option in own}
+    swept = {option.name: _swept(scene, option.change(scene), values) for option in own}
 
     @cache
     def one_by_one() -> dict[str, ModelDraws]:
@@ -296,22 +304,17 @@ def in_plane(
             return OptionDraws(model, sampled(model, lambda number: varied(other, row(drawn, number))))
         at_once = swept[option.name]
         model = one_by_one()[option.name] if at_once is None else _slipping(other, at_once, scene, size, option.slides)
-        if option.slides:
-            # The one body that may slide is no scene of an engine's: its floor is what the pedestal stands on.
-            return OptionDraws(model)
         return OptionDraws(model, sampled(model, lambda number: option.change(varied(scene, row(values, number)))))
 
     return ask
 
 
-def _swept(
-    scene: Scene, inputs: Sequence[Uncertain], other: Scene, values: Mapping[str, Array], seed: int
-) -> dict[str, Array] | None:
+def _swept(scene: Scene, other: Scene, values: Mapping[str, Array]) -> dict[str, Array] | None:
     """The draws as draws of an option's own scene; None where drawing and changing do not commute."""
     same_bodies = other.statue is scene.statue and other.pedestal in (scene.pedestal, None)
     if not sweepable(scene, values) or not (same_bodies or all(key.startswith(ALIKE) for key in values)):
         return None
-    swept = common(inputs, values, _moved(inputs, other), seed)
+    swept = _moved(scene.contact, other, values)
     return swept if sweepable(other, swept) else None
 
 
@@ -334,23 +337,28 @@ def _slipping(other: Scene, values: Mapping[str, Array], scene: Scene, size: int
     """The draws of a body: of one that may slide, those whose friction is below the least slenderness slide and stand.
 
     A free body on the floor lifts at g b/h and slides at g μ, whichever comes first (Ishiyama 1982); the model of one body
-    knows no sliding.
+    knows no sliding, and its domain ends where the floor's friction does.
     """
-    rocking = repeated(model_draws(other, values), size)
     if not slides:
-        return rocking
-    static = np.broadcast_to(values.get("contact.floor", scene.contact.floor_static), size)
+        return repeated(model_draws(other, values), size)
+    static = np.broadcast_to(values.get("contact.floor", values.get(STATIC, scene.contact.floor_static)), size)
+    rocking = model_draws(other, {**values, STATUE: static})
     least = math.tan(min(other.statue.slenderness_rad(side) for side in (1, -1)))
-    path, slips = repeated(model_draws(sliding(other), values), size), static < least
+    path, slips = model_draws(sliding(other), {**values, STATUE: np.full(size, HOLDS)}), static < least
     return ModelDraws(*(np.where(slips, slid, rocked) for slid, rocked in zip(path, rocking, strict=True)))
 
 
-def _moved(inputs: Sequence[Uncertain], other: Scene) -> list[Uncertain]:
-    """The scene's inputs as an option leaves them: friction has its own median, what is gone is not drawn."""
-    relevant = [item for item in inputs if other.pedestal is not None or not item.key.startswith("pedestal.")]
-    contact = other.contact
-    medians = {"contact.floor": contact.floor_static, STATIC: contact.floor_static, KINETIC: contact.floor_kinetic}
-    return [replace(item, value=medians.get(item.key, item.value)) for item in relevant]
+def _moved(own: Contact, other: Scene, values: Mapping[str, Array]) -> dict[str, Array]:
+    """The draws as an option leaves them: of another friction by the same factor, of what is gone none."""
+    now = other.contact
+    static, kinetic = (own.floor_static, now.floor_static), (own.floor_kinetic, now.floor_kinetic)
+    friction = {"contact.floor": static, STATIC: static, KINETIC: kinetic}
+    moved = {}
+    for key, column in values.items():
+        before, after = friction.get(key, (1.0, 1.0))
+        if other.pedestal is not None or not key.startswith("pedestal."):
+            moved[key] = column * (after / before) if before > 0.0 else np.full_like(column, after)
+    return moved
 
 
 def common(

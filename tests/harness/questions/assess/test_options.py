@@ -101,6 +101,33 @@ def test_swept_draws_of_an_option_are_those_of_each_scene_changed() -> None:
         np.testing.assert_allclose(swept.peak_slip_m, slow.peak_slip_m, atol=budget.ADDED, err_msg=option.name)
 
 
+def test_other_friction_is_drawn_by_the_factor_of_the_friction_as_it_is() -> None:
+    """Whatever its distribution: a normal one's width is that of the scene's own coefficient, not of PTFE's."""
+    scene = load_scene(SCENES / "paestum_block.toml", ["duration_s=3.0"])
+    own, factor = scene.contact, np.array([0.5, 1.3])
+    values = {"contact.floor_static": own.floor_static * factor, "contact.floor_kinetic": own.floor_kinetic * factor}
+    inputs = [Uncertain(key, "normal", column.mean(), 0.1) for key, column in values.items()]
+    ptfe = next(item for item in made.options_of(scene)[0] if item.name == "less_friction_ptfe")
+    found = in_plane(scene, [ptfe], inputs, values)(ptfe).model
+    alone = ptfe.change(scene)
+    each = [replace(alone, contact=alone.contact.with_floor(0.04 * by, 0.04 * by)) for by in factor]
+    wanted = [model_draws(other, {}).peak_slip_m[0] for other in each]
+    np.testing.assert_allclose(found.peak_slip_m, wanted, rtol=budget.ADDED)
+
+
+def test_the_floor_s_friction_bears_a_fixed_body_not_the_joint_in_it() -> None:
+    scene = load_scene(SCENES / "paestum_block.toml", ["duration_s=3.0", "contact.floor_static=0.9"])
+    fixed = next(item for item in made.options_of(scene)[0] if item.name == made.FIXED)
+    inputs = [Uncertain("contact.floor_static", "normal", 0.9, 0.1)]
+    # On the second the body slides; on the first it rocks, which the joint above it would not bear.
+    values = {"contact.floor_static": np.array([0.9, 0.05])}
+    loose = replace(scene, contact=replace(scene.contact, statue=0.01))
+    firm, joint = (in_plane(given, [fixed], inputs, values)(fixed).model for given in (scene, loose))
+    np.testing.assert_array_equal(firm, joint)
+    assert firm.decided.all()
+    assert firm.peak_slip_m[0] == 0.0 < firm.peak_slip_m[1]
+
+
 def test_a_fixed_body_on_little_friction_slides_and_on_much_rocks() -> None:
     scene = paestum(0.429, 3.0, duration_s=3.0)
     fixed = next(item for item in made.options_of(scene)[0] if item.name == made.FIXED)
