@@ -12,7 +12,7 @@ from analytic.excitation import ZeroExcitation
 from harness.engines.base import RELIABLE_RAD, Engine, EngineFailure, Settings
 from harness.model.finding import Finding, Severity, caution, changes_answer, info
 from harness.model.history import History, Outcome
-from harness.model.run import Capabilities, Pattern, PatternName, Run, RunOptions
+from harness.model.run import SAME_END, Capabilities, Pattern, PatternName, Run, RunOptions
 from harness.model.scene import BaseExcitation, Scene
 from harness.model.two_block import block_of as block_of
 from harness.model.two_block import keywords as keywords
@@ -191,10 +191,6 @@ def left_out(motion: BaseExcitation) -> tuple[Finding, ...]:
 
 NEAR_TIE: Final = 1e-3
 """An energy that decides the outcome is a near tie within this share of the barrier's."""
-
-
-SAME_END: Final = 1e-6
-"""Runs that end at one event end at times that differ by their errors: no part of a history lies between them."""
 
 
 def findings_of(certified: Certified) -> tuple[Finding, ...]:

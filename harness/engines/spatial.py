@@ -18,7 +18,7 @@ from harness.engines.stepping.frame import planar, statue_columns
 from harness.engines.stepping.reduce import Report, reduce_trajectory
 from harness.model.finding import Finding, caution, changes_answer
 from harness.model.history import Outcome
-from harness.model.run import Capabilities, Run, RunOptions
+from harness.model.run import SAME_END, Capabilities, Run, RunOptions
 from harness.model.scene import OVERTURN_RAD, Pose, Scene
 
 if TYPE_CHECKING:
@@ -234,7 +234,7 @@ def _findings(certified: Certified, unfinished: Sequence[tuple[float, Solution]]
         found.append(caution("several_joint_states", count=solution.ambiguous_states))
     if not certified.outcome_is_sure:
         found.append(changes_answer("outcome_changes_with_steps", outcomes=[]))
-    if certified.reliable_until_s < solution.end_s:
+    if certified.reliable_until_s < solution.end_s * (1.0 - SAME_END):
         found.append(caution("error_not_bounded", until_s=certified.reliable_until_s, end_s=solution.end_s))
     return found
 

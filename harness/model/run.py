@@ -181,6 +181,10 @@ class RunRow:
     motion_axes: Sequence[str] | None = field(default=None, metadata=said(single=False))
 
 
+SAME_END: Final = 1e-6
+"""Runs that end at one event end at times that differ by their errors: no part of a history lies between them."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Run(RunRow, Shown):
     """One engine's answer to one scene; `history` is None when only the outcome was asked, and in no record.
@@ -212,8 +216,9 @@ class Run(RunRow, Shown):
 
     @property
     def bounded_until_s(self) -> float:
-        """Until when its stated numerical errors hold; to its end where none is stated."""
-        return self.end_s if self.reliable_until_s is None else min(self.reliable_until_s, self.end_s)
+        """Until when its stated numerical errors hold; to its end where none is stated, or but rounding is left."""
+        until_s = self.end_s if self.reliable_until_s is None else self.reliable_until_s
+        return until_s if until_s < self.end_s * (1.0 - SAME_END) else self.end_s
 
     def facts(self) -> dict[str, str]:
         """Engine, outcome, peak with its numerical error, slip."""

@@ -211,8 +211,7 @@ def prediction_s(source: RunSource) -> float | None:
 
 def horizon_s(source: RunSource) -> float | None:
     """Up to when every model's history is reliable: the least `reliable_until_s`; None when no model states one."""
-    known = [(run.reliable_until_s, run.end_s) for run in source.runs.values() if run.reliable_until_s is not None]
-    return min((until_s for until_s, end_s in known if until_s < end_s), default=None)
+    return min((run.bounded_until_s for run in source.runs.values() if run.bounded_until_s < run.end_s), default=None)
 
 
 LISTED: Final = 6

@@ -146,10 +146,9 @@ def _until(known: Mapping[str, Run], scores: Sequence[Scores]) -> list[Finding]:
     parted = [each for each in scores if each.verdict is not Verdict.AGREE]
     if not parted:
         bounded = min((run.bounded_until_s for run in known.values()), default=0.0)
-        end = max(run.end_s for run in known.values())
         if _fell_by(known, bounded):
             return [info("histories_agree_past_return", until_s=bounded)]
-        if bounded < end:
+        if any(run.bounded_until_s < run.end_s for run in known.values()):
             return [info("histories_known_until", until_s=bounded)]
         return [info("histories_agree")]
     # The pair that the answer rests on, before one that parts sooner for another reason.

@@ -58,6 +58,16 @@ def test_how_near_it_came_to_its_balance_counts_the_side_that_bears_less() -> No
     assert values["balance_share"] == pytest.approx(right_rad / SCENE.statue.slenderness_rad(1))
 
 
+def test_runs_that_end_at_one_event_are_known_to_their_ends() -> None:
+    """At a wall each ends at its own instant, its error stated up to rounding before it."""
+    end_s = doubles.rocking().t_s[-1]
+    wall = {"outcome": Outcome.TOUCHES_WALL, "end_s": end_s, "reliable_until_s": end_s * (1.0 - 1e-9)}
+    later = replace(run("b", **wall), end_s=end_s * (1.0 + 1e-5), reliable_until_s=end_s * (1.0 + 1e-5))
+    assert list(told(run("a", **wall), later)[1]) == ["models_agree", "histories_agree"]
+    open_ = replace(later, reliable_until_s=0.9 * end_s)
+    assert told(run("a", **wall), open_)[1]["histories_known_until"].values["until_s"] == 0.9 * end_s
+
+
 def test_histories_that_part_late_agree_until_then_and_the_reason_is_told() -> None:
     parted = doubles.parted(doubles.rocking(), 6.0, 0.01)
     code, said = told(run("a", parted, reliable_until_s=5.0), run("b"))
