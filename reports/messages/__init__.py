@@ -23,6 +23,8 @@ LANGUAGES: Final = tuple(sorted(file.stem for file in FOLDER.glob("*.toml")))
 OPTIONAL: Final = re.compile(r"\[([^\[\]]*)\]")
 """A part of a sentence that may be left out: no user's text is searched, only the catalogue's own."""
 FIELD: Final = re.compile(r"\{(\w+)(?::(\w+))?\}")
+PLACE: Final = re.compile(rf"(?:\b(\w+) )?{FIELD.pattern}")
+"""A value's place with the word before it, of the catalogue too: an article that follows the number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +42,7 @@ class Language:
 
     def __call__(self, key: str, /, **values: object) -> str:
         """The string of a key, its braces filled. Raises `KeyError` for an unknown key."""
-        return self.strings[key].format(**values)
+        return PLACE.sub(lambda place: self._after(place[1], str(values[place[2]])), self.strings[key])
 
     def say(self, finding: Finding) -> str:
         """The sentence of a finding. Raises `KeyError` for an unknown code."""
@@ -48,8 +50,25 @@ class Language:
         by = self.strings.get(f"{key}.by")
         template = self.strings[key if by is None else f"{key}.{values[by]}"]
         filled = OPTIONAL.sub(lambda part: part[1] if self._full(part[1], values) else "", template)
-        text = FIELD.sub(lambda place: self.value(values.get(place[1]), place[2] or "plain"), filled)
-        return f"{text} ({values['in_runs']} {self.word('runs')})" if "in_runs" in values else text
+        text = PLACE.sub(
+            lambda place: self._after(place[1], self.value(values.get(place[2]), place[3] or "plain")), filled
+        )
+        return f"{text} ({self.word('runs')}: {values['in_runs']})" if "in_runs" in values else text
+
+    def _after(self, word: str | None, value: str) -> str:
+        """A value after the word before it, in the form that an article has before its number: `nell'8 %`, `dello 0,3 %`."""
+        if word is None:
+            return value
+        vowel, nought = self._articles.get(word, (word, word))
+        whole = re.match(r"\d*", value)[0]  # type: ignore[index]
+        article = vowel if whole[:1] == "8" or whole in ("1", "11") else nought if whole == "0" else word
+        return article + ("" if article.endswith("'") else " ") + value
+
+    @cached_property
+    def _articles(self) -> dict[str, tuple[str, str]]:
+        """An article's forms before a number that begins with a vowel, and before nought."""
+        forms = (each.split() for each in self.strings["articles"].split(",") if each)
+        return {word: (vowel, nought) for word, vowel, nought in forms}
 
     def _full(self, part: str, values: Mapping[str, Any]) -> bool:
         """Whether every value of a part is there; nought, False and what is not finite are none."""

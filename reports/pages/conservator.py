@@ -138,7 +138,8 @@ def order_picture(
     heading = say("order.heading_pedestal" if list(support.pedestal) == [True] and push else "order.heading")
     words = order_words(scene, support, push, rising=motion is not None and motion.z_m_s2 is not None, say=say)
     peak, title = None if push is None else push.peak, f"{heading} {' '.join(words)}"
-    return Drawing(order_svg(levels(scene, support, say), peak, title, say), words, heading=heading)
+    across = motion is not None and "y" in motion.accel_m_s2
+    return Drawing(order_svg(levels(scene, support, say, across=across), peak, title, say), words, heading=heading)
 
 
 ASIDE: Final = 1.05
@@ -389,7 +390,10 @@ def _pedestal_slip(source: RunSource, say: Language) -> list[str]:
 
 def _trust(source: RunSource, say: Language) -> list[str]:
     """Until when the motion can be followed: as far as anybody can, else as far as numbers are exact."""
+    falls = [run.no_return_time_s for run in source.answered.values()]
     for key, until_s in (("unpredictable", prediction_s(source)), ("inexact", horizon_s(source))):
+        if until_s is not None and all(fall_s is not None and fall_s <= until_s for fall_s in falls):
+            return []  # what follows is the fall
         if until_s is not None and until_s < source.scene.duration_s:
             return [f"{say(f'run.{key}', time=say.short(until_s, 2))} {say('run.typical')}"]
     return []
@@ -518,7 +522,9 @@ def _by_variant(ends: Mapping[str, Sequence[Outcome]], say: Language) -> list[st
     for model, outcomes in ends.items():
         variants.setdefault(model.partition(" (")[2][:-1], []).append(outcomes)
     sentences = []
-    for variant, answers in variants.items():
+    for variant, asked in variants.items():
+        # Of a model that was asked of fewer situations a count says less: how often the models agree is told beside.
+        answers = [each for each in asked if len(each) == max(map(len, asked))]
         kinds = [Counter(map(end_key, outcomes)) for outcomes in answers]
         others = dict.fromkeys(key for counts in kinds for key in counts if key not in ("overturns", "stands"))
         each = [
@@ -528,7 +534,7 @@ def _by_variant(ends: Mapping[str, Sequence[Outcome]], say: Language) -> list[st
             for key in others
         ]
         more = say("study.more", ends=say.listed(each)) if each else ""
-        falls, total = _between([counts["overturns"] for counts in kinds], say), _between(list(map(len, answers)), say)
+        falls, total = _between([counts["overturns"] for counts in kinds], say), len(answers[0])
         key = "study.by_one" if len(variants) == 1 else "study.by_variant"
         sentences.append(say(key, variant=variant, falls=falls, total=total, more=more))
     return sentences
@@ -654,8 +660,8 @@ def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list
         named = say(AXES[last]) if last in AXES else say.key(key) or say("key.other")
         figure["encoding"][side]["title"] = named
     figure["layer"][0]["encoding"]["fill"]["legend"] = None
-    seen = sorted({_severity(row) for row in worst.values()} - {-1}, reverse=True)
-    words = [say("map.seen"), " ".join(say(f"map.{SEVERE[k]}") for k in seen)]
+    seen = sorted({_severity(row) for row in worst.values()}, reverse=True)
+    words = [say("map.seen"), " ".join(say(f"map.{SEVERE[k]}" if k >= 0 else "map.pale") for k in seen)]
     return [Drawing(still(figure, WIDTH), words, heading=say("map.heading"))]
 
 

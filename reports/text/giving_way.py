@@ -16,6 +16,7 @@ from harness.records.scene import PushRecord, SceneRecord
 from harness.records.study import StudyRecord, SupportRecord
 from harness.records.trust import Saved
 from harness.statics.standstill import tipping_of_pedestal
+from meshes.footprint import reach_m
 from reports.blocks import Chart
 from reports.charts import Json
 from reports.charts.figure import (
@@ -188,7 +189,11 @@ class PushLevel:
 
 def compass(azimuth_deg: float, say: Language = ENGLISH) -> str:
     """A direction, counter-clockwise from the right as seen from above, in words."""
-    return say(f"side.{DIRECTIONS[round(azimuth_deg / 45.0) % 8]}")
+    return say(f"side.{_direction(azimuth_deg)}")
+
+
+def _direction(azimuth_deg: float) -> str:
+    return DIRECTIONS[round(azimuth_deg / 45.0) % 8]
 
 
 def bearing(scene: SceneRecord) -> Array:
@@ -232,17 +237,24 @@ def scan_turn_deg(scene: SceneRecord) -> float:
     return float(turn) % 360.0 if isinstance(turn, int | float) else 0.0
 
 
-def levels(scene: SceneRecord, support: SupportRecord, say: Language = ENGLISH) -> list[PushLevel]:
-    """What gives way, from weak to strong: tipping to either side, slips that come before the last of these."""
-    statue, h = scene.statue, scene.statue.centroid_height_m
-    left, right = statue.corner_left_m / h, statue.corner_right_m / h
+def levels(
+    scene: SceneRecord, support: SupportRecord, say: Language = ENGLISH, *, across: bool = False
+) -> list[PushLevel]:
+    """What gives way, from weak to strong: tipping to either side, slips that come before the last of these.
+
+    `across`: pushes come across the plane too, and tip the statue to the front and back.
+    """
+    statue, h, safe = scene.statue, scene.statue.centroid_height_m, bearing(scene)
+    tips = {"left": statue.corner_left_m / h, "right": statue.corner_right_m / h}
+    least, azimuths = weakest_pushes(safe)
+    if least < (1.0 - EQUAL) * min(tips.values()):
+        tips[_direction(azimuths[0])] = least
+    if across:
+        for side, push in zip(("back", "front"), reach_m(safe, [90.0, 270.0]).tolist(), strict=True):
+            tips.setdefault(side, push)
     pushes = [
-        PushLevel(say("order.tips", side=say(f"side.{side}")), push, "statue_tips")
-        for side, push in (("left", left), ("right", right))
+        PushLevel(say("order.tips", side=say(f"side.{side}")), push, "statue_tips") for side, push in tips.items()
     ]
-    least, azimuths = weakest_pushes(bearing(scene))
-    if least < (1.0 - EQUAL) * min(left, right):
-        pushes.append(PushLevel(say("order.tips", side=compass(azimuths[0], say)), least, "statue_tips"))
     for friction in dict.fromkeys(support.floor_static or ()):
         words = _end(say("order.pedestal_slides"), friction, support.floor_static, say)
         pushes.append(PushLevel(words, friction, "pedestal_slides"))

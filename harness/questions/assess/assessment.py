@@ -236,7 +236,7 @@ def _forecast(scene: Scene, names: Sequence[str], runs: Range, models_s: float, 
         runs.times(each_s), RESULT_S, START_S * workers * bool(names), Range(0.0, SAMPLE_S * OPTIONS)
     )
     clock = forecast_words(*spent.times(1.0 / workers))
-    return f"this takes {forecast_words(*spent)} of processor time, {clock} by the clock on {workers} cores"
+    return f"this takes {forecast_words(*spent)} of processor time, {clock} by the clock (cores: {workers})"
 
 
 def _inputs(scene: Scene) -> Sequence[Uncertain]:

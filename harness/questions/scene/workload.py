@@ -116,7 +116,7 @@ def check(
     longest = Range(*map(max, zip(own, *apart, strict=True))) if apart else own
     clock = longest if cores > len(apart) else Range(*(max(a / cores, b) for a, b in zip(total, longest, strict=True)))
     return (
-        f"this takes {forecast_words(*total)} of processor time, {forecast_words(*clock)} by the clock on {cores} cores"
+        f"this takes {forecast_words(*total)} of processor time, {forecast_words(*clock)} by the clock (cores: {cores})"
     )
 
 

@@ -116,7 +116,7 @@ def sentence(study: StudyFile, cpu_s: float, workers: int) -> str:
     at_most = "at most " if study.ask.cases != "all" else ""
     spent, clock = duration_words(cpu_s), duration_words(cpu_s / workers)
     size = f"{cases} cases, {at_most}{study.runs} runs"
-    return f"{size}: {at_most}about {spent} of processor time, {clock} by the clock on {workers} workers"
+    return f"{size}: {at_most}about {spent} of processor time, {clock} by the clock (workers: {workers})"
 
 
 def check(study: StudyFile, cpu_s: float, workers: int, where: str, *, large: bool = False) -> str:

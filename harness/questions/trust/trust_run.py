@@ -329,7 +329,7 @@ def cost_words(plane: Plane, names: Sequence[str], workers: int, *, coarse: bool
         cpu_s += len(each.points) * (POINT_S + runs_s / len(scenes))
         cpu_s += 0.0 if coarse else CHANCE_S * len(each.frequencies_hz)
     points, spent, clock = len(planes) * len(plane.points), duration_words(cpu_s), duration_words(cpu_s / workers)
-    return f"{points} points: about {spent} of processor time, {clock} by the clock on {workers} workers"
+    return f"{points} points: about {spent} of processor time, {clock} by the clock (workers: {workers})"
 
 
 def trust_map(plane: Plane, names: tuple[str, ...], points: Points, *, coarse: bool, seed: int) -> TrustRecord:

@@ -226,3 +226,15 @@ def test_such_a_search_in_a_template_is_seen() -> None:
     assert IN_TEMPLATE.search('{% if not verdict.headline.endswith(".") %}')
     assert IN_TEMPLATE.search("{% if 'fell' in item.text %}")
     assert not IN_TEMPLATE.search("{% for each in findings %}{{ each.text }}{% endfor %}")
+
+
+@pytest.mark.parametrize(
+    ("share", "said"),
+    [(0.08, "dell'8"), (0.83, "dell'83"), (0.11, "dell'11"), (0.01, "dell'1"), (0.005, "dello 0,5"), (0.12, "del 12")],
+)
+def test_an_italian_article_follows_its_number(share: float, said: str) -> None:
+    """In a string of its own and in a finding's."""
+    say = language("it")
+    assert f"da una spinta {said} % del peso" in say("push.statue_slides", pushes=say.percent(share))
+    worst = {"bounded": True, "azimuth_deg": 0.0, "planar_g": 0.3, "solid_g": 0.2, "sides_deg": [], "never": 0}
+    assert f"È insicuro {said}\u00a0% verso" in say.say(info("plane_worst", error=share, **worst))

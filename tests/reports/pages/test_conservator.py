@@ -59,6 +59,11 @@ def test_what_gives_way_first_is_ordered(tmp_path: Path) -> None:
     assert [level.cause for level in found] == ["statue_tips", "pedestal_slides", "pedestal_tips", "statue_tips"]
     bare = run_source(write_invented(tmp_path / "bare", pedestal=False)).scene
     assert {level.cause for level in levels(bare, support_of(bare))} == {"statue_tips"}
+    # Shaken across too it may tip to the front or back: half its depth over the centroid's height.
+    every = {level.words.rsplit(" ", 1)[-1]: level.push for level in levels(bare, support_of(bare), across=True)}
+    assert every == pytest.approx(
+        {"right": 0.0682 / 0.774, "left": 0.3585 / 0.774, "back": 0.36 / 0.774, "front": 0.36 / 0.774}
+    )
     assert "nothing slides before it tips" in " ".join(order_words(bare, support_of(bare), None))
 
 
@@ -395,6 +400,16 @@ def test_one_that_leans_past_its_balance_at_the_end_is_not_said_to_stay_upright(
         text = spoken(of_run(replace(source, record=record, histories=source.histories | {name: end})))
         assert (ENGLISH("run.disagree") in text) is said
         assert (ENGLISH("run.of_standing") in text) is said
+
+
+def test_what_follows_a_fall_is_no_doubt_of_the_distances(tmp_path: Path) -> None:
+    source = run_source(write_invented(tmp_path))
+    fell = {"outcome": Outcome.OVERTURNED_RIGHT, "reliable_until_s": 2.0}
+    for passed_s, said in ((1.9, False), (2.1, True)):
+        ends = {name: replace(run, no_return_time_s=passed_s, **fell) for name, run in source.record.runs.items()}
+        record = replace(source.record, runs=ends, horizons=None)
+        text = spoken(of_run(replace(source, record=record)))
+        assert (ENGLISH("run.inexact", time="2") in text) is said
 
 
 @pytest.mark.parametrize("pedestal", [None, Pedestal(80.0, 0.6, 0.6, 0.3)])

@@ -19,7 +19,7 @@ from tests.budgets_reports import GULPEASE, SENTENCE_WORDS_MEAN, SENTENCE_WORDS_
 from tests.reports import invented_run, invented_study
 from tests.reports.invented_effects import write_effects
 
-BARE = ("decimal", "numbers", "and")
+BARE = ("decimal", "numbers", "articles", "and")
 """Strings that are put together with others."""
 FINDINGS = (
     "finding",
