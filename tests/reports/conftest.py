@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
@@ -9,9 +10,12 @@ from typing import Any
 
 import pytest
 
+from harness.records.base import Record
+from harness.records.kinds import read_result
 from reports.pages.page import CONSERVATOR_NAME, write_report
+from reports.source import RunSource, run_source
 from tests.measures.page_cost import NoBrowser, chromium
-from tests.reports.every_kind import WRITERS
+from tests.reports.every_kind import RUNS, WRITERS
 
 
 @pytest.fixture(scope="module")
@@ -24,16 +28,33 @@ def browser() -> Iterator[Any]:
 
 
 @pytest.fixture(scope="session")
-def page_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """The folder of an invented record by its kind, written once for all tests that only read it."""
+    base = tmp_path_factory.mktemp("written")
+    writers = {**WRITERS, **RUNS}
+    return cache(lambda kind: writers[kind](base / kind))
+
+
+@pytest.fixture(scope="session")
+def record_of(written: Callable[[str], Path]) -> Callable[[str], Record]:
+    """An invented record by its kind."""
+    return cache(lambda kind: read_result(written(kind)))
+
+
+@pytest.fixture(scope="session")
+def source(written: Callable[[str], Path]) -> RunSource:
+    """An invented run whose models agree, with a pedestal and a wall."""
+    return run_source(written("agreed"))
+
+
+@pytest.fixture(scope="session")
+def page_of(written: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     """The page of an invented record of a kind, or with "plain" before it the conservator's; written once for all tests."""
     base = tmp_path_factory.mktemp("pages")
-
-    @cache
-    def written(kind: str) -> Path:
-        return write_report(WRITERS[kind](base / kind))
+    report = cache(lambda kind: write_report(shutil.copytree(written(kind), base / kind)))
 
     def found(name: str) -> Path:
-        page = written(name.removeprefix("plain "))
+        page = report(name.removeprefix("plain "))
         return page.with_name(CONSERVATOR_NAME) if name.startswith("plain ") else page
 
     return found

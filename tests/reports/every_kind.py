@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -24,3 +25,10 @@ WRITERS: Final[Mapping[str, Callable[[Path], Path]]] = {
     "trust": invented_records.write_trust,
 }
 """What writes each into a folder, which it returns."""
+RUNS: Final[Mapping[str, Callable[[Path], Path]]] = {
+    "agreed": write_invented,
+    "apart": partial(write_invented, disagree=True),
+    "meshed": partial(write_invented, mesh=True),
+    "bare": partial(write_invented, pedestal=False),
+}
+"""What writes other runs: their models agree or not, the statue has a mesh, or no pedestal."""

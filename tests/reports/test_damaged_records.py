@@ -68,9 +68,9 @@ DAMAGE: dict[str, tuple[Edit, str]] = {
 }
 
 
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_invented(tmp_path_factory.mktemp("whole"))
+@pytest.fixture
+def whole(written: Callable[[str], Path]) -> Path:
+    return written("agreed")
 
 
 @pytest.mark.parametrize("command", ["report", "figures", "gif"])

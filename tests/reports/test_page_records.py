@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from html import unescape
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -42,8 +44,8 @@ def shown(folder: Path) -> str:
     return without_data(write_report(folder).read_text(encoding="utf-8"))
 
 
-def test_a_study_says_what_unmodified_engines_confirm(tmp_path: Path) -> None:
-    record = invented_study.study(invented_study.write_map_study(tmp_path))
+def test_a_study_says_what_unmodified_engines_confirm(record_of: Callable[[str], Any]) -> None:
+    record = record_of("map")
     counts = {"pymunk:plain": WitnessCount(confirmed=8, differ=1, silent=0)}
     parts = caution("witness_parts", witness="pymunk", models=["pymunk"], from_s=1.2, case=7)
     seen = StudyWitness(scenes=9, of=90, counts=counts, differing=[parts], seconds=1.0)
@@ -52,40 +54,40 @@ def test_a_study_says_what_unmodified_engines_confirm(tmp_path: Path) -> None:
     assert told[1].values == {"witness": "pymunk", "confirmed": 8, "differ": 1, "silent": 0}
 
 
-def test_every_claim_and_model_has_its_computed_verdict(tmp_path: Path) -> None:
-    folder = invented_study.write_table_study(tmp_path)
-    record, html = invented_study.study(folder), shown(folder)
+def test_every_claim_and_model_has_its_computed_verdict(
+    page_of: Callable[[str], Path], record_of: Callable[[str], Any]
+) -> None:
+    record, html = record_of("table"), without_data(page_of("table").read_text(encoding="utf-8"))
     assert len(re.findall(r'<td class="claim ', html)) == len(record.claims or ())
     for item in record.claims or ():
         assert ENGLISH.say(item.evidence) in unescape(html)
 
 
-def test_the_headline_follows_the_claims(tmp_path: Path) -> None:
-    record = invented_study.study(invented_study.write_table_study(tmp_path))
+def test_the_headline_follows_the_claims(record_of: Callable[[str], Any]) -> None:
+    record = record_of("table")
     record = replace(record, headline=dict.fromkeys(record.headline or (), "holds"))
     told = answer_of(record)
     assert (told.code, told.findings[0].values) == ("claims", {"groups": {"holds": [*(record.headline or ())]}})
 
 
-def test_the_matrix_marks_where_models_of_a_variant_differ(tmp_path: Path) -> None:
-    record = invented_study.study(invented_study.write_table_study(tmp_path))
+def test_the_matrix_marks_where_models_of_a_variant_differ(tmp_path: Path, record_of: Callable[[str], Any]) -> None:
+    record = record_of("table")
     found = next(each for each in every(page_blocks(tmp_path, record), Table) if each.style == "matrix")
     assert len(found.rows) == 60
     keys = [[cell for cell in row[:4] if isinstance(cell, Cell)] for row in found.rows]
     assert {tuple(cell.text for cell in row[2:]) for row in keys if row[0].style == "differs"} == {("2", "none")}
 
 
-def test_a_map_shows_what_was_not_asked(tmp_path: Path) -> None:
-    folder = invented_study.write_map_study(tmp_path)
-    charts = {each.name: each.figure for each in every(page_blocks(folder, invented_study.study(folder)), Chart)}
+def test_a_map_shows_what_was_not_asked(written: Callable[[str], Path], record_of: Callable[[str], Any]) -> None:
+    charts = {each.name: each.figure for each in every(page_blocks(written("map"), record_of("map")), Chart)}
     assert "not asked" not in part(charts["map-1"], "cells")["kind"]
     assert "not asked" in part(charts["map-2"], "cells")["kind"]
     assert charts["map-1"]["encoding"]["x"]["scale"]["type"] == "log"
     assert any(name.startswith("fragility") for name in charts)
 
 
-def test_a_rose_gives_the_least_overturning_amplitude(tmp_path: Path) -> None:
-    record = invented_study.study(invented_study.write_rose_study(tmp_path))
+def test_a_rose_gives_the_least_overturning_amplitude(record_of: Callable[[str], Any]) -> None:
+    record = record_of("rose")
     drawn = rose_picture(*conditions(record.rows))
     assert drawn is not None
     told = [str(each.text) for each in elements(drawn, "title")]
@@ -116,8 +118,8 @@ def test_a_validation_is_held_against_the_bare_threshold(tmp_path: Path) -> None
     assert 'class="o-overturns"' in shown(tmp_path / "poor")
 
 
-def test_models_that_are_right_equally_often_are_all_named(tmp_path: Path) -> None:
-    record = validation(invented_records.write_validation(tmp_path))
+def test_models_that_are_right_equally_often_are_all_named(record_of: Callable[[str], Any]) -> None:
+    record = record_of("validation")
     names = list(record.models)
 
     def with_accuracies(*values: float) -> ValidationRecord:
@@ -143,11 +145,10 @@ def test_the_front_holds_what_nothing_beats() -> None:
     assert all(row.group == "level" for row in front)
 
 
-def test_a_bench_names_who_meets_the_target_and_keeps_failures(tmp_path: Path) -> None:
-    folder, record = invented_records.write_bench(tmp_path), invented_records.bench()
+def test_a_bench_names_who_meets_the_target_and_keeps_failures(page_of: Callable[[str], Path]) -> None:
+    record = invented_records.bench()
     assert verdict(record).tone == "agree"
-    html = shown(folder)
-    assert "diverged" in html
+    assert "diverged" in without_data(page_of("bench").read_text(encoding="utf-8"))
     missed = replace(record, answer=Answer("not_met", [caution("no_engine_timed")]))
     assert verdict(missed).tone == "differ"
 
@@ -161,12 +162,12 @@ def test_a_stress_run_is_sound_or_says_what_is_wrong(tmp_path: Path) -> None:
     assert shown(tmp_path / "wrong").count('class="claim does-not-hold"') == 1
 
 
-def test_runs_outside_the_models_domain_are_counted_by_cause(tmp_path: Path) -> None:
+def test_runs_outside_the_models_domain_are_counted_by_cause(record_of: Callable[[str], Any]) -> None:
     rows = [
         invented_study.case_row("analytic", invented_study.case_run(validity={"left_domain_by": cause}))
         for cause in ("statue_slides", "statue_slides", "pedestal_tips", "", None)
     ]
-    record = invented_study.study(invented_study.write_map_study(tmp_path))
+    record = record_of("map")
     (told,) = (each for each in findings_of(replace(record, rows=rows)) if each.code == "left_domain_in_runs")
     assert told.engine == "analytic (own)"
     assert told.values == {"left": 3, "cases": 5, "causes": {"statue_slides": 2, "pedestal_tips": 1}}
@@ -177,7 +178,9 @@ def test_runs_outside_the_models_domain_are_counted_by_cause(tmp_path: Path) -> 
     assert "left_domain_in_runs" not in [each.code for each in findings_of(replace(record, rows=rows[3:]))]
 
 
-def test_runs_without_an_end_are_told_and_no_share_of_falls_counts_them_as_standing(tmp_path: Path) -> None:
+def test_runs_without_an_end_are_told_and_no_share_of_falls_counts_them_as_standing(
+    record_of: Callable[[str], Any],
+) -> None:
     ends = ("overturned_left", "stands", *["undecided"] * 10, *["overturned_left"] * 9)
     rows = [
         replace(
@@ -186,7 +189,7 @@ def test_runs_without_an_end_are_told_and_no_share_of_falls_counts_them_as_stand
         )
         for k, level in enumerate((0.1, 0.2, 0.3)) for place, end in enumerate(ends)
     ]  # fmt: skip
-    record = invented_study.study(invented_study.write_map_study(tmp_path))
+    record = record_of("map")
     told = answer_of(replace(record, headline=None, scores=None, rows=rows)).findings[0]
     assert (told.values["falls"], told.values["cases"], told.values["open"]) == (30, 63, 30)
     whole = answer_of(replace(record, headline=None, scores=None, rows=rows[:2])).findings[0]
@@ -196,25 +199,27 @@ def test_runs_without_an_end_are_told_and_no_share_of_falls_counts_them_as_stand
     assert part(figure, "points")["y"] == [pytest.approx(10 / 11)] * 3
 
 
-def test_findings_of_runs_that_differ_in_numbers_are_one(tmp_path: Path) -> None:
+def test_findings_of_runs_that_differ_in_numbers_are_one(record_of: Callable[[str], Any]) -> None:
     found = [info("target_met_until_fall", until_s=value) for value in (1.5, 2.25)] + [info("motion_across_left_out")]
     rows = [invented_study.case_row("analytic", invented_study.case_run(findings=[plain(each)])) for each in found]
-    record = invented_study.study(invented_study.write_map_study(tmp_path))
+    record = record_of("map")
     told = {each.code: each for each in findings_of(replace(record, rows=rows))}
     assert told["target_met_until_fall"].values == {"until_s": 1.875, "in_runs": 2}
     assert told["motion_across_left_out"].values == {"in_runs": 1}
 
 
-def test_a_number_that_some_runs_do_not_know_is_the_median_of_the_others(tmp_path: Path) -> None:
+def test_a_number_that_some_runs_do_not_know_is_the_median_of_the_others(record_of: Callable[[str], Any]) -> None:
     found = [info("target_met_until_fall", until_s=value) for value in (None, 1.5, 2.25)]
     rows = [invented_study.case_row("analytic", invented_study.case_run(findings=[plain(each)])) for each in found]
-    record = invented_study.study(invented_study.write_map_study(tmp_path))
+    record = record_of("map")
     told = {each.code: each for each in findings_of(replace(record, rows=rows))}
     assert told["target_met_until_fall"].values == {"until_s": 1.875, "in_runs": 3}
 
 
-def test_a_validation_says_how_to_repeat_it_and_how_far_histories_are_apart(tmp_path: Path) -> None:
-    record = validation(invented_records.write_validation(tmp_path))
+def test_a_validation_says_how_to_repeat_it_and_how_far_histories_are_apart(
+    tmp_path: Path, record_of: Callable[[str], Any]
+) -> None:
+    record = record_of("validation")
     found = page_blocks(tmp_path, replace(record, samples=3, seed=7))
     assert lines(found, "repeat") == ["rockcheck validate invented.csv -e analytic -e pymunk --samples 3 --seed 7"]
     histories = next(each for each in every(found, Group) if each.heading == ENGLISH("text.measured_histories"))
@@ -315,9 +320,9 @@ def test_every_explanation_of_a_map_stands_below_it_once() -> None:
     assert "margin 0" in told[1]
 
 
-def test_the_conservators_page_counts_as_the_terminal_does(tmp_path: Path) -> None:
+def test_the_conservators_page_counts_as_the_terminal_does(tmp_path: Path, record_of: Callable[[str], Any]) -> None:
     """How often models end alike stands in the record once; rows may be a coarser grid."""
-    given = invented_study.study(invented_study.write_table_study(tmp_path))
+    given = record_of("table")
     scores = SetScores(
         reference="analytic", cases=1234, same=1201, outcomes=score_outcomes([]), verdicts={}, flips=0, peaks=None
     )

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,14 +14,12 @@ from harness.model.finding import caution, changes_answer, info, texted
 from harness.model.history import Outcome
 from harness.records.run import RunRecord
 from reports.messages import ENGLISH
-from reports.source import run_source
 from reports.terminal import COLUMNS, LINES, motion_lines, record_lines
-from tests.reports.invented_run import write_invented
 
 
 @pytest.fixture(scope="module")
-def record(tmp_path_factory: pytest.TempPathFactory) -> RunRecord:
-    return run_source(write_invented(tmp_path_factory.mktemp("run"), disagree=True)).record
+def record(record_of: Callable[[str], Any]) -> RunRecord:
+    return record_of("apart")
 
 
 def printed(record: RunRecord) -> list[str]:

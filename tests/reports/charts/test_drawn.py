@@ -6,6 +6,7 @@ import json
 import re
 import resource
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,6 @@ from reports.drawing.shapes import rings
 from reports.pages.assets import pack_text, packed_chart
 from reports.source import run_source
 from tests.budgets_reports import STILL_PX
-from tests.reports.invented_run import write_invented
 from tests.reports.unpacking import numbers, unpacked
 
 COLOUR = "#123456"
@@ -74,9 +74,9 @@ def test_equal_neighbours_of_a_map_are_drawn_as_one() -> None:
     }
 
 
-@pytest.mark.parametrize("disagree", [False, True])
-def test_the_histories_are_well_formed_and_named(tmp_path: Path, disagree: bool) -> None:
-    source = run_source(write_invented(tmp_path, disagree=disagree))
+@pytest.mark.parametrize("kind", ["agreed", "apart"])
+def test_the_histories_are_well_formed_and_named(written: Callable[[str], Path], kind: str) -> None:
+    source = run_source(written(kind))
     drawn = still(histories_figure(source))
     root = ElementTree.fromstring(f"<div>{drawn}</div>")
     words = {item.text for item in root.iter() if item.tag.endswith("text")}

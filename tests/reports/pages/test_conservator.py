@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,6 @@ from harness.model.history import Outcome
 from harness.model.scene import BaseExcitation, Pedestal
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.assess import Assessment
-from harness.records.kinds import read_result
 from harness.records.run import balance_share, has_answer
 from harness.records.scores import Verdict
 from harness.records.study import SupportRecord
@@ -26,8 +26,7 @@ from reports.drawing.kinematics import section
 from reports.messages import ENGLISH
 from reports.pages import conservator
 from reports.pages.conservator import of_run
-from reports.pages.page import write_report
-from reports.source import run_source
+from reports.source import RunSource, run_source
 from reports.text import wording
 from reports.text.giving_way import (
     bearing,
@@ -42,22 +41,20 @@ from reports.text.giving_way import (
 )
 from reports.text.wording import conditions
 from tests.budgets_reports import PUSH, SAMPLED_M, SHADOW_SHARE
-from tests.reports.invented_run import write_invented
-from tests.reports.invented_study import study, write_map_study, write_table_study
 from tests.reports.page_parts import answer, lines, pictures, spoken
 from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
 
 JARGON = ("rad", "kHz", "μ", "horizon", "integrat", "slenderness", "restitution", "theta", "θ")
 
 
-def test_what_gives_way_first_is_ordered(tmp_path: Path) -> None:
-    scene = run_source(write_invented(tmp_path)).scene
+def test_what_gives_way_first_is_ordered(source: RunSource, record_of: Callable[[str], Any]) -> None:
+    scene = source.scene
     found = levels(scene, support_of(scene))
     # Both as one body about the pedestal's right edge, 0.3 m from its own centroid and 0.1548 m from the statue's.
     together = (250.0 * 0.3 + 707.0 * (0.3 - 0.14515)) / (250.0 * 0.1 + 707.0 * 0.974)
     assert [level.push for level in found] == pytest.approx([0.0682 / 0.774, 0.2, together, 0.3585 / 0.774])
     assert [level.cause for level in found] == ["statue_tips", "pedestal_slides", "pedestal_tips", "statue_tips"]
-    bare = run_source(write_invented(tmp_path / "bare", pedestal=False)).scene
+    bare = record_of("bare").scene
     assert {level.cause for level in levels(bare, support_of(bare))} == {"statue_tips"}
     # Shaken across too it may tip to the front or back: half its depth over the centroid's height.
     every = {level.words.rsplit(" ", 1)[-1]: level.push for level in levels(bare, support_of(bare), across=True)}
@@ -77,14 +74,14 @@ def test_what_gives_way_first_is_ordered(tmp_path: Path) -> None:
     ],
 )
 def test_the_pedestal_is_a_fuse_only_where_it_slides_first(
-    tmp_path: Path, floor: float, statue: float, words: str
+    source: RunSource, floor: float, statue: float, words: str
 ) -> None:
-    scene = run_source(write_invented(tmp_path)).scene
+    scene = source.scene
     assert words in " ".join(order_words(scene, SupportRecord([True], (floor, floor), (statue, statue), []), None))
 
 
-def test_a_statue_on_the_floor_may_slide_before_it_tips(tmp_path: Path) -> None:
-    scene = run_source(write_invented(tmp_path, pedestal=False)).scene
+def test_a_statue_on_the_floor_may_slide_before_it_tips(record_of: Callable[[str], Any]) -> None:
+    scene = record_of("bare").scene
     for friction, words in (
         (0.05, "slides on its support before"),
         (0.2, "tips before it slides"),
@@ -93,8 +90,8 @@ def test_a_statue_on_the_floor_may_slide_before_it_tips(tmp_path: Path) -> None:
         assert words in " ".join(order_words(scene, SupportRecord([False], None, (friction, friction), []), None))
 
 
-def test_a_slender_pedestal_tips_first(tmp_path: Path) -> None:
-    own = run_source(write_invented(tmp_path)).scene
+def test_a_slender_pedestal_tips_first(source: RunSource) -> None:
+    own = source.scene
     assert own.pedestal is not None
     scene = replace(own, pedestal=replace(own.pedestal, height_m=3.0))
     support = support_of(scene)
@@ -102,8 +99,8 @@ def test_a_slender_pedestal_tips_first(tmp_path: Path) -> None:
     assert "The pedestal itself tips, with the statue on it" in " ".join(order_words(scene, support, None))
 
 
-def test_frictions_that_differ_between_situations_are_told_one_by_one(tmp_path: Path) -> None:
-    scene = run_source(write_invented(tmp_path)).scene
+def test_frictions_that_differ_between_situations_are_told_one_by_one(source: RunSource) -> None:
+    scene = source.scene
     support = SupportRecord([True], (0.05, 0.6), (1.0, 1.0), [])
     text = " ".join(order_words(scene, support, None))
     assert "Where the floor's friction is 5 %: the pedestal slides before the statue tips" in text
@@ -111,9 +108,9 @@ def test_frictions_that_differ_between_situations_are_told_one_by_one(tmp_path: 
     assert slips(support) == [(0.05, "pedestal"), (0.6, "pedestal")]
 
 
-def test_the_push_borne_holds_the_centroid_over_the_base(tmp_path: Path) -> None:
+def test_the_push_borne_holds_the_centroid_over_the_base(source: RunSource) -> None:
     """In every direction, a push short of the area's edge keeps the force within the base, one beyond does not."""
-    scene = run_source(write_invented(tmp_path)).scene
+    scene = source.scene
     safe = bearing(scene)
     h, foot = 0.774, np.asarray(scene.statue.footprint_m)[:, :2]
     low, high = foot.min(axis=0), foot.max(axis=0)
@@ -139,8 +136,8 @@ def test_directions_are_named_counter_clockwise_from_the_right() -> None:
     ]  # fmt: skip
 
 
-def test_the_weakest_side_is_told_in_the_scans_own_axes_where_the_scene_turned_it(tmp_path: Path) -> None:
-    scene = run_source(write_invented(tmp_path)).scene
+def test_the_weakest_side_is_told_in_the_scans_own_axes_where_the_scene_turned_it(source: RunSource) -> None:
+    scene = source.scene
     assert "weakest towards the right: there" in weakest_words(scene)
     assert "scan" not in weakest_words(scene)
     # Turned by 90 degrees counter-clockwise, the scan's own direction of -90 degrees came to lie to the right.
@@ -150,8 +147,8 @@ def test_the_weakest_side_is_told_in_the_scans_own_axes_where_the_scene_turned_i
     assert "towards 270°, counted counter-clockwise from its first level axis" in text
 
 
-def test_sides_that_are_equally_weak_are_all_named(tmp_path: Path) -> None:
-    scene = run_source(write_invented(tmp_path)).scene
+def test_sides_that_are_equally_weak_are_all_named(source: RunSource) -> None:
+    scene = source.scene
     half = 0.1
     square = [[-half, -half, 0.0], [half, -half, 0.0], [half, half, 0.0], [-half, half, 0.0]]
     angles = np.radians(np.arange(0.0, 360.0, 15.0))
@@ -160,8 +157,8 @@ def test_sides_that_are_equally_weak_are_all_named(tmp_path: Path) -> None:
         assert words in weakest_words(replace(scene, statue=replace(scene.statue, footprint_m=feet)))
 
 
-def test_the_free_space_is_that_of_standing_runs_and_falls_are_said(tmp_path: Path) -> None:
-    source = run_source(write_invented(tmp_path, disagree=True))
+def test_the_free_space_is_that_of_standing_runs_and_falls_are_said(written: Callable[[str], Path]) -> None:
+    source = run_source(written("apart"))
     shape, text = section(source.scene), spoken(of_run(source))
     rest = shape.outline_m[:, 0].max()
     farthest = [
@@ -176,15 +173,13 @@ def test_the_free_space_is_that_of_standing_runs_and_falls_are_said(tmp_path: Pa
     assert not re.search("analytic|pymunk|pybullet", text), "which model says it stands in the engineer's report"
 
 
-def test_no_line_crosses_the_words_of_what_gives_way(tmp_path: Path) -> None:
-    source = run_source(write_invented(tmp_path))
+def test_no_line_crosses_the_words_of_what_gives_way(source: RunSource) -> None:
     drawn = str(conservator.order_picture(source.scene, support_of(source.scene), ENGLISH, source.record.motion).svg)
     assert drawn.rindex("stroke-dasharray") < drawn.index("<text")
 
 
-def test_a_shaking_is_told_by_direction(tmp_path: Path) -> None:
+def test_a_shaking_is_told_by_direction(source: RunSource) -> None:
     """The floor's rise and fall is no part of its level push, and may be the stronger."""
-    source = run_source(write_invented(tmp_path))
     motion, g_m_s2 = source.record.motion, source.scene.gravity_m_s2
     up = replace(motion, z_m_s2=[2.0 * each for each in motion.x_m_s2], z_peak_m_s2=1.83 * g_m_s2)
     text = spoken(of_run(replace(source, record=replace(source.record, motion=up))))
@@ -196,9 +191,8 @@ def test_a_shaking_is_told_by_direction(tmp_path: Path) -> None:
     )
 
 
-def test_a_model_of_space_tells_the_room_all_round(tmp_path: Path) -> None:
+def test_a_model_of_space_tells_the_room_all_round(source: RunSource) -> None:
     """A body that is carried 3 cm to the back and turned by nothing needs just that, and nothing at the front."""
-    source = run_source(write_invented(tmp_path))
     (name, own), *_ = source.histories.items()
     zero = np.zeros_like(own.theta_rad)
     ends = np.linspace(0.0, 0.03, len(zero))
@@ -214,9 +208,8 @@ def test_a_model_of_space_tells_the_room_all_round(tmp_path: Path) -> None:
     assert "For the front and the back nothing is computed" in spoken(of_run(source))
 
 
-def test_what_remains_before_the_wall_is_said(tmp_path: Path) -> None:
+def test_what_remains_before_the_wall_is_said(source: RunSource) -> None:
     """The same on both pages: of the outline that the models move, not of the mesh that is drawn."""
-    source = run_source(write_invented(tmp_path))
     text, wall = spoken(of_run(source)), source.scene.wall
     (engineers,) = [each.values["left_m"] for each in wording._reach(source) if each.code == "room_to_wall"]
     assert f"At its farthest lean {ENGLISH.length(engineers)} remain" in text
@@ -224,24 +217,23 @@ def test_what_remains_before_the_wall_is_said(tmp_path: Path) -> None:
     assert "At rest 70\u00a0cm are free between it and the wall" in text
 
 
-@pytest.mark.parametrize("write", [write_invented, write_table_study, write_map_study])
-def test_four_pictures_at_most_no_jargon_and_both_pages_know_each_other(tmp_path: Path, write: Any) -> None:
-    folder = write(tmp_path)
-    record = read_result(folder)
-    told = conservator.blocks(folder, record)
+@pytest.mark.parametrize("kind", ["agreed", "table", "map"])
+def test_four_pictures_at_most_no_jargon_and_both_pages_know_each_other(
+    page_of: Callable[[str], Path], record_of: Callable[[str], Any], kind: str
+) -> None:
+    page, plain = page_of(kind), page_of(f"plain {kind}").read_text()
+    told = conservator.blocks(page.parent, record_of(kind))
     assert 2 <= len(pictures(told)) <= 4
     text = spoken(told)
     assert [word for word in JARGON if re.search(rf"(?<![a-z]){word}", text)] == []
-    page = write_report(folder)
-    plain = (folder / "conservator.html").read_text()
     assert 'href="conservator.html"' in page.read_text()
     assert 'href="report.html"' in plain
     assert "<script" not in plain, "it needs no scripts"
     assert plain.count('<svg class="plain"') + plain.count('<svg class="still"') == len(pictures(told))
 
 
-def test_what_the_pedestal_prevents_is_counted_by_condition(tmp_path: Path) -> None:
-    record = study(write_table_study(tmp_path))
+def test_what_the_pedestal_prevents_is_counted_by_condition(record_of: Callable[[str], Any]) -> None:
+    record = record_of("table")
     found = pedestal_effect(record, *conditions(record.rows))
     told = found[0].values
     assert (told["total"], told["bare"], told["prevented"], told["caused"]) == (30, 12, 6, 0)
@@ -249,9 +241,9 @@ def test_what_the_pedestal_prevents_is_counted_by_condition(tmp_path: Path) -> N
     assert figures["saved"]["datasets"]["falls"][0]["count"] == ["6/6", "6/6", "0/6", "0/6", "0/6"]
 
 
-def test_a_run_without_an_end_is_neither_prevented_nor_a_stand(tmp_path: Path) -> None:
+def test_a_run_without_an_end_is_neither_prevented_nor_a_stand(record_of: Callable[[str], Any]) -> None:
     """Its statue still leans as it ends."""
-    record = study(write_table_study(tmp_path))
+    record = record_of("table")
     rows = [
         replace(row, run=replace(row.run, outcome=Outcome.UNDECIDED))
         if row.run and row.varied["pedestal"] == "keep"
@@ -266,20 +258,20 @@ def test_a_run_without_an_end_is_neither_prevented_nor_a_stand(tmp_path: Path) -
     assert figures["saved"]["datasets"]["falls"][1]["count"] == []
 
 
-def test_a_frequency_that_is_kept_is_no_number(tmp_path: Path) -> None:
-    record = study(write_table_study(tmp_path))
+def test_a_frequency_that_is_kept_is_no_number(record_of: Callable[[str], Any]) -> None:
+    record = record_of("table")
     rows = [replace(row, varied={**row.varied, "motion.x.frequency_hz": "keep"}) for row in record.rows]
     found = pedestal_effect(record, *conditions(rows))
     assert not found[1]
 
 
-def test_a_study_without_pedestals_has_no_such_effect(tmp_path: Path) -> None:
-    record = study(write_map_study(tmp_path))
+def test_a_study_without_pedestals_has_no_such_effect(record_of: Callable[[str], Any]) -> None:
+    record = record_of("map")
     assert pedestal_effect(record, *conditions(record.rows)) is None
 
 
-def test_the_silhouette_is_the_meshs_shadow(tmp_path: Path) -> None:
-    source = run_source(write_invented(tmp_path, mesh=True))
+def test_the_silhouette_is_the_meshs_shadow(written: Callable[[str], Path]) -> None:
+    source = run_source(written("meshed"))
     assert source.mesh is not None
     outline, hull = silhouette_m(source.scene, source.mesh), section(source.scene).outline_m
 
@@ -292,9 +284,8 @@ def test_the_silhouette_is_the_meshs_shadow(tmp_path: Path) -> None:
     assert silhouette_m(source.scene, None) == pytest.approx(hull)
 
 
-def test_the_page_is_green_exactly_where_a_fall_is_improbable(tmp_path: Path) -> None:
+def test_the_page_is_green_exactly_where_a_fall_is_improbable(source: RunSource) -> None:
     """Over probabilities, intervals and draws without an end on both sides of 5 and 10 %; all runs shown stand."""
-    source = run_source(write_invented(tmp_path))
     seen = set()
     for p in (0.0, 0.01, 0.0499, 0.05, math.nextafter(0.05, 1.0), 0.06, 0.2, 0.5, 1.0):
         for wide in (0.0, 0.0499, 0.05, 0.051):
@@ -307,8 +298,7 @@ def test_the_page_is_green_exactly_where_a_fall_is_improbable(tmp_path: Path) ->
     assert seen == {True, False}
 
 
-def test_one_model_that_doubts_takes_the_green_away(tmp_path: Path) -> None:
-    source = run_source(write_invented(tmp_path))
+def test_one_model_that_doubts_takes_the_green_away(source: RunSource) -> None:
     # The doubt of one may be a probability above 5 % while the other has the wider interval, below 10 %.
     safe, unsafe = Assessment(0.03, 0.0, 0.09, 0.9, 1000, 1000), Assessment(0.051, 0.045, 0.06, 0.9, 1000, 1000)
     for answers in ({"analytic": safe, "pymunk": unsafe}, {"analytic": unsafe, "pymunk": safe}):
@@ -316,16 +306,14 @@ def test_one_model_that_doubts_takes_the_green_away(tmp_path: Path) -> None:
         assert answer(of_run(replace(source, record=record))).tone != "agree"
 
 
-def test_a_shaking_whose_danger_was_not_computed_is_not_green(tmp_path: Path) -> None:
+def test_a_shaking_whose_danger_was_not_computed_is_not_green(source: RunSource) -> None:
     """`--no-assess`: that every run stands says nothing of how probable a fall is."""
-    source = run_source(write_invented(tmp_path))
     page = of_run(replace(source, record=replace(source.record, assessment=None)))
     assert answer(page).tone == "differ"
     assert ENGLISH("chance.unknown") in lines(page, "basis")
 
 
-def test_the_few_draws_that_ended_are_no_headline(tmp_path: Path) -> None:
-    source = run_source(write_invented(tmp_path))
+def test_the_few_draws_that_ended_are_no_headline(source: RunSource) -> None:
     few = Assessment(0.0026, 0.0019, 1.0, 0.9, 1000, 1000, 0.9974, plane_only=True)
     page = of_run(replace(source, record=replace(source.record, assessment={"analytic": few})))
     assert answer(page).headline == ENGLISH("chance.open")
@@ -340,8 +328,7 @@ def test_the_few_draws_that_ended_are_no_headline(tmp_path: Path) -> None:
         assert answer(page).headline.endswith(ENGLISH(f"end.{Outcome.LEFT_PEDESTAL}"))
 
 
-def test_draws_that_strike_the_wall_are_no_open_answer(tmp_path: Path) -> None:
-    source = run_source(write_invented(tmp_path))
+def test_draws_that_strike_the_wall_are_no_open_answer(source: RunSource) -> None:
     for wall, headline in ((0.9983, ENGLISH("chance.wall_always")), (0.7, ENGLISH("chance.wall_mostly", share="70"))):
         item = Assessment(0.0, 0.0, wall + 0.01, 0.9, 1000, 1000, wall + 0.005, touches_wall=wall)
         page = of_run(replace(source, record=replace(source.record, assessment={"analytic": item})))
@@ -355,8 +342,7 @@ def test_draws_that_strike_the_wall_are_no_open_answer(tmp_path: Path) -> None:
     assert ENGLISH("chance.undecided", share="0") not in spoken(page)
 
 
-def test_next_to_none_and_next_to_all_have_no_digits(tmp_path: Path) -> None:
-    source = run_source(write_invented(tmp_path))
+def test_next_to_none_and_next_to_all_have_no_digits(source: RunSource) -> None:
     for p, low, high, undecided, key, values in (
         (0.0, 0.0, 0.00027, 0.0, "rarely", ()),
         (0.0, 0.0, 0.02, 0.02, "between", (0, 0, 2)),
@@ -370,8 +356,7 @@ def test_next_to_none_and_next_to_all_have_no_digits(tmp_path: Path) -> None:
         assert answer(page).headline == ENGLISH(f"chance.{key}", **said)
 
 
-def test_shaking_that_the_plane_leaves_out_is_told_only_of_a_number_without_it(tmp_path: Path) -> None:
-    source = run_source(write_invented(tmp_path))
+def test_shaking_that_the_plane_leaves_out_is_told_only_of_a_number_without_it(source: RunSource) -> None:
     plane, space = (Assessment(0.0, 0.0, 0.01, 0.9, 10_000, 10_000, plane_only=only) for only in (True, False))
     missing, how = "to its other sides is not in this number", "how to compute it"
     for answers, said in (
@@ -387,9 +372,8 @@ def test_shaking_that_the_plane_leaves_out_is_told_only_of_a_number_without_it(t
         assert answer(page).headline == ENGLISH(f"chance.{key}")
 
 
-def test_one_that_leans_past_its_balance_at_the_end_is_not_said_to_stay_upright(tmp_path: Path) -> None:
+def test_one_that_leans_past_its_balance_at_the_end_is_not_said_to_stay_upright(source: RunSource) -> None:
     """Its run decided no outcome; the others' leans are those of the models in which it stays upright."""
-    source = run_source(write_invented(tmp_path))
     name = next(iter(source.histories))
     over_rad = 1.1 * source.scene.statue.slenderness_rad(1)
     ends = {each: replace(run, outcome=Outcome.STANDS) for each, run in source.record.runs.items()}
@@ -438,9 +422,8 @@ def test_a_statue_that_slides_on_its_support_is_not_said_to_keep_still(
     assert max(floor_plan(source, ["pymunk"]).room_m.values()) == pytest.approx(slid_m, abs=SAMPLED_M)
 
 
-def test_a_lean_to_the_front_is_told_on_both_pages(tmp_path: Path) -> None:
+def test_a_lean_to_the_front_is_told_on_both_pages(source: RunSource) -> None:
     """Of a model in space its largest lean in any direction counts, against the angle at which it balances there."""
-    source = run_source(write_invented(tmp_path))
     name = next(iter(source.histories))
     lean_rad, share = 0.9 * source.scene.statue.slenderness_rad(1), 0.75
     runs = {each: replace(run, outcome=Outcome.STANDS) for each, run in source.record.runs.items()}
@@ -458,8 +441,7 @@ def test_a_lean_to_the_front_is_told_on_both_pages(tmp_path: Path) -> None:
     assert balance_share(runs[name], still[name].theta_rad, statue.slenderness_rad) == share
 
 
-def test_a_pedestal_that_one_model_lets_tip_is_not_said_to_stay_put(tmp_path: Path) -> None:
-    source = run_source(write_invented(tmp_path))
+def test_a_pedestal_that_one_model_lets_tip_is_not_said_to_stay_put(source: RunSource) -> None:
     runs = source.record.runs
     name = next(iter(runs))
     still = {each: replace(run, peak_slip_m=0.0) for each, run in runs.items()}
@@ -475,8 +457,7 @@ def test_a_pedestal_that_one_model_lets_tip_is_not_said_to_stay_put(tmp_path: Pa
     assert put == [True, False]
 
 
-def test_where_it_stands_in_no_model_no_room_is_drawn(tmp_path: Path) -> None:
-    source = run_source(write_invented(tmp_path))
+def test_where_it_stands_in_no_model_no_room_is_drawn(source: RunSource) -> None:
     assert set(floor_plan(source, list(source.histories)).room_m) >= {"left", "right"}
     assert floor_plan(source, []).room_m == {}
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,6 @@ from harness.model.run import write_json
 from harness.questions.effects3d.answer import answer_of, findings_of
 from harness.records.base import as_file
 from harness.records.effects3d import EffectsRecord
-from harness.records.kinds import read_result
 from reports.blocks import verdict
 from reports.charts.figure import Look
 from reports.drawing.effects_figures import RoseCurve, changes, rose, rose_of, turned_scan
@@ -25,7 +24,7 @@ from reports.pages.conservator import of_effects
 from reports.pages.page import write_report
 from reports.source import run_source
 from tests.budgets_reports import BASE_M
-from tests.reports.invented_effects import SOLID_G, answered, effects_record, write_effects
+from tests.reports.invented_effects import SOLID_G, answered, effects_record
 from tests.reports.svg_parts import elements
 
 
@@ -115,10 +114,10 @@ def test_a_rose_joins_only_directions_asked_one_after_another() -> None:
     assert steps["#d50"] == "MMLL"
 
 
-def test_the_scan_is_turned_back_from_the_replay_to_the_roses_directions(record: EffectsRecord, tmp_path: Path) -> None:
-    source = run_source(write_effects(tmp_path / "study") / "replay")
-    replayed = read_result(tmp_path / "study")
-    assert isinstance(replayed, EffectsRecord)
+def test_the_scan_is_turned_back_from_the_replay_to_the_roses_directions(
+    record: EffectsRecord, written: Callable[[str], Path], record_of: Callable[[str], Any]
+) -> None:
+    source, replayed = run_source(written("effects") / "replay"), record_of("effects")
     scan = turned_scan(replayed, source)
     assert scan is not None
     vertices, _, footprint, weakest_deg = scan

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from html import unescape
 from pathlib import Path
 
@@ -11,11 +12,10 @@ import pytest
 
 from harness.model.run import RUN_FIELDS
 from harness.records.base import Record
-from harness.records.kinds import read_result
 from reports.blocks import Block, Chart, Section, Table, walk
 from reports.charts.drawn import svg
 from reports.messages import ENGLISH, LANGUAGES, language
-from reports.pages.page import page_blocks, write_report
+from reports.pages.page import page_blocks
 from tests.reports.every_kind import WRITERS
 from tests.reports.page_parts import answer, cell_text, every
 
@@ -23,20 +23,26 @@ NAMES = ("own impact", "level", "own defaults", "slenderness")
 """What the records themselves name: a study's variants, a bench's settings, difficulties."""
 
 
+@dataclass(frozen=True)
+class Page:
+    """A written page, its record, and its blocks in each language."""
+
+    file: Path
+    record: Record
+    blocks: Mapping[str, list[Block]]
+
+
 @pytest.fixture(scope="module", params=WRITERS)
-def page(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Record]:
-    folder = WRITERS[request.param](tmp_path_factory.mktemp("pages") / request.param)
-    return folder, read_result(folder)
-
-
-def of_language(page: tuple[Path, Record], code: str) -> list[Block]:
-    say = language(code)
-    return page_blocks(page[0], page[1].texted(say.say), say)
+def page(request: pytest.FixtureRequest, page_of: Callable[[str], Path], record_of: Callable[[str], Record]) -> Page:
+    file, record = page_of(request.param), record_of(request.param)
+    said = {code: language(code) for code in LANGUAGES}
+    blocks = {code: page_blocks(file.parent, record.texted(say.say), say) for code, say in said.items()}
+    return Page(file, record, blocks)
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
-def test_the_answer_comes_first_and_what_follows_is_whole(page: tuple[Path, Record], code: str) -> None:
-    blocks = of_language(page, code)
+def test_the_answer_comes_first_and_what_follows_is_whole(page: Page, code: str) -> None:
+    blocks = page.blocks[code]
     told = answer(blocks)
     assert told in [*walk(blocks[:1])]
     assert told.headline
@@ -54,8 +60,8 @@ def test_the_answer_comes_first_and_what_follows_is_whole(page: tuple[Path, Reco
     assert len(set(charts)) == len(charts)
 
 
-def test_another_language_says_everything_in_its_own_words(page: tuple[Path, Record]) -> None:
-    english, other = (of_language(page, code) for code in ("en", "it"))
+def test_another_language_says_everything_in_its_own_words(page: Page) -> None:
+    english, other = page.blocks["en"], page.blocks["it"]
     headings = [[each.heading for each in every(blocks, Section)] for blocks in (english, other)]
     assert len(headings[0]) == len(headings[1])
     assert all(mine != theirs for mine, theirs in zip(*headings, strict=True))
@@ -65,20 +71,19 @@ def test_another_language_says_everything_in_its_own_words(page: tuple[Path, Rec
     assert {ENGLISH.strings[key] for key in known}.isdisjoint(captions[1])
 
 
-def test_the_page_shows_every_finding_row_and_chart_and_markup_stays_text(page: tuple[Path, Record]) -> None:
-    folder, record = page
-    html = write_report(folder).read_text(encoding="utf-8")
+def test_the_page_shows_every_finding_row_and_chart_and_markup_stays_text(page: Page) -> None:
+    html = page.file.read_text(encoding="utf-8")
     shown = unescape(html).replace("\u00a0", " ")
-    for each in record.findings:
+    for each in page.record.findings:
         assert ENGLISH.say(each).replace("\u00a0", " ") in shown or each.code.startswith("pair_"), each.code
-    for block in of_language(page, "en"):
+    for block in page.blocks["en"]:
         for found in every([block], Table):
             assert unescape(html).count(f"<caption>{found.caption}</caption>") >= 1
         for chart in every([block], Chart):
             assert (f'id="chart-{chart.name}"' in html) is bool(chart.width), "one of no width is for print alone"
     assert "<statue>" not in html
     assert html.partition("<h1>")[2].partition("</h1>")[0]
-    for version in record.versions.values():
+    for version in page.record.versions.values():
         assert version in shown
 
 
@@ -102,12 +107,12 @@ def read_of(chart: Chart) -> list[str]:
     ]
 
 
-def test_no_chart_of_another_language_has_an_english_word(page: tuple[Path, Record]) -> None:
+def test_no_chart_of_another_language_has_an_english_word(page: Page) -> None:
     english = words_of(ENGLISH.strings.values()) - words_of(language("it").strings.values())
     assert {"rotation", "until", "pedestal", "share"} <= english
-    scenes = [row.scene for row in getattr(page[1], "rows", ()) if hasattr(row, "scene")]
-    own = words_of([page[1].title, *scenes, *NAMES])
-    for chart in every(of_language(page, "it"), Chart):
+    scenes = [row.scene for row in getattr(page.record, "rows", ()) if hasattr(row, "scene")]
+    own = words_of([page.record.title, *scenes, *NAMES])
+    for chart in every(page.blocks["it"], Chart):
         assert words_of(read_of(chart)) & english <= own, chart.name
 
 

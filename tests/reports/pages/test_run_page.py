@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
+from collections.abc import Callable
 from dataclasses import replace
 from html import unescape
 from pathlib import Path
@@ -26,7 +27,7 @@ from reports.drawing.display_mesh import MOST_FACES, read_mesh
 from reports.messages import ENGLISH
 from reports.pages.conservator import of_run
 from reports.pages.page import write_report
-from reports.source import run_source
+from reports.source import RunSource, run_source
 from reports.text.wording import run_verdict
 from tests.budgets_reports import DRAWN_RAD, PAGE_BYTES, PAGE_WORDS
 from tests.reports.charts.parts import part
@@ -37,13 +38,13 @@ from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_invented(tmp_path_factory.mktemp("run"), disagree=True, mesh=True)
+def folder(page_of: Callable[[str], Path]) -> Path:
+    return page_of("run").parent
 
 
 @pytest.fixture(scope="module")
-def html(folder: Path) -> str:
-    return write_report(folder).read_text(encoding="utf-8")
+def html(page_of: Callable[[str], Path]) -> str:
+    return page_of("run").read_text(encoding="utf-8")
 
 
 def without_data(html: str) -> str:
@@ -58,6 +59,7 @@ def test_an_italian_page_writes_its_numbers_with_a_comma(folder: Path, tmp_path:
     below = text[text.index('id="outcomes"') : text.index('id="repeat"')]
     assert re.search(r"O <tspan[^>]*>α 0,\d+", below)
     assert not re.findall(r">([^<>]*\d\.\d[^<>]*)<", below)
+    assert '<html lang="it">' in (there / "conservator.html").read_text(encoding="utf-8")
 
 
 def figure_of(html: str) -> Any:
@@ -176,12 +178,13 @@ def changed(folder: Path, **runs: dict[str, Any]) -> Any:
     return run_source(folder)
 
 
-def test_a_run_alone_is_never_green_and_a_page_without_shaking_may_be(tmp_path: Path) -> None:
-    source = run_source(write_invented(tmp_path / "agree"))
+def test_a_run_alone_is_never_green_and_a_page_without_shaking_may_be(
+    source: RunSource, written: Callable[[str], Path]
+) -> None:
     assert run_verdict(source).tone == "differ", "shaken, and how probable a fall is was not computed"
     still = replace(source.record, motion=replace(source.record.motion, x_m_s2=None, y_m_s2=None, z_m_s2=None))
     assert run_verdict(replace(source, record=still)).tone == "agree"
-    apart = run_verdict(run_source(write_invented(tmp_path / "differ", disagree=True)))
+    apart = run_verdict(run_source(written("apart")))
     assert apart.tone == "differ"
     assert apart.headline == source.record.answer.findings[0].text or "disagree" in apart.headline
 
@@ -196,9 +199,8 @@ def test_a_missed_target_is_no_horizon_of_prediction(tmp_path: Path) -> None:
     assert "from second 5" in " ".join(lines(of_run(source), "basis")).lower()
 
 
-def test_a_scene_without_pedestal_has_no_slip(tmp_path: Path) -> None:
-    folder = write_invented(tmp_path, pedestal=False)
-    html = write_report(folder).read_text(encoding="utf-8")
+def test_a_scene_without_pedestal_has_no_slip(page_of: Callable[[str], Path]) -> None:
+    html = page_of("bare").read_text(encoding="utf-8")
     assert "slip u" not in json.dumps(figure_of(html))
     assert "the statue stands on the floor" in without_data(html)
 

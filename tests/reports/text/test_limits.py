@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,9 +15,9 @@ from harness.model.run import Intervention, Run
 from harness.statics.plan import Step
 from reports.blocks import Details, Group, Text, notes
 from reports.messages import ENGLISH
-from reports.source import run_source
+from reports.source import RunSource, run_source
 from reports.text.wording import before_fall, fall_times, interventions_row, limit_rows, plan_lines
-from tests.reports.invented_run import invented_history, invented_run, write_invented
+from tests.reports.invented_run import invented_history, invented_run
 
 VALIDITY = {"yaw_rad": 0.9, "statue_slip_m": 0.02, "energy_gained_j": 9.6, "touching_vertices": 12}
 
@@ -40,8 +41,8 @@ def test_before_the_fall_stands_what_the_history_says(fallen: tuple[Run, History
     assert before_fall(replace(run, no_return_time_s=None), history) == {}
 
 
-def test_only_models_that_fall_are_spoken_of(tmp_path: Path) -> None:
-    stands, falls = (run_source(write_invented(tmp_path / str(k), disagree=bool(k))) for k in (0, 1))
+def test_only_models_that_fall_are_spoken_of(written: Callable[[str], Path]) -> None:
+    stands, falls = (run_source(written(kind)) for kind in ("agreed", "apart"))
     assert fall_times(stands) == []
     ((said,),) = (each.lines for each in fall_times(falls))
     assert "(pybullet)" in said
@@ -50,9 +51,8 @@ def test_only_models_that_fall_are_spoken_of(tmp_path: Path) -> None:
     assert "with the fall" not in str(limit_rows(falls)["pybullet"]), "its history follows none of its limits"
 
 
-def test_a_fall_is_told_beside_what_was_before(fallen: tuple[Run, History], tmp_path: Path) -> None:
+def test_a_fall_is_told_beside_what_was_before(fallen: tuple[Run, History], source: RunSource) -> None:
     run, history = fallen
-    source = run_source(write_invented(tmp_path))
     fall = replace(
         source,
         record=replace(source.record, runs={"pybullet": run}, histories=["pybullet"]),
@@ -64,12 +64,12 @@ def test_a_fall_is_told_beside_what_was_before(fallen: tuple[Run, History], tmp_
     assert rows["energy gained"] == "9.600 J"
 
 
-def test_engines_of_one_reason_stand_together_with_what_each_left_out_and_saved(tmp_path: Path) -> None:
+def test_engines_of_one_reason_stand_together_with_what_each_left_out_and_saved(source: RunSource) -> None:
     plan = [Step("no_history", name, False, info("plan_histories_asked")) for name in ("analytic", "pymunk")]
     plan.append(Step("base_only", "pybullet", True, info("plan_shape", shape="base")))
     run = invented_run("pybullet", invented_history(0.0), Outcome.STANDS, 1e-3)
     runs = {"pybullet": replace(run, skipped={"base_only": None, "quiet_start": 0.25})}
-    record = replace(run_source(write_invented(tmp_path)).record, plan=plan, runs=runs, histories=[])
+    record = replace(source.record, plan=plan, runs=runs, histories=[])
     histories, base, quiet = (ENGLISH(f"skip.{name}") for name in ("no_history", "base_only", "quiet_start"))
     assert plan_lines(record) == [
         f"computed: {histories} (analytic and pymunk): {ENGLISH.say(plan[0].reason)}",
