@@ -6,6 +6,7 @@ import subprocess
 import sys
 from dataclasses import replace
 
+import numba
 import numpy as np
 import pytest
 
@@ -15,6 +16,16 @@ from harness.model.history import pair
 from tests import doubles
 
 pytest.importorskip("objective_rating_metrics", reason="the extra `iso` is not installed")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _uncompiled() -> None:
+    """The library's time warping as Python: compiled, as each process does anew, it takes longer than all tests here."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(numba.config, "DISABLE_JIT", True)
+        import objective_rating_metrics.rating  # noqa: F401
+
+
 PARTS = ("corridor", "phase", "magnitude", "slope")
 WEIGHTS = (0.4, 0.2, 0.2, 0.2)
 
