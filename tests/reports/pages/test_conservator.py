@@ -386,8 +386,7 @@ def test_one_that_leans_past_its_balance_at_the_end_is_not_said_to_stay_upright(
         assert (ENGLISH("run.of_standing") in text) is said
 
 
-def test_what_follows_a_fall_is_no_doubt_of_the_distances(tmp_path: Path) -> None:
-    source = run_source(write_invented(tmp_path))
+def test_what_follows_a_fall_is_no_doubt_of_the_distances(source: RunSource) -> None:
     fell = {"outcome": Outcome.OVERTURNED_RIGHT, "reliable_until_s": 2.0}
     for passed_s, said in ((1.9, False), (2.1, True)):
         ends = {name: replace(run, no_return_time_s=passed_s, **fell) for name, run in source.record.runs.items()}
