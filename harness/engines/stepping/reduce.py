@@ -45,8 +45,6 @@ REST_S: Final = 0.1
 """A statue is at rest when over this time it neither turns by REST_RAD nor keeps more than"""
 REST_SHARE: Final = 1e-6
 """this share of its weight times the centroid's height as kinetic energy;"""
-FLAT_RAD: Final = 1e-3
-"""A statue that leans less stands flat: the middle of its base is within a thousandth of its width of where it is at rest."""
 REST_RAD: Final = 1e-3
 """a body that turns back on a slope of 1 in 50 turns by as much."""
 
@@ -495,8 +493,10 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
     if "pedestal_tilt_rad" in motion.extra:
         validity["pedestal_tilt_rad"] = float(np.abs(motion.extra["pedestal_tilt_rad"]).max())
     if "out_of_plane_rad" in motion.extra:
-        validity |= moves_in_space(scene, motion, slip_m)
-        validity["statue_flight_m"] = float(max(np.minimum(gap_m, _clear_m(scene, motion, at)).max(), 0.0))
+        validity |= moves_in_space(scene, motion)
+        validity["statue_flight_m"] = float(
+            max(np.minimum(gap_m, at.centroid_z + _feet_seen(scene, motion).min(axis=1)).max(), 0.0)
+        )
     # What an engine whose coefficient follows its own sliding does as an impact breaks the pedestal loose.
     two = scene.pedestal is not None and scene.contact.floor_kinetic < scene.contact.floor_static
     static = {"floor_impact": "static"} if two and not report.repeats else {}
@@ -608,17 +608,28 @@ def _outcome(
     return ahead
 
 
-def _clear_m(scene: Scene, motion: Trajectory, at: support.Corners) -> Array:
-    """Height (n,) of the base's lowest vertex above the support: both corners rise as it rocks across the plane."""
+def _feet_seen(scene: Scene, motion: Trajectory) -> Array:
+    """Heights (n, k) of the base's feet above the centroid, along the support's normal."""
     tilt = motion.tilt_rad
     normal = np.column_stack([np.sin(tilt), np.zeros_like(tilt), np.cos(tilt)])
-    seen = np.einsum("tji,tj->ti", rotations(motion.extra), normal)
     base = scene.statue.feet_m - np.array([0.0, 0.0, scene.statue.centroid_height_m])
-    clear: Array = at.centroid_z + (seen @ base.T).min(axis=1)
-    return clear
+    seen: Array = np.einsum("tji,tj->ti", rotations(motion.extra), normal) @ base.T
+    return seen
 
 
-def moves_in_space(scene: Scene, motion: Trajectory, slip_m: Array) -> dict[str, object]:
+def _set_down_m(scene: Scene, motion: Trajectory) -> Array:
+    """Where (n, 2) the middle of the base would be, seen from above, set down flat about the foot that is lowest."""
+    statue, columns = scene.statue, motion.extra
+    corner, turn = np.array([statue.corner_right_m, 0.0, 0.0]), rotations(columns)
+    foot = statue.feet_m[_feet_seen(scene, motion).argmin(axis=1)]
+    place = np.column_stack([columns[f"corner_right_{k}_m"] for k in "xy"])
+    place = place + np.einsum("tij,tj->ti", turn[:, :2], foot - corner)
+    yaw = np.arctan2(turn[:, 1, 0] - turn[:, 0, 1], turn[:, 0, 0] + turn[:, 1, 1])
+    x, y = statue.base_centre_m - foot[:, 0], -foot[:, 1]
+    return np.asarray(place + np.column_stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y]))
+
+
+def moves_in_space(scene: Scene, motion: Trajectory) -> dict[str, object]:
     """What the rotation in the plane and the slip along it do not tell: leans from where the statue stood at first in any
     direction, as a share of the one at which it balances in that direction; how far it shifted on its support, turned with it,
     and how far pedestal and base slid.
@@ -629,24 +640,21 @@ def moves_in_space(scene: Scene, motion: Trajectory, slip_m: Array) -> dict[str,
     worst = int(lean.argmax())
     up = _up(motion, worst)[:1]
     balance = _tilt_rad(up) - _Body.of(scene.statue, motion).excess_rad(up)
-    # The middle of the base, while it stands flat.
-    flat = lean < FLAT_RAD
-    base = 0.5 * np.column_stack([columns[f"corner_right_{k}_m"] + columns[f"corner_left_{k}_m"] for k in "xy"])[flat]
-    shift, pedestal_y_m = base, np.zeros_like(slip_m)
+    base = _set_down_m(scene, motion)
+    shift, pedestal_y_m = base, np.zeros_like(motion.slip_m)
     if scene.pedestal is not None and motion.pedestal_xz_m is not None:
-        pedestal_y_m, yaw = columns["pedestal_y_m"], columns["pedestal_yaw_rad"][flat]
+        pedestal_y_m, yaw = columns["pedestal_y_m"], columns["pedestal_yaw_rad"]
         top_x_m = motion.pedestal_xz_m[:, 0] + 0.5 * scene.pedestal.height_m * np.sin(motion.tilt_rad)
-        x, y = (base - np.column_stack([top_x_m, pedestal_y_m])[flat]).T
+        x, y = (base - np.column_stack([top_x_m, pedestal_y_m])).T
         shift = np.column_stack([np.cos(yaw) * x + np.sin(yaw) * y, np.cos(yaw) * y - np.sin(yaw) * x])
-    shifted_m = np.hypot(*(shift - shift[:1]).T).max(initial=0.0)
     return {
         "out_of_plane_rad": float(across.max()),
         "yaw_rad": float(np.abs(columns["yaw_rad"] - columns["yaw_rad"][0]).max()),
         "peak_lean_rad": float(lean[worst]),
         "peak_lean_share": float(lean[worst] / balance[0]),
-        "statue_slip_m": float(max(np.abs(slip_m).max(), shifted_m)),
+        "statue_slip_m": float(np.hypot(*(shift - shift[0]).T).max()),
         "pedestal_slip_m": float(np.hypot(motion.slip_m, pedestal_y_m).max()),
-        "slip_across_m": float(np.abs(base[:, 1] - base[:1, 1]).max(initial=0.0)),
+        "slip_across_m": float(np.abs(base[:, 1] - base[0, 1]).max()),
     }
 
 

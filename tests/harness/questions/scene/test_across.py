@@ -124,6 +124,22 @@ def test_a_statue_that_turns_with_its_pedestal_does_not_shift_on_it() -> None:
         path = Trajectory(
             yaw, zero, zero, zero, zero, flat_m[1:], centroid_m[:, ::2], flat_m, flat_m, flat_m, zero, extra=columns
         )
-        found = moves_in_space(on, path, zero)
+        found = moves_in_space(on, path)
         assert found["statue_slip_m"] == pytest.approx(expected_m, abs=PUSH)
         assert found["yaw_rad"] == pytest.approx(0.1)
+
+
+def test_a_statue_that_never_stands_flat_shifts_in_any_direction() -> None:
+    """It leans on its front edge and slides with it, more across the plane than along: by a history of both that is known."""
+    on = scene(PAESTUM)
+    statue, share = on.statue, np.linspace(0.0, 1.0, 50)
+    front = np.array([0.0, -0.5 * statue.depth_m, 0.0])
+    turns = Rotation.from_euler("x", 0.02 + 0.1 * share[:, None]).as_matrix()
+    centroid_m = front + share[:, None] * [0.03, 0.04, 0.0]
+    centroid_m = centroid_m + turns @ (np.array([0.0, 0.0, statue.centroid_height_m]) - front)
+    zero, flat_m = np.zeros_like(share), np.zeros((share.size, 2))
+    columns = statue_columns(statue, turns, centroid_m)
+    path = Trajectory(share, zero, zero, zero, zero, flat_m[1:], centroid_m[:, ::2], flat_m, extra=columns)
+    found = moves_in_space(on, path)
+    assert found["statue_slip_m"] == pytest.approx(0.05, abs=PUSH)
+    assert found["slip_across_m"] == pytest.approx(0.04, abs=PUSH)
