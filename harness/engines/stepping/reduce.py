@@ -494,9 +494,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
         validity["pedestal_tilt_rad"] = float(np.abs(motion.extra["pedestal_tilt_rad"]).max())
     if "out_of_plane_rad" in motion.extra:
         validity |= moves_in_space(scene, motion)
-        validity["statue_flight_m"] = float(
-            max(np.minimum(gap_m, at.centroid_z + _feet_seen(scene, motion).min(axis=1)).max(), 0.0)
-        )
+        validity["statue_flight_m"] = float(max(np.minimum(gap_m, _clear_m(scene, motion, at)).max(), 0.0))
     # What an engine whose coefficient follows its own sliding does as an impact breaks the pedestal loose.
     two = scene.pedestal is not None and scene.contact.floor_kinetic < scene.contact.floor_static
     static = {"floor_impact": "static"} if two and not report.repeats else {}
@@ -608,25 +606,33 @@ def _outcome(
     return ahead
 
 
-def _feet_seen(scene: Scene, motion: Trajectory) -> Array:
-    """Heights (n, k) of the base's feet above the centroid, along the support's normal."""
-    tilt = motion.tilt_rad
-    normal = np.column_stack([np.sin(tilt), np.zeros_like(tilt), np.cos(tilt)])
+def _on_support(motion: Trajectory) -> tuple[Array, Array]:
+    """The statue's rotations (n, 3, 3) and its right corner's places (n, 3), along its support; from a pedestal's centroid."""
+    columns, tilt, zero = motion.extra, motion.tilt_rad, np.zeros_like(motion.t_s)
+    cos, sin = np.cos(tilt), np.sin(tilt)
+    along = np.array([[cos, zero, -sin], [zero, zero + 1.0, zero], [sin, zero, cos]]).transpose(2, 0, 1)
+    place = np.column_stack([columns[f"corner_right_{k}_m"] for k in "xyz"])
+    if motion.pedestal_xz_m is not None:
+        place[:, ::2] -= motion.pedestal_xz_m
+    return along @ rotations(columns), np.einsum("tij,tj->ti", along, place)
+
+
+def _clear_m(scene: Scene, motion: Trajectory, at: support.Corners) -> Array:
+    """Height (n,) of the base's lowest vertex above the support: both corners rise as it rocks across the plane."""
     base = scene.statue.feet_m - np.array([0.0, 0.0, scene.statue.centroid_height_m])
-    seen: Array = np.einsum("tji,tj->ti", rotations(motion.extra), normal) @ base.T
-    return seen
+    clear: Array = at.centroid_z + (_on_support(motion)[0][:, 2] @ base.T).min(axis=1)
+    return clear
 
 
-def _set_down_m(scene: Scene, motion: Trajectory) -> Array:
-    """Where (n, 2) the middle of the base would be, seen from above, set down flat about the foot that is lowest."""
-    statue, columns = scene.statue, motion.extra
-    corner, turn = np.array([statue.corner_right_m, 0.0, 0.0]), rotations(columns)
-    foot = statue.feet_m[_feet_seen(scene, motion).argmin(axis=1)]
-    place = np.column_stack([columns[f"corner_right_{k}_m"] for k in "xy"])
-    place = place + np.einsum("tij,tj->ti", turn[:, :2], foot - corner)
+def _set_down_m(statue: Statue, motion: Trajectory) -> Array:
+    """Where (n, 2) the middle of the base would be on its support, set down flat about the foot that is lowest."""
+    turn, place = _on_support(motion)
+    foot = statue.feet_m[(turn[:, 2] @ statue.feet_m.T).argmin(axis=1)]
+    place = place + np.einsum("tij,tj->ti", turn, foot - np.array([statue.corner_right_m, 0.0, 0.0]))
     yaw = np.arctan2(turn[:, 1, 0] - turn[:, 0, 1], turn[:, 0, 0] + turn[:, 1, 1])
     x, y = statue.base_centre_m - foot[:, 0], -foot[:, 1]
-    return np.asarray(place + np.column_stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y]))
+    arm = np.column_stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y])
+    return np.asarray(place[:, :2] + arm)
 
 
 def moves_in_space(scene: Scene, motion: Trajectory) -> dict[str, object]:
@@ -640,12 +646,11 @@ def moves_in_space(scene: Scene, motion: Trajectory) -> dict[str, object]:
     worst = int(lean.argmax())
     up = _up(motion, worst)[:1]
     balance = _tilt_rad(up) - _Body.of(scene.statue, motion).excess_rad(up)
-    base = _set_down_m(scene, motion)
+    base = _set_down_m(scene.statue, motion)
     shift, pedestal_y_m = base, np.zeros_like(motion.slip_m)
-    if scene.pedestal is not None and motion.pedestal_xz_m is not None:
+    if scene.pedestal is not None:
         pedestal_y_m, yaw = columns["pedestal_y_m"], columns["pedestal_yaw_rad"]
-        top_x_m = motion.pedestal_xz_m[:, 0] + 0.5 * scene.pedestal.height_m * np.sin(motion.tilt_rad)
-        x, y = (base - np.column_stack([top_x_m, pedestal_y_m])).T
+        x, y = base[:, 0], base[:, 1] - pedestal_y_m
         shift = np.column_stack([np.cos(yaw) * x + np.sin(yaw) * y, np.cos(yaw) * y - np.sin(yaw) * x])
     return {
         "out_of_plane_rad": float(across.max()),
