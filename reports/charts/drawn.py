@@ -107,7 +107,9 @@ def svg(spec: Json, width: float = WIDE, most: int = POINTS, words: str = "", ba
     params = [*({key: value for key, value in each.items() if key != "bind"} for each in spec["params"])]
     params.append({"name": "W", "value": width})
     whole = (
-        sized(spec, width) | {"datasets": data, "config": {**CONFIG, "background": background}, "params": params} | over
+        sized(spec, width)
+        | {"datasets": data, "config": {**CONFIG, **spec.get("config", {}), "background": background}, "params": params}
+        | over
     )
     drawn = str(vl_convert.vegalite_to_svg(legible(whole)))
     # The library counts what cuts over all that it ever drew.

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from harness.records.scores import Interval
 from reports.charts import Json
+from reports.messages import Language
 
 # Colours and dashes of all pages and figures: Okabe and Ito's palette, told apart by every form of colour vision.
 
@@ -354,3 +355,9 @@ CONFIG: Final = {
     "view": {"stroke": None},
 }  # fmt: skip
 """How all charts look."""
+
+
+def localised(spec: Json, say: Language) -> Json:
+    """A chart whose numbers are written as that language writes them."""
+    number = {"decimal": say.strings["decimal"], "thousands": "", "grouping": [3], "currency": ["", ""]}
+    return spec | {"config": {"locale": {"number": number}}}

@@ -284,12 +284,14 @@ def trust_map(record: TrustMap, floor: TrustMap | None = None, command: str = ""
     falls = {"border": record} if floor is None or floor is record else {"border": record, "floor": floor}
     borders = [border(_falls(each), along, strengths, words[name]) for name, each in falls.items()]
     contours = {
-        name: [(x, y) for x, y in zip(along, record.contours.get(name, []), strict=False) if y is not None]
-        for name in LINES
-    }
-    looks = named({words[name]: look for name, look in LINES.items() if contours[name] or name in falls})
-    first, second = chosen([marks("rule", "border", CELL | looks), marks("tick" if own else "line", "contours", looks)])
-    lines = [{"name": words[name], **columns("x y", known)} for name, known in contours.items() if known]
+        name: list(zip(along, found, strict=False))
+        for name, found in record.contours.items() if any(y is not None for y in found)
+    }  # fmt: skip
+    looks = named({words[name]: look for name, look in LINES.items() if name in contours or name in falls})
+    # A line ends where its level is not met; of one frequency alone there is but its point.
+    drawn, dots = ("tick", {}) if own else ("line", {"point": {"size": 25, "filled": True}})
+    first, second = chosen([marks("rule", "border", CELL | looks), marks(drawn, "contours", looks, **dots)])
+    lines = [{"name": words[name], **columns("x y", contours[name])} for name in LINES if name in contours]
     spec = map_of(
         [[say.word(cell["class"]) for cell in row] for row in rows],
         ("" if own else say("chart.frequency"), along),

@@ -95,7 +95,7 @@ def rose_of(
 
     Each joins neighbouring directions of all that were asked: what lies between others is not known.
     """
-    shapes = [*_grid(most, unit), *under]
+    shapes = [*_grid(most, unit, say), *under]
     asked = sorted({azimuth for curve in drawn for azimuth in curve.peaks})
     for curve in drawn:
         shapes += _curve(curve, asked, most, unit, say)
@@ -118,7 +118,7 @@ def _style(curve: RoseCurve) -> dict[str, Any]:
     return {"stroke": curve.look.colour, "width": curve.look.width + 0.4, "dash": curve.look.dash}
 
 
-def _grid(most: float, unit: str) -> list[str]:
+def _grid(most: float, unit: str, say: Language) -> list[str]:
     """Rings at round values, and a line every 30 degrees."""
     values = rings(most, RINGS)
     shapes = [disc(*CENTRE, RADIUS * value / most, stroke=HAIRLINE) for value in values]
@@ -129,7 +129,7 @@ def _grid(most: float, unit: str) -> list[str]:
         shapes.append(text(x, y + 4.0, f"{azimuth}°", colour=MUTED))
     for value in values:
         x, y = _places({75.0: value}, most)[0].tolist()
-        shapes.append(text(x, y + 4.0, f"{value:g}{unit}", colour=MUTED, halo=True))
+        shapes.append(text(x, y + 4.0, f"{say.short(value)}{unit}", colour=MUTED, halo=True))
     return shapes
 
 
@@ -139,7 +139,7 @@ def _curve(curve: RoseCurve, asked: Sequence[float], most: float, unit: str, say
     around = [places.get(azimuth, (math.nan, math.nan)) for azimuth in [*asked, *([] if whole else asked[:1])]]
     shapes = [path(around, closed=whole, **_style(curve))]
     for azimuth, peak in curve.peaks.items():
-        tip = f"{curve.name}, {azimuth:g}°: " + (say("ends.stands") if peak is None else f"{peak:.3f}{unit}")
+        tip = f"{curve.name}, {azimuth:g}°: " + (say("ends.stands") if peak is None else f"{say.digits(peak)}{unit}")
         colour = curve.look.colour
         shapes.append(disc(*places[azimuth], 3.0, fill="#fff" if peak is None else colour, stroke=colour, title=tip))
     return shapes

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
+
+ROUNDING: Final = 1e-15
+"""Rounding of numbers near one: a size below it is none."""
+SMALLEST_SHARE: Final = 5e-7
+"""A smaller share is told as none: its digits are rounding's."""
 
 
 def digits(value: float | None, count: int = 3) -> str:
     """A number to `count` significant digits, in plain form between 0.001 and 100 000; an en dash for None."""
     if value is None or not math.isfinite(value):
         return "–"
-    if value == 0.0:
-        return "0"
     size = abs(value)
+    if size < ROUNDING:
+        return "0"
     if size < 1e-3 or size >= 1e5:
         mantissa, exponent = f"{value:.{count - 1}e}".split("e")
         mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
@@ -61,7 +66,7 @@ def angle(value_rad: float) -> str:
 
 def percent(share: float, count: int = 2) -> str:
     """A push as a share of the statue's weight."""
-    return f"{short(100.0 * share, count)} %"
+    return f"{short(100.0 * share if abs(share) >= SMALLEST_SHARE else 0.0, count)} %"
 
 
 def plain(value: Any, count: int = 4) -> str:

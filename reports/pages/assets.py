@@ -20,7 +20,7 @@ from harness.model.run import to_plain
 from meshes import text_cache
 from reports.charts import Json
 from reports.charts.drawn import packed_data, still
-from reports.charts.figure import CONFIG
+from reports.charts.figure import CONFIG, localised
 from reports.messages.numbers import given, length, unit
 
 TEMPLATES: Final = Path(__file__).resolve().parents[1] / "templates"
@@ -85,7 +85,9 @@ def packed_json(value: Any) -> Markup:
 
 def packed_chart(chart: Json) -> Markup:
     """A chart as packed JSON: the samples of its curves as many as a page carries."""
-    return packed_json({**chart, "config": CONFIG, "datasets": packed_data(chart["datasets"])})
+    return packed_json(
+        {**chart, "config": {**CONFIG, **chart.get("config", {})}, "datasets": packed_data(chart["datasets"])}
+    )
 
 
 def _shown(value: Any) -> Any:
@@ -106,7 +108,7 @@ def environment() -> Environment:
         lstrip_blocks=True,
         finalize=_shown,
     )
-    templates.filters |= {each.__name__: each for each in (given, packed_chart, packed_json, still, unit)}
+    templates.filters |= {each.__name__: each for each in (given, localised, packed_chart, packed_json, still, unit)}
     templates.filters |= {
         "metres": length,
         "bound": lambda text: text.replace(" %", "\u00a0%"),

@@ -23,6 +23,7 @@ from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import StudyRecord, StudyRow, SupportRecord, Value
 from reports.blocks import Block, Drawing, Section, Text, Verdict
 from reports.charts.drawn import still
+from reports.charts.figure import localised
 from reports.drawing.conservator_pictures import order_svg, plan_svg, push_svg, reach_svg
 from reports.drawing.floor_plan import Plan, floor_plan
 from reports.drawing.kinematics import Array, section
@@ -361,7 +362,7 @@ def _lean(source: RunSource, say: Language) -> list[str]:
     keys = ["no_rocking"] if lean_rad < STILL_RAD else ["leans"] if share < 1.0 else ["leans_past", back]
     followed = [name for name in source.histories if name in source.answered]
     keys = keys if standing == followed and not _leaning(source) else ["of_standing", *keys]
-    values = {"degrees": degrees, "balance": balance, "share": f"{100.0 * share:.0f}"}
+    values = {"degrees": degrees, "balance": balance, "share": _share(share, say)}
     moves = [
         say(f"run.{code}", length=say.length(most), degrees=say.digits(math.degrees(most), 2))
         for code, most in _own_moves(source).items()
@@ -416,16 +417,16 @@ def _extremes(source: RunSource) -> list[tuple[float, float]]:
     return extremes
 
 
-def reach_picture(source: RunSource, say: Language, heading: str = "reach.heading") -> Drawing:
+def reach_picture(source: RunSource, say: Language, before: Sequence[str] = ()) -> Drawing:
     """Its farthest positions against the lean at which it balances, and its wall; of a statue that falls, the latter alone."""
-    extremes, title, standing = _extremes(source), say(heading), source.standing
+    extremes, title, standing = _extremes(source), say("reach.heading"), source.standing
     shape = section(source.scene)
     statue, (_, lean_rad, balance_rad, side) = source.scene.statue, _worst_lean(source)
     own = _own_moves(source)
     across = max((number(source.runs[name].validity, "slip_across_m", 0.0) for name in standing), default=0.0)
     aside = side == 0 or (across > VISIBLE_M and not extremes)
     moves = {"dashed": bool(extremes), "aside": aside, "still": not (extremes or aside or own)}
-    words = [say(f"reach.{key}") for key, told in moves.items() if told] if standing else []
+    words = [*before, *(say(f"reach.{key}") for key, told in moves.items() if told and standing)]
     wall = source.scene.wall
     if wall is not None and standing:
         towards, still = 1 if wall.side == "right" else -1, np.zeros(1)
@@ -614,7 +615,7 @@ def _agree(record: StudyRecord, say: Language) -> list[str]:
     if not scores:
         return []
     same, total = sum(each.same for each in scores), sum(each.cases for each in scores)
-    return [say("study.agree", count=begun(say.count(len(scores) + 1)), same=same, total=total)]
+    return [begun(say("study.agree", count=say.count(len(scores) + 1), same=same, total=total))]
 
 
 def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], say: Language) -> list[Drawing]:
@@ -629,7 +630,7 @@ def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condit
     if not charts:
         order = order_picture(scene, support, say)
         return [push, replace(order, caption=[*order.caption, saved_words])]
-    saved, moved = (still(each.figure, WIDTH) for each in charts)
+    saved, moved = (still(localised(each.figure, say), WIDTH) for each in charts)
     return [
         Drawing(moved, [say("study.far")], heading=say("study.top")),
         push,
@@ -662,7 +663,7 @@ def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list
     figure["layer"][0]["encoding"]["fill"]["legend"] = None
     seen = sorted({_severity(row) for row in worst.values()}, reverse=True)
     words = [say("map.seen"), " ".join(say(f"map.{SEVERE[k]}" if k >= 0 else "map.pale") for k in seen)]
-    return [Drawing(still(figure, WIDTH), words, heading=say("map.heading"))]
+    return [Drawing(still(localised(figure, say), WIDTH), words, heading=say("map.heading"))]
 
 
 def _severity(row: StudyRow) -> int:
@@ -679,7 +680,7 @@ def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> 
     scene, support = record.scene, support_of(record.scene)
     pictures = [push_picture(scene, support, say, borne=borne), order_picture(scene, support, say)]
     if record.replay:
-        pictures.insert(0, reach_picture(run_source(folder / record.replay.folder), say, "reach.replayed"))
+        pictures.insert(0, reach_picture(run_source(folder / record.replay.folder), say, [say("reach.replayed")]))
     groups = {item.condition: item.group for item in record.effects}.values()
     # As it is known, and as it may be: neither a shorter step nor further components of the shaking are another statue.
     variants = 1 + sum(group in ("base", "uncertainty") for group in groups)

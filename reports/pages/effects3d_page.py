@@ -46,7 +46,7 @@ def blocks(folder: Path, record: EffectsRecord, say: Language) -> list[Block]:
     pictures: list[Block] = [Drawing(rose(record, say).svg(say("text.rose")), style="chart-box")]
     pictures += [Drawing(scan, [say("text.scan_directions")], "plain-figure")] if scan else []
     told: list[Block] = [
-        words(say, "amplitudes", most=f"{record.study.search.most_g:g}"), Legend(keys), words(say, "sides"),
+        words(say, "amplitudes", most=say.short(record.study.search.most_g)), Legend(keys), words(say, "sides"),
         Details(say("text.seen_along_y"), [Drawing(scene_svg(record.scene, say), [record.scene.title])]),
     ]  # fmt: skip
     drawn = Chart("effects", say("text.changes"), changes(record, say), 1060)
@@ -82,8 +82,9 @@ def _rose(record: EffectsRecord, say: Language) -> Table:
     }
     bands = {row.azimuth_deg: row for row in record.bands}
     falls = {
-        row.azimuth_deg: row.outcome.removeprefix("overturned_")
+        row.azimuth_deg: say(f"side.{row.outcome.removeprefix('overturned_')}")
         for row in record.amplitudes(record.solid_engine, BASELINE)
+        if row.outcome.startswith("overturned_")
     }
 
     def peak(value: float | None) -> str:
@@ -107,7 +108,7 @@ def _rose(record: EffectsRecord, say: Language) -> Table:
                 say.plain(item.projected_g, 3),
                 *by_engine,
                 low,
-                falls.get(at) or "–",
+                falls.get(at, "–"),
             ]
         )
     heads = ["", say("label.lifts_g"), say("label.projected_g"), *record.engines, say("label.band"), say("label.falls")]

@@ -91,7 +91,7 @@ def _scene(source: RunSource, say: Language) -> Group:
             right=say.written(angle(statue.slenderness_right_rad)),
         ),
         "mesh": say("text.no_mesh") if statue.mesh is None else say("text.faces", count=statue.mesh.faces),
-        "pedestal": say("text.no_pedestal") if stone is None else say(
+        "stone": say("text.no_pedestal") if stone is None else say(
             "text.pedestal", mass=say.written(given(stone.mass_kg, "kg")), width=say.length(stone.width_m),
             depth=say.length(stone.depth_m), height=say.length(stone.height_m),
         ),
@@ -129,7 +129,7 @@ def _details(source: RunSource, say: Language) -> list[Block]:
     by_model = Group("columns", [Group("", [Facts(pairs)], name) for name, pairs in limits.items()])
     settings = Group("columns", [Group("", [facts(say, run.settings)], name) for name, run in source.runs.items()])
     command = command_line("run", source.scene.file or "scene.toml", e=[*source.runs])
-    again = [command, *([toml_text(source.scene.toml)] if source.scene.toml else [])]
+    again = [command, *([f"{say('text.scene_as_run')}\n{toml_text(source.scene.toml)}"] if source.scene.toml else [])]
     made = repeat(say, record)[0].blocks
     return [
         *([Details(say("section.scores"), [scores], "scores")] if rows else ()),

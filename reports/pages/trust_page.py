@@ -32,6 +32,10 @@ def blocks(_folder: Path, record: TrustRecord, say: Language) -> list[Block]:
         "cpu_time": say.value(record.summary.cpu_s, "s"),
     }
     command = command_line("run", record.scene.file or "SCENE", e=record.engines, set=record.overrides)
+    whole = command_line(
+        "trust", record.scene.file or "SCENE", *(["--coarse"] if record.coarse else []), e=record.engines,
+        set=record.overrides, motion=record.motion, seed=record.seed,
+    )  # fmt: skip
     *_, floor = record.maps
     run = point_figure(record.maps, say)
     return [
@@ -49,5 +53,5 @@ def blocks(_folder: Path, record: TrustRecord, say: Language) -> list[Block]:
             say, "classes", Facts(meanings, ""), Group("", [Facts(counts)], say("text.bases")),
             Text([each.text for each in record.findings], "notes"),
         ),
-        *repeat(say, record, f"{command} {shlex.join(sets(cells[-1]))}", more=[facts(say, spent)]),
+        *repeat(say, record, whole, f"{command} {shlex.join(sets(cells[-1]))}", more=[facts(say, spent)]),
     ]  # fmt: skip

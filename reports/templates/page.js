@@ -3,6 +3,13 @@
 const rockcheck = { charts: {}, whenReady: [], time: 0 };
 window.rockcheck = rockcheck;
 
+/* A number as the page's language writes it. */
+const written = new Map();
+rockcheck.number = (value, digits) => {
+  if (!written.has(digits)) written.set(digits, new Intl.NumberFormat(document.documentElement.lang, { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false }));
+  return written.get(digits).format(value).replace("-", "−");
+};
+
 rockcheck.unpack = async (holder) => {
   const packed = Uint8Array.from(atob(holder.textContent), (letter) => letter.charCodeAt(0));
   return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
@@ -158,9 +165,9 @@ const answering = async (name, spec) => {
       if (!column) return "";
       const lines = spec.datasets[column.data].filter((each) => each[column.of]).map((each) => {
         const after = each.t.findIndex((value) => value >= time), n = after < 0 ? each.t.length - 1 : after;
-        return `${[each.name, column.words].filter(Boolean).join(" ")} ${each[column.of][n].toFixed(column.decimals).replace("-", "−")} ${column.unit}`;
+        return `${[each.name, column.words].filter(Boolean).join(" ")} ${rockcheck.number(each[column.of][n], column.decimals)} ${column.unit}`;
       });
-      return [`${time.toFixed(4)} s`, ...lines].join("\n");
+      return [`${rockcheck.number(time, 4)} s`, ...lines].join("\n");
     }
     return nearest(event, area, "tip");
   };

@@ -164,7 +164,7 @@ rockcheck.whenReady.push(async () => {
     for (const [name, figure] of figures) {
       const theta = pose(figure, rockcheck.time);
       const cell = cells.get(name);
-      if (cell) cell.textContent = `${Math.abs(theta) < 5e-5 ? "" : theta < 0 ? "−" : "+"}${Math.abs(theta).toFixed(4)} rad${rockcheck.time > figure.model.end_s ? " (ended)" : ""}`;
+      if (cell) cell.textContent = `${Math.abs(theta) < 5e-5 ? "" : theta < 0 ? "−" : "+"}${rockcheck.number(Math.abs(theta), 4)} rad${rockcheck.time > figure.model.end_s ? ` (${clock.dataset.ended})` : ""}`;
     }
     const push = new THREE.Vector3(floorAt("x"), floorAt("y"), floorAt("z"));
     const size = push.length();
@@ -174,7 +174,7 @@ rockcheck.whenReady.push(async () => {
       arrow.setDirection(push.divideScalar(size));
       arrow.setLength(Math.max(0.12, size * total), 0.07, 0.05);
     }
-    clock.textContent = `${rockcheck.time.toFixed(3)} s`;
+    clock.textContent = `${rockcheck.number(rockcheck.time, 3)} s`;
     slider.value = rockcheck.time;
     moveCursor();
     if (seen || always) renderer.render(scene, camera);
@@ -195,9 +195,10 @@ rockcheck.whenReady.push(async () => {
     rockcheck.setTime(next);
     requestAnimationFrame(frame);
   };
+  const begins = play.textContent;
   const setPlaying = (yes) => {
     playing = yes;
-    play.textContent = yes ? "❚❚ Pause" : "▶ Play";
+    play.textContent = yes ? play.dataset.pause : begins;
     play.setAttribute("aria-pressed", String(yes));
     if (!yes) return;
     if (rockcheck.time >= data.end_s) rockcheck.time = data.begin_s;

@@ -236,9 +236,6 @@ ORDER: Final = (*SOLID, "pymunk", "pymunk:plain", "analytic")
 """Longest first keeps both ends of a pool busy."""
 LONG_SIDE: Final = 0.05
 """Sides of the footprint shorter than this share of its outline are the bend of one corner."""
-OWN_STEPS: Final = (
-    "the exact model chooses its steps; each of its amplitudes was asked again at a thousandth of the local error"
-)
 
 REPLAY: Final = "replay"
 """The folder of the case that is run to be watched, in the result's."""
@@ -341,7 +338,7 @@ def answers_of(study: EffectsFile, scene: Scene, ask: Callable[..., list[Any]]) 
     empty = without_meaning(scene)
     wanted = [name for name in study.conditions if name not in empty]
     if EXACT in engines:
-        empty |= {name: OWN_STEPS for name in wanted if CONDITIONS[name].group == "numerical"}
+        empty |= {name: "own_steps" for name in wanted if CONDITIONS[name].group == "numerical"}
         wanted = [name for name in wanted if name not in empty]
     changed = ask(Amplitude, _changed(study, wanted, first, search, near))
     bands = [(a, search, study.samples, study.seed) for a in study.azimuths_deg(study.every)] if study.samples else []

@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 
 from reports.charts.drawn import rows, sized, still, svg
-from reports.charts.figure import Look, across, axis, cells, figure, level, marks, named
+from reports.charts.figure import Look, across, axis, cells, figure, level, localised, marks, named
 from reports.charts.histories import histories_figure
 from reports.drawing.shapes import rings
+from reports.messages import language
 from reports.pages.assets import pack_text, packed_chart
 from reports.source import run_source
 from tests.budgets_reports import STILL_PX
@@ -34,6 +35,14 @@ def curve(x: Any, y: Any, name: str = "a model", *more: dict[str, Any]) -> dict[
         axis("y", "up", scale={"domain": [-1, 3]}),
     )
     return figure(layers, 300, data, level_, upright)
+
+
+def test_numbers_of_a_chart_are_written_as_its_language_writes_them() -> None:
+    chart = curve([0.0, 10.0], [0.0, 2.0])
+    for code, half in (("en", ">0.5<"), ("it", ">0,5<")):
+        spoken = localised(chart, language(code))
+        assert half in svg(spoken), code
+        assert json.loads(unpacked(str(packed_chart(spoken))))["config"]["locale"]["number"]["decimal"] == half[2]
 
 
 def points(drawn: str) -> np.ndarray[Any, Any]:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from harness.questions.study import case_selection as selection
 from reports.charts.figure import DARK, SURFACES
-from reports.charts.map_figures import LINES, map_figures
+from reports.charts.map_figures import LINES, map_figures, trust_map
 from reports.messages import ENGLISH
 from reports.text.wording import Condition
 from tests.budgets_reports import LEAST_OF_LINES
 from tests.reports.charts.parts import kind_at, part
+from tests.reports.invented_records import trust
 from tests.reports.invented_study import case_row, case_run
 
 SIZE = 17
@@ -77,6 +79,14 @@ def contrast(one: str, other: str) -> float:
 
     low, high = sorted((light(one), light(other)))
     return high / low
+
+
+def test_a_level_met_at_one_frequency_alone_is_drawn() -> None:
+    (found, *_) = trust().maps
+    drawn = trust_map(replace(found, contours={"horizon": [None, 0.2], "peak_half": [0.1, None]}))
+    ((lines,),) = [[each for each in drawn["layer"] if each.get("data") == {"name": "contours"}]]
+    assert lines["mark"]["point"], "a line of one point shows nothing"
+    assert [part["y"] for part in drawn["datasets"]["contours"]] == [[0.1, None], [None, 0.2]], "nor is a gap bridged"
 
 
 def test_the_lines_of_a_trust_map_stand_out_from_every_class_on_either_screen() -> None:

@@ -38,7 +38,7 @@ def test_the_verdict_counts_where_the_planar_model_is_too_safe(tmp_path: Path, r
     assert (said["plane_unsafe"]["over"], said["plane_unsafe"]["directions"]) == (1, 4)
     assert said["plane_by_sides"]["within"] == 3
     worst = {"bounded": True, "azimuth_deg": 60.0, "planar_g": 1.0, "solid_g": 0.5, "error": 1.0, "never": 0}
-    # Half of the shaking turns it about the side at 0°: that it falls there is told where the amplitude is that side's.
+    # Half of the shaking turns it about the side at 0°: that its plane says so too is told where the amplitude is that side's.
     assert said["plane_worst"] == {**worst, "sides_deg": [0.0]}
     elsewhere = [replace(each, projected_g=0.6) if each.azimuth_deg == 60.0 else each for each in record.static]
     assert told(replace(record, static=elsewhere))["plane_worst"] == {**worst, "sides_deg": []}
@@ -76,7 +76,7 @@ def test_the_rose_holds_every_direction_of_every_curve(record: EffectsRecord) ->
     curves = re.findall(r'<path d="M([^"]*)Z" fill="none" stroke="#(?!6d6353)', picture)
     assert [len(points.split("L")) for points in curves] == [4, 4, 4]
     assert "pybullet, 270°: stands" in picture
-    assert "analytic, 60°: 1.000 g" in picture
+    assert "analytic, 60°: 1.00 g" in picture
     (changed,) = changes(record)["datasets"]["changes"]
     assert changed["x"] == pytest.approx([-3.0, -3.0, -3.0])
     assert changed["tip"][0] == "pybullet, 0°: −3.0\u00a0%"
