@@ -314,7 +314,8 @@ def interventions_row(
     """What was written to the engine's bodies on the way, in one line; none for an unmodified engine."""
     if not written:
         return []
-    kinds = say.listed(f"{kind.replace('_', ' ')} {item.count or item.steps_again}" for kind, item in written.items())
+    counts = {kind: item.count or item.steps_again for kind, item in written.items()}
+    kinds = say.listed(f"{say.strings.get(f'wrote.{kind}', kind)}: {count}" for kind, count in counts.items())
     parts = ("moved_m", "velocity_m_s", "rate_rad_s", "given_j", "taken_j")
     sums = {part: say.digits(sum(vars(item)[part] for item in written.values()), 2) for part in parts}
     lost = validity.get("lost_in_impacts_j")

@@ -24,6 +24,7 @@ FINDINGS = (
     "word",
     "short",
     "pair",
+    "wrote",
     "kind",
     "severity",
     "section",

@@ -97,7 +97,7 @@ def test_what_was_written_to_bodies_is_one_line() -> None:
     ((words, told),) = interventions_row(written, {"lost_in_impacts_j": 13.0})
     assert words == "written to its bodies"
     assert told == (
-        "turn on 4 and friction release 3 times: in all 0 m, 0.25 m/s, 0 rad/s; 2.0 J given and 0 J taken, "
+        "turns about a corner: 4 and onsets of sliding: 3; in all 0 m, 0.25 m/s, 0 rad/s; 2.0 J given and 0 J taken, "
         "where impacts lost 13 J; 3 steps solved again"
     )
     assert interventions_row({}, {}) == []
