@@ -29,6 +29,9 @@ class Faults:
     seed: int = 5
 
 
+COARSE = Faults(edge_m=0.02)
+
+
 def scan(solid: Solid, faults: Faults) -> RawMesh:
     """The solid's surface as scanned: dense, noisy, open below, with debris, in the wrong axes and unit."""
     from trimesh import remesh

@@ -13,10 +13,10 @@ from scipy.spatial import ConvexHull
 from harness.input.scene_file import load_scene
 from meshes import MeshError, Solid, self_intersection
 from meshes.beside import SHEET, SHEET_WIDER, WIDER, attached_floor, cut_below
-from meshes.doubts import MOST_PINCHED, MOST_WRONG, doubts
+from meshes.doubts import MOST_PINCHED, MOST_WRONG
 from meshes.inspection import inspect
 from meshes.mesh import RawMesh
-from meshes.prepare import Wanted, prepare, prepare_mesh
+from meshes.prepare import Prepared, Wanted, prepare, prepare_mesh
 from meshes.processing_log import EdgeCount
 from meshes.repair import Part
 from meshes.self_intersection import crossings, pinched, wrongly_sided
@@ -24,7 +24,7 @@ from tests import doubles
 from tests.budgets_meshes import CUT_VOLUME_REL, FORMER_LIMIT, NOISE_REL
 from tests.meshes import toadstool
 from tests.meshes.loft import loft
-from tests.meshes.scanner import Faults, scan, write
+from tests.meshes.scanner import write
 from tests.meshes.shapes import union
 
 FLOOR_M = 6.0
@@ -148,18 +148,12 @@ def test_what_is_inside_out_or_buried_is_measured() -> None:
     assert wrongly_sided(*buried) == pytest.approx(share, abs=3.0 * (share * (1.0 - share) / 400) ** 0.5)
 
 
-def test_good_bodies_raise_no_alarm(statue: Solid) -> None:
-    noisy = prepare_mesh(scan(statue, Faults(edge_m=0.02)), Wanted(unit="mm", max_faces=20_000)).mesh
-    for vertices, faces in ((statue.vertices_m, statue.faces), toadstool.surface(), (noisy.vertices, noisy.faces)):
+def test_good_bodies_raise_no_alarm(statue: Solid, noisy: Prepared) -> None:
+    scanned = noisy.mesh.vertices, noisy.mesh.faces
+    for vertices, faces in ((statue.vertices_m, statue.faces), toadstool.surface(), scanned):
         assert attached_floor(vertices, faces) is None
         assert pinched(vertices, faces) < 0.2 * MOST_PINCHED
         assert wrongly_sided(vertices, faces) < 0.5 * MOST_WRONG
-
-
-@pytest.mark.parametrize("name", ["maria.obj", "maria_acephalous.obj", "demosthenes-low-res.obj"])
-def test_real_scans_raise_no_alarm(name: str, data_dir: Path) -> None:
-    mesh = prepare(data_dir / "meshes" / name, Wanted(height_m=1.5)).mesh
-    assert doubts(mesh.vertices, mesh.faces, "{}") == ()
 
 
 def test_noise_that_folds_a_few_faces_is_said_and_refuses_nothing() -> None:

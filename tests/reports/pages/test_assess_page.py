@@ -10,12 +10,18 @@ from harness.input.scene_file import load_scene
 from harness.model.finding import Severity
 from harness.questions.assess.answer import answer_of, findings_of
 from harness.questions.assess.assessment import assess
-from harness.records.assess import Assessment, Index, ProbabilityDifference
+from harness.records.assess import Assessment, AssessRecord, Index, ProbabilityDifference
 from reports.messages import ENGLISH
 from reports.pages.assess_page import assess_verdict
 from reports.text.wording import tone_of_probability, worse_tone
 from tests.harness.questions.assess.measure_own_runs import SCENE
 from tests.scenes_for_tests import paestum
+
+
+@pytest.fixture(scope="module")
+def shaken() -> AssessRecord:
+    """The paper's pedestal as the model assesses it."""
+    return assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200).record
 
 
 def answer(p: float, low: float, high: float) -> Assessment:
@@ -45,9 +51,9 @@ def test_draws_without_an_end_are_said_and_are_no_reason_for_green() -> None:
     assert worse_tone({"analytic": replace(half, undecided=1.0)}, "agree") == "differ"
 
 
-def test_the_most_probable_fall_decides_the_colour() -> None:
+def test_the_most_probable_fall_decides_the_colour(shaken: AssessRecord) -> None:
     record = replace(
-        assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200).record,
+        shaken,
         assessment={"analytic": answer(0.01, 0.0, 0.02), "pymunk": answer(0.3, 0.25, 0.35)},
         difference_from_model={"pymunk": ProbabilityDifference(-0.29, -0.34, -0.24, 0.9)},
     )
@@ -59,18 +65,13 @@ def test_the_most_probable_fall_decides_the_colour() -> None:
     assert [difference.values[key] for key in ("low", "difference", "high")] == [0.24, 0.29, 0.34]
 
 
-def test_what_the_model_alone_answers_is_its_own_where_another_contradicts_it() -> None:
+def test_what_the_model_alone_answers_is_its_own_where_another_contradicts_it(shaken: AssessRecord) -> None:
     """Of a statue that pybullet says to fall in 29 of 100 draws more nothing is "a reserve", and options are the model's."""
-    record = assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200).record
-    options = replace(record.options, options=[replace(each, high=0.0) for each in record.options.options])
+    options = replace(shaken.options, options=[replace(each, high=0.0) for each in shaken.options.options])
     for apart, kind in ((ProbabilityDifference(-0.29, -0.34, -0.24, 0.9), "alone"), (None, "some")):
         differences = {} if apart is None else {"pybullet": apart}
-        reserved = (
-            None
-            if record.fragility is None
-            else replace(record.fragility, factor_at={"0.05": 2.0}, soonest_at={"0.05": 2.0})
-        )
-        mine = replace(record, difference_from_model=differences, options=options, fragility=reserved)
+        reserved = replace(shaken.fragility, factor_at={"0.05": 2.0}, soonest_at={"0.05": 2.0})
+        mine = replace(shaken, difference_from_model=differences, options=options, fragility=reserved)
         told = {each.code: each.values for each in (*answer_of(mine).findings, *findings_of(mine))}
         assert told["reserve"]["kind"] == kind
         assert ("options_contradicted" in told) is (apart is not None)
