@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import final
 
+import numpy as np
+
 from analytic.block import Floats, rotation_matrices
 
 
@@ -125,8 +127,8 @@ class Solution:
     quaternion_wxyz: Floats
     velocity_m_s: Floats
     angular_velocity_rad_s: Floats
-    gap_m: Floats
-    """(n, vertices)."""
+    vertices_m: Floats
+    """Of the body, from its centroid (vertices, 3)."""
     outcome: Outcome
     end_s: float
     peak_tilt_rad: float
@@ -157,3 +159,8 @@ class Solution:
     def rotation(self) -> Floats:
         """Rotation matrices (n, 3, 3) from the body's frame to the table's."""
         return rotation_matrices(self.quaternion_wxyz)
+
+    @property
+    def gap_m(self) -> Floats:
+        """Height of each vertex above the floor (n, vertices), m."""
+        return np.asarray(self.position_m[:, 2:] + self.rotation[:, 2] @ self.vertices_m.T)

@@ -9,12 +9,12 @@ from typing import Final, NamedTuple, final
 
 import numpy as np
 
-from analytic.block import GRAVITY_M_S2, OVERTURN_RAD, positive, rotation_matrices
+from analytic.block import GRAVITY_M_S2, OVERTURN_RAD, positive
 from analytic.excitation import Excitation, ZeroExcitation
 from analytic.kernel.records import MotionParams, Records, row
 from analytic.machine_code import Entry
 from analytic.problem import encode_motion
-from analytic.solver import FIRST_EVENTS, SECOND_RUN_SHARE, within
+from analytic.solver import SECOND_RUN_SHARE, within
 from analytic.spatial.kernel.records import EVENT_HEAD, INTERVAL_HEAD, MEMORY, MOST, RUN, STATE, Run
 from analytic.spatial.problem import UPRIGHT, Body, Floats, Problem
 from analytic.spatial.solution import (
@@ -41,6 +41,9 @@ SETTLE_M: Final = 1e-14
 """A rebound lower than this, or than the tolerance, is dropped."""
 ADDRESSES: Final = "history", "event_table", "interval_table"
 """Where a memory keeps the address of each array of a task, in the task's order."""
+ROWS: Final = 4096
+"""Of the tables of events and intervals at the first try, more than nearly any run has: a run that has more is repeated with
+enough, and rows that are never written take no memory."""
 GAVE_UP: Final = 5
 
 
@@ -137,7 +140,7 @@ def solve(
     most_steps: after which the run is given up (`Solution.gave_up`).
     """
     positive(tolerance=tolerance, **({} if dt_out_s is None else {"dt_out_s": dt_out_s}))
-    rows = FIRST_EVENTS if events else 0
+    rows = ROWS if events else 0
     task = prepare(problem, tolerance, dt_out_s, step_cap_s, rows, most_steps)
     run_all(task.run, task.memory)
     most = int(max(task.run["events"][0], task.run["intervals"][0]))
@@ -186,7 +189,6 @@ def read(problem: Problem, task: Task) -> Solution:
     history = task.history[: int(record["samples"])]
     turn = history[:, 4:8]
     turn = turn / np.linalg.norm(turn, axis=1, keepdims=True) if len(turn) else turn
-    gap = history[:, 3:4] + np.einsum("tj,vj->tv", rotation_matrices(turn)[:, 2], problem.body.vertices_m)
     table = task.events[: int(record["events"])]
     return Solution(
         t_s=history[:, 0],
@@ -194,7 +196,7 @@ def read(problem: Problem, task: Task) -> Solution:
         quaternion_wxyz=turn,
         velocity_m_s=history[:, 8:11],
         angular_velocity_rad_s=history[:, 11:14],
-        gap_m=gap,
+        vertices_m=problem.body.vertices_m,
         outcome=OUTCOMES[int(record["outcome"])],
         end_s=float(record["time_s"]),
         peak_tilt_rad=float(record["peak_tilt_rad"]),

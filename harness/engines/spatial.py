@@ -247,10 +247,10 @@ def beyond_base_s(scene: Scene, solution: Solution) -> float | None:
     from scipy.spatial import ConvexHull
 
     points = scene.statue.outer_points_m
-    outer = points[ConvexHull(points).vertices]
+    outer, down = points[ConvexHull(points).vertices], solution.rotation[:, 2]
     for begin in range(0, solution.t_s.size, SAMPLES):
         part = slice(begin, begin + SAMPLES)
-        lowest = solution.position_m[part, 2] + (solution.rotation[part, 2, :] @ outer.T).min(axis=1)
+        lowest = solution.position_m[part, 2] + (down[part] @ outer.T).min(axis=1)
         below = np.flatnonzero(lowest < -BELOW_M)
         if below.size:
             return float(solution.t_s[begin + int(below[0])])

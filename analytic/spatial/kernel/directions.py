@@ -17,16 +17,16 @@ from analytic.spatial.kernel.contact import (
     response,
     solve_columns,
 )
-from analytic.spatial.kernel.flat import place, solve_flat
-from analytic.spatial.kernel.records import Memory, Run
+from analytic.spatial.kernel.flat import place, press_flat, solve_flat, write_undone
+from analytic.spatial.kernel.records import SECTORS, Memory, Run
 from analytic.spatial.kernel.vectors import Vector, cross, dot, length, minus, plus, times, to_table
 
-SECTORS: Final = 48
-"""Directions in which a sign change is looked for; a second root within one sector is not seen."""
 STARTS: Final = 8
 """Directions from which Newton's method starts for each of two vertices."""
 NEWTON: Final = 30
 HALVINGS: Final = 60
+SHORTER: Final = 10
+"""Halvings of a step of Newton's method: less than a thousandth of one brings it nowhere."""
 CONVERGED: Final = 1e-13
 """Of angles and of relative velocities: rounding of a handful of operations."""
 ROOT: Final = 1e3
@@ -55,7 +55,7 @@ def _across_at(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int,
     set_direction(m, i, angle)
     # Beyond its own end a flat mode goes on smoothly, so that a sign change is seen from both sides.
     if mode == FLAT_SLIDE:
-        solve_flat(s, m, rows, mode, -1)
+        press_flat(s, m, rows, -1)
     elif not solve_columns(s, m, columns(m, rows, mode, a, b, 0.0)):
         return math.nan
     return off_direction(m, rows, i)[0]
@@ -65,7 +65,8 @@ def _across_at(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int,
 def one_direction(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int, zero: float) -> bool:
     """Find the direction of vertex i, the others' being given; True with the solution in memory.
 
-    First one to which friction turns the vertex back: from there it turns no further, away from another one at once.
+    First one to which friction turns the vertex back: from there it turns no further, away from another one at once. Looking for
+    it in vain has filled the memory that the other is looked for in.
     """
     return _direction(s, m, rows, mode, a, b, i, zero, True) or _direction(s, m, rows, mode, a, b, i, zero, False)
 
@@ -73,9 +74,13 @@ def one_direction(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: i
 @jit
 def _direction(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int, zero: float, stable: bool) -> bool:
     step = TWO_PI / SECTORS
-    before = _across_at(s, m, rows, mode, a, b, i, 0.0)
+    if stable:
+        m.across[0] = _across_at(s, m, rows, mode, a, b, i, 0.0)
+    before = m.across[0]
     for k in range(1, SECTORS + 1):
-        after = _across_at(s, m, rows, mode, a, b, i, k * step)
+        if stable:
+            m.across[k] = _across_at(s, m, rows, mode, a, b, i, k * step)
+        after = m.across[k]
         if before == 0.0 or (before > 0.0 > after if stable else before * after < 0.0):
             low, high, below = (k - 1) * step, k * step, before
             if before == 0.0:
@@ -159,7 +164,7 @@ def _flat_response(s: Run, m: Memory, rows: Rows, d: Vector, reach: float) -> Ve
         speed = math.sqrt(dx * dx + dy * dy)
         if speed > 0.0:
             m.slide[i, 0], m.slide[i, 1] = dx / speed, dy / speed
-    solve_flat(s, m, rows, FLAT_SLIDE, -1)
+    press_flat(s, m, rows, -1)
     return _level_response(m, rows, reach)
 
 
@@ -194,7 +199,7 @@ def _flat_newton(s: Run, m: Memory, rows: Rows, d: Vector, reach: float, size: f
             return False
         step = plus(times((b * g - e * f) / det, first), times((c * f - a * g) / det, second))
         share, smaller = 1.0 / max(1.0, 2.0 * length(step)), False
-        for _half in range(HALVINGS):
+        for _half in range(SHORTER):
             trial = _towards(d, times(share, step))
             if length(cross(trial, _flat_response(s, m, rows, trial, reach))) < miss:
                 d, smaller = trial, True
@@ -246,6 +251,7 @@ def find_directions(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, si
                 unknown, last = unknown + 1, m.touch[k]
         if unknown == 0:
             return solve_flat(s, m, rows, mode, -1)
+        write_undone(s, m, rows, -1)
         if unknown == 1:
             return one_direction(s, m, rows, mode, a, b, last, zero)
         return flat_directions(s, m, rows, size, zero)

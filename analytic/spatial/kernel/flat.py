@@ -55,14 +55,8 @@ def _write_effect(s: Run, m: Memory, rows: Rows, i: int, push: Vector, pivot: in
 
 
 @jit
-def _write_effects(s: Run, m: Memory, rows: Rows, pivot: int) -> None:
-    """Write the effects of all normal forces and of the pivot's x and y, and what they must undo."""
-    for k in range(s.touching):
-        i = m.touch[k]
-        _write_effect(s, m, rows, i, flat_push(m, rows, i, pivot), pivot, i)
-    if pivot >= 0:
-        _write_effect(s, m, rows, pivot, rows[0], pivot, MAX_VERTICES)
-        _write_effect(s, m, rows, pivot, rows[1], pivot, MAX_VERTICES + 1)
+def write_undone(s: Run, m: Memory, rows: Rows, pivot: int) -> None:
+    """Write what the forces must undo, whichever way vertices slide: heights below the centroid and slopes, the pivot's x, y."""
     for r in range(3):
         for c in range(4):
             total = 0.0
@@ -88,23 +82,33 @@ def _share(m: Memory, n: int, row: int) -> float:
 
 
 @inlined
-def _add(m: Memory, n: int, row: int) -> None:
-    """Add a force to the system."""
+def _add(m: Memory, first: int, n: int, row: int) -> None:
+    """Add a force to the system's columns from the first on."""
     for r in range(n):
-        for c in range(n):
+        for c in range(first, n):
             m.matrix[r, c] += m.effect[row, r] * m.effect[row, c]
 
 
 @jit
 def _write_system(s: Run, m: Memory, n: int) -> float:
     """Write the equations for λ over the loaded vertices; by how much the λ in memory misses them."""
-    missed = 0.0
+    missed, hh, hx, hy, xx, xy, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     m.matrix[:n, : n + 1] = 0.0
     for k in range(s.touching):
-        if m.loaded[m.touch[k]] != 0:
-            _add(m, n, m.touch[k])
+        i = m.touch[k]
+        if m.loaded[i] != 0:
+            # What every base has, height and slopes, is summed up in registers: a sum in memory waits for itself.
+            h, x, y = row3(m.effect, i)
+            hh, hx, hy, xx, xy, yy = hh + h * h, hx + h * x, hy + h * y, xx + x * x, xy + x * y, yy + y * y
+            _add(m, 3, n, i)
+    m.matrix[0, 0], m.matrix[0, 1], m.matrix[0, 2] = hh, hx, hy
+    m.matrix[1, 0], m.matrix[1, 1], m.matrix[1, 2] = hx, xx, xy
+    m.matrix[2, 0], m.matrix[2, 1], m.matrix[2, 2] = hy, xy, yy
+    for r in range(3, n):
+        for c in range(3):
+            m.matrix[r, c] = m.matrix[c, r]
     for t in range(n - 3):
-        _add(m, n, MAX_VERTICES + t)
+        _add(m, 0, n, MAX_VERTICES + t)
     for r in range(n):
         m.matrix[r, n] = m.undone[r]
         row = -m.undone[r]
@@ -185,8 +189,20 @@ def flat_margin(s: Run, m: Memory, ok: bool) -> float:
 def solve_flat(s: Run, m: Memory, rows: Rows, mode: int, a: int) -> bool:
     """Forces on a flat base that slides, about vertex a if that sticks; False where none on its vertices keep it flat."""
     pivot = a if mode == FLAT_PIVOT else -1
+    write_undone(s, m, rows, pivot)
+    return press_flat(s, m, rows, pivot)
+
+
+@jit
+def press_flat(s: Run, m: Memory, rows: Rows, pivot: int) -> bool:
+    """The same, about a pivot where there is one, for other directions of sliding: what is to be undone stands in memory."""
     n = 3 if pivot < 0 else 5
-    _write_effects(s, m, rows, pivot)
+    for k in range(s.touching):
+        i = m.touch[k]
+        _write_effect(s, m, rows, i, flat_push(m, rows, i, pivot), pivot, i)
+    if pivot >= 0:
+        _write_effect(s, m, rows, pivot, rows[0], pivot, MAX_VERTICES)
+        _write_effect(s, m, rows, pivot, rows[1], pivot, MAX_VERTICES + 1)
     ok = _press(s, m, n, pivot)
     clear(s, m)
     for k in range(s.touching):

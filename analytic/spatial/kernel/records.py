@@ -14,6 +14,8 @@ WORK: Final = 13
 LOST: Final = 14
 MAX_VERTICES: Final = 256
 """Room for the base's vertices: a record's arrays have their sizes from the start."""
+SECTORS: Final = 48
+"""Directions in which a sign change is looked for; a second root within one sector is not seen."""
 Triples = Annotated[Floats, (MAX_VERTICES, 3)]
 Pairs = Annotated[Floats, (MAX_VERTICES, 2)]
 Scalars = Annotated[Floats, (MAX_VERTICES,)]
@@ -163,6 +165,8 @@ class Memory:
     """λ of the forces, and"""
     before: Annotated[Floats, (5,)]
     """the one before."""
+    across: Annotated[Floats, (SECTORS + 1,)]
+    """Response across each direction in which a vertex may begin to slide."""
     anchor: Pairs
     """Where each vertex sticks, table's frame."""
     column: Annotated[Ints, (8,)]

@@ -12,6 +12,7 @@ from scipy.spatial import ConvexHull
 import analytic
 from analytic import spatial
 from analytic.block import GRAVITY_M_S2 as GRAVITY
+from analytic.spatial import solver
 from tests import budgets_spatial as budget
 
 DURATION_S: Final = 1.5
@@ -92,3 +93,16 @@ def test_a_base_of_many_vertices_rolls_over_them(vertices: int) -> None:
     assert run.energy_residual < budget.AUDIT
     assert run.momentum_residual < budget.AUDIT
     assert run.gap_m.min() > -budget.IMPULSE
+
+
+def test_a_run_with_more_events_than_rows_is_repeated_with_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = spatial.solve(drawn(4), dt_out_s=0.01)
+    runs: list[int] = []
+    monkeypatch.setattr(solver, "run_all", lambda *told, run=solver.run_all: (runs.append(1), run(*told)))
+    assert spatial.solve(drawn(4), dt_out_s=0.01).events
+    assert len(runs) == 1
+    monkeypatch.setattr(solver, "ROWS", 2)
+    again = spatial.solve(drawn(4), dt_out_s=0.01)
+    assert len(runs) == 3
+    assert [event.time_s for event in again.events] == [event.time_s for event in whole.events]
+    assert len(again.events) > solver.ROWS
