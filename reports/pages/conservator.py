@@ -273,7 +273,8 @@ def _answer(source: RunSource, nominal: str, say: Language) -> tuple[str, list[s
 def _falls(item: Assessment, say: Language) -> str:
     """How probable a fall is; next to none and next to all have no digits."""
     share, low, high = (f"{100.0 * value:.0f}" for value in (item.probability_overturned, item.low, item.high))
-    wide = item.high - item.low > WIDE or item.probability_overturned < NEXT_TO_NONE
+    told = NEXT_TO_NONE <= item.probability_overturned <= 1.0 - NEXT_TO_NONE
+    wide = item.high - item.low > WIDE or not told
     sure = "rarely" if item.high < NEXT_TO_NONE else "mostly" if item.low > 1.0 - NEXT_TO_NONE else ""
     sure = "rarely_in_plane" if sure == "rarely" and item.plane_only else sure
     return say(f"chance.{sure or ('between' if wide else 'falls')}", share=share, low=low, high=high)
