@@ -137,7 +137,9 @@ def motion_inspect(
     text: TextLayout,
     unit: Annotated[
         str | None,
-        typer.Option("--unit", "--motion-unit", help="A record's unit, where the file does not say: m/s2, cm/s2, g."),
+        typer.Option(
+            "--unit", "--motion-unit", help="A record's unit, where the file does not say: m/s2, cm/s2 (gal), mm/s2, g."
+        ),
     ] = None,
     axis: Annotated[str, typer.Option("--axis", help="Component of a scene to show: x, y or z.")] = "x",
     out: Annotated[Path | None, typer.Option("--out", help="Folder of picture and record. Default: out/NAME.")] = None,

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (TOML).", show_default=False)]
 JsonOnly = Annotated[
     bool,
-    typer.Option("--json", help="Print the record as JSON and nothing else; `rockcheck report DIR` writes its pages."),
+    typer.Option(
+        "--json", help="Print the record as JSON and nothing else; `rockcheck report DIR` writes a result's pages."
+    ),
 ]
 
 
@@ -183,7 +185,9 @@ class SupportOptions:
     ] = None
     motion_unit: Annotated[
         str | None,
-        typer.Option("--motion-unit", help="The record's unit, where its file does not say: m/s2, cm/s2, g."),
+        typer.Option(
+            "--motion-unit", help="The record's unit, where its file does not say: m/s2, cm/s2 (gal), mm/s2, g."
+        ),
     ] = None
 
     def pedestal_keys(self) -> dict[str, float] | None:
