@@ -329,7 +329,7 @@ def place(record: TrustMap, cell: TrustCell, say: Language) -> str:
 def shaking(cell: TrustCell, say: Language) -> str:
     """How strong a point's motion is, and how fast where it has one frequency."""
     frequency = [f"{say.digits(cell['frequency_hz'])} Hz"] if cell["frequency_hz"] else []
-    return ", ".join([f"{say.digits(cell['amplitude_g'])} g", *frequency])
+    return say.row([f"{say.digits(cell['amplitude_g'])} g", *frequency])
 
 
 def point_figure(maps: Sequence[TrustMap], say: Language = ENGLISH) -> Json | None:

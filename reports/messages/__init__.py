@@ -23,6 +23,8 @@ LANGUAGES: Final = tuple(sorted(file.stem for file in FOLDER.glob("*.toml")))
 OPTIONAL: Final = re.compile(r"\[([^\[\]]*)\]")
 """A part of a sentence that may be left out: no user's text is searched, only the catalogue's own."""
 FIELD: Final = re.compile(r"\{(\w+)(?::(\w+))?\}")
+SOON_S: Final = 1e-6
+"""A sooner instant is the beginning: its digits are rounding's."""
 PLACE: Final = re.compile(rf"(?:\b(\w+) )?{FIELD.pattern}")
 """A value's place with the word before it, of the catalogue too: an article that follows the number."""
 
@@ -127,10 +129,15 @@ class Language:
         """Any value of a record in one table cell, its numbers with `count` digits."""
         if isinstance(value, bool | str):
             return self.word(str(value))
-        if isinstance(value, list | tuple) and any(isinstance(each, str) for each in value):
-            return numbers.plain([self.word(str(each)) for each in value])
+        if isinstance(value, list | tuple):
+            return self.row([self.plain(each, count) for each in value[:12]], len(value))
         # A part of a scene stands as its file has it.
         return numbers.plain(value, count) if isinstance(value, Mapping) else self.written(numbers.plain(value, count))
+
+    def row(self, texts: Sequence[str], size: int = 0) -> str:
+        """Values one after another, parted by what no number of the language holds; of `size` in all the first alone."""
+        between = "; " if self.strings["decimal"] == "," else ", "
+        return (between.join(texts) or "–") + (f"{between}… ({size})" if size > len(texts) else "")
 
     def count(self, count: int) -> str:
         """A small count as a word."""
@@ -206,7 +213,7 @@ FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
     "count": lambda say, value: str(value),
     "given": lambda say, value: f"{value:g}",
     "number": lambda say, value: say.digits(float(value), 2),
-    "s": lambda say, value: f"{say.digits(value, 3)}\u00a0s",
+    "s": lambda say, value: f"{say.digits(value if abs(value) >= SOON_S else 0.0, 3)}\u00a0s",
     "rad": lambda say, value: f"{say.digits(value, 2)}\u00a0rad",
     "angle": lambda say, value: f"{say.digits(math.degrees(value), 3)}° ({say.digits(value, 3)}\u00a0rad)",
     "angles": _angles,
@@ -217,7 +224,7 @@ FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
     "share": lambda say, value: f"{probability_text(value)}\u00a0%".replace(".", say.strings["decimal"]),
     "names": lambda say, value: say.listed(map(say.word, value)),
     "directions": lambda say, value: say.listed(f"{say.short(each)}°" for each in value),
-    "vector": lambda say, value: ", ".join(say.short(part, 3) for part in value),
+    "vector": lambda say, value: say.row([say.short(part, 3) for part in value]),
     "groups": _grouped,
     "choices": lambda say, value: "; ".join(f"{say.word(name)}: {say.word(end)}" for name, end in value.items()),
     "without": _shares,

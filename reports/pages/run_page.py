@@ -104,7 +104,7 @@ def _scene(source: RunSource, say: Language) -> Group:
         "start": (start.theta_rad or start.theta_rate_rad_s or None) and f"{say.written(unit(start.theta_rad, 'rad'))}, "
         f"{say.written(unit(start.theta_rate_rad_s, 'rad/s'))}",
         "start_pose": posed and "; ".join(
-            f"({', '.join(map(say.short, values))}) {name}"
+            f"({say.row([*map(say.short, values)])}) {name}"
             for values, name in zip(posed, ("m", "(w, x, y, z)", "m/s", "rad/s"), strict=True)
         ),
     }  # fmt: skip

@@ -71,7 +71,7 @@ def blocks(_folder: Path, record: StudyRecord, say: Language) -> list[Block]:
         f"{count}: {say.word(reason)}" for reason, count in Counter(row.reason for row in record.rows).most_common()
     ]
     vary = [
-        (say.value(key, "key"), ", ".join(_shown(value, say) for value in values))
+        (say.value(key, "key"), say.row([_shown(value, say) for value in values]))
         for key, values in record.vary.items()
     ]
     seconds = Facts([(name, say.value(value, "s")) for name, value in record.engine_seconds.items()])

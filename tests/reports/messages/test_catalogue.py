@@ -116,7 +116,7 @@ def test_a_number_is_written_as_the_language_writes_it() -> None:
     assert language("en").value(None, "s") == "–"
     assert [language(code).plain(True) for code in ("en", "it")] == ["yes", "sì"]
     told = [language("it").plain(each) for each in ([0.5, 1.25], ["statue_slides", "spatial"])]
-    assert told == ["0,5000, 1,250", "la statua scivola sul suo appoggio, spatial"]
+    assert told == ["0,5000; 1,250", "la statua scivola sul suo appoggio, spatial"]
     # What a user copies into a scene is written as the scene wants it.
     assert language("it").value(0.02543, "given") == "0.02543"
     assert set(SAMPLES) == set(FORMATS)

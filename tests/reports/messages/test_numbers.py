@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from reports.messages import ENGLISH
+from reports.messages import ENGLISH, language
 from reports.messages.numbers import digits, length, plain
 from reports.pages.run_page import toml_text
 
@@ -70,3 +70,9 @@ def test_toml_reads_back_as_given() -> None:
         "empty": {},
     }
     assert tomllib.loads(toml_text(content)) == content
+
+
+def test_values_one_after_another_are_told_apart_from_their_decimals() -> None:
+    assert ENGLISH.plain([0.5, 1.25]) == "0.5000, 1.250"
+    assert language("it").plain([0.5, 1.25]) == "0,5000; 1,250"
+    assert ENGLISH.plain([1] * 13).endswith(", 1, … (13)")
