@@ -129,6 +129,8 @@ class Language:
         """Any value of a record in one table cell, its numbers with `count` digits."""
         if isinstance(value, bool | str):
             return self.word(str(value))
+        if isinstance(value, list | tuple) and any(isinstance(each, str) for each in value):
+            return numbers.plain([self.word(str(each)) for each in value])
         if isinstance(value, list | tuple):
             return self.row([self.plain(each, count) for each in value[:12]], len(value))
         # A part of a scene stands as its file has it.
