@@ -306,7 +306,7 @@ def _begins(source: RunSource, say: Language) -> str:
 def _who(source: RunSource, say: Language) -> list[str]:
     """How many models say what; which they are stands in the engineer's report."""
     answered = source.answered
-    silent, total = len(source.runs) - len(answered), say.count(len(answered))
+    silent, total = len(source.runs) - len(answered) - len(_leaning(source)), say.count(len(answered))
     none = [say("run.silent_one" if silent == 1 else "run.silent", count=begun(say.count(silent)))] if silent else []
     if len(answered) == 1:
         return [say("run.answered_one" if silent else "run.asked_one"), *none]
@@ -368,7 +368,14 @@ def _lean(source: RunSource, say: Language) -> list[str]:
         say(f"run.{code}", length=say.length(most), degrees=say.digits(math.degrees(most), 2))
         for code, most in _own_moves(source).items()
     ]
-    return [" ".join([*(say(f"run.{key}", **values) for key in keys), *moves])]
+    unknown = [say("run.slides_unknown")] if _slides_unknown(source) else []
+    return [" ".join([*(say(f"run.{key}", **values) for key in keys), *moves, *unknown])]
+
+
+def _slides_unknown(source: RunSource) -> bool:
+    """Whether it stands only in models that say that it slides on its support, and do not compute how far."""
+    ends = [source.runs[name].validity.get("left_domain_by") for name in source.standing]
+    return bool(ends) and all(each == "statue_slides" for each in ends)
 
 
 def _own_moves(source: RunSource) -> dict[str, float]:
@@ -426,7 +433,8 @@ def reach_picture(source: RunSource, say: Language, before: Sequence[str] = ()) 
     own = _own_moves(source)
     across = max((number(source.runs[name].validity, "slip_across_m", 0.0) for name in standing), default=0.0)
     aside = side == 0 or (across > VISIBLE_M and not extremes)
-    moves = {"dashed": bool(extremes), "aside": aside, "still": not (extremes or aside or own)}
+    moves = {"dashed": bool(extremes), "aside": aside}
+    moves |= {"still": not (extremes or aside or own or _slides_unknown(source))}
     words = [*before, *(say(f"reach.{key}") for key, told in moves.items() if told and standing)]
     wall = source.scene.wall
     if wall is not None and standing:
@@ -463,7 +471,8 @@ def plan_picture(source: RunSource, plan: Plan, slip: Sequence[str], say: Langua
     """The space that the statue needs while it rocks, all round where a model follows it in space, and its pedestal's slip."""
     heading, standing = say("plan.heading"), source.standing
     rooms = _rooms(plan, say)
-    words = [say("plan.seen" if rooms else "plan.still")]
+    unknown = _slides_unknown(source)
+    words = [say("plan.seen" if rooms else "run.slides_unknown" if unknown else "plan.still")]
     words += [say("plan.stone")] if source.scene.pedestal is not None else []
     words += [say("plan.room", rooms=rooms)] if rooms else []
     if not standing:

@@ -95,9 +95,12 @@ def _code(known: Mapping[str, Run], scores: Sequence[Scores]) -> Code:
 
 def _what(scene: Scene, known: Mapping[str, Run], runs: Mapping[str, Run]) -> Finding:
     """What happens as given, and who says so."""
-    if not known:
-        return changes_answer("no_answer", asked=len(runs))
     groups: dict[str, list[str]] = {}
+    if not known:
+        for name, run in runs.items():
+            if not outside_domain(run):
+                groups.setdefault(run.outcome.value, []).append(name)
+        return changes_answer("no_answer", asked=len(runs), ends=groups)
     for name, run in known.items():
         groups.setdefault(outcome_family(run.outcome), []).append(name)
     if len(groups) > 1:

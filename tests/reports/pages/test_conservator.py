@@ -395,6 +395,16 @@ def test_what_follows_a_fall_is_no_doubt_of_the_distances(source: RunSource) -> 
         assert (ENGLISH("run.inexact", time="2") in text) is said
 
 
+def test_a_slide_that_no_standing_model_computes_is_no_stillness(source: RunSource) -> None:
+    runs = {
+        name: replace(run, validity={**run.validity, "left_domain_by": "statue_slides"})
+        for name, run in source.record.runs.items()
+    }
+    text = spoken(of_run(replace(source, record=replace(source.record, runs=runs))))
+    assert ENGLISH("run.slides_unknown") in text
+    assert ENGLISH("run.slides_unknown") not in spoken(of_run(source))
+
+
 @pytest.mark.parametrize("pedestal", [None, Pedestal(80.0, 0.6, 0.6, 0.3)])
 def test_a_statue_that_slides_on_its_support_is_not_said_to_keep_still(
     tmp_path: Path, pedestal: Pedestal | None

@@ -154,6 +154,8 @@ def test_a_run_that_tells_nothing_of_the_statue_is_not_counted(fields: dict[str,
     code, _ = told(run("a", **fields), run("b"))
     assert (code == "one_model") is not known
     assert told(run("a", outcome=Outcome.CRASHED))[0] == "no_answer"
+    open_ = [run(name, outcome=Outcome.UNDECIDED) for name in "ab"]
+    assert told(*open_)[1]["no_answer"].values == {"asked": 2, "ends": {"undecided": ["a", "b"]}}
 
 
 def test_a_probability_of_a_run_is_about_and_undecided_draws_widen_it() -> None:
