@@ -268,10 +268,12 @@ def certify(
     accuracy: float = 1e-9,
     step_cap_s: float = math.inf,
     most_steps: int = MOST,
+    alone: bool = False,
 ) -> Certified:
     """Run the model, and again a hundred times finer and with shorter steps; say how far the numbers hold.
 
-    accuracy: error, in rad and m, up to which the history counts as reliable.
+    accuracy: error, in rad and m, up to which the history counts as reliable. alone: without the runs that check the first, whose
+    uncertainties are then not known (NaN).
     """
     finer, shorter = max(SECOND_RUN_SHARE * tolerance, FINEST), min(CAP_S, 0.5 * step_cap_s)
     first, *others = (
@@ -280,14 +282,16 @@ def certify(
             (tolerance, step_cap_s, True),
             (finer, step_cap_s, False),
             (tolerance, shorter, False),
-        )
+        )[: 1 if alone else 3]
     )
+    complete = not any(each.gave_up or each.outcome is Outcome.FRICTION_PARADOX for each in (first, *others))
+    if alone:
+        return Certified(first, math.nan, math.nan, first.end_s, True, complete)
     size = min(len(each.t_s) for each in (first, *others)) - 1
     turned = np.stack([attitude_difference_rad(first, other, size) for other in others])
     moved = np.stack([first.position_m[:size] - other.position_m[:size] for other in others])
     differences = turned, np.linalg.norm(moved, axis=2)
     said = within(first.t_s, min(each.end_s for each in (first, *others)), differences, (accuracy, accuracy))
-    complete = not any(each.gave_up or each.outcome is Outcome.FRICTION_PARADOX for each in (first, *others))
     return Certified(first, *said, all(other.outcome is first.outcome for other in others), complete)
 
 

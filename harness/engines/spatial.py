@@ -98,14 +98,14 @@ class Spatial(Engine):
         own = own_settings(self.name, SpatialSettings, settings)
         begin = time.perf_counter()
         try:
-            own, certified, unfinished = _answer(scene, own, problem_of(scene))
+            own, certified, unfinished = _answer(scene, own, problem_of(scene), options.stated)
         except AnalyticInputError as error:
             raise EngineFailure(str(error)) from error
         return _run(scene, own, certified, unfinished, options, begin)
 
 
 def _answer(
-    scene: Scene, own: SpatialSettings, problem: Problem
+    scene: Scene, own: SpatialSettings, problem: Problem, stated: bool
 ) -> tuple[SpatialSettings, Certified, Sequence[tuple[float, Solution]]]:
     """The answer at the local error asked, else at the finest coarser level whose runs reach their ends; and what did not.
 
@@ -128,6 +128,7 @@ def _answer(
             accuracy=RELIABLE_RAD,
             step_cap_s=own.dt_s or math.inf,
             most_steps=most_steps,
+            alone=not stated,
         )
         tried.append((settings, certified))
         if certified.complete:
@@ -248,12 +249,15 @@ def beyond_base_s(scene: Scene, solution: Solution) -> float | None:
 
     points = scene.statue.outer_points_m
     outer, down = points[ConvexHull(points).vertices], solution.rotation[:, 2]
-    for begin in range(0, solution.t_s.size, SAMPLES):
-        part = slice(begin, begin + SAMPLES)
+    # What stands as at the sample before has nothing lower.
+    moved = np.append(True, (np.diff(down, axis=0) != 0.0).any(axis=1) | (np.diff(solution.position_m[:, 2]) != 0.0))
+    chosen = np.flatnonzero(moved)
+    for begin in range(0, chosen.size, SAMPLES):
+        part = chosen[begin : begin + SAMPLES]
         lowest = solution.position_m[part, 2] + (down[part] @ outer.T).min(axis=1)
         below = np.flatnonzero(lowest < -BELOW_M)
         if below.size:
-            return float(solution.t_s[begin + int(below[0])])
+            return float(solution.t_s[part[below[0]]])
     return None
 
 
@@ -309,8 +313,8 @@ def _run(
         outcome=outcome_of(solution, run.outcome),
         impact_times_s=tuple(event.time_s for event in solution.impacts),
         uplift_times_s=tuple(event.time_s for event in solution.events if event.kind.value == "uplift"),
-        numerical_uncertainty_rad=certified.uncertainty_rad,
-        slip_uncertainty_m=certified.place_uncertainty_m,
-        reliable_until_s=certified.reliable_until_s,
+        numerical_uncertainty_rad=certified.uncertainty_rad if options.stated else None,
+        slip_uncertainty_m=certified.place_uncertainty_m if options.stated else None,
+        reliable_until_s=certified.reliable_until_s if options.stated else None,
         wall_s=time.perf_counter() - begin,
     )

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from analytic.excitation import Harmonic, Pulse
+from analytic.spatial import solver
 from harness import engines
 from harness.engines import spatial
 from harness.engines.spatial import LEVELS
@@ -61,3 +62,17 @@ def test_choices_among_several_motions_are_told() -> None:
     run = engine.simulate(shaken, engine.refinement_levels(shaken)[0], RunOptions())
     (told,) = [found for found in run.findings if found.code == "several_joint_states"]
     assert told.values["count"] == run.work["ambiguous_states"] > 0
+
+
+def test_a_run_whose_error_nobody_asks_for_is_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    given, engine, runs = between_two_feet(), engines.load("spatial"), []
+    level = engine.refinement_levels(given)[0]
+    stated = engine.simulate(given, level, RunOptions())
+    monkeypatch.setattr(solver, "run_all", lambda *told, run=solver.run_all: (runs.append(1), run(*told)))
+    run = engine.simulate(given, level, RunOptions(stated=False))
+    assert len(runs) == 2  # with the coarse one that tells how many steps are worth while
+    assert run.history is not None
+    assert stated.history is not None
+    assert run.history.theta_rad.tobytes() == stated.history.theta_rad.tobytes()
+    assert run.numerical_uncertainty_rad is run.slip_uncertainty_m is run.reliable_until_s is None
+    assert run.work == stated.work
