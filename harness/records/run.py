@@ -103,10 +103,11 @@ def peak_lean_rad(run: RunRow) -> float:
 
 def balance_share(run: RunRow, theta_rad: Array, slenderness_rad: Callable[[int], float]) -> float:
     """The largest share of the angle at which the statue balances on a side (`slenderness_rad`) that its rotation (n,) reached,
-    or by an engine in space its lean in any direction: an unsymmetric statue may lean further to the side that bears more.
+    or by an engine in space its lean in any direction, or its pedestal with it as one body: an unsymmetric statue may lean
+    further to the side that bears more.
     """
     right, left = (float((side * theta_rad).max()) / slenderness_rad(side) for side in (1, -1))
-    return max(right, left, number(run.validity, "peak_lean_share", 0.0))
+    return max(right, left, *(number(run.validity, f"{what}_share", 0.0) for what in ("peak_lean", "pedestal_tilt")))
 
 
 UNKNOWN: Final = (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX, Outcome.UNDECIDED)

@@ -21,6 +21,7 @@ from harness.records.effects3d import EffectsRecord
 from harness.records.run import RunRecord, own_moves, peak_slip_m, tips_s
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import StudyRecord, StudyRow, SupportRecord, Value
+from harness.statics.standstill import tipping_of_pedestal
 from reports.blocks import Block, Drawing, Section, Text, Verdict
 from reports.charts.drawn import still
 from reports.charts.figure import localised
@@ -336,8 +337,8 @@ def _leaning(source: RunSource) -> list[str]:
 
 
 def _worst_lean(source: RunSource) -> tuple[float, float, float, int]:
-    """The largest lean of the models in which it stands as a share of the angle at which it balances there, both in rad, and the
-    side; 0 for the side of one out of the plane of the pictures."""
+    """The largest lean of the models in which it stands as a share of the angle at which it balances there, alone or as one body
+    with a pedestal that tips, both in rad, and the side; 0 for the side of one out of the plane of the pictures."""
     leans = [(0.0, 0.0, source.scene.statue.slenderness_rad(1), 1)]
     for name in source.standing:
         run = source.runs[name]
@@ -349,7 +350,22 @@ def _worst_lean(source: RunSource) -> tuple[float, float, float, int]:
             leans.append((peak / balance, peak, balance, side))
         share, lean = (number(run.validity, f"peak_lean_{what}", 0.0) for what in ("share", "rad"))
         leans += [(share, lean, lean / share, 0)] if lean > ASIDE * run.peak_theta_rad and lean >= STILL_RAD else []
+        leans += _tipped(source, name)
     return max(leans)
+
+
+def _tipped(source: RunSource, name: str) -> list[tuple[float, float, float, int]]:
+    """The same of a model's pedestal that tips, with the statue on it as one body, by side."""
+    scene, tilt_rad = source.scene, source.histories[name].extra.get("pedestal_tilt_rad")
+    if scene.pedestal is None or tilt_rad is None:
+        return []
+    statue, found = scene.statue, []
+    centre = 0.5 * (statue.corner_right_m - statue.corner_left_m)
+    pushes = tipping_of_pedestal(statue.mass_kg, statue.centroid_height_m, centre, scene.pedestal)
+    for side in (1, -1):
+        peak, balance = float((side * tilt_rad).max()), math.atan(pushes[0, side])
+        found += [(peak / balance, peak, balance, side)] if peak >= STILL_RAD and balance > 0.0 else []
+    return found
 
 
 def _lean(source: RunSource, say: Language) -> list[str]:

@@ -19,8 +19,9 @@ from harness.engines.stepping.support import Corners, plain_spells
 from harness.model.finding import Finding, caution
 from harness.model.history import History, Outcome, hermites, output_grid
 from harness.model.run import Intervention, Pattern, PatternName, Run
-from harness.model.scene import OVERTURN_RAD, Scene, Statue, rotations
+from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Statue, rotations
 from harness.model.two_block import block_of, keywords
+from harness.statics.standstill import tipping_of_pedestal
 from meshes.footprint import outward_sides
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ def fall(scene: Scene, motion: Trajectory, overturn_s: float | None) -> Fall | N
     """
     body = _Body.of(scene.statue, motion)
     if overturn_s is None and not body.excess_rad(_up(motion, -1))[0] > 0.0:
-        return None
+        return Fall(Outcome.UNDECIDED, None, None) if _may_tip_over(scene, motion) else None
     up = _up(motion)
     first, no_return_s = last_outward(motion.t_s, body.excess_rad(up))
     if overturn_s is not None or up[-1, 2] <= OVERTURN_COS:
@@ -89,6 +90,28 @@ def fall(scene: Scene, motion: Trajectory, overturn_s: float | None) -> Fall | N
         reached = _first_reach_s(motion.t_s[first:], _tilt_rad(up[first:])) if any(carried) else None
         return Fall(side_of(motion), no_return_s, reached, lies=carried[-1])
     return Fall(Outcome.UNDECIDED, no_return_s, None, lies=carried[-1])
+
+
+def tilt_share(scene: Scene, pedestal: Pedestal, tilt_rad: Array) -> tuple[Array, Array]:
+    """A pedestal's tilt (n,) over the one at which it and the statue balance as one body, and that one's tangent (n,)."""
+    statue = scene.statue
+    sides = tipping_of_pedestal(statue.mass_kg, statue.centroid_height_m, statue.base_centre_m, pedestal)
+    tangent = np.where(tilt_rad > 0.0, sides[0, 1], sides[0, -1])
+    return np.divide(np.abs(tilt_rad), np.arctan(tangent), out=np.ones_like(tilt_rad), where=tangent > 0.0), tangent
+
+
+def _may_tip_over(scene: Scene, motion: Trajectory) -> bool:
+    """Whether a pedestal that ends tipped is beyond its balance with the statue on it, or over still ground may yet pass it."""
+    stone, statue, tilt = scene.pedestal, scene.statue, motion.tilt_rad[-1:]
+    if stone is None or abs(tilt[0]) <= IN_PLANE_RAD:
+        return False
+    (share,), (tangent,) = tilt_share(scene, stone, tilt)
+    still = scene.base_excitation.end_s <= motion.t_s[-1]
+    high_m = stone.height_m + statue.centroid_height_m
+    moment = statue.mass_kg * high_m + stone.mass_kg * stone.centroid_height_m
+    begun = statue.mass_kg * (float(motion.statue_xz_m[0, 1]) - high_m)
+    left_j = float(forces.energy_j(scene, motion)[-1]) + scene.gravity_m_s2 * begun
+    return bool(share >= 1.0 or (still and left_j >= scene.gravity_m_s2 * moment * (math.hypot(1.0, tangent) - 1.0)))
 
 
 def last_outward(t_s: Array, excess_rad: Array) -> tuple[int, float | None]:
@@ -490,8 +513,9 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
     }
     if cycles.impact_times_s:
         validity["lost_in_impacts_j"] = forces.lost_in_impacts_j(motion.t_s, lost_j, cycles.impact_times_s)
-    if "pedestal_tilt_rad" in motion.extra:
-        validity["pedestal_tilt_rad"] = float(np.abs(motion.extra["pedestal_tilt_rad"]).max())
+    if scene.pedestal is not None and "pedestal_tilt_rad" in motion.extra:
+        validity["pedestal_tilt_rad"] = float(np.abs(motion.tilt_rad).max())
+        validity["pedestal_tilt_share"] = float(tilt_share(scene, scene.pedestal, motion.tilt_rad)[0].max())
     if "out_of_plane_rad" in motion.extra:
         validity |= moves_in_space(scene, motion)
         validity["statue_flight_m"] = float(max(np.minimum(gap_m, _clear_m(scene, motion, at)).max(), 0.0))
