@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from harness.input.uncertain import assumption
@@ -150,7 +151,8 @@ def _clearance(record: AssessRecord, say: Language) -> list[Section]:
     plan = None if room is None else probable_plan(room, CLEAR)
     drawn = None
     if room is not None and plan is not None:
-        drawn = Drawing(plan_svg(record.scene, plan, say.say(clearance(room)), say), [say("text.plan")], "chart-box")
+        needed = replace(plan, room_m={side: each for side, each in plan.room_m.items() if each})
+        drawn = Drawing(plan_svg(record.scene, needed, say.say(clearance(room)), say), [say("text.plan")], "chart-box")
     tables = [
         Details(say("text.by", name=name), [_by_direction(name, item, say)], fold=True)
         for name, item in (room.answered.items() if room else ())
@@ -167,7 +169,7 @@ def _by_direction(name: str, item: ClearanceByModel, say: Language) -> Table:
     ]
     columns = zip(*item.outline_m, item.top_m[at], item.pedestal_m[at], strict=True)
     rows = [
-        [_towards(angle, say), *(say.value(value, "m") for value in row)]
+        [_towards(angle, say), *(say.length(round(value, 4)) for value in row)]
         for angle, row in zip(item.direction_deg, columns, strict=True)
     ]
     return Table(say("table.clearance", name=name), ["", *heads], rows)

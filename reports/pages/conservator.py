@@ -97,8 +97,10 @@ def push_picture(
     """Which push the statue bears, by direction, seen from above; `borne` are shakings without a fall by azimuth in degrees."""
     heading = say("push.heading")
     words = [say("push.seen"), f"{weakest_words(scene, say)} {say('push.tipping')}"]
-    if support.statue_keys:
-        varied = say.listed(dict.fromkeys(say.key(key) or say("key.other") for key in support.statue_keys))
+    # Of a statue that was turned the line of what it bore, by direction, is drawn.
+    keys = [key for key in support.statue_keys if not (borne and key.endswith("azimuth_deg"))]
+    if keys:
+        varied = say.listed(dict.fromkeys(say.key(key) or say("key.other") for key in keys))
         words.append(say("push.varied", keys=varied))
     # A push of the statue's own weight is none of an earthquake's: no circle is drawn for it.
     sliding = [(push, what) for push, what in slips(support) if push < 1.0]

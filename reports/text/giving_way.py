@@ -77,7 +77,7 @@ def pedestal_effect(
     named = {
         each: say(f"{words}.{each}") for each in ("frequency", "on_floor", "on_pedestal", "share_falls", "top", "wall")
     }
-    drawn = {"saved": _by_setting(fell, named), "moved": _reach_by_setting(reach, named, record)}
+    drawn = {"saved": _by_setting(fell, named, say), "moved": _reach_by_setting(reach, named, record)}
     charts = [Chart(name, say(f"text.pedestal_{name}", model=model), figure) for name, figure in drawn.items()]
     return _saved(cases, model), charts
 
@@ -96,11 +96,11 @@ def _saved(cases: Sequence[Condition], model: str) -> Finding:
 SETTINGS: Final = {"floor": FLOOR_COLOUR, "pedestal": PEDESTAL_COLOUR}
 
 
-def _by_setting(fell: Mapping[tuple[float, str], Sequence[bool]], named: Mapping[str, str]) -> Json:
+def _by_setting(fell: Mapping[tuple[float, str], Sequence[bool]], named: Mapping[str, str], say: Language) -> Json:
     places = sorted(fell)
     parts = [
         {
-            "kind": named[f"on_{setting}"], "x": [f"{place[0]:g}" for place in mine],
+            "kind": named[f"on_{setting}"], "x": [say.short(place[0]) for place in mine],
             "y": [100.0 * sum(fell[place]) / len(fell[place]) for place in mine],
             "count": [f"{sum(fell[place])}/{len(fell[place])}" for place in mine],
         }
@@ -112,7 +112,7 @@ def _by_setting(fell: Mapping[tuple[float, str], Sequence[bool]], named: Mapping
     words = marks("text", "falls", beside | {"text": {"field": "count"}}, dy=-7, clip=False)
     x = names(
         "x",
-        [f"{value:g}" for value in sorted({place[0] for place in places})],
+        [say.short(value) for value in sorted({place[0] for place in places})],
         named["frequency"],
         labelAngle=0,
         grid=False,

@@ -152,7 +152,7 @@ def clearance(item: ClearanceRecord) -> Finding:
         right_m, left_m = beyond_m.values()
         return info("clearance", by="plane", right_m=right_m, left_m=left_m, **values)
     towards_deg, most_m = max(beyond_m.items(), key=lambda each: each[1])
-    least_m = min(beyond_m.values())
+    least_m = round(min(beyond_m.values()), 4)  # a tenth of a millimetre is none that anyone keeps free
     return info("clearance", by="space", most_m=most_m, towards_deg=towards_deg, least_m=least_m, **values)
 
 
