@@ -37,7 +37,7 @@ PUSH_TOLD: Final = 6e-3
 """Pushes are told to three digits, of which the last is half a unit off: at most 5e-3 of a push told as 1.00; a fifth more."""
 
 LEAN_TOLD: Final = 0.051
-"""Leans are told to two digits: at most half a unit of the second, 5 % of 1.0; the share of the balance in whole per cent."""
+"""Leans are told to two digits: at most half a unit of the second, 5 % of 1.0; the share of the balance to two digits, too."""
 
 LEAST_MOVES: Final = 2e-3
 """The least amplitude that moves a statue is rounded up in its fourth digit, 1e-3 of 1.000; twice that below it it rests."""
