@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,15 +18,17 @@ from numpy.typing import NDArray
 
 from tests.analytic.reference_case import Case
 
+State = Sequence[float] | NDArray[np.float64]
+"""Rotation, its rate, slip, its rate."""
 STUCK = 0
 
 
 @functools.cache
-def lagrangian_functions() -> tuple[Callable[..., NDArray[np.float64]], Callable[..., NDArray[np.float64]]]:
+def lagrangian_functions() -> tuple[Callable[..., list[float]], Callable[..., NDArray[np.float64]]]:
     """Euler-Lagrange coefficients and mass matrix of the coordinates (u, w, p_x, p_z, θ), as functions.
 
     u, w: pedestal relative to the floor; p: statue's pivot relative to the pedestal; w and p are virtual, their
-    generalised forces are the floor's normal force and the pivot's reaction. Row i of the first function is
+    generalised forces are the floor's normal force and the pivot's reaction. Three values in turn of the first function are
     (coefficient of θ̈, coefficient of ü, remainder) of d/dt ∂L/∂q̇ᵢ − ∂L/∂qᵢ; c is the pivot's abscissa from the centroid.
     """
     t = sympy.Symbol("t")
@@ -52,7 +54,8 @@ def lagrangian_functions() -> tuple[Callable[..., NDArray[np.float64]], Callable
         rows.append([equation.coeff(theta_dd), equation.coeff(u_dd), equation.subs({theta_dd: 0, u_dd: 0})])
         masses.append([sympy.expand(kinetic.diff(q.diff(t))).diff(p.diff(t)).subs({theta: 0}) for p in coordinates])
     arguments = (theta_s, omega_s, ax, az, m1, m2, h, c, inertia, g)
-    equations = sympy.lambdify(arguments, rows, "math", cse=True)
+    # Flat: of lists in a list sympy takes out no common terms, and each entry would compute its own sines.
+    equations = sympy.lambdify(arguments, [entry for row in rows for entry in row], "math", cse=True)
     mass = sympy.lambdify((m1, m2, h, c, inertia), sympy.Matrix(masses), "numpy")
     return equations, mass
 
@@ -82,7 +85,8 @@ class Lagrange:
     def rows(self, side: int, theta: float, omega: float, ax: float, az: float) -> list[list[float]]:
         k = self.case
         corner = k.b_right if side > 0 else -k.b_left
-        return self.equations(theta, omega, ax, az, self.m1, k.m2, k.h, corner, k.inertia, k.gravity)
+        values = self.equations(theta, omega, ax, az, self.m1, k.m2, k.h, corner, k.inertia, k.gravity)
+        return [values[i : i + 3] for i in range(0, 15, 3)]
 
     def forces(self, side: int, slide: int, theta: float, omega: float, ax: float, az: float) -> Forces:
         k = self.case
@@ -114,7 +118,7 @@ class Lagrange:
         normal = forces.normal if k.normal == "dynamic" else (self.m1 + k.m2) * (k.gravity + az)
         return k.mu_static * normal
 
-    def events(self, side: int, slide: int, y: NDArray[np.float64], ax: float, az: float) -> dict[str, float]:
+    def events(self, side: int, slide: int, y: State, ax: float, az: float) -> dict[str, float]:
         """Named functions that are positive while the state holds."""
         k = self.case
         f = self.forces(side, slide, y[0], y[1], ax, az)
@@ -138,13 +142,13 @@ class Lagrange:
                     found["friction_paradox"] = f.determinant
         return found
 
-    def carried(self, f: Forces, side: int, y: NDArray[np.float64]) -> float:
+    def carried(self, f: Forces, side: int, y: State) -> float:
         """What must stay positive for contact: in a fall only the pedestal may not be lifted."""
         if self.falling(side, y):
             return f.normal if self.case.pedestal_kg is not None else math.inf
         return min(f.normal, f.pivot_normal)
 
-    def falling(self, side: int, y: NDArray[np.float64]) -> bool:
+    def falling(self, side: int, y: State) -> bool:
         """Beyond its balance point and moving away: leaving the corner there is part of overturning."""
         return bool(self.case.gap(side) == math.inf and side * y[0] > self.lean(side) and side * y[1] > 0.0)
 
