@@ -51,7 +51,8 @@ def test_the_tests_are_collected_without_pybullet(root: Path) -> None:
     """Three files of tests stopped the whole collection on CPython 3.13."""
     code = (
         "import sys; sys.modules['pybullet'] = None; import pytest; "
-        "sys.exit(pytest.main(['--collect-only', '-q', '-p', 'no:cacheprovider', 'tests/harness', 'tests/reports']))"
+        "sys.exit(pytest.main(['--collect-only', '-q', '-p', 'no:cacheprovider', '--assert=plain', "
+        "'tests/harness', 'tests/reports']))"
     )
     told = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True, check=False)
     assert told.returncode == 0, told.stdout[-2000:]

@@ -1,4 +1,5 @@
-"""The readme's commands run as printed: studies are only read, runs are cut to half a second, draws to 200, samples to one."""
+"""The readme's commands run as printed: studies are only read, runs are cut to half a second, draws to 200, samples to one,
+processes too."""
 
 from __future__ import annotations
 
@@ -43,6 +44,8 @@ def shortened(line: str) -> list[str]:
         words += ["--set", "duration_s=0.5"]
     if words[0] == "assess":
         words += ["--draws", "200", "--most-runs", "30"]
+    if words[0] in ("assess", "trust", "validate"):
+        words += ["--jobs", "1"]
     if "--samples" in words:
         words[words.index("--samples") + 1] = "1"
     return words

@@ -246,21 +246,27 @@ def test_neither_single_precision_nor_coarser_samples_are_another_model(tmp_path
     assert said.values["difference_rad"] == pytest.approx(1e-4, rel=1e-2)
 
 
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A history of rocking and sliding with all its digits."""
+    file = tmp_path_factory.mktemp("written") / "whole.csv"
+    doubles.rocking(slip_m=0.0101).write_csv(file)
+    return file
+
+
 @pytest.mark.parametrize("kind", ["f", "g"])
 @pytest.mark.parametrize("digits", [3, 4, 5])
 @pytest.mark.parametrize(("unit", "factor"), [("rad", 1.0), ("deg", 180.0 / math.pi), ("mrad", 1e3)])
 def test_a_rounded_copy_of_a_history_is_no_other_model(
-    tmp_path: Path, kind: str, digits: int, unit: str, factor: float
+    tmp_path: Path, written: Path, kind: str, digits: int, unit: str, factor: float
 ) -> None:
-    history = doubles.rocking(slip_m=0.0101)
-    history.write_csv(tmp_path / "whole.csv")
-    written = f"%.{digits}{kind}"
+    history, form = doubles.rocking(slip_m=0.0101), f"%.{digits}{kind}"
     rows = np.column_stack((history.t_s, factor * history.theta_rad, 100.0 * history.slip_m))
     np.savetxt(
-        tmp_path / "rounded.csv", rows, fmt=["%.6f", written, written], delimiter=",",
+        tmp_path / "rounded.csv", rows, fmt=["%.6f", form, form], delimiter=",",
         header=f"t_s,theta_{unit},slip_cm", comments="",
     )  # fmt: skip
-    scores = compare_files(tmp_path / "rounded.csv", tmp_path / "whole.csv")
+    scores = compare_files(tmp_path / "rounded.csv", written)
     assert scores.verdict is Verdict.AGREE, scores.findings
     counted = [each for each in scores.findings if each.code == "digits_counted"]
     assert "rounded.csv" in [each.values["model"] for each in counted]
