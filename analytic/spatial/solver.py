@@ -60,7 +60,13 @@ class Task(NamedTuple):
 
 
 def prepare(
-    problem: Problem, tolerance: float, dt_out_s: float | None, step_cap_s: float, rows: int, most_steps: int = MOST
+    problem: Problem,
+    tolerance: float,
+    dt_out_s: float | None,
+    step_cap_s: float,
+    rows: int,
+    most_steps: int = MOST,
+    ties: bool = False,
 ) -> Task:
     """Everything that one run reads and writes, freshly allocated."""
     body, n = problem.body, len(problem.body.vertices_m)
@@ -84,6 +90,7 @@ def prepare(
         "most_steps": most_steps,
         "output_step_s": dt_out_s or 0.0,
         "keep_events": rows > 0,
+        "try_all": ties,
         "step_s": 1e-3,
         "energy_scale_j": least,
     }
@@ -133,19 +140,22 @@ def solve(
     dt_out_s: float | None = 0.001,
     step_cap_s: float = math.inf,
     events: bool = True,
+    ties: bool = True,
     most_steps: int = MOST,
 ) -> Solution:
     """Run the model of docs/spatial.md; raises AnalyticInputError for numbers that cannot be used.
 
+    ties: with events, count `Solution.ambiguous_states`, for which all modes are tried at each: most of a run's time.
     most_steps: after which the run is given up (`Solution.gave_up`).
     """
     positive(tolerance=tolerance, **({} if dt_out_s is None else {"dt_out_s": dt_out_s}))
     rows = ROWS if events else 0
-    task = prepare(problem, tolerance, dt_out_s, step_cap_s, rows, most_steps)
+    limits = tolerance, dt_out_s, step_cap_s
+    task = prepare(problem, *limits, rows, most_steps, events and ties)
     run_all(task.run, task.memory)
     most = int(max(task.run["events"][0], task.run["intervals"][0]))
     if events and most > rows:
-        task = prepare(problem, tolerance, dt_out_s, step_cap_s, most, most_steps)
+        task = prepare(problem, *limits, most, most_steps, ties)
         run_all(task.run, task.memory)
     return read(problem, task)
 
@@ -273,11 +283,19 @@ def certify(
     """Run the model, and again a hundred times finer and with shorter steps; say how far the numbers hold.
 
     accuracy: error, in rad and m, up to which the history counts as reliable. alone: without the runs that check the first, whose
-    uncertainties are then not known (NaN).
+    uncertainties are then not known (NaN), and without a count of ambiguous states.
     """
     finer, shorter = max(SECOND_RUN_SHARE * tolerance, FINEST), min(CAP_S, 0.5 * step_cap_s)
     first, *others = (
-        solve(problem, tolerance=local, dt_out_s=dt_out_s, step_cap_s=cap_s, events=events, most_steps=most_steps)
+        solve(
+            problem,
+            tolerance=local,
+            dt_out_s=dt_out_s,
+            step_cap_s=cap_s,
+            events=events,
+            ties=not alone,
+            most_steps=most_steps,
+        )
         for local, cap_s, events in (
             (tolerance, step_cap_s, True),
             (finer, step_cap_s, False),

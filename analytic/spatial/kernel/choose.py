@@ -191,7 +191,7 @@ def choose(s: Run, m: Memory, rows: Rows, field: Vector, impulse: bool, size: fl
     """Set the first mode that is possible, its forces or impulses in memory; False if none is.
 
     field: g_e in the table's frame; with impulses the centroid's velocity in the body's frame. size: of the responses. Where
-    events are noted all candidates are tried, and `ties` counts the choices that another motion could have followed.
+    all candidates are tried (`Run.try_all`), `ties` counts the choices that another motion could have followed.
     """
     some, tie, chosen, a0, b0, sign0 = False, False, codes.FLIGHT, -1, -1, 0.0
     reach = math.sqrt(m.at[0, 0] ** 2 + m.at[0, 1] ** 2 + m.at[0, 2] ** 2)
@@ -210,7 +210,7 @@ def choose(s: Run, m: Memory, rows: Rows, field: Vector, impulse: bool, size: fl
                 if mode == codes.FLAT_REST and not impulse:
                     # No forces were solved for: at rest they undo the field.
                     put(m.chosen, 0, to_body(rows, times(-1.0, field)))
-                if not s.keep_events:
+                if not s.try_all:
                     s.mode, s.a, s.b, s.sign = mode, a, b, sign
                     return True
     if some:

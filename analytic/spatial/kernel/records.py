@@ -57,6 +57,8 @@ class Run:
     output_step_s: float
     """0: no history."""
     keep_events: bool
+    try_all: bool
+    """At each choice of a mode, whether another one is possible too."""
     time_s: float
     event_s: float
     step_s: float

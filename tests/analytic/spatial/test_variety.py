@@ -106,3 +106,11 @@ def test_a_run_with_more_events_than_rows_is_repeated_with_enough(monkeypatch: p
     assert len(runs) == 3
     assert [event.time_s for event in again.events] == [event.time_s for event in whole.events]
     assert len(again.events) > solver.ROWS
+
+
+def test_counting_what_else_was_possible_changes_nothing() -> None:
+    """Of a base of eight vertices, at whose choices another motion was possible thrice."""
+    counted, plain = (spatial.solve(drawn(25), dt_out_s=0.01, ties=ties) for ties in (True, False))
+    assert counted.ambiguous_states > plain.ambiguous_states == 0
+    assert plain.position_m.tobytes() == counted.position_m.tobytes()
+    assert [event.time_s for event in plain.events] == [event.time_s for event in counted.events]

@@ -75,4 +75,5 @@ def test_a_run_whose_error_nobody_asks_for_is_made_once(monkeypatch: pytest.Monk
     assert stated.history is not None
     assert run.history.theta_rad.tobytes() == stated.history.theta_rad.tobytes()
     assert run.numerical_uncertainty_rad is run.slip_uncertainty_m is run.reliable_until_s is None
-    assert run.work == stated.work
+    assert run.impact_times_s == stated.impact_times_s
+    assert run.work == {**stated.work, "ambiguous_states": 0}
