@@ -66,12 +66,11 @@ def rotations(columns: Mapping[str, Array | float]) -> Array:
     """Rotation matrices (..., 3, 3) from the statue's frame to the table's, of values or columns of `SOLID_COLUMNS`."""
     pitch, roll, yaw = (columns[name] for name in SOLID_COLUMNS[:3])
     cr, sr, cp, sp, cy, sy = np.cos(roll), np.sin(roll), np.cos(pitch), np.sin(pitch), np.cos(yaw), np.sin(yaw)
-    rows = [
-        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-        [-sp, cp * sr, cp * cr],
-    ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    turn = np.empty((*np.shape(pitch), 3, 3))
+    turn[..., 0, :] = np.stack([cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr], axis=-1)
+    turn[..., 1, :] = np.stack([sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr], axis=-1)
+    turn[..., 2, :] = np.stack([-sp, cp * sr, cp * cr], axis=-1)
+    return turn
 
 
 # What a scene's file says, read as it was written.

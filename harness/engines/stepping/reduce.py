@@ -632,13 +632,14 @@ def _outcome(
 
 def _on_support(motion: Trajectory) -> tuple[Array, Array]:
     """The statue's rotations (n, 3, 3) and its right corner's places (n, 3), along its support; from a pedestal's centroid."""
-    columns, tilt, zero = motion.extra, motion.tilt_rad, np.zeros_like(motion.t_s)
-    cos, sin = np.cos(tilt), np.sin(tilt)
-    along = np.array([[cos, zero, -sin], [zero, zero + 1.0, zero], [sin, zero, cos]]).transpose(2, 0, 1)
-    place = np.column_stack([columns[f"corner_right_{k}_m"] for k in "xyz"])
+    turn, tilt = rotations(motion.extra), motion.tilt_rad
+    place = np.column_stack([motion.extra[f"corner_right_{k}_m"] for k in "xyz"])
     if motion.pedestal_xz_m is not None:
         place[:, ::2] -= motion.pedestal_xz_m
-    return along @ rotations(columns), np.einsum("tij,tj->ti", along, place)
+    cos, sin = np.cos(tilt), np.sin(tilt)
+    for each in (place, *np.moveaxis(turn, 2, 0)):
+        each[:, 0], each[:, 2] = cos * each[:, 0] - sin * each[:, 2], sin * each[:, 0] + cos * each[:, 2]
+    return turn, place
 
 
 def _clear_m(scene: Scene, motion: Trajectory, at: support.Corners) -> Array:
@@ -652,7 +653,7 @@ def _set_down_m(statue: Statue, motion: Trajectory) -> Array:
     """Where (n, 2) the middle of the base would be on its support, set down flat about the foot that is lowest."""
     turn, place = _on_support(motion)
     foot = statue.feet_m[(turn[:, 2] @ statue.feet_m.T).argmin(axis=1)]
-    place = place + np.einsum("tij,tj->ti", turn, foot - np.array([statue.corner_right_m, 0.0, 0.0]))
+    place += np.einsum("tij,tj->ti", turn, foot - np.array([statue.corner_right_m, 0.0, 0.0]))
     yaw = np.arctan2(turn[:, 1, 0] - turn[:, 0, 1], turn[:, 0, 0] + turn[:, 1, 1])
     x, y = statue.base_centre_m - foot[:, 0], -foot[:, 1]
     arm = np.column_stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y])
@@ -664,13 +665,12 @@ def moves_in_space(scene: Scene, motion: Trajectory) -> dict[str, object]:
     direction, as a share of the one at which it balances in that direction; how far it shifted on its support, turned with it,
     and how far pedestal and base slid.
     """
-    columns = motion.extra
+    columns, base = motion.extra, _set_down_m(scene.statue, motion)
     across = np.abs(columns["out_of_plane_rad"] - columns["out_of_plane_rad"][0])
     lean = np.arccos(np.clip(np.cos(motion.theta_rad) * np.cos(across), -1.0, 1.0))
     worst = int(lean.argmax())
     up = _up(motion, worst)[:1]
     balance = _tilt_rad(up) - _Body.of(scene.statue, motion).excess_rad(up)
-    base = _set_down_m(scene.statue, motion)
     shift, pedestal_y_m = base, np.zeros_like(motion.slip_m)
     if scene.pedestal is not None:
         pedestal_y_m, yaw = columns["pedestal_y_m"], columns["pedestal_yaw_rad"]
