@@ -198,6 +198,7 @@ def number_map(
     scale = {"scheme": "cividis", "reverse": True, "domain": [low, high]}
     key = {
         "title": unit, "orient": "top", "gradientLength": 160, "gradientThickness": 10, "titleOrient": "left", "tickCount": 4,
+        "columns": {"expr": "max(1, floor((W - 90) / 62))"},
     }  # fmt: skip
     colour = {"field": "kind", "type": "quantitative", "scale": scale, "legend": key}
     return map_of(shades, x, y, tips, colour, over=over)

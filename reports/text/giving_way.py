@@ -123,12 +123,13 @@ def _by_setting(fell: Mapping[tuple[float, str], Sequence[bool]], named: Mapping
 def _reach_by_setting(reach: Mapping[tuple[float, str], float], named: Mapping[str, str], record: StudyRecord) -> Json:
     parts = [
         {"name": named[f"on_{setting}"], "x": [place[0] for place in mine], "y": [reach[place] for place in mine]}
-        for setting in SETTINGS for mine in [[place for place in sorted(reach) if place[1] == setting]]
+        for setting in SETTINGS for mine in [[place for place in sorted(reach) if place[1] == setting]] if mine
     ]  # fmt: skip
     y = upwards("y", named["top"], {"zero": True})
     wall = record.scene.wall
     lines = [] if wall is None else level(wall.distance_m, named["wall"], line=Look(WALL_COLOUR, "6 4", 1.5))
-    looks = {named[f"on_{setting}"]: Look(colour) for setting, colour in SETTINGS.items()}
+    there = {setting for _, setting in reach}
+    looks = {named[f"on_{setting}"]: Look(colour) for setting, colour in SETTINGS.items() if setting in there}
     return figure(
         [*points("reach", looks, y, first=True), *lines], 340, {"reach": parts}, across("x", named["frequency"]), y
     )
