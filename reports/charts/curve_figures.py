@@ -62,7 +62,7 @@ def compare_figure(names: tuple[str, str], a: History, b: History, say: Language
         shown.append(reading("slips", "slip", "", "mm", 5))
     rows: list[Row] = []
     for read in shown:
-        y = axis(read["of"], say(f"chart.{read['of']}"), tickCount=5)
+        y = axis(read["of"], say(f"chart.{read['of']}"), tickCount=5, labelExpr="format(datum.value, '~g')")
         lines = [marks("line", read["data"], {"y": y} | named(looks, legend=not rows))]
         rows.append((lines, 110, read) if rows else (chosen(lines), 260, read))
     end, moved = float(both.t_s[-1]), MOVED_SHARE * float(np.abs(b.theta_rad).max(initial=0.0))

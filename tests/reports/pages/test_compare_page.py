@@ -13,6 +13,8 @@ from typer.testing import CliRunner
 from harness.input.history_file import read_history
 from harness.records.kinds import read_result
 from harness.records.scores import CompareRecord, Verdict
+from reports.charts.curve_figures import compare_figure
+from reports.charts.drawn import svg
 from reports.cli import app
 from reports.cli.ending import WRONG_INPUT, guarded
 from tests import doubles
@@ -52,6 +54,12 @@ def test_two_files_give_a_record_a_page_and_a_table(files: tuple[Path, Path], tm
     # The same again replaces its own files; --json is the same with a page or without.
     again = CliRunner().invoke(app, [*line, "--json"])
     assert json.loads(again.output) == json.loads(CliRunner().invoke(app, [*line[:3], "--json"]).output)
+
+
+def test_slips_of_centimetres_have_plain_numbers() -> None:
+    drawn = svg(compare_figure(("a", "b"), doubles.rocking(slip_m=0.06), doubles.rocking(slip_m=0.03)))
+    assert ">60<" in drawn
+    assert "e+" not in drawn
 
 
 def test_a_page_is_refused_where_it_cannot_be(
