@@ -523,7 +523,7 @@ def of_study(record: StudyRecord, say: Language = ENGLISH) -> list[Block]:
     models, cases = conditions(record.rows)
     ends = {model: [run.outcome for _, run in runs_of(cases, model)] for model in models}
     ends = {model: outcomes for model, outcomes in ends.items() if outcomes}
-    said = [*_asked(record, models, say), *_by_variant(ends, say), *_bore(cases, say)]
+    said = [*_asked(record, models, say), *_by_variant(ends, say), *_bore(record, cases, say)]
     tone = tone_of_study(family(outcome) for outcomes in ends.values() for outcome in outcomes)
     basis = [*_agree(record, say), say("chance.unknown")]
     pictures = [*_map(record, cases, say), *_pictures(record, models, cases, say)]
@@ -602,21 +602,44 @@ def _borne(cases: Sequence[Condition], key: str) -> float | None:
     return max(safe, default=None)
 
 
-def _bore(cases: Sequence[Condition], say: Language) -> list[str]:
+def _bore(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list[str]:
     """The strongest shaking that it bore; where there is none, the weakest that was tried."""
     key = _strength(cases)
     if key is None:
         return []
     safe, tried = _borne(cases, key), [abs(float(item.varied[key])) for item in cases]
     level = min(tried) if safe is None else safe
-    return [say("study.weakest" if safe is None else "study.borne", level=_level(key, level, say))]
+    return [say("study.weakest" if safe is None else "study.borne", level=_level(record, key, level, say))]
 
 
-def _level(key: str, value: float, say: Language) -> str:
+def _level(record: StudyRecord, key: str, value: float, say: Language) -> str:
     """How strong a shaking is, by the key that varies it."""
-    kind = "weight" if key.endswith("_g") else "record" if key.endswith("scale") else "other"
-    words, number = say.key(key) or say("key.other"), say.short(value)
+    kind, unit = _strength_unit(record, key)
+    words, value = say.key(key) or say("key.other"), value * unit if kind != "other" else value
+    number = say.short(value)
     return say(f"study.level_{kind}", push=say.percent(value), factor=number, key=words, value=number)
+
+
+def _strength_unit(record: StudyRecord, key: str) -> tuple[str, float]:
+    """What a strength is told in, and how much of it one of the key is: the scene may multiply the shaking elsewhere too."""
+    motion, whole = record.scene.toml.get("motion"), key == "motion.scale"
+    motion = motion if isinstance(motion, Mapping) else {}
+    own = motion.get("x" if whole else key.split(".")[1])
+    own = own if isinstance(own, Mapping) else {}
+    factors = [1.0 if whole else motion.get("scale", 1.0)]
+    if whole:
+        size = next((name for name in ("amplitude_g", "pga_g") if name in own and "y" not in motion), "scale")
+        factors.append(own.get(size, 1.0))
+    else:
+        size = key.split(".")[2]
+    kind = (
+        "weight"
+        if size.endswith("_g")
+        else "record"
+        if own.get("kind") == "record" and "pgv_m_s" not in own
+        else "other"
+    )
+    return kind, abs(math.prod(float(each) for each in factors if isinstance(each, int | float)))
 
 
 def _by_direction(record: StudyRecord, cases: Sequence[Condition]) -> dict[float, float]:
@@ -628,12 +651,12 @@ def _by_direction(record: StudyRecord, cases: Sequence[Condition]) -> dict[float
     strength = _strength(cases)
     if turn is None or strength is None or not strength.endswith("_g"):
         return {}
-    own = scan_turn_deg(record.scene)
+    own, (_, unit) = scan_turn_deg(record.scene), _strength_unit(record, strength)
     borne = {}
     for angle in {float(item.varied[turn]) for item in cases}:
         safe = _borne([item for item in cases if float(item.varied[turn]) == angle], strength)
         for side in (0.0, 180.0):
-            borne[(own - angle + side) % 360.0] = safe or 0.0
+            borne[(own - angle + side) % 360.0] = (safe or 0.0) * unit
     return borne
 
 
@@ -686,7 +709,8 @@ def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list
     _, figure = figures[0]
     for side, key in zip("xy", axes, strict=True):
         last = key.rsplit(".", 1)[-1]
-        named = say(AXES[last]) if last in AXES else say.key(key) or say("key.other")
+        told = last in AXES and (key not in STRENGTHS or _strength_unit(record, key)[1] == 1.0)
+        named = say(AXES[last]) if told else say.key(key) or say("key.other")
         figure["encoding"][side]["title"] = named
     figure["layer"][0]["encoding"]["fill"]["legend"] = None
     seen = sorted({_severity(row) for row in worst.values()}, reverse=True)

@@ -232,6 +232,25 @@ def test_four_pictures_at_most_no_jargon_and_both_pages_know_each_other(
     assert plain.count('<svg class="plain"') + plain.count('<svg class="still"') == len(pictures(told))
 
 
+@pytest.mark.parametrize(
+    ("x", "key", "told"),
+    [
+        ({"kind": "harmonic", "amplitude_g": 0.1}, "motion.x.amplitude_g", ("weight", 2.0)),
+        ({"kind": "harmonic", "amplitude_g": -0.1}, "motion.scale", ("weight", 0.1)),
+        ({"kind": "record", "scale": 3.0}, "motion.x.scale", ("record", 2.0)),
+        ({"kind": "record", "scale": 3.0}, "motion.scale", ("record", 3.0)),
+        ({"kind": "record", "pga_g": 0.3}, "motion.scale", ("weight", 0.3)),
+        ({"kind": "spectrum"}, "motion.scale", ("other", 1.0)),
+    ],
+)
+def test_a_strength_holds_all_that_the_scene_multiplies_the_shaking_by(
+    record_of: Callable[[str], Any], x: dict[str, Any], key: str, told: tuple[str, float]
+) -> None:
+    record = record_of("table")
+    loud = replace(record, scene=replace(record.scene, toml={"motion": {"scale": 2.0, "x": x}}))
+    assert conservator._strength_unit(loud, key) == told
+
+
 def test_what_the_pedestal_prevents_is_counted_by_condition(record_of: Callable[[str], Any]) -> None:
     record = record_of("table")
     found = pedestal_effect(record, *conditions(record.rows))
