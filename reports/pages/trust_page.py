@@ -23,7 +23,11 @@ def blocks(_folder: Path, record: TrustRecord, say: Language) -> list[Block]:
     cells = [cell for each in record.maps for cell in each.cells]
     falls = any(cell["outcomes"].get(MODEL) == "overturned" for cell in cells)
     tone = "failed" if "refuted" in kinds else "agree" if set(kinds) <= HELD and not falls else "differ"
-    shares = {kind: say.row([say.percent(each.shares[kind]) for each in record.maps]) for kind in kinds}
+    where = {each.stands_on: f" {say(f'chart.on_{each.stands_on}')}" if record.maps[1:] else "" for each in record.maps}
+    shares = {
+        kind: say.row([f"{say.percent(each.shares[kind])}{where[each.stands_on]}" for each in record.maps])
+        for kind in kinds
+    }
     meanings = [(f"{say.word(kind)}, {each}", say(f"text.trust_{kind}")) for kind, each in shares.items()]
     counts = [(say(f"text.basis_{name}"), str(sum(cell["basis"] == name for cell in cells))) for name in BASES]
     spent = {
