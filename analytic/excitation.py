@@ -24,6 +24,12 @@ Floats = NDArray[np.float64]
 
 LEAST_JUMP: Final = 1e-6
 """A jump of less than this share of a motion's peak is the rounding of its numbers."""
+OF_A_CYCLE: Final = 256
+"""Instants of a cycle between which a formula is straight but for"""
+BOW: Final = 2e-4
+"""this share of its peak: a sine's is (2π/256)²/8 = 7.5e-5, a Ricker pulse's 1.1e-4, a ramp's 2e-5 more."""
+MOST_CYCLES: Final = 1000.0
+"""A motion of more is not looked at so."""
 
 
 def require_finite(name: str, value: float, *, positive: bool = False, least: float = -math.inf) -> None:
@@ -73,6 +79,12 @@ class Excitation(ABC):
         apart = np.abs(self.accel_m_s2(breaks + beside) - self.accel_m_s2(breaks - beside))
         return np.asarray(breaks[apart > LEAST_JUMP * self.peak_m_s2])
 
+    def straight_s(self, duration_s: float) -> Floats | None:
+        """Instants, s, some outside the duration, between which a is a straight line but for `BOW` of its peak, both sides of
+        every jump among them; None where it is not known of this motion.
+        """
+        return None
+
     @property
     @abstractmethod
     def end_s(self) -> float:
@@ -102,6 +114,10 @@ class ZeroExcitation(Excitation):
 
     def breaks_s(self, duration_s: float) -> Floats:
         """None."""
+        return np.empty(0)
+
+    def straight_s(self, duration_s: float) -> Floats:
+        """None are needed."""
         return np.empty(0)
 
     @property
@@ -210,6 +226,12 @@ class SampledAcceleration(Excitation):
         """Every sample's time."""
         return np.array(self.t_s[(self.t_s > 0.0) & (self.t_s < duration_s)])
 
+    def straight_s(self, duration_s: float) -> Floats:
+        """Every sample's time, and before the first and after the last."""
+        return np.concatenate(
+            [[np.nextafter(self.t_s[0], -math.inf)], self.t_s, [np.nextafter(self.t_s[-1], math.inf)]]
+        )
+
     @property
     def end_s(self) -> float:
         """The last sample's time, s."""
@@ -237,6 +259,12 @@ Rest = ZeroExcitation
 """The zero excitation, by the name that scenes give it."""
 Record = SampledAcceleration
 """A sampled acceleration, by its everyday name."""
+
+
+def _instants(from_s: float, to_s: float, cycles: float) -> Floats:
+    """So many instants of each cycle, both ends among them."""
+    return np.linspace(from_s, to_s, math.ceil(OF_A_CYCLE * cycles) + 1)
+
 
 PulseShape = Literal["rectangular", "one_sine", "one_cosine", "ricker"]
 
@@ -311,6 +339,12 @@ class Harmonic(Excitation):
     def breaks_s(self, duration_s: float) -> Floats:
         """The end of the ramp."""
         return np.array([self.ramp_s]) if 0.0 < self.ramp_s < duration_s else np.empty(0)
+
+    def straight_s(self, duration_s: float) -> Floats | None:
+        """See `Excitation.straight_s`."""
+        cycles = self.frequency_hz * duration_s
+        ramp = np.linspace(0.0, self.ramp_s, OF_A_CYCLE + 1)
+        return None if cycles > MOST_CYCLES else np.append(_instants(0.0, duration_s, cycles), ramp)
 
     @property
     def end_s(self) -> float:
@@ -396,6 +430,11 @@ class Pulse(Excitation):
         """The pulse's start and end."""
         ends = np.array([self.start_s, self.end_s])
         return ends[(ends > 0.0) & (ends < duration_s)]
+
+    def straight_s(self, duration_s: float) -> Floats:
+        """See `Excitation.straight_s`."""
+        inside = _instants(self.start_s, self.end_s, self.duration_s / self.period_s)
+        return np.append(inside, np.nextafter([self.start_s, self.end_s], -math.inf))
 
     @property
     def end_s(self) -> float:

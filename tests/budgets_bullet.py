@@ -74,6 +74,9 @@ BOTH_FRICTIONS_RAD = 2e-3
 TABLE_RAD = 1e-3
 """Accelerating frame against moving table at 0.25 ms, as asked; both integrate the same forces and 3e-7 rad is measured."""
 
+REST_LEFT_OUT_RAD = 5e-6
+"""With rest left out against all steps made, at 1 ms: 1e-6 rad is measured, and 8e-5 where the contacts are of another time."""
+
 FREE_IMPACT_S = 1e-4
 """Time of the first impact of free rocking at 0.5 ms: a fifth of a step, as sub-steps resolve a twentieth of one."""
 

@@ -10,12 +10,12 @@ from typing import Final, Literal, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.excitation import Excitation, ZeroExcitation
+from analytic.excitation import BOW, SampledAcceleration, ZeroExcitation
 from harness.model.finding import Finding, info
 from harness.model.history import Array
 from harness.model.run import SKIPS, Capabilities, RunOptions
 from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Statue
-from harness.statics.standstill import tipping_of_pedestal
+from harness.statics.standstill import instants_s, tipping_of_pedestal
 from meshes.footprint import margin_m, outward_sides
 
 # Other bodies made of a statue and its pedestal: both as one, its base widened, another side before the shaking.
@@ -140,26 +140,31 @@ def _holding_friction(scene: Scene) -> float:
 
 @dataclass(frozen=True, eq=False)
 class LimitsOfRest:
-    """A statue at rest on its lowest vertices `polygon_m` (k, 2) under records: their accelerations (n, 3) at all their samples.
-
-    Between two samples a record is linear, so that what both bear is borne between them too.
+    """A statue at rest on its lowest vertices `polygon_m` (k, 2) under accelerations (n, 3) at instants between which they are
+    straight lines, so that what both ends bear is borne between them too; `bow_m_s2` is by how much formulas depart from them.
     """
 
     scene: Scene
     polygon_m: Array
     times_s: Array
     accel_m_s2: Array
+    bow_m_s2: float = 0.0
 
     @classmethod
     def of(cls, scene: Scene) -> Self | None:
-        """None where a component is a formula, or the statue tilts off its lowest vertices: nothing is known of rest then."""
-        components = (scene.base_excitation.x, scene.base_excitation.y, scene.base_excitation.z)
-        times = _knots(components, scene.duration_s)
-        polygon = None if times is None else resting_polygon_m(scene.statue)
-        if times is None or polygon is None:
+        """None where a component has too many cycles, or the statue tilts off its lowest vertices or overhangs its pedestal: then
+        nothing is known.
+        """
+        parts = (scene.base_excitation.x, scene.base_excitation.y, scene.base_excitation.z)
+        if any(item.straight_s(scene.duration_s) is None for item in parts):
             return None
-        accel = np.stack([np.asarray(item.accel_m_s2(times), dtype=np.float64) for item in components], axis=1)
-        return cls(scene, polygon, times, accel)
+        polygon = resting_polygon_m(scene.statue)
+        if polygon is None or not _on_top(polygon, scene):
+            return None
+        times = instants_s(parts, scene.duration_s)
+        accel = np.stack([np.asarray(item.accel_m_s2(times), dtype=np.float64) for item in parts], axis=1)
+        formulas = [item.peak_m_s2 for item in parts if not isinstance(item, SampledAcceleration)]
+        return cls(scene, polygon, times, accel, BOW * math.hypot(*formulas))
 
     def until_s(self, t_s: float, yaw_rad: float = 0.0) -> float:
         """A time up to which a statue at rest at `t_s`, turned about the vertical, stays so: the last sample before the first
@@ -181,32 +186,31 @@ class LimitsOfRest:
         A planar body bears at least as much: its ends are the polygon's outermost points.
         """
         scene, statue = self.scene, self.scene.statue
-        weight = np.maximum(scene.gravity_m_s2 - np.abs(accel_m_s2[:, 2]), 0.0)
+        weight = np.maximum(scene.gravity_m_s2 - np.abs(accel_m_s2[:, 2]) - self.bow_m_s2, 0.0)
         push = -accel_m_s2[:, :2]
-        slips = np.hypot(push[:, 0], push[:, 1]) >= _holding_friction(scene) * weight
+        slips = np.hypot(push[:, 0], push[:, 1]) + self.bow_m_s2 >= _holding_friction(scene) * weight
         # What pushes, in the frame of a statue that has turned.
         cosine, sine = math.cos(yaw_rad), math.sin(yaw_rad)
         turned = push @ np.array([[cosine, -sine], [sine, cosine]])
         normals, reach = outward_sides(self.polygon_m)
         moves: NDArray[np.bool_] = slips | np.any(
-            statue.centroid_height_m * turned @ normals.T >= reach * weight[:, None], axis=1
+            statue.centroid_height_m * (turned @ normals.T + self.bow_m_s2) >= reach * weight[:, None], axis=1
         )
         if scene.pedestal is not None:
             sides = tipping_of_pedestal(statue.mass_kg, statue.centroid_height_m, statue.base_centre_m, scene.pedestal)
             for (axis, direction), share in sides.items():
-                moves |= direction * push[:, axis] >= share * weight
+                moves |= direction * push[:, axis] + self.bow_m_s2 >= share * weight
         return moves
 
 
 def first_motion_s(scene: Scene) -> float:
-    """A time before which nothing can move, from the samples' own values (0 when the statue starts off rest).
+    """A time before which nothing can move: the last instant of `LimitsOfRest` before a limit is first exceeded (0 when the
+    statue starts off rest, or on a table that itself moves).
 
     A body with a rough base rests on its lowest vertices, which lie nearer than its corners; where its centroid is not above
     them it tilts at once: 0 too.
-
-    For piecewise linear records the time is the last sample before a limit is first exceeded; for formulas it is 0.
     """
-    limits = LimitsOfRest.of(scene) if scene.initial.still else None
+    limits = LimitsOfRest.of(scene) if scene.initial.still and scene.table == "frame" else None
     return 0.0 if limits is None else limits.until_s(0.0)
 
 
@@ -222,17 +226,14 @@ def resting_polygon_m(statue: Statue) -> Array | None:
     return polygon[:, :2] if margin_m(polygon) > 0.0 else None
 
 
-def _knots(components: Sequence[Excitation], duration_s: float) -> Array | None:
-    """All sample times of records, or None when a component is a formula (its extremes lie between knots)."""
-    knots = [np.zeros(1)]
-    for item in components:
-        if isinstance(item, ZeroExcitation):
-            continue
-        samples = getattr(item, "t_s", None)
-        if samples is None:
-            return None
-        knots.append(np.asarray(samples))
-    return np.unique(np.clip(np.concatenate(knots), 0.0, duration_s))
+def _on_top(polygon_m: Array, scene: Scene) -> bool:
+    """Whether the pedestal's top bears a statue on all of its lowest vertices; no scene file has one that it does not."""
+    if scene.pedestal is None:
+        return True
+    beside_m = (
+        np.abs(polygon_m - (scene.statue.base_centre_m + scene.pedestal.offset_m, 0.0)) - scene.pedestal.half_m[:2]
+    )
+    return bool(np.max(beside_m) <= LEVEL_M)
 
 
 # Which collision shape of the statue a 3D run needs, and why: a pure function of the scene.

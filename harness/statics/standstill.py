@@ -22,7 +22,7 @@ from meshes.footprint import outward_sides
 # What the floor's motion asks of a statue at rest: its strongest push, and how near that comes to moving the statue.
 
 SAMPLES: Final = 40_001
-"""Instants at which a formula is looked at first: four hundred for each cycle of a motion of a hundred cycles."""
+"""Instants at which a motion is looked at first of which it is not known where it is straight."""
 CLOSER: Final = 401
 """Instants between the neighbours of the strongest of them: its crest is found within 1e-8 of its size."""
 CREST: Final = 1e-3
@@ -68,13 +68,11 @@ def push_of(scene: Scene, x_factor: float = 1.0) -> Push:
 
 
 def instants_s(parts: tuple[Excitation, ...], duration_s: float) -> Array:
-    """Instants (n,) that hold every extreme of records, both sides of every jump, and a fine grid for formulas."""
+    """Instants (n,) between which formulas and records are nearly straight, both sides of every jump."""
     times = [np.array([0.0, duration_s])]
     for item in parts:
-        knots = np.asarray(getattr(item, "t_s", item.breaks_s(duration_s)), dtype=np.float64)
-        times += [knots, np.nextafter(knots, -np.inf)]
-        if not isinstance(item, ZeroExcitation) and not hasattr(item, "t_s"):
-            times.append(np.linspace(0.0, duration_s, SAMPLES))
+        straight_s = item.straight_s(duration_s)
+        times.append(np.linspace(0.0, duration_s, SAMPLES) if straight_s is None else straight_s)
     joined, _ = np.unique(
         np.concatenate(times), return_index=True
     )  # without, NumPy loads its masked arrays: 15 ms of a start

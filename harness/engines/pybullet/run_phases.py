@@ -16,7 +16,7 @@ from harness.engines.pybullet.world import World, at_rest
 from harness.engines.stepping import loop
 from harness.engines.stepping.contact_gaps import ContactGaps
 from harness.engines.stepping.frame import greatest_pull_m_s2, step_count
-from harness.engines.stepping.loop import MOST_FREE, RestSpells, WallWatch, Watch
+from harness.engines.stepping.loop import MOST_FREE, SETTLE_STEPS, RestSpells, WallWatch, Watch
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import Stepper, StepState
@@ -46,7 +46,7 @@ def run(scene: Scene, level: BulletSettings, setup: Setup, options: RunOptions) 
     """All samples: on the feet alone as long as nothing else can touch, then with the full shape."""
     count = step_count(scene.duration_s, level.dt_s)
     quiet_s = quiet_start_s(scene, setup) if options.allows("quiet_start") else 0.0
-    first = min(int(quiet_s / level.dt_s), count - 1)
+    first = min(max(int(quiet_s / level.dt_s) - SETTLE_STEPS, 0), count - 1)
     schedule = Schedule(scene, level.dt_s, first, count)
     full, full_from, record, row = None, None, None, setup.start
     if scene.pedestal is not None:

@@ -98,6 +98,8 @@ LEAN_RAD: Final = 1e-6
 """A statue at rest leans less than this from its pose at rest: measured, 1e-8 to 1e-7 rad on 16 vertices under a record."""
 LEAST_STEPS: Final = 8
 """A shorter spell is not worth its look."""
+SETTLE_STEPS: Final = 4
+"""Whole steps made before the first instant at which anything can move: what gives way then is foreseen from three."""
 
 
 @dataclass(eq=False)
@@ -131,7 +133,7 @@ class RestSpells:
         # The sides over which the base may tip are where the statue has turned about the vertical.
         turn = matrices(np.array([row[3:7]]))[0] @ self.axes.T
         until_s = self.limits.until_s(state.t_s, math.atan2(turn[1, 0], turn[0, 0]))
-        steps = int(until_s / state.step_s) - number
+        steps = int(until_s / state.step_s) - number - SETTLE_STEPS
         self.look_from = number + max(steps, 1)
         return steps if steps >= LEAST_STEPS else 0
 
@@ -358,6 +360,7 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) 
     pull = greatest_pull_m_s2(scene)
     kinetic = scene.contact.floor_kinetic * scene.gravity_m_s2
     still, record, falls = StillWatch(watch), state.record, watch.ends_fallen and scene.initial.pose is None
+    state.settle()
     look, leave_look, wall_look, beside = state.number, state.number, state.number, False
     while state.number < schedule.count:
         row, jump_s = state.row, schedule.jump_after_s(state.kick_s)

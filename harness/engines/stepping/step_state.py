@@ -672,6 +672,12 @@ class StepState:
         self.number += count
         self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
         self.velocity_jumped, self.velocity_jumps, self.half_cycle = False, 0, None
+        self.settle()
+
+    def settle(self) -> None:
+        """Contacts as the present row needs them: the impulses that the solver begins from are none, or of another time."""
+        at = min(self.number - self.schedule.first, len(self.schedule.coarse) - 1)
+        self.stepper.look(self.schedule.coarse[at : at + 1], self.row, self.row)
 
     def bring(self, instant_s: float) -> None:
         """Velocities to an instant within the next step at which forces jump: the middle of a step of the places, where these

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from analytic.excitation import Harmonic, SampledAcceleration
+from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
 from harness import engines
 from harness.accuracy.simulation import simulate
 from harness.model.run import SKIPS, RunOptions
@@ -60,8 +61,36 @@ def test_the_quiet_start_ends_at_the_last_sample_below_the_limit() -> None:
     assert first_motion_s(lifted) == 0.0  # a falling floor lowers the limit to a tenth
 
 
-def test_a_formula_has_no_quiet_start() -> None:
-    assert first_motion_s(replace(paestum(0.3, 2.0), base_excitation=BaseExcitation(x=Harmonic(0.01, 1.0)))) == 0.0
+@pytest.mark.parametrize(
+    ("motion", "first_s"),
+    [
+        (Harmonic(0.01 * G, 1.0), 8.0),  # never reaches the limit
+        (Harmonic(0.1 * G, 0.8), 0.625 + math.asin(0.088 / 0.1) / (2.0 * math.pi * 0.8)),
+        (Harmonic(0.1 * G, 0.8, ramp_s=5.0), 4.6),
+        (Pulse("one_sine", 0.2 * G, 0.004, start_s=3.0), 3.0),  # shorter than any grid over the whole duration
+        (Pulse("rectangular", -0.2 * G, 1.0, start_s=2.5), 2.5),
+        (Harmonic(0.2 * G, 500.0), 0.0),  # of too many cycles nothing is known
+    ],
+)
+def test_the_quiet_start_of_a_formula_ends_where_it_first_passes_a_limit(motion: Excitation, first_s: float) -> None:
+    scene = replace(paestum(0.3, 2.0, pedestal=False), base_excitation=BaseExcitation(x=motion), duration_s=8.0)
+    found = first_motion_s(scene)
+    assert found == pytest.approx(first_s, abs=6e-2)
+    t_s = np.linspace(0.0, found, 200_001)[:-1]
+    assert np.min(motion.accel_m_s2(t_s), initial=0.0) >= -limit_of_rest_m_s2(scene)
+
+
+def test_rest_under_a_formula_ends_before_each_crest_that_moves_the_statue() -> None:
+    scene = replace(
+        paestum(0.3, 2.0, pedestal=False), base_excitation=BaseExcitation(x=Harmonic(0.1 * G, 0.8)), duration_s=8.0
+    )
+    limits, period_s = LimitsOfRest.of(scene), 1.25
+    assert limits is not None
+    begin = limits.until_s(0.0)
+    assert begin == pytest.approx(
+        period_s / 2 + math.asin(limit_of_rest_m_s2(scene) / (0.1 * G)) / (2 * math.pi * 0.8), abs=5e-3
+    )
+    assert limits.until_s(begin + 0.5 * period_s) == pytest.approx(begin + period_s, abs=5e-3)
 
 
 def test_every_skip_that_is_off_says_so() -> None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analytic.closed_form import frequency_parameter_rad_s, quarter_period_s
-from analytic.excitation import Harmonic, Pulse
+from analytic.excitation import Harmonic, Pulse, SampledAcceleration
+from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
 from harness.model.run import RunOptions
 from harness.model.scene import BaseExcitation, Pedestal, Wall
@@ -18,6 +20,7 @@ from tests import budgets_bullet as budget
 from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, WHOLE, apart, bullet, exact, worst
 from tests.scenes_for_tests import GRAVITY_M_S2, paestum, rectangle, scene
 
+SCENES = Path(__file__).parents[4] / "scenes"
 CASES = [(0.429, 3.0), (0.334, 3.0), (0.429, 2.0), (0.334, 2.0)]
 
 
@@ -123,6 +126,19 @@ def test_moving_table_is_the_accelerating_frame(pedestal: bool) -> None:
     frame, moving = bullet(case, options=WHOLE), bullet(replace(case, table="moving"))
     assert apart(frame, moving) <= budget.TABLE_RAD
     assert apart(frame, moving, "slip_m") <= budget.WHOLE_SLIP_M
+
+
+def test_a_table_that_moves_before_anything_else_does_takes_it_along() -> None:
+    """Until a ramp reaches the limits of rest nothing moves on the table, which has its velocity by then."""
+    motion = Harmonic(0.25 * GRAVITY_M_S2, 2.0, ramp_s=1.0)
+    t_s = np.arange(0.0, 1.2, 0.002)
+    sampled = BaseExcitation(x=SampledAcceleration(t_s, motion.accel_m_s2(t_s)))
+    for each in (sampled, BaseExcitation(x=motion)):
+        case = replace(paestum(0.3, 2.0, duration_s=1.0), base_excitation=each)
+        frame, moving = bullet(case, 1e-3), bullet(replace(case, table="moving"), 1e-3)
+        assert frame.skipped["quiet_start"] > 0.3
+        assert moving.peak_slip_m == pytest.approx(frame.peak_slip_m, abs=budget.WHOLE_SLIP_M)
+        assert apart(moving, frame) <= budget.TABLE_RAD
 
 
 def test_moving_table_with_two_frictions_and_vertical_motion() -> None:
@@ -251,6 +267,20 @@ def _drift(run: object, column: str) -> float:
     values = run.history.columns()[column]  # type: ignore[attr-defined]
     late = values[values.size // 3 :]
     return float(np.max(np.abs(late - late[0]))) * 1.5
+
+
+@pytest.mark.parametrize("sampled", [False, True])
+def test_rest_that_is_left_out_changes_no_rotation_after_it(sampled: bool) -> None:
+    """Each crest passes the statue's limit by a tenth: what it does then begins from contacts as they are at that instant."""
+    motion = Harmonic(0.1 * GRAVITY_M_S2, 0.8)
+    t_s = np.arange(0.0, 3.0, 0.002)
+    x = SampledAcceleration(t_s, motion.accel_m_s2(t_s)) if sampled else motion
+    case = replace(load_scene(SCENES / "paestum_pedestal.toml"), base_excitation=BaseExcitation(x=x), duration_s=2.5)
+    run = bullet(case, 1e-3)
+    assert run.skipped["quiet_start"] > 0.8
+    assert run.skipped["quiet_rest"] > 0.5
+    assert run.peak_theta_rad > 2e-3
+    assert apart(run, bullet(case, 1e-3, NOTHING_SKIPPED)) <= budget.REST_LEFT_OUT_RAD
 
 
 def test_nothing_is_integrated_where_nothing_can_move() -> None:
