@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import permutations
 from typing import Any, Final
 
@@ -13,6 +14,7 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.horizon import TOLERANCE_RAD
+from harness.accuracy.simulation import simulate
 from harness.model.history import History, Outcome
 from harness.model.run import MOST_TIMES, Run, RunOptions, to_plain
 from harness.model.scene import Scene
@@ -25,12 +27,19 @@ from harness.records.assess import Assessment
 from harness.records.base import Plain, plain
 from harness.records.run import HorizonRecord, balance_share, has_answer
 from harness.records.scores import Interval, Scores, Verdict
-from harness.records.trust import Rotation, TrustClass
+from harness.records.trust import CONTOURS, Rotation, TrustClass
 from harness.runs.task import TaskResult
 
 MODEL: Final = "analytic"
+PLANAR: Final = 2
 DRAWS: Final = {False: 500, True: 200}
 """Draws of a probability, of a whole and of a coarse map: ± 4 and 7 % at a half."""
+FIRST_DRAWS: Final = 100
+"""So many of them are enough where their interval holds none of"""
+LEVELS: Final = [level for name, level in CONTOURS.items() if name.startswith("probability")]
+"""the probabilities that a map has contours of."""
+SPACE_TIMES: Final = 8.0
+"""What a climb of an engine in space may take (`RunOptions`): it is asked what the plane leaves out."""
 PAIRED: Final = 40
 """Of them at most are also run by an engine, where it is asked."""
 HALF_WIDTH: Final = 0.1
@@ -112,15 +121,22 @@ class Question:
 
 def run_point(question: Question) -> TaskResult:
     """What a worker does for a point's class; its cost is the processor time, s, that it took."""
-    begin = time.process_time()
+    begin, scene = time.process_time(), question.scene
     options = RunOptions(most_times=question.most_times)
-    result = run_scene(
-        question.scene,
+    run = partial(
+        run_scene,
+        scene,
         question.engines,
         options=options,
         horizon=len(question.engines) == 1,
         stored_horizons=question.horizons,
     )
+    short = RunOptions(most_times=min(question.most_times, SPACE_TIMES))
+    in_space = (name for name in question.engines if engines.load(name).capabilities.dimensions > PLANAR)
+    result = run(stored={name: simulate(scene, name, options=short) for name in in_space})
+    if any(each.verdict is Verdict.MODEL for each in result.scores.values()):
+        # A difference is told of runs that were made finer before it.
+        result = run()
     paths = {name: path_of(run.history) for name, run in result.runs.items() if run.history is not None}
     kept = Kept(result.runs, result.scores, result.horizons, paths)
     return TaskResult("point", plain(kept), time.process_time() - begin)
@@ -137,10 +153,18 @@ def path_of(history: History) -> Rotation:
 
 def assess_point(question: Question) -> TaskResult:
     """What a worker does for a point's probability: the model's, or that of an engine from few draws that both have run."""
-    begin, (name, *_), scene = time.process_time(), question.engines, question.scene
-    found = assess_models(scene, question.draws).get(MODEL) if name == MODEL else _paired(question, name)
+    begin, (name, *_) = time.process_time(), question.engines
+    found = _by_model(question) if name == MODEL else _paired(question, name)
     told = [] if found is None else [found.probability_overturned, found.low, found.high, found.level]
     return TaskResult("probability", {"interval": to_plain(told)}, time.process_time() - begin)
+
+
+def _by_model(question: Question) -> Assessment | None:
+    """The model's probability, by few draws where these tell on which side of each contour it lies."""
+    few = assess_models(question.scene, min(FIRST_DRAWS, question.draws)).get(MODEL)
+    if few is None or not any(few.low <= level <= few.high for level in LEVELS):
+        return few
+    return assess_models(question.scene, question.draws)[MODEL]
 
 
 def _paired(question: Question, name: str) -> Assessment:
@@ -232,9 +256,13 @@ def class_of(result: Result, code: str, others: Sequence[str]) -> tuple[TrustCla
         return "probability" if Outcome.UNDECIDED in ends else "no_answer", sorted(end.value for end in ends)
     if others or code in ("unpredictable", "outcome_differs"):
         return "probability", sorted({*others, *(outcome_family(run.outcome) for run in known.values())})
-    if code == "agree":
-        return ("nothing_moves" if _still(model) else "confirmed"), []
-    return "outcome_confirmed", sorted({each.verdict.name.lower() for each in judged.values()} - {"agree"})
+    if code == "agree" and _still(model):
+        return "nothing_moves", []
+    # One engine whose error is bounded to the end is enough: no other says otherwise.
+    if code == "agree" and any(run.bounded_until_s >= run.end_s for name, run in known.items() if name != MODEL):
+        return "confirmed", []
+    parted = {each.verdict.name.lower() for each in judged.values()} - {"agree"}
+    return "outcome_confirmed", sorted(parted or {"unbounded"})
 
 
 def explained(runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, Scores]:

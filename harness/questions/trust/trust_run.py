@@ -29,6 +29,7 @@ from harness.questions.trust.plane import Plane, Point, below, to_ask
 from harness.questions.trust.point import (
     DRAWS,
     MODEL,
+    PLANAR,
     STRETCHES,
     Kept,
     Question,
@@ -74,7 +75,6 @@ DOUBTFUL: Final = (0.05, 0.95)
 """Probabilities between which an engine is asked for its own."""
 SAME: Final = ""
 """The engines in space change nothing of what those in the plane say."""
-PLANAR: Final = 2
 POINT_S: Final = 0.15
 """Processor seconds of a point by the model, in a forecast: its run, its horizon and its probability."""
 ASKED: Final = {2: 0.55, 3: 0.25}
@@ -391,9 +391,9 @@ def explored(plane: Plane, names: tuple[str, ...], points: Points, seed: int) ->
 
 def _refine(found: Map, points: Points) -> None:
     """Ask until nothing is left that may be another class."""
-    tiers = dict.fromkeys((found.names, found.quick))
-    while wanted := {names: asked for names in tiers if (asked := found.unasked(names))}:
-        for names, asked in wanted.items():
+    # All first: where these ran nobody else need be asked.
+    for names in dict.fromkeys((found.names, found.quick)):
+        while asked := found.unasked(names):
             found.take(names, points.kept(found.plane, sorted(asked), names, found.horizons))
 
 

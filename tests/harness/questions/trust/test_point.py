@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,10 @@ import pytest
 from harness import Outcome, Run, compare
 from harness.model.finding import caution
 from harness.model.history import History
+from harness.model.run import MOST_TIMES, RunOptions
+from harness.model.scene import Scene
 from harness.questions.scene.scene_run import Result
+from harness.questions.trust import point
 from harness.questions.trust.point import STRETCHES, Kept, explained, path_of, said
 from harness.records.base import part, plain
 from harness.records.run import HorizonRecord
@@ -64,6 +69,50 @@ def test_each_class_is_what_the_answer_of_a_run_says(kind: str, model: dict[str,
     found = said(result(run("analytic", **model), run("pymunk", **engine)))
     assert found.kind == kind
     assert found.kind in CLASSES
+
+
+def test_a_motion_is_confirmed_to_the_end_by_one_engine_whose_error_is_bounded_so_long() -> None:
+    short = run("pybullet", reliable_until_s=5.0)
+    alone = said(result(run("analytic"), short))
+    assert (alone.answer, alone.kind, alone.why) == ("agree", "outcome_confirmed", ["unbounded"])
+    assert said(result(run("analytic"), run("pymunk"), short)).kind == "confirmed"
+
+
+@pytest.mark.parametrize("difference", [False, True])
+def test_an_engine_in_space_climbs_less_unless_it_differs(difference: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A difference by the models is told of runs that were made finer first, as those of a run are."""
+    space = run("pybullet", doubles.raised(doubles.rocking(), 0.01) if difference else None)
+    asked: list[tuple[str, float, list[str]]] = []
+
+    def simulate(scene: Scene, name: str, *, options: RunOptions) -> Run:
+        asked.append((name, options.most_times, []))
+        return space
+
+    def run_scene(scene: Scene, names: Sequence[str], *, options: RunOptions, stored: Any = (), **_: Any) -> Result:
+        asked.append(("all", options.most_times, [*stored]))
+        return result(run("analytic"), space)
+
+    monkeypatch.setattr(point, "simulate", simulate)
+    monkeypatch.setattr(point, "run_scene", run_scene)
+    point.run_point(point.Question(paestum(), ("analytic", "pybullet")))
+    again = [("all", MOST_TIMES, list[str]())] if difference else []
+    assert asked == [("pybullet", point.SPACE_TIMES, []), ("all", MOST_TIMES, ["pybullet"]), *again]
+
+
+@pytest.mark.parametrize(("low", "high", "draws"), [(0.0, 0.03, [100]), (0.2, 0.4, [100]), (0.3, 0.6, [100, 500])])
+def test_a_probability_takes_more_draws_where_few_leave_its_side_of_a_contour_open(
+    low: float, high: float, draws: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[int] = []
+
+    def assess_models(scene: Scene, count: int) -> dict[str, Any]:
+        asked.append(count)
+        return {"analytic": SimpleNamespace(probability_overturned=0.5, low=low, high=high, level=0.95)}
+
+    monkeypatch.setattr(point, "assess_models", assess_models)
+    found = point.assess_point(point.Question(paestum(), ("analytic",)))
+    assert asked == draws
+    assert found.record["interval"] == [0.5, low, high, 0.95]
 
 
 def test_models_that_agree_tell_no_outcome_where_the_smallest_changes_have_another() -> None:
