@@ -94,6 +94,8 @@ STATED_SHARE: Final = 0.95
 """Share of seeded scenes in which the true error stays within what is stated."""
 MOVING_TABLE_RAD: Final = 1e-3
 """What every engine's moving table must keep of its accelerating frame at 0.25 ms."""
+MOVING_TABLE_SLIP_M: Final = 5e-5
+"""The slip of a pedestal on it at 1 ms: 2e-5 m is measured."""
 KEPT_KIB: Final = 20.0
 """Memory kept by a run, KiB: a leaked body, manifold and history of a run this short take 50 and more."""
 ROUNDING_RAD: Final = 1e-15

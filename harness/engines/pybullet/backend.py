@@ -115,11 +115,13 @@ class BulletBackend:
             self._anchor(held=True)
 
     def place(self, row: Row) -> None:
-        """Put both bodies into the state of a row."""
+        """Put both bodies into the state of a row, and a table that Bullet has moved on back under them."""
         self.row = row
         self.world.place(self.world.statue, row[:ALONE])
         if self.world.pedestal is not None:
             self.world.place(self.world.pedestal, row[ALONE:])
+        if any(self.world.table[1]):
+            self.world.move_table(*self.world.table)
 
     def prepare_step(self, state: StepState, kick_s: float, length_s: float) -> None:
         """What Bullet's gyroscopic torque misses in the next step; after an impact the change of velocities is not known yet."""

@@ -67,8 +67,10 @@ class ChipmunkBackend:
         return row_of(self.states)
 
     def place(self, row: Row) -> None:
-        """Let the next step begin in the state of a row."""
+        """Let the next step begin in the state of a row, and on a table that Chipmunk has not moved on."""
         self.states, self.lagging, self.gained, self.turns = states_of(row), False, 0.0, False
+        if self.floor is not None:
+            self._place_floor(self.floor[0], self.floor[1])
 
     def set_length(self, length_s: float) -> None:
         """Length of the steps that follow, s."""
@@ -85,11 +87,16 @@ class ChipmunkBackend:
 
     def move_table(self, place_m: Vector, velocity_m_s: Vector) -> None:
         """Put the floor to where it is after Chipmunk's move."""
-        floor, (x, _, z), (u, _, w) = native.body_of(self.world.floor), place_m, velocity_m_s
+        (x, _, z), (u, _, w) = place_m, velocity_m_s
         # Until it is solved the statue has the velocity of the step before.
         self.floor, self.floor_m_s = (x, z, 0.0, *self.floor_m_s, 0.0), (u, w)
-        set_velocity(floor, (u, w))
-        set_place(floor, (x - u * self.step_s, z - w * self.step_s))
+        set_velocity(native.body_of(self.world.floor), (u, w))
+        self._place_floor(x, z)
+
+    def _place_floor(self, x: float, z: float) -> None:
+        """Where Chipmunk's move takes it to this place."""
+        (u, w), step_s = self.floor_m_s, self.step_s
+        set_place(native.body_of(self.world.floor), (x - u * step_s, z - w * step_s))
 
     def prepare_step(self, state: StepState, kick_s: float, length_s: float) -> None:
         """What the next step's velocities lag behind, and will."""

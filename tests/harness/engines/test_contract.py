@@ -25,6 +25,7 @@ from harness.model.run import SKIPS, Run, RunOptions
 from harness.model.scene import Scene
 from harness.records.base import plain
 from tests import budgets_engines as budget
+from tests.measures.seeded_scenes import wide_scene
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, scene
 
 NAMES = tuple(engines.REGISTRY)
@@ -159,6 +160,20 @@ def test_a_moving_table_where_declared(engine: Engine) -> None:
     fine = engine.settings_for_dt(on, 2.5e-4)
     a, b = (engine.simulate(item, fine, RunOptions()).history for item in (on, replace(on, table="moving")))
     assert np.max(np.abs(a.theta_rad - b.theta_rad)) <= budget.MOVING_TABLE_RAD
+
+
+@pytest.mark.parametrize("seed", [507, 606, 615])
+@pytest.mark.parametrize("name", ["pymunk", "pybullet"])
+def test_a_pedestal_slides_on_a_moving_table_as_in_its_frame(name: str, seed: int) -> None:
+    """By 1 to 15 cm more where a run begins on a table that has its velocity by then (606, 615), and by 5 mm where a step is made
+    twice as friction gives way in it, and the table has gone on in the first (507)."""
+    engine = engines.load(name)
+    if (reason := engine.missing()) is not None:
+        pytest.skip(reason)
+    on = replace(wide_scene(seed), duration_s=2.0)
+    coarse = engine.settings_for_dt(on, STEP_S)
+    a, b = (engine.simulate(item, coarse, RunOptions()).history for item in (on, replace(on, table="moving")))
+    assert np.max(np.abs(a.slip_m - b.slip_m)) <= budget.MOVING_TABLE_SLIP_M
 
 
 def test_a_pedestal_is_taken_where_declared(engine: Engine) -> None:
