@@ -219,10 +219,12 @@ def resting_polygon_m(statue: Statue) -> Array | None:
     from meshes import MeshError
     from meshes.footprint import footprint
 
-    try:
-        polygon = footprint(statue.feet_m, LEVEL_M)
-    except MeshError:  # fewer than three vertices, or all on a line
-        return None
+    polygon = statue.feet_m
+    if statue.solid is not None or np.ptp(polygon[:, 2]) > LEVEL_M:
+        try:
+            polygon = footprint(polygon, LEVEL_M)
+        except MeshError:  # fewer than three vertices, or all on a line
+            return None
     return polygon[:, :2] if margin_m(polygon) > 0.0 else None
 
 
