@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from analytic import AnalyticInputError
 from analytic import closed_form as cf
 from tests import budgets_reference as budget
-from tests.analytic import reference_lagrange
+from tests.analytic import reference_kernel, reference_lagrange
 from tests.analytic.reference_case import GRAVITY, Case, full_period, harmonic, rectangle
 
 
@@ -107,12 +107,13 @@ def test_rectangular_pulse_threshold(p_t_d: float, printed: str) -> None:
     alpha = 1e-3
     block = {"b": math.sin(alpha), "h": math.cos(alpha)}  # R = 1
     p = math.sqrt(0.75 * GRAVITY)
-    outcomes = []
-    for sign in (-1.0, 1.0):
-        amplitude = threshold * (1.0 + sign * budget.SLENDER_RELATIVE) * GRAVITY * alpha
-        case = rectangular_block(**block, accel_x=rectangle(-amplitude, p_t_d / p), overturn=10.0 * alpha)
-        outcomes.append(reference_lagrange.solve(case, 25.0 / p, 0.1).outcome)
-    assert outcomes == ["ran", "overturned_right"]
+    for solver in (reference_lagrange, reference_kernel):
+        outcomes = []
+        for sign in (-1.0, 1.0):
+            amplitude = threshold * (1.0 + sign * budget.SLENDER_RELATIVE) * GRAVITY * alpha
+            case = rectangular_block(**block, accel_x=rectangle(-amplitude, p_t_d / p), overturn=10.0 * alpha)
+            outcomes.append(solver.solve(case, 25.0 / p, 0.1).outcome)
+        assert outcomes == ["ran", "overturned_right"]
 
 
 @pytest.mark.parametrize(

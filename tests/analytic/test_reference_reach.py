@@ -189,14 +189,3 @@ def test_a_base_of_many_vertices_overturns_over_its_outer_one(motion: Motion) ->
     found = paths(statue(UNEVEN, accel_x=motion, theta0=0.2, rate0=1.6), 1.5)
     assert_one_story(found)
     assert found[0].outcome == "overturned_right"
-
-
-def test_two_vertices_are_the_two_corner_model_bit_for_bit_in_every_reach() -> None:
-    for case in (
-        replace(paper_case(0.429, 2.0, pedestal=True, form="consistent"), rate0=0.2, wall=(1, 0.4, 1.46)),
-        replace(paper_case(0.429, 2.0, pedestal=False, form="paper"), accel_z=harmonic(3.0, 5.0)),
-    ):
-        flat = replace(case, profile=((-case.b_left, 0.0), (case.b_right, 0.0)))
-        a, b = (reference_kernel.solve(each, 2.0, GRID_S) for each in (case, flat))
-        assert np.array_equal(a.samples, b.samples)
-        assert a.events == b.events
