@@ -35,6 +35,8 @@ BELOW_M: Final = 1e-6
 """A body in contact may be this far below the floor: what rounding of a printed place leaves."""
 TOLERANCE_STEP_M: Final = 1e-4
 """To which a contact tolerance is proposed."""
+OF_PEDESTAL: Final = ("contact.floor_impact", "model.friction_normal", "model.pedestal_at_impact")
+"""Keys that say nothing of a statue on the floor."""
 PRESETS: Final = {"consistent": Form("dynamic", "momentum"), "paper": Form("static", "unchanged")}
 
 
@@ -133,7 +135,9 @@ def resolve(
         raise InputError(mistakes)
     pedestal = _pedestal(model.pedestal, statue, path)
     if pedestal is None:
-        found.append(info("key_not_used", keys=["contact.floor_static", "contact.floor_kinetic"]))
+        given = model.contact.model_fields_set | model.model.model_fields_set
+        also = [key for key in OF_PEDESTAL if key.split(".")[1] in given]
+        found.append(info("key_not_used", keys=["contact.floor_static", "contact.floor_kinetic", *also]))
     scene = Scene(
         title=model.title,
         duration_s=model.duration_s,

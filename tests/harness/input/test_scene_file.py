@@ -29,6 +29,9 @@ def test_what_is_assumed_is_said(tmp_path: Path) -> None:
     assumed = {each.values["key"]: each.values["value"] for each in scene.findings if each.code == "key_assumed"}
     assert assumed == {"statue.height_m": 1.0, "statue.depth_m": scene.statue.depth_m}
     assert "key_not_used" in doubles.codes(scene.findings)
+    chosen = load_scene(scene.source, ["contact.floor_impact='static'", "model.friction_normal='static'"])
+    (unused,) = (each.values["keys"] for each in chosen.findings if each.code == "key_not_used")
+    assert unused[2:] == ["contact.floor_impact", "model.friction_normal"]
 
 
 def test_an_amplitude_in_g_is_a_share_of_the_scenes_gravity(tmp_path: Path) -> None:
