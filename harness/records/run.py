@@ -104,10 +104,11 @@ def peak_lean_rad(run: RunRow) -> float:
 def balance_share(run: RunRow, theta_rad: Array, slenderness_rad: Callable[[int], float]) -> float:
     """The largest share of the angle at which the statue balances on a side (`slenderness_rad`) that its rotation (n,) reached,
     or by an engine in space its lean in any direction, or its pedestal with it as one body: an unsymmetric statue may lean
-    further to the side that bears more.
+    further to the side that bears more. Between coarse samples the model knows its own peak's.
     """
     right, left = (float((side * theta_rad).max()) / slenderness_rad(side) for side in (1, -1))
-    return max(right, left, *(number(run.validity, f"{what}_share", 0.0) for what in ("peak_lean", "pedestal_tilt")))
+    told = "peak_lean_share", "pedestal_tilt_share", "peak_over_slenderness"
+    return max(right, left, *(number(run.validity, name, 0.0) for name in told))
 
 
 UNKNOWN: Final = (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX, Outcome.UNDECIDED)

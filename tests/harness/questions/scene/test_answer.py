@@ -56,6 +56,9 @@ def test_how_near_it_came_to_its_balance_counts_the_side_that_bears_less() -> No
     _, said = told(run("a", replace(history, theta_rad=theta)))
     values = said["model_says"].values
     assert values["balance_share"] == pytest.approx(right_rad / SCENE.statue.slenderness_rad(1))
+    # Samples a second apart show little of it; the model says what share its peak is.
+    coarse = run("a", replace(history, theta_rad=0.1 * theta), validity={"peak_over_slenderness": 0.7})
+    assert told(coarse)[1]["model_says"].values["balance_share"] == 0.7
 
 
 def test_runs_that_end_at_one_event_are_known_to_their_ends() -> None:
