@@ -131,7 +131,7 @@ def compare_distributions(
         null[k], gaps[k] = area_metric(*parts), ks_distance(*parts)
     tail = 0.5 * (1.0 - CONFIDENCE)
     low, high = np.quantile(drawn, (tail, 1.0 - tail))
-    distance = ks_distance(x, y)
+    area, distance = area_metric(x, y), ks_distance(x, y)
     # The samples as they are count as one of the shuffles (Phipson & Smyth, 2010): no p is 0.
     p = float(1 + np.sum(gaps >= distance - ROUNDING)) / (1 + resamples)
     return DistributionScores(
@@ -139,6 +139,7 @@ def compare_distributions(
         y.size,
         distance,
         p,
-        Interval(area_metric(x, y), float(low), float(high)),
+        # Resamples of samples that are alike differ more than these do.
+        Interval(area, min(float(low), area), max(float(high), area)),
         float(np.quantile(null, CONFIDENCE)),
     )
