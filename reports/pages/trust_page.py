@@ -57,5 +57,5 @@ def blocks(_folder: Path, record: TrustRecord, say: Language) -> list[Block]:
             say, "classes", Facts(meanings, ""), Group("", [Facts(counts)], say("text.bases")),
             Text([each.text for each in record.findings], "notes"),
         ),
-        *repeat(say, record, whole, f"{command} {shlex.join(sets(cells[-1]))}", more=[facts(say, spent)]),
+        *repeat(say, record, whole, f"{command} {shlex.join(sets(record.maps[0].cells[-1]))}", more=[facts(say, spent)]),
     ]  # fmt: skip
