@@ -157,6 +157,8 @@ SLOW_HZ: Final = 1.05
 SIDEWAYS: Final = (Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT)
 WIDE: Final = 0.05
 """A wider interval is told beside the share, which is rounded to whole cases of 100."""
+TIE: Final = "outcome_not_predictable"
+"""The finding of a run that ends otherwise by the smallest changes."""
 STRONG: Final = 0.05
 """From the first to the last instant at which it has this share of its strongest push the shaking lasts."""
 
@@ -175,7 +177,10 @@ def of_run(source: RunSource, say: Language = ENGLISH) -> list[Block]:
     given = [] if headline == nominal else [say("chance.given", what=nominal[0].lower() + nominal[1:])]
     support, motion = support_of(source.scene), source.record.motion
     plan = floor_plan(source, source.standing)
-    points = [*_shaking(source, say), *given, *_lean(source, say)]
+    said = [] if source.record.answer is None else source.record.answer.findings
+    ends = [end for each in said if each.code == TIE for end in each.values["outcomes"]]
+    tie = [say("run.tie")] if "overturned" in ends else []
+    points = [*_shaking(source, say), *given, *tie, *_lean(source, say)]
     pictures = [
         reach_picture(source, say),
         plan_picture(source, plan, _pedestal_slip(source, say), say),

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from analytic import Harmonic
+from harness.model.finding import changes_answer
 from harness.model.history import Outcome
 from harness.model.scene import BaseExcitation, Pedestal
 from harness.questions.scene.scene_run import run_scene, write_result
@@ -412,6 +413,17 @@ def test_what_follows_a_fall_is_no_doubt_of_the_distances(source: RunSource) -> 
         record = replace(source.record, runs=ends, horizons=None)
         text = spoken(of_run(replace(source, record=record)))
         assert (ENGLISH("run.inexact", time="2") in text) is said
+
+
+def test_an_outcome_that_the_smallest_changes_change_is_told(source: RunSource) -> None:
+    told = source.record.answer
+    assert told is not None
+    tied = replace(
+        told, findings=[*told.findings, changes_answer("outcome_not_predictable", outcomes=["overturned", "stands"])]
+    )
+    text = spoken(of_run(replace(source, record=replace(source.record, answer=tied))))
+    assert ENGLISH("run.tie") in text
+    assert ENGLISH("run.tie") not in spoken(of_run(source))
 
 
 def test_a_slide_that_no_standing_model_computes_is_no_stillness(source: RunSource) -> None:
