@@ -21,6 +21,7 @@ from reports.blocks import (
     Table,
     Text,
     Verdict,
+    command_line,
     notes,
     repeat,
     section,
@@ -32,6 +33,7 @@ from reports.charts.curve_figures import fragility_by_factor
 from reports.drawing.conservator_pictures import plan_svg
 from reports.drawing.floor_plan import probable_plan
 from reports.messages import Language, probability_text
+from reports.pages.run_page import as_run
 from reports.text.wording import tone_of_answers
 
 
@@ -54,7 +56,7 @@ def blocks(_folder: Path, record: AssessRecord, say: Language) -> list[Block]:
             if fragility else ()
         ),
         *_inputs(record, say),
-        *repeat(say, record, more=[words(say, "seed", seed=record.seed)]),
+        *repeat(say, record, *_again(record, say), more=[words(say, "seed", seed=record.seed)]),
     ]  # fmt: skip
 
 
@@ -217,3 +219,13 @@ def _source(item: Uncertain, say: Language, *, assumed: bool) -> str:
         return say("text.own_width")
     source = say(f"assumed.{given.name}")
     return source if assumed else say("text.as_assumed", source=source)
+
+
+def _again(record: AssessRecord, say: Language) -> list[str]:
+    """The command of the assessment, and its scene as it was run."""
+    draws = max(item.draws for item in record.answers.values()) if record.answers else None
+    file = record.scene.file or "SCENE"
+    return [
+        command_line("assess", file, e=[*record.assessment], draws=draws, seed=record.seed),
+        *as_run(record.scene, say),
+    ]

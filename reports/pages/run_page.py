@@ -8,6 +8,7 @@ from typing import Final
 
 from harness.model.run import MANY, RUN_FIELDS, Run
 from harness.records.run import RunRecord, balance_share, outside_domain
+from harness.records.scene import SceneRecord
 from reports.blocks import (
     Block,
     Cell,
@@ -129,7 +130,7 @@ def _details(source: RunSource, say: Language) -> list[Block]:
     by_model = Group("columns", [Group("", [Facts(pairs)], name) for name, pairs in limits.items()])
     settings = Group("columns", [Group("", [facts(say, run.settings)], name) for name, run in source.runs.items()])
     command = command_line("run", source.scene.file or "scene.toml", e=[*source.runs])
-    again = [command, *([f"{say('text.scene_as_run')}\n{toml_text(source.scene.toml)}"] if source.scene.toml else [])]
+    again = [command, *as_run(source.scene, say)]
     made = repeat(say, record)[0].blocks
     return [
         *([Details(say("section.scores"), [scores], "scores")] if rows else ()),
@@ -170,6 +171,11 @@ def replay(source: RunSource, chips: list[Chip]) -> Replay:
     ghost = "analytic" if "analytic" in names and solid != "analytic" else ""
     shown = [each for each in chips if each.name in names]
     return Replay(shown, solid, ghost, source.mesh is not None, replay_payload(source), three_js())
+
+
+def as_run(scene: SceneRecord, say: Language) -> list[str]:
+    """The content of a scene's file as it was run, under words that say so; none of one without a file."""
+    return [f"{say('text.scene_as_run')}\n{toml_text(scene.toml)}"] if scene.toml else []
 
 
 def toml_text(content: Mapping[str, object]) -> str:
