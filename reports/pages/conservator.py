@@ -356,7 +356,10 @@ def _worst_lean(source: RunSource) -> tuple[float, float, float, int]:
             )
             leans.append((peak / balance, peak, balance, side))
         share, lean = (number(run.validity, f"peak_lean_{what}", 0.0) for what in ("share", "rad"))
-        leans += [(share, lean, lean / share, 0)] if lean > ASIDE * run.peak_theta_rad and lean >= STILL_RAD else []
+        if lean > ASIDE * run.peak_theta_rad and lean >= STILL_RAD:
+            # Its largest lean may not be the one that is nearest to its balance.
+            balance = number(run.validity, "peak_lean_balance_rad", lean / share)
+            leans.append((share, share * balance, balance, 0))
         leans += _tipped(source, name)
     return max(leans)
 

@@ -660,27 +660,36 @@ def _set_down_m(statue: Statue, motion: Trajectory) -> Array:
     return np.asarray(place[:, :2] + arm)
 
 
-def moves_in_space(scene: Scene, motion: Trajectory) -> dict[str, object]:
-    """What the rotation in the plane and the slip along it do not tell: leans from where the statue stood at first in any
-    direction, as a share of the one at which it balances in that direction; how far it shifted on its support, turned with it,
-    and how far pedestal and base slid.
+def _leans(scene: Scene, motion: Trajectory) -> dict[str, object]:
+    """The largest leans, rad, from where the statue stood at first, across the plane and in any direction, and the largest as a
+    share of the one at which it balances in its direction: less of a lean may be nearer to it.
     """
-    columns, base = motion.extra, _set_down_m(scene.statue, motion)
+    columns, up = motion.extra, _up(motion)
+    balance = _tilt_rad(up) - _Body.of(scene.statue, motion).excess_rad(up)
     across = np.abs(columns["out_of_plane_rad"] - columns["out_of_plane_rad"][0])
     lean = np.arccos(np.clip(np.cos(motion.theta_rad) * np.cos(across), -1.0, 1.0))
-    worst = int(lean.argmax())
-    up = _up(motion, worst)[:1]
-    balance = _tilt_rad(up) - _Body.of(scene.statue, motion).excess_rad(up)
+    nearest = int((lean / balance).argmax())
+    return {
+        "out_of_plane_rad": float(across.max()),
+        "peak_lean_rad": float(lean.max()),
+        "peak_lean_share": float(lean[nearest] / balance[nearest]),
+        "peak_lean_balance_rad": float(balance[nearest]),
+    }
+
+
+def moves_in_space(scene: Scene, motion: Trajectory) -> dict[str, object]:
+    """What the rotation in the plane and the slip along it do not tell: leans in any direction, how far the statue shifted on its
+    support, turned with it, and how far pedestal and base slid.
+    """
+    leans, columns, base = _leans(scene, motion), motion.extra, _set_down_m(scene.statue, motion)
     shift, pedestal_y_m = base, np.zeros_like(motion.slip_m)
     if scene.pedestal is not None:
         pedestal_y_m, yaw = columns["pedestal_y_m"], columns["pedestal_yaw_rad"]
         x, y = base[:, 0], base[:, 1] - pedestal_y_m
         shift = np.column_stack([np.cos(yaw) * x + np.sin(yaw) * y, np.cos(yaw) * y - np.sin(yaw) * x])
     return {
-        "out_of_plane_rad": float(across.max()),
+        **leans,
         "yaw_rad": float(np.abs(columns["yaw_rad"] - columns["yaw_rad"][0]).max()),
-        "peak_lean_rad": float(lean[worst]),
-        "peak_lean_share": float(lean[worst] / balance[0]),
         "statue_slip_m": float(np.hypot(*(shift - shift[0]).T).max()),
         "pedestal_slip_m": float(np.hypot(motion.slip_m, pedestal_y_m).max()),
         "slip_across_m": float(np.abs(base[:, 1] - base[0, 1]).max()),

@@ -143,3 +143,21 @@ def test_a_statue_that_never_stands_flat_shifts_in_any_direction() -> None:
     found = moves_in_space(on, path)
     assert found["statue_slip_m"] == pytest.approx(0.05, abs=PUSH)
     assert found["slip_across_m"] == pytest.approx(0.04, abs=PUSH)
+
+
+def test_a_smaller_lean_towards_its_weak_side_is_nearer_to_its_balance() -> None:
+    """A block twice as deep as wide leans by 0.2 to its front, then by 0.18 to its right, where it bears half as much."""
+    on = scene(rectangle(0.2, 0.8, depth_m=0.4))
+    statue, lean = on.statue, np.linspace(0.0, np.pi, 101)
+    front, right = (
+        np.where(half, np.sin(2.0 * lean) * most, 0.0) for half, most in ((lean < 1.57, 0.2), (lean > 1.57, -0.18))
+    )
+    turns = Rotation.from_euler("xy", np.column_stack([front, right])).as_matrix()
+    zero, flat_m = np.zeros_like(lean), np.zeros((lean.size, 2))
+    centroid_m = np.column_stack([zero, zero, zero + statue.centroid_height_m])
+    columns = statue_columns(statue, turns, centroid_m)
+    path = Trajectory(lean, right, zero, zero, zero, flat_m[1:], flat_m, flat_m, extra=columns)
+    found = moves_in_space(on, path)
+    assert found["peak_lean_rad"] == pytest.approx(0.2, rel=1e-2)
+    assert found["peak_lean_balance_rad"] == pytest.approx(np.arctan2(0.1, 0.4))
+    assert found["peak_lean_share"] == pytest.approx(0.18 / np.arctan2(0.1, 0.4), rel=1e-2)
