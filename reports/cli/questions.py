@@ -264,7 +264,9 @@ Quick = Annotated[bool, typer.Option("--quick", help="A few rows of each kind: t
 Parts = Annotated[
     str | None,
     typer.Option(
-        "--parts", metavar="NAMES", help="Only these parts (a,b), the others as measured before; see the docs."
+        "--parts",
+        metavar="NAMES",
+        help="Only these parts (a,b), the others as measured before; a wrong name lists them.",
     ),
 ]
 
@@ -277,9 +279,9 @@ def bench(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out:
     measured(bench_run.bench(), saying, quick, parts, out)
 
 
-@command(app, None, "rockcheck stress --out out/stress", "rockcheck stress --parts fuzz")
+@command(app, None, "rockcheck stress --out out/stress", "rockcheck stress --parts scenes")
 def stress(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
-    """Run hard scenes, map each engine's stability, and read thousands of mutated files."""
+    """Run hard scenes and map each engine's stability (`make stress` also reads thousands of mutated files)."""
     from harness.questions.bench.stress import stress_run
 
     record = measured(stress_run.stress(), saying, quick, parts, out)
