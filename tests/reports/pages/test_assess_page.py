@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import pytest
 
-from harness.input.scene_file import load_scene
 from harness.model.finding import Severity
 from harness.questions.assess.answer import answer_of, findings_of
 from harness.questions.assess.assessment import assess
@@ -14,14 +13,13 @@ from harness.records.assess import Assessment, AssessRecord, Index, ProbabilityD
 from reports.messages import ENGLISH
 from reports.pages.assess_page import assess_verdict
 from reports.text.wording import tone_of_probability, worse_tone
-from tests.harness.questions.assess.measure_own_runs import SCENE
 from tests.scenes_for_tests import paestum
 
 
 @pytest.fixture(scope="module")
 def shaken() -> AssessRecord:
     """The paper's pedestal as the model assesses it."""
-    return assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200).record
+    return assess(paestum(0.429, 3.0, duration_s=3.0), ["analytic"], draws=200).record
 
 
 def answer(p: float, low: float, high: float) -> Assessment:
@@ -77,10 +75,9 @@ def test_what_the_model_alone_answers_is_its_own_where_another_contradicts_it(sh
         assert ("options_contradicted" in told) is (apart is not None)
 
 
-def test_answer_and_findings_name_what_helps_what_room_it_needs_and_what_decides() -> None:
-    scene = load_scene(SCENE)
+def test_answer_and_findings_name_what_helps_what_room_it_needs_and_what_decides(shaken: AssessRecord) -> None:
     inputs = {"contact.floor": Index(0.4, 0.02, 0.77), "motion.scale": Index(0.1, 0.02, 0.4)}
-    record = replace(assess(scene, ["analytic"], draws=300).record, indices=inputs)
+    record = replace(shaken, indices=inputs)
     told = answer_of(record)
     assert told.code == told.findings[0].code
     assert [each.code for each in told.findings[-3:]] == ["reserve", "best_option", "clearance"]
