@@ -24,6 +24,7 @@ from harness.questions.assess.by_model import Outside, assess_models, probabilit
 from harness.questions.assess.engine_draws import jeffreys
 from harness.questions.assess.model_draws import ModelDraws, draw, draws_of, model_draws, row, uncertain_inputs, varied
 from harness.records.assess import Assessment, AssessRecord, NotAssessed
+from harness.runs.runner import InlinePool
 from reports.messages import ENGLISH
 from reports.pages.assess_page import models_table
 from reports.text.wording import tone_of_answers, worse_tone
@@ -78,11 +79,11 @@ def test_a_scene_that_knows_everything_has_no_probability() -> None:
 
 
 def test_an_assessment_holds_what_the_contract_names() -> None:
-    record = assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic", "pymunk"], draws=500, most_runs=48).record
+    names, shaken = ["analytic", "pymunk"], paestum(0.429, 3.0, duration_s=2.0)
+    record = assess(shaken, names, draws=500, most_runs=48, more_options=None, pool=InlinePool()).record
     assert record.kind == "assess"
-    for name in ("analytic", "pymunk"):
+    for name in names:
         own = record.assessment[name]
-        assert {"probability_overturned", "low", "high", "level", "draws", "engine_runs"} <= set(vars(own))
         assert 0.0 <= own.low <= own.probability_overturned <= own.high <= 1.0
         assert own.draws == 500
     assert record.assessment["analytic"].engine_runs == 500
@@ -94,7 +95,8 @@ def test_an_assessment_holds_what_the_contract_names() -> None:
 
 def test_an_engine_none_of_whose_runs_ends_has_no_probability_but_a_reason() -> None:
     """The exact body knows no pedestal."""
-    record = assess(paestum(0.429, 3.0, duration_s=0.5), ["spatial"], draws=100, most_runs=30, more_options=None).record
+    few = {"draws": 100, "most_runs": 30, "more_options": None, "pool": InlinePool()}
+    record = assess(paestum(0.429, 3.0, duration_s=0.5), ["spatial"], **few).record
     none = record.assessment["spatial"]
     assert isinstance(none, NotAssessed)
     (reason,) = (each for each in record.findings if each.code == "not_assessed")

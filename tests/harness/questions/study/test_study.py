@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -20,15 +21,15 @@ from harness.questions.study.cases import BaseScene, base_of, expand
 from harness.questions.study.file import load_study
 from harness.questions.study.study_run import Summary, run_study, study_name
 from harness.records.study import impacts
-from harness.runs.runner import Done, InlinePool, LocalPool, Work
+from harness.runs.runner import Done, InlinePool, LocalPool, Pool, Work
 from harness.runs.store import Packed, Store
 from tests.harness.questions.study.small_study import STUDY, contents, written
 
 
-def compute(path: Path, store_path: Path, jobs: int = 1) -> Summary:
+def compute(path: Path, store_path: Path, pool: Pool | None = None) -> Summary:
     study = load_study(path)
     with Store(store_path) as store:
-        return run_study(study, path, store, LocalPool(jobs))
+        return run_study(study, path, store, pool or InlinePool())
 
 
 def test_runs_that_are_the_same_by_their_physics_are_computed_once(tmp_path: Path) -> None:
@@ -41,8 +42,9 @@ def test_runs_that_are_the_same_by_their_physics_are_computed_once(tmp_path: Pat
 
 def test_the_store_does_not_depend_on_the_number_of_processes(tmp_path: Path) -> None:
     path = written(tmp_path)
-    compute(path, tmp_path / "one.sqlite", jobs=1)
-    compute(path, tmp_path / "two.sqlite", jobs=2)
+    for name, jobs in (("one", 1), ("two", 2)):
+        with closing(LocalPool(jobs)) as pool:
+            compute(path, tmp_path / f"{name}.sqlite", pool)
     assert contents(tmp_path / "one.sqlite") == contents(tmp_path / "two.sqlite")
 
 
@@ -50,7 +52,7 @@ def test_only_cases_near_the_boundary_and_an_audit_are_sent(tmp_path: Path) -> N
     text = STUDY.replace('engines = ["analytic"]', 'engines = ["analytic", "pymunk"]')
     text = text.replace("count = 6", "count = 4").replace("count = 5", "count = 2").replace("[0.85, 0.9]", "[0.85]")
     path = written(tmp_path, text + '[accuracy]\npymunk = 1e-2\n[ask]\ncases = "boundary"\naudit = 0.2\n')
-    summary = compute(path, tmp_path / "s.sqlite", jobs=2)
+    summary = compute(path, tmp_path / "s.sqlite")
     study = load_study(path)
     with Store(tmp_path / "s.sqlite") as store:
         rows = study_rows(store, study_name(study))
@@ -153,7 +155,7 @@ def test_the_size_is_told_and_what_nobody_can_wait_for_is_refused(tmp_path: Path
         "60 cases, 120 runs: about "
     )
     huge = load_study(written(tmp_path, text.replace("count = 6", "count = 3000").replace("count = 5", "count = 3000")))
-    with pytest.raises(InputError, match=r"18000000 cases, 36000000 runs: about .* on 2 workers.*--large"):
+    with pytest.raises(InputError, match=r"18000000 cases, 36000000 runs: about .*workers: 2.*--large"):
         estimate.check(huge, estimate.cost(huge, base, 2).cpu_s, 2, "study.toml")
 
 
