@@ -197,10 +197,15 @@ LEVELS: Final[Mapping[str, tuple[Json, Json, Json]]] = {
     "x": (
         {"y": FIRST, "y2": HEIGHT},
         {"y": FIRST},
-        {"align": {"expr": f"{LATE} ? 'right' : 'left'"}, "baseline": "top", "dx": {"expr": f"{LATE} ? -4 : 4"}},
+        {
+            "align": {"expr": f"{LATE} ? 'right' : 'left'"},
+            "baseline": "top",
+            "dx": {"expr": f"{LATE} ? -4 : 4"},
+            "opacity": {"expr": "inrange(scale('x', datum.at), [0, width]) ? 1 : 0"},
+        },
     ),
 }
-"""Of a line at a place of an axis: across the plot, where its words stand, and how."""
+"""Of a line at a place of an axis: across the plot, where its words stand, and how: whole, or not at all."""
 
 
 def level(

@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from harness.records.scene import StatueRecord
 from reports.charts import Json
 from reports.charts.figure import (
     HEIGHT,
@@ -226,7 +227,7 @@ def _views(source: RunSource) -> Json:
     seen = np.any((rotations[1:] >= near[0]) & (rotations[1:] <= near[1]))
     whole = _padded(least, most)
     return {
-        "whole": whole, "near": _padded(*near) if seen else whole, "duration_s": source.scene.duration_s,
+        "whole": whole, "near": _worded(_padded(*near), statue) if seen else whole, "duration_s": source.scene.duration_s,
         "event_s": list(run_event_s(source)),
     }  # fmt: skip
 
@@ -234,6 +235,13 @@ def _views(source: RunSource) -> Json:
 def _padded(low: float, high: float) -> list[float]:
     margin = 0.08 * (high - low) or 0.01
     return [low - margin, high + margin]
+
+
+def _worded(view: Sequence[float], statue: StatueRecord) -> list[float]:
+    """A view with room for the words beyond the balance points that are in it."""
+    low, high = view
+    room, left, right = 0.06 * (high - low), -statue.slenderness_left_rad, statue.slenderness_right_rad
+    return [left - room if low < left < low + room else low, right + room if high - room < right < high else high]
 
 
 def pattern_strip(source: RunSource, say: Language = ENGLISH) -> list[Json]:

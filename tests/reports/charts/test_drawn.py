@@ -7,6 +7,7 @@ import re
 import resource
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from reports.charts.histories import histories_figure
 from reports.drawing.shapes import rings
 from reports.messages import language
 from reports.pages.assets import pack_text, packed_chart
-from reports.source import run_source
+from reports.source import RunSource, run_source
 from tests.budgets_reports import STILL_PX
 from tests.reports.unpacking import numbers, unpacked
 
@@ -43,6 +44,17 @@ def test_numbers_of_a_chart_are_written_as_its_language_writes_them() -> None:
         spoken = localised(chart, language(code))
         assert half in svg(spoken), code
         assert json.loads(unpacked(str(packed_chart(spoken))))["config"]["locale"]["number"]["decimal"] == half[2]
+
+
+def test_the_words_at_a_balance_point_have_room(source: RunSource) -> None:
+    """A rotation that all but reaches it leaves the point near the upper end of the view."""
+    right_rad = source.scene.statue.slenderness_right_rad
+    raised = {
+        name: replace(each, theta_rad=0.94 * right_rad * each.theta_rad / np.abs(each.theta_rad).max())
+        for name, each in source.histories.items()
+    }
+    low, high = histories_figure(replace(source, histories=raised))["usermeta"]["views"]["near"]
+    assert high - right_rad > 0.05 * (high - low)
 
 
 def points(drawn: str) -> np.ndarray[Any, Any]:
