@@ -185,7 +185,7 @@ def test_the_time_that_is_left_counts_runs_that_cost_something_once(tmp_path: Pa
     path = written(tmp_path, text.replace("count = 5", "count = 2"))
     study, heard = load_study(path), list[tuple[int, int]]()
     with Store(tmp_path / "s.sqlite") as store:
-        done = run_study(study, path, store, LocalPool(1), lambda *each: heard.append(each))
+        done = run_study(study, path, store, InlinePool(), lambda *each: heard.append(each))
         distinct = len({row.key for row in store.rows(study_name(study)) if row.engine == "pymunk"})
     assert heard[0] == (0, distinct)
     assert heard[-1] == (distinct, distinct)

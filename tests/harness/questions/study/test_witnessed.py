@@ -26,7 +26,7 @@ from tests.harness.questions.study.small_study import CONTACT, STUDY, written
 
 
 def ran(folder: Path, text: str = CONTACT, **more: Any) -> StudyRecord:
-    studies.run(written(folder, text), folder / "out", jobs=1, quiet=True, **more)
+    studies.run(written(folder, text), folder / "out", pool=InlinePool(), quiet=True, **more)
     record = read_result(folder / "out")
     assert isinstance(record, StudyRecord)
     return record
@@ -107,7 +107,7 @@ def test_a_heavier_impact_in_the_study_s_engine_is_told(tmp_path: Path, monkeypa
     monkeypatch.setattr(witnessed, "simulate", heavy)
     monkeypatch.setattr(witness, "BUDGET", 60.0)
     text = CONTACT.replace("pymunk = 1e-2", "pymunk = 1e-3").replace("start = 0.2", "start = 0.5")
-    seen = ran(tmp_path, text, witness=True, pool=InlinePool()).witness
+    seen = ran(tmp_path, text, witness=True).witness
     assert seen.counts["pymunk:plain"].differ > 0
     assert {each.code for each in seen.differing} == {"witness_parts"}
     assert all(each.values["models"] == ["pymunk"] and "case" in each.values for each in seen.differing)
