@@ -421,8 +421,8 @@ def test_a_map_s_picture_has_its_contours_and_where_the_statue_falls_without_the
     names = {part["name"] for key in ("border", "contours") for part in drawn["datasets"][key]}
     assert names == {ENGLISH.word(f"line_{name}") for name in (*CONTOURS, "border", "floor")}
     (line,) = [part for part in drawn["datasets"]["contours"] if part["name"] == ENGLISH.word("line_horizon")]
-    # At the second frequency no strength passes it.
-    assert (line["x"], line["y"]) == ([1.0], [0.12])
+    # At the second frequency no strength passes it: the line has a gap there.
+    assert (line["x"], line["y"]) == ([1.0, 2.0], [0.12, None])
     (tips,) = drawn["datasets"]["tips"]
     assert tips["more"] == ["rockcheck run a.toml --set motion.x.amplitude_g=0.1"] * len(tips["tip"])
     assert "more" not in trust_map(own)["datasets"]["tips"][0]
@@ -444,5 +444,5 @@ def test_a_map_of_every_class_fits_the_terminal_and_its_page_names_each(tmp_path
     assert record.answer.findings[0].severity is Severity.CHANGES_ANSWER
     html = write_report(invented_records.write_trust(tmp_path / "map")).read_text()
     assert 'class="verdict failed"' in html
-    share = ENGLISH.percent(0.125)
-    assert all(f"<dt>{ENGLISH.word(kind)}, {share}, {share}</dt>" in html for kind in CLASSES)
+    shares = ENGLISH.row([f"{ENGLISH.percent(0.125)} {ENGLISH(f'chart.on_{on}')}" for on in ("pedestal", "floor")])
+    assert all(f"<dt>{ENGLISH.word(kind)}, {shares}</dt>" in html for kind in CLASSES)
