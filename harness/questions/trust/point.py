@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from itertools import permutations
 from typing import Any, Final
 
@@ -14,7 +13,6 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.horizon import TOLERANCE_RAD
-from harness.accuracy.simulation import simulate
 from harness.model.history import History, Outcome
 from harness.model.run import MOST_TIMES, Run, RunOptions, to_plain
 from harness.model.scene import Scene
@@ -31,15 +29,12 @@ from harness.records.trust import CONTOURS, Rotation, TrustClass
 from harness.runs.task import TaskResult
 
 MODEL: Final = "analytic"
-PLANAR: Final = 2
 DRAWS: Final = {False: 500, True: 200}
 """Draws of a probability, of a whole and of a coarse map: ± 4 and 7 % at a half."""
 FIRST_DRAWS: Final = 100
 """So many of them are enough where their interval holds none of"""
 LEVELS: Final = [level for name, level in CONTOURS.items() if name.startswith("probability")]
 """the probabilities that a map has contours of."""
-SPACE_TIMES: Final = 8.0
-"""What a climb of an engine in space may take (`RunOptions`): it is asked what the plane leaves out."""
 PAIRED: Final = 40
 """Of them at most are also run by an engine, where it is asked."""
 HALF_WIDTH: Final = 0.1
@@ -121,22 +116,15 @@ class Question:
 
 def run_point(question: Question) -> TaskResult:
     """What a worker does for a point's class; its cost is the processor time, s, that it took."""
-    begin, scene = time.process_time(), question.scene
+    begin = time.process_time()
     options = RunOptions(most_times=question.most_times)
-    run = partial(
-        run_scene,
-        scene,
+    result = run_scene(
+        question.scene,
         question.engines,
         options=options,
         horizon=len(question.engines) == 1,
         stored_horizons=question.horizons,
     )
-    short = RunOptions(most_times=min(question.most_times, SPACE_TIMES))
-    in_space = (name for name in question.engines if engines.load(name).capabilities.dimensions > PLANAR)
-    result = run(stored={name: simulate(scene, name, options=short) for name in in_space})
-    if any(each.verdict is Verdict.MODEL for each in result.scores.values()):
-        # A difference is told of runs that were made finer before it.
-        result = run()
     paths = {name: path_of(run.history) for name, run in result.runs.items() if run.history is not None}
     kept = Kept(result.runs, result.scores, result.horizons, paths)
     return TaskResult("point", plain(kept), time.process_time() - begin)

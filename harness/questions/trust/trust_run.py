@@ -29,7 +29,6 @@ from harness.questions.trust.plane import Plane, Point, below, to_ask
 from harness.questions.trust.point import (
     DRAWS,
     MODEL,
-    PLANAR,
     STRETCHES,
     Kept,
     Question,
@@ -75,7 +74,8 @@ DOUBTFUL: Final = (0.05, 0.95)
 """Probabilities between which an engine is asked for its own."""
 SAME: Final = ""
 """The engines in space change nothing of what those in the plane say."""
-POINT_S: Final = 0.15
+PLANAR: Final = 2
+POINT_S: Final = 0.06
 """Processor seconds of a point by the model, in a forecast: its run, its horizon and its probability."""
 ASKED: Final = {2: 0.55, 3: 0.25}
 """Share of the points at which an engine in the plane, and one in space, is asked: 0.41 to 0.57, and 0.2 to 0.26, of the shipped
@@ -391,9 +391,9 @@ def explored(plane: Plane, names: tuple[str, ...], points: Points, seed: int) ->
 
 def _refine(found: Map, points: Points) -> None:
     """Ask until nothing is left that may be another class."""
-    # All first: where these ran nobody else need be asked.
-    for names in dict.fromkeys((found.names, found.quick)):
-        while asked := found.unasked(names):
+    tiers = dict.fromkeys((found.names, found.quick))
+    while wanted := {names: asked for names in tiers if (asked := found.unasked(names))}:
+        for names, asked in wanted.items():
             found.take(names, points.kept(found.plane, sorted(asked), names, found.horizons))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,7 +13,6 @@ import pytest
 from harness import Outcome, Run, compare
 from harness.model.finding import caution
 from harness.model.history import History
-from harness.model.run import MOST_TIMES, RunOptions
 from harness.model.scene import Scene
 from harness.questions.scene.scene_run import Result
 from harness.questions.trust import point
@@ -76,27 +74,6 @@ def test_a_motion_is_confirmed_to_the_end_by_one_engine_whose_error_is_bounded_s
     alone = said(result(run("analytic"), short))
     assert (alone.answer, alone.kind, alone.why) == ("agree", "outcome_confirmed", ["unbounded"])
     assert said(result(run("analytic"), run("pymunk"), short)).kind == "confirmed"
-
-
-@pytest.mark.parametrize("difference", [False, True])
-def test_an_engine_in_space_climbs_less_unless_it_differs(difference: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A difference by the models is told of runs that were made finer first, as those of a run are."""
-    space = run("pybullet", doubles.raised(doubles.rocking(), 0.01) if difference else None)
-    asked: list[tuple[str, float, list[str]]] = []
-
-    def simulate(scene: Scene, name: str, *, options: RunOptions) -> Run:
-        asked.append((name, options.most_times, []))
-        return space
-
-    def run_scene(scene: Scene, names: Sequence[str], *, options: RunOptions, stored: Any = (), **_: Any) -> Result:
-        asked.append(("all", options.most_times, [*stored]))
-        return result(run("analytic"), space)
-
-    monkeypatch.setattr(point, "simulate", simulate)
-    monkeypatch.setattr(point, "run_scene", run_scene)
-    point.run_point(point.Question(paestum(), ("analytic", "pybullet")))
-    again = [("all", MOST_TIMES, list[str]())] if difference else []
-    assert asked == [("pybullet", point.SPACE_TIMES, []), ("all", MOST_TIMES, ["pybullet"]), *again]
 
 
 @pytest.mark.parametrize(("low", "high", "draws"), [(0.0, 0.03, [100]), (0.2, 0.4, [100]), (0.3, 0.6, [100, 500])])
