@@ -96,7 +96,8 @@ def expected_steps(name: str, scene: Scene, accuracy_rad: float | None = None, d
     """Steps of all runs that a contact engine is expected to make of a scene, to a target or with an expert's own step."""
     model = simulate(_asked(scene), MODEL)
     least_s, most_s = moving_s(scene, model)
-    if "quiet_rest" in load(name).capabilities.skips and LimitsOfRest.of(scene) is not None:
+    rests = "quiet_rest" in load(name).capabilities.skips and scene.table == "frame"
+    if rests and LimitsOfRest.of(scene) is not None:
         # Of what stands between two crests that move it nothing is integrated.
         moved_s = sum(each.end_s - each.start_s for each in model.patterns if each.name != "rest")
         least_s = min(least_s, moved_s) if moved_s > 0.0 else least_s
