@@ -77,8 +77,8 @@ SAME: Final = ""
 PLANAR: Final = 2
 POINT_S: Final = 0.06
 """Processor seconds of a point by the model, in a forecast: its run, its horizon and its probability."""
-ASKED: Final = {2: 0.55, 3: 0.25}
-"""Share of the points at which an engine in the plane, and one in space, is asked: 0.41 to 0.57, and 0.2 to 0.26, of the shipped
+ASKED: Final = {2: 0.55, 3: 0.4}
+"""Share of the points at which an engine in the plane, and one in space, is asked: 0.41 to 0.57, and 0.2 to 0.43, of the shipped
 statue's maps."""
 COARSE_TIMES: Final = 8.0
 """What a climb of a coarse map may take: half of the time, and here and there a whole motion is not confirmed to its end."""
