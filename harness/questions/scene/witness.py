@@ -15,13 +15,14 @@ from dataclasses import replace
 from typing import Final
 
 from harness import engines
+from harness.accuracy.horizon import PERTURBED_SHARE, outgrown_s
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, RunTarget, simulate_with
 from harness.accuracy.spread import Error, spread, target_of
 from harness.comparison.comparator import compare
 from harness.comparison.scores.pointwise import errors
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.finding import Finding, caution, info
-from harness.model.run import Run, RunOptions
+from harness.model.run import Run, RunOptions, number
 from harness.model.scene import Scene
 from harness.questions.scene.floor_impact import MODEL, under_static
 from harness.records.run import LEAST_S, PLAIN, Judged, Witness
@@ -36,6 +37,8 @@ SURE: Final = 30.0
 stated on 303 scenes before their sensitivity was asked."""
 
 
+GROWING: Final = (0.1, 0.3, 1.0)
+"""Shares of what a step is expected to err by, up to all of it, that are held against a difference which stands."""
 PAST_S: Final = 0.05
 """The finer run goes so far past where the difference passes its limit: a difference that grows is clear by then."""
 
@@ -58,9 +61,10 @@ def finer_runs(
     target: RunTarget,
     on_progress: Callable[[str], None],
 ) -> tuple[list[str], dict[str, Run]]:
-    """The engines that were run again to a finer target up to where their difference stands, and whole finer runs.
+    """The engines that were run again to a finer target up to where their difference stands, and what takes their runs' place.
 
-    Only of those whose difference is gone with the finer target a whole finer run is made, which takes the place of the other.
+    Of those whose difference is gone with the finer target a whole finer run is made; of the others a run states no more than
+    what an error of its own step leaves of it in the model.
     """
     until_s: dict[str, float] = {}
     for each in doubts:
@@ -81,7 +85,29 @@ def finer_runs(
         if apart_s is None or apart_s > min(a.bounded_until_s, b.bounded_until_s):
             gone |= {each.a, each.b} & again.keys()
     whole = {name: simulate_with(engines.load(name), scene, finer) for name in sorted(gone)}
-    return sorted(again), {name: run for name, run in whole.items() if not run.outcome.failed}
+    instead = {name: run for name, run in whole.items() if not run.outcome.failed}
+    for name in again.keys() - gone:
+        instead |= _outgrown(scene, name, runs[name], until_s[name] - PAST_S, target)
+    return sorted(again), instead
+
+
+def _outgrown(scene: Scene, name: str, run: Run, parts_s: float, target: RunTarget) -> dict[str, Run]:
+    """The run, known only until an error of its own step has grown past the target in the model, where that is before it parts.
+
+    Levels may all fall on one side of an event that the scene all but has, such as a statue that turns back a millionth of a
+    radian before it would meet its support: they then agree, and differ from what is true by more than from each other.
+    """
+    target_rad = target.accuracy_rad or DEFAULT_ACCURACY_RAD
+    for share in GROWING:
+        small_rad = share * number(run.settings, "expected_error_rad")
+        until_s = outgrown_s(scene, small_rad / PERTURBED_SHARE, target_rad)
+        if until_s < min(parts_s, run.bounded_until_s):
+            said = caution(
+                "target_met_until", target_rad=target_rad, until_s=until_s, end_s=run.end_s, small_rad=small_rad
+            )
+            others = tuple(each for each in run.findings if not each.code.startswith("target_met_until"))
+            return {name: replace(run, reliable_until_s=until_s, findings=(*others, said))}
+    return {}
 
 
 def _close(scores: Scores) -> bool:

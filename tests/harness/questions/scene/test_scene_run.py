@@ -17,6 +17,7 @@ from harness import engines
 from harness.accuracy import forecast
 from harness.accuracy.simulation import RunTarget, check_target, simulate
 from harness.engines.base import Engine, EngineFailure, Settings, own_failures
+from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.history import Outcome
 from harness.model.run import Run, RunOptions
@@ -28,6 +29,8 @@ from harness.records.scores import Verdict
 from harness.runs import task
 from tests import doubles
 from tests.scenes_for_tests import paestum, rectangle, scene
+
+SCENES = Path(__file__).parents[4] / "scenes"
 
 needs_pybullet = pytest.mark.skipif(
     engines.load("pybullet").missing() is not None, reason="pybullet is not installed here"
@@ -178,7 +181,7 @@ def test_a_difference_of_models_is_confirmed_by_a_finer_run_up_to_it(
         wrong = engine.name == "pymunk" and (target.accuracy_rad is None or not chance)
         path = doubles.raised(history, off) if wrong else history
         known = {"numerical_uncertainty_rad": 1e-4, "slip_uncertainty_m": 1e-4, "reliable_until_s": 10.0}
-        return doubles.run_of(path, engine.name, **known)
+        return doubles.run_of(path, engine.name, settings={"expected_error_rad": 1e-4}, **known)
 
     monkeypatch.setattr(run, "simulate_with", answer)
     monkeypatch.setattr(confirm, "simulate_with", answer)
@@ -194,6 +197,17 @@ def test_a_difference_of_models_is_confirmed_by_a_finer_run_up_to_it(
     verdict = result.scores["analytic_vs_pymunk"].verdict
     assert verdict is (Verdict.MODEL if off > 0.1 or not chance else Verdict.AGREE)
     assert ("refined_for_comparison" in doubles.codes(result.findings())) is again
+
+
+def test_a_difference_that_an_error_of_the_own_step_grows_to_is_none_of_models() -> None:
+    """A statue turns back 1e-6 rad before it would meet its pedestal: by every step of 0.25 to 2 ms it meets it, which makes 6e-3
+    rad of half a second."""
+    shaken = {"motion.x.amplitude_g": 0.345, "motion.x.frequency_hz": 8.0}
+    result = run_scene(load_scene(SCENES / "paestum_pedestal.toml", shaken), ["analytic", "pymunk"])
+    evidence = result.scores["analytic_vs_pymunk"].evidence
+    assert evidence.exceeded_s == pytest.approx(1.28, abs=0.05)
+    assert result.runs["pymunk"].bounded_until_s < evidence.exceeded_s
+    assert result.scores["analytic_vs_pymunk"].verdict is Verdict.UNBOUNDED
 
 
 def _slow(told: Path) -> None:
