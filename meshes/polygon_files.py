@@ -51,7 +51,7 @@ def read_obj(data: bytes) -> tuple[Array, Faces]:
     """Vertices (n, 3) and triangles (m, 3) of an OBJ; −1 is the last vertex above the face. ValueError for what is none."""
     vertices, rows, count = [np.empty((0, 3))], list[list[str]](), 0
     entries, counts = list[int](), list[int]()
-    for number, line in enumerate(_CONTINUED.sub(" ", data.decode("utf-8", "replace")).split("\n"), 1):
+    for number, line in enumerate(_CONTINUED.sub(" ", data.decode("utf-8-sig", "replace")).split("\n"), 1):
         row = line.partition("#")[0].split()
         if not row:
             continue

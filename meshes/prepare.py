@@ -315,11 +315,13 @@ def _checked(state: Prepared) -> Prepared:
             "repair it in MeshLab (Repair filters) or Blender (3D Print toolbox)",
             place=mesh.source,
         )
-    if log.invented_rel > MOST_INVENTED_REL:
+    invented = log.invented_rel
+    if sum(invented.values()) > MOST_INVENTED_REL:
+        shares = ", ".join(f"{step} {100 * share:.3g} %" for step, share in invented.items() if share)
         raise MeshError(
             f"repairs that change the volume by at most {100 * MOST_INVENTED_REL:g} %",
-            f"{100 * log.invented_rel:.3g} %",
-            f"too much would be invented; scan again what is missing\n{log}",
+            f"{100 * sum(invented.values()):.3g} % ({shares})",
+            "too much would be invented: scan again what is missing",
             place=mesh.source,
         )
     return state.doubted(*crossings(mesh.vertices, mesh.faces))

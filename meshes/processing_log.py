@@ -201,11 +201,14 @@ class ProcessingLog:
         return replace(self, changes=tuple(turned))
 
     @property
-    def invented_rel(self) -> float:
-        """Volume taken away as debris or added as base and holes, signs ignored: what the limit on repair is held
-        against."""
-        changed = (change.volume_rel for change in self.changes if change.step in ("debris", "base", "holes"))
-        return sum(abs(volume) for volume in changed if volume is not None)
+    def invented_rel(self) -> dict[str, float]:
+        """Volume taken away as debris or added as base and holes, signs ignored, by step: the limit on repair is held
+        against their sum."""
+        steps: dict[str, float] = dict.fromkeys(("debris", "base", "holes"), 0.0)
+        for change in self.changes:
+            if change.step in steps and change.volume_rel is not None:
+                steps[change.step] += abs(change.volume_rel)
+        return steps
 
     def as_dict(self) -> dict[str, object]:
         """The log as plain values."""

@@ -47,7 +47,7 @@ def test_nan_vertices_are_named(tmp_path: Path) -> None:
     vertices[5, 1] = np.nan
     rows = [" ".join(str(value) for value in row) for row in vertices]
     file = obj(tmp_path / "nan.obj", rows, [" ".join(str(index + 1) for index in row) for row in faces])
-    with pytest.raises(MeshError, match="vertex 5"):
+    with pytest.raises(MeshError, match="number 6"):
         prepare(file, METRES)
 
 

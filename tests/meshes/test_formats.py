@@ -50,6 +50,7 @@ VERTICES = "\n".join("v\t{}\t{} {} 0.5 0.5 0.5".format(*corner) for corner in CO
         VERTICES + "".join("\nf\t{}/1\t{}\\\n {}".format(*(k + 1 for k in side)) for side in SIDES),
         VERTICES.replace("\n", "\r\n")
         + "".join("\r\nf {} {} {} # side".format(*(k - 4 for k in side)) for side in SIDES),
+        "\ufeff" + soup("{0}"),
     ],
 )
 def test_objs_of_every_form(text: str, tmp_path: Path) -> None:
