@@ -174,6 +174,14 @@ def test_a_probability_of_a_run_is_about_and_undecided_draws_widen_it() -> None:
     assert said["probability_open"].values["planar"] == ["in_plane"]
 
 
+def test_the_probability_told_is_of_the_model_by_which_more_draws_fall_not_of_the_wider_interval() -> None:
+    few = Assessment(0.0, 0.0, 0.073, 0.9, 10_000, 10_000, plane_only=True, left_domain=0.88, sampler="b", sampled=22)
+    space = Assessment(0.052, 0.038, 0.0705, 0.9, 519, 519)
+    for planar, model in ((few, "spatial"), (replace(few, undecided=0.06, high=0.13), "analytic")):
+        _, said = told(run("a"), run("b"), assessment={"analytic": planar, "spatial": space})
+        assert {each.values["model"] for code, each in said.items() if code.startswith("probability")} == {model}
+
+
 def test_perturbed_runs_that_end_otherwise_make_the_outcome_unpredictable() -> None:
     ends = (Outcome.STANDS, Outcome.OVERTURNED_LEFT)
     horizon = HorizonRecord(0.01, 10.0, (1e-9,), (5.0,), 4.0, ends, 0, 5.0)
