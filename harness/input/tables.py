@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -291,7 +292,7 @@ def _absent_numbers(statue: JsonValue, where: str) -> list[Mistake]:
 def read(path: Path) -> str:
     """The text of a scene file; raises `InputError` when it cannot be read."""
     if path.suffix.lower() in SCANS:
-        advice = f"`rockcheck new {path} --motion RECORD` makes a scene of it"
+        advice = f"`rockcheck new {shlex.quote(str(path))} --motion RECORD` makes a scene of it"
         raise InputError(Mistake(str(path), "", "a TOML file", "a scan", advice))
     try:
         with path.open("rb") as stream:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shlex
 import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
@@ -102,8 +103,10 @@ def check_folder(
     for kind in found:
         if kinds is not None and kind not in kinds:
             got = f"{folder}, which holds {'a' if kind == finished else 'what was begun of a'} {kind}"
-            advice = f"give another folder; `rockcheck {GOES_ON.get(kind, kind)} --out {folder}` goes on with this one"
-            advice = advice if kind == begun else "give another folder"
+            advice = "give another folder"
+            if kind == begun:
+                goes_on = shlex.join(["rockcheck", *GOES_ON.get(kind, kind).split(), "--out", str(folder)])
+                advice = f"{advice}; `{goes_on}` goes on with this one"
             raise InputError(Mistake("--out", "", f"a folder of a {' or '.join(kinds)}", got, advice))
     sums = owned(folder)
     foreign = [name for name in names if not _own(folder / name, sums)]

@@ -107,7 +107,8 @@ def say_record(record: Record, folder: Path, saying: OutputOptions, language: st
             typer.echo(f"error: {mistake}", err=True)
         raise typer.Exit(FAILED) from error
     except OSError:
-        typer.echo(printable(f"the result stands in {folder}; `rockcheck report {folder}` writes its pages"), err=True)
+        pages = f"`rockcheck report {shlex.quote(str(folder))}` writes its pages"
+        typer.echo(printable(f"the result stands in {folder}; {pages}"), err=True)
         raise
     except Exception as fault:
         page_name = ", ".join(getattr(fault, "__notes__", ["a page"]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -119,7 +120,8 @@ def new(
     path = out or Path(f"{scan.stem}.toml")
     written, found = write_scene(scan, motion_file, path, known, around, text.layout(), ENGLISH.say)
     findings = texted(weighed(found), ENGLISH.say)
-    lines = [f"scene: {written}", *found_lines(findings, 2, verbose=saying.verbose), f"run it: rockcheck run {written}"]
+    run_it = f"run it: rockcheck run {shlex.quote(str(written))}"
+    lines = [f"scene: {written}", *found_lines(findings, 2, verbose=saying.verbose), run_it]
     texts = [each.text for each in findings if each.code.startswith("scan_")]
     saying.say({"scene": str(written), "found": texts, "findings": to_plain(findings)}, "\n".join(lines))
 

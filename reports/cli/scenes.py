@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, replace
@@ -74,9 +75,8 @@ def run(
         )
     except Ended as ending:
         write_result(ending.result, folder, ENGLISH.say)
-        typer.echo(
-            printable(f"{folder} holds what had finished; `rockcheck report {folder}` writes its pages"), err=True
-        )
+        pages = f"`rockcheck report {shlex.quote(str(folder))}` writes its pages"
+        typer.echo(printable(f"{folder} holds what had finished; {pages}"), err=True)
         raise
     write_result(result, folder, ENGLISH.say)
     say_record(result.record().texted(ENGLISH.say), folder, saying, language)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -82,6 +83,14 @@ def test_json_is_a_record_and_nothing_else(folder: Path, name: str, wanted: dict
     found = json.loads(done.output)
     assert {key: found[key] for key in wanted} == wanted
     assert (folder / file).exists()
+
+
+def test_the_command_that_runs_a_new_scene_is_one_that_a_shell_takes(folder: Path) -> None:
+    line = COMMANDS["new"][0].split()
+    done = CliRunner().invoke(app, [*line[:-1], "my first.toml"])
+    command = done.output.splitlines()[-1].partition(": ")[2]
+    assert shlex.split(command) == ["rockcheck", "run", "my first.toml"]
+    assert (folder / "my first.toml").exists()
 
 
 @pytest.mark.parametrize("name", ["inspect", "new"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
@@ -100,10 +101,11 @@ def probability(answers: Mapping[str, Assessment]) -> Iterator[Finding]:
 
 def _other_commands(answers: Mapping[str, Assessment], file: str | None, *, pedestal: bool) -> Iterator[Finding]:
     """The command that knows what every answer leaves out: the shaking across the plane, or most draws on a pedestal."""
+    scene = shlex.quote(file) if file else "SCENE"
     if answers and all(item.plane_only for item in answers.values()):
-        yield caution("assess_in_space", file=file or "SCENE")
+        yield caution("assess_in_space", file=scene)
     if list(answers) == [MODEL] and pedestal and not answers[MODEL].tells:
-        yield caution("assess_by_contact", file=file or "SCENE")
+        yield caution("assess_by_contact", file=scene)
 
 
 def _difference(name: str, item: ProbabilityDifference) -> Finding:

@@ -128,9 +128,9 @@ def test_a_push_across_the_plane_is_the_exact_bodys_to_answer_and_never_green() 
     alone = assess_models(across, draws=20)
     assert list(alone) == ["analytic"]
     assert [each.values["planar"] for each in probability(alone)] == [["in_plane"]]
-    mine = replace(record, assessment=alone, scene=replace(record.scene, file="mine.toml"))
+    mine = replace(record, assessment=alone, scene=replace(record.scene, file="my scene.toml"))
     (command,) = (each for each in findings_of(mine) if each.code == "assess_in_space")
-    assert command.values == {"file": "mine.toml"}
+    assert command.values == {"file": "'my scene.toml'"}, "as a shell takes it"
 
 
 def test_a_difference_counts_what_the_models_own_draws_leave_open() -> None:
