@@ -26,6 +26,9 @@ ENGINE_SHARE: Final = 2e-3
 """Rates of an engine's history are extrapolated by lines over two samples: under 3 Hz they bend by θ⃛dt² ≈ 1e-4 rad/s, which is
 some 5e-4 of the share at 0.4 rad/s; a step of 1 ms errs by as much again. A sample inside an impact costs 1e-2 and more."""
 
+SMALL_SHARE: Final = 1e-2
+"""Under 8 Hz, and at rates of some 0.02 rad/s, the lines miss up to 1e-4 rad/s of either: 1 % of the share, from both."""
+
 WORK_PAIR_SAMPLES: Final = 10_001
 """A history of 10 s at 1 kHz, the size that the speed target names."""
 

@@ -77,6 +77,10 @@ Side = NDArray[np.int8]
 UPLIFT_RAD: Final = 1e-4
 """Rotation beyond which a statue counts as rocking: above the chatter of a contact engine at rest (slop over base width,
 some 1e-5 rad), and 0.1 mm at the top of a statue of one metre."""
+DOWN: Final = 0.1
+"""Share of that rotation at which an excursion has landed: contact engines rest there, a little off θ = 0."""
+CHATTER_RAD: Final = 1e-9
+"""Rotations of a statue at rest that are a contact engine's own: some 1e-12 rad, and of no side."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,8 +89,8 @@ class Excursions:
 
     `side` is ±1, `uplift_s` when the rotation first passes the threshold, `from_rest` whether another excursion did not run
     straight into it, `peak_rad` its largest rotation (signed), `impact_s` when it is back at θ = 0 (NaN: not within the
-    history), `rate_before_rad_s` and `rate_after_rad_s` the angular velocities at that instant from either side, and
-    `length_s` its duration.
+    history, or not before it leans further again), `rate_before_rad_s` and `rate_after_rad_s` the angular velocities at that
+    instant from either side (NaN: too few samples to the next impact), and `length_s` its duration.
     """
 
     side: Side
@@ -122,10 +126,13 @@ def excursions(history: History, threshold_rad: float = UPLIFT_RAD) -> Excursion
     if first.size == 0:
         return NO_EXCURSIONS
     uplift = _crossing(t, theta, first, sign * threshold_rad)
-    impact = _impacts(t, theta, rate, last)
-    # From the side before: samples of the excursion itself but its first, which the impact before it may still hold.
-    before = _extrapolated(t, rate, impact, last, -1, last - first)
-    after = _after(t, rate, impact, np.append(last[1:], t.size - 1))
+    landing = _landing(theta, sign, last, DOWN * threshold_rad)
+    landed = landing < np.append(first[1:], t.size - 1)
+    impact = np.where(landed, _impacts(t, theta, rate, landing), np.nan)
+    # From the side before: samples of the excursion itself but its first, which the impact before it may still hold; as far
+    # from the impact as those after it, so that what the lines miss of a bend is the same on both sides.
+    before = _extrapolated(t, rate, impact, landing - 1, -1, landing - 1 - first)
+    after = _after(t, theta, rate, impact)
     peak = sign * np.maximum.reduceat(np.abs(theta), first)
     # Samples between two excursions are below the threshold, so they never hold the maximum.
     end = np.where(np.isfinite(impact), impact, t[last])
@@ -151,43 +158,58 @@ def _crossing(t: Array, theta: Array, first: NDArray[np.intp], level: Array) -> 
     return np.asarray(t[previous] + np.clip(share, 0.0, 1.0) * (t[first] - t[previous]))
 
 
-def _impacts(t: Array, theta: Array, rate: Array, last: NDArray[np.intp]) -> Array:
-    """Time of θ = 0 after sample `last`; NaN where the history ends before it.
+def _landing(theta: Array, sign: Side, last: NDArray[np.intp], down_rad: float) -> NDArray[np.intp]:
+    """The last sample of each excursion before it is back at `down_rad`: impacts too small to count may follow it, after which
+    the statue leans to the same side again."""
+    landing = np.empty_like(last)
+    for side in (-1, 1):
+        of = sign == side
+        down = np.append(np.flatnonzero(side * theta <= down_rad), theta.size)
+        landing[of] = down[np.searchsorted(down, last[of])] - 1
+    return landing
+
+
+def _impacts(t: Array, theta: Array, rate: Array, i: NDArray[np.intp]) -> Array:
+    """Time of θ = 0 after sample `i`, the last before it.
 
     The velocity jumps between two samples, so the side before is extrapolated by its own parabola: θ + θ̇τ + θ̈τ²/2 = 0 with
     θ̈ from the last two samples before.
     """
-    inside = last + 1 < t.size
-    i = np.minimum(last, t.size - 1)
-    step = t[np.minimum(i + 1, t.size - 1)] - t[i]
+    following = np.minimum(i + 1, t.size - 1)
+    step = t[following] - t[i]
     wait = _root(theta[i], rate[i], _slope(t, rate, np.maximum(i - 1, 0), i))
-    # Sinking to rest below the threshold takes a few samples: allow the fall from there.
-    crossed = theta[np.minimum(i + 1, t.size - 1)] * np.sign(theta[i]) <= 0.0
+    # Sinking to rest takes a few samples: allow the fall from there.
+    crossed = theta[following] * np.sign(theta[i]) <= 0.0
     longest = np.where(crossed, step, 3.0 * step + np.abs(theta[i]) / np.maximum(np.abs(rate[i]), 1e-12))
-    return np.where(inside, t[i] + np.minimum(wait, longest), np.nan)
+    return np.asarray(t[i] + np.minimum(wait, longest))
 
 
-def _after(t: Array, rate: Array, impact: Array, until: NDArray[np.intp]) -> Array:
-    """The rate just after each impact, shape (k,), from samples up to index `until`, the last of the next excursion.
+def _after(t: Array, theta: Array, rate: Array, impact: Array) -> Array:
+    """The rate just after each impact, shape (k,), from the samples until the next one, seen or too small to be.
 
     A contact engine's impact takes one to three of its own steps, so the sample beside it may lie inside the impact: it is left
-    out wherever there is another.
+    out.
     """
     beside = np.minimum(np.searchsorted(t, np.where(np.isfinite(impact), impact, t[-1]), side="right"), t.size - 1)
-    return _extrapolated(t, rate, impact, np.minimum(beside + 1, until), 1, until - beside)
+    side = np.where(np.abs(theta) > CHATTER_RAD, np.sign(theta), 0.0)
+    ends = np.append(np.flatnonzero(np.diff(side)), t.size - 1)
+    return _extrapolated(
+        t, rate, impact, np.minimum(beside + 1, t.size - 1), 1, ends[np.searchsorted(ends, beside)] - beside
+    )
 
 
 def _extrapolated(
     t: Array, rate: Array, to_s: Array, start: NDArray[np.intp], towards: int, count: NDArray[np.intp]
 ) -> Array:
-    """The rate at `to_s` by the line through sample `start` and the next one away from it, where `count` allows two.
+    """The rate at `to_s` by the line through sample `start` and the next one away from it; NaN where `count` allows no two.
 
     A line, though a parabola would be nearer where θ̈ changes: a contact engine loses its contact for single steps, and three
     samples magnify what that leaves in the rate fivefold.
     """
     i = np.clip(start, 0, t.size - 1)
-    j = np.where(count >= 2, np.clip(start + towards, 0, t.size - 1), i)
-    return np.asarray(rate[i] + _slope(t, rate, np.minimum(i, j), np.maximum(i, j)) * (to_s - t[i]))
+    j = np.clip(start + towards, 0, t.size - 1)
+    at = rate[i] + _slope(t, rate, np.minimum(i, j), np.maximum(i, j)) * (to_s - t[i])
+    return np.where(count >= 2, at, np.nan)
 
 
 def _slope(t: Array, rate: Array, i: NDArray[np.intp], j: NDArray[np.intp]) -> Array:

@@ -65,7 +65,7 @@ def numerical_uncertainty(
     joint = None if u_a is None or u_b is None else u_a + u_b
     slips = sides[0].slip_uncertainty_m, sides[1].slip_uncertainty_m
     rates = [np.abs(each.rate_before_rad_s[each.landed & (each.impact_s <= until_s)]) for each in excursions]
-    slowest = [float(each.min()) if each.size else None for each in rates]
+    slowest = [float(np.nanmin(each)) if np.isfinite(each).any() else None for each in rates]
     times = [u / rate if u is not None and rate else None for u, rate in zip((u_a, u_b), slowest, strict=True)]
     return {
         "rms_theta_rad": joint,
@@ -79,8 +79,8 @@ def numerical_uncertainty(
     }
 
 
-def _list(values: Array) -> tuple[float, ...]:
-    return tuple(values.tolist())
+def _list(values: Array) -> tuple[float | None, ...]:
+    return tuple(None if math.isnan(value) else value for value in values.tolist())
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,8 @@ class RockingInertia:
 
 
 def share_lost(excursions: Excursions, inertia: RockingInertia | None) -> Array:
-    """Share of the rocking energy lost in each impact, shape (k,); NaN where the history ends before it.
+    """Share of the rocking energy lost in each impact, shape (k,); NaN where the history ends before it, or has too few
+    samples to tell a rate before or after it.
 
     At θ = 0 both corners touch and the potential energy is the same, so the share is 1 − J_new θ̇⁺²/(J_old θ̇⁻²). Without
     inertias J_new = J_old is taken (a symmetric body). When the statue falls back on the corner that it came from, or

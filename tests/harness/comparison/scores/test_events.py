@@ -12,7 +12,7 @@ from harness.accuracy.simulation import simulate
 from harness.comparison.scores import events, matched
 from harness.model.scene import Statue
 from tests import doubles
-from tests.budgets_compare import ENERGY_SHARE, ENGINE_SHARE, IMPACT_S, PEAK_RAD, UPLIFT_S
+from tests.budgets_compare import ENERGY_SHARE, ENGINE_SHARE, IMPACT_S, PEAK_RAD, SMALL_SHARE, UPLIFT_S
 from tests.scenes_for_tests import paestum
 
 ARCS = doubles.arcs(10.0, 0.1, 4.0, 0.9, 0.5)
@@ -80,6 +80,39 @@ def test_every_impact_of_every_engine_takes_the_share_of_angular_momentum(engine
     assert np.isfinite(lost).sum() >= 4
     known = 1.0 - crossed**2 / (inertia.left_kg_m2 * inertia.right_kg_m2)
     assert lost[np.isfinite(lost)] == pytest.approx(known, abs=ENGINE_SHARE)
+
+
+def test_impacts_too_small_to_be_seen_leave_the_share_of_those_that_are() -> None:
+    """At 8 Hz an excursion of 4e-6 rad comes between two impacts: read as one, they won a quarter of the energy."""
+    shaken = paestum(0.12, 8.0, pedestal=False, duration_s=3.0)
+    inertia, statue = matched.RockingInertia.of(shaken.statue), shaken.statue
+    across = statue.centroid_height_m**2 - statue.corner_left_m * statue.corner_right_m
+    known = 1.0 - (statue.inertia_kg_m2 + statue.mass_kg * across) ** 2 / (inertia.left_kg_m2 * inertia.right_kg_m2)
+    history = simulate(shaken, "analytic").history
+    assert history is not None
+    found = events.excursions(history)
+    lost = matched.share_lost(found, inertia)
+    assert (found.side.size, int(found.landed.sum())) == (27, 26)
+    assert lost[np.isfinite(lost)] == pytest.approx(known, abs=SMALL_SHARE)
+
+
+def test_rates_that_too_few_samples_tell_give_no_share() -> None:
+    """After the first impact the statue comes down again within three samples: what it lost cannot be read."""
+    clean = doubles.rocking(ratio=0.9)
+    theta = clean.theta_rad.copy()
+    first = np.searchsorted(clean.t_s, ARCS[0][1], side="right")
+    theta[first + 2 : first + 6] = 0.5 * events.UPLIFT_RAD * np.sign(theta[first - 1])
+    lost = matched.share_lost(events.excursions(replace(clean, theta_rad=theta)), None)
+    assert np.isnan(lost[0])
+
+
+def test_a_statue_that_leans_again_before_it_is_down_has_no_impact() -> None:
+    t = doubles.rest().t_s
+    theta = 2.0 * events.UPLIFT_RAD * (1.0 - 0.7 * np.cos(2 * math.pi * t))
+    rate = np.gradient(theta, t)
+    found = events.excursions(replace(doubles.rest(), theta_rad=theta, theta_rate_rad_s=rate))
+    assert found.side.size > 2
+    assert not found.landed.any()
 
 
 def test_energy_of_an_unsymmetric_statue_counts_each_corner_s_inertia() -> None:
