@@ -479,7 +479,12 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
     peak = int(np.abs(np.where(inside, theta, 0.0)).argmax())
     at, impulses = support.corners(scene, motion), forces.impulses(scene, motion)
     slip_m, gap_m = support.statue_slip_m(scene, at), support.gap_m(scene, at)
-    plain = plain_spells(motion, slip_m, gap_m, at, scene.pedestal)
+    slid_m, in_space = slip_m, dict[str, object]()
+    if "out_of_plane_rad" in motion.extra:
+        slid_m, in_space = moves_in_space(scene, motion)
+        # As it rocks across the plane both corners rise, and not the statue.
+        gap_m = np.minimum(gap_m, _clear_m(scene, motion, at))
+    plain = plain_spells(motion, slid_m, gap_m, at, scene.pedestal)
     if friction_is_known(scene, motion):
         account = report.interventions if report.repeats else None
         check_friction(scene, motion, impulses, plain["plain_from_s"], report.stuck_below_m_s, account)
@@ -504,21 +509,19 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
     rates = zip(cycles.rates_before_rad_s, cycles.rates_after_rad_s, strict=True)
     validity: dict[str, object] = {
         **forces.force_limits(scene, motion, impulses),
-        "statue_slip_m": float(np.abs(slip_m).max()),
+        "statue_slip_m": float(np.abs(slid_m).max()),
         "statue_flight_m": float(max(gap_m.max(), 0.0)),
         "penetration_m": float(max(-over.min(), 0.0)),
         "energy_gained_j": forces.energy_gained_j(lost_j),
         "impact_ratios": [after / before if before != 0.0 else 0.0 for before, after in rates],
         **plain,
+        **in_space,
     }
     if cycles.impact_times_s:
         validity["lost_in_impacts_j"] = forces.lost_in_impacts_j(motion.t_s, lost_j, cycles.impact_times_s)
     if scene.pedestal is not None and "pedestal_tilt_rad" in motion.extra:
         validity["pedestal_tilt_rad"] = float(np.abs(motion.tilt_rad).max())
         validity["pedestal_tilt_share"] = float(tilt_share(scene, scene.pedestal, motion.tilt_rad)[0].max())
-    if "out_of_plane_rad" in motion.extra:
-        validity |= moves_in_space(scene, motion)
-        validity["statue_flight_m"] = float(max(np.minimum(gap_m, _clear_m(scene, motion, at)).max(), 0.0))
     # What an engine whose coefficient follows its own sliding does as an impact breaks the pedestal loose.
     two = scene.pedestal is not None and scene.contact.floor_kinetic < scene.contact.floor_static
     static = {"floor_impact": "static"} if two and not report.repeats else {}
@@ -643,7 +646,7 @@ def _on_support(motion: Trajectory) -> tuple[Array, Array]:
 
 
 def _clear_m(scene: Scene, motion: Trajectory, at: support.Corners) -> Array:
-    """Height (n,) of the base's lowest vertex above the support: both corners rise as it rocks across the plane."""
+    """Height (n,) of the base's lowest vertex above the support."""
     base = scene.statue.feet_m - np.array([0.0, 0.0, scene.statue.centroid_height_m])
     clear: Array = at.centroid_z + (_on_support(motion)[0][:, 2] @ base.T).min(axis=1)
     return clear
@@ -677,9 +680,9 @@ def _leans(scene: Scene, motion: Trajectory) -> dict[str, object]:
     }
 
 
-def moves_in_space(scene: Scene, motion: Trajectory) -> dict[str, object]:
-    """What the rotation in the plane and the slip along it do not tell: leans in any direction, how far the statue shifted on its
-    support, turned with it, and how far pedestal and base slid.
+def moves_in_space(scene: Scene, motion: Trajectory) -> tuple[Array, dict[str, object]]:
+    """How far (n,) the statue shifted on its support, turned with it, and what else the plane does not tell: leans in any
+    direction, and how far pedestal and base turned and slid.
     """
     leans, columns, base = _leans(scene, motion), motion.extra, _set_down_m(scene.statue, motion)
     shift, pedestal_y_m = base, np.zeros_like(motion.slip_m)
@@ -687,10 +690,9 @@ def moves_in_space(scene: Scene, motion: Trajectory) -> dict[str, object]:
         pedestal_y_m, yaw = columns["pedestal_y_m"], columns["pedestal_yaw_rad"]
         x, y = base[:, 0], base[:, 1] - pedestal_y_m
         shift = np.column_stack([np.cos(yaw) * x + np.sin(yaw) * y, np.cos(yaw) * y - np.sin(yaw) * x])
-    return {
+    return np.hypot(*(shift - shift[0]).T), {
         **leans,
         "yaw_rad": float(np.abs(columns["yaw_rad"] - columns["yaw_rad"][0]).max()),
-        "statue_slip_m": float(np.hypot(*(shift - shift[0]).T).max()),
         "pedestal_slip_m": float(np.hypot(motion.slip_m, pedestal_y_m).max()),
         "slip_across_m": float(np.abs(base[:, 1] - base[0, 1]).max()),
     }
