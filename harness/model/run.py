@@ -125,7 +125,7 @@ MANY: Final = 1000
 """A longer list in a record is a table: one line an item."""
 DISTRIBUTIONS: Final = ("rockcheck", "numpy", "scipy", "numba", "pybullet", "pymunk", "trimesh")
 
-PatternName = Literal["rest", "rocking", "sliding", "both"]
+PatternName = Literal["rest", "rocking", "sliding", "both", "statue_slides"]
 
 
 class Pattern(NamedTuple):

@@ -69,7 +69,9 @@ SPARE: Final = (Look("#AA4499", "9 3 2 3", 1.6), Look("#B07C00", "4 3", 1.6), Lo
 FLOOR_COLOUR: Final = "#0072B2"
 PEDESTAL_COLOUR: Final = "#D55E00"
 
-PATTERN_COLOURS: Final = {"rest": "#e3e6ea", "rocking": "#56B4E9", "sliding": "#E69F00", "both": "#AA4499"}
+PATTERN_COLOURS: Final = {
+    "rest": "#e3e6ea", "rocking": "#56B4E9", "sliding": "#E69F00", "both": "#AA4499", "statue_slides": "#D55E00",
+}  # fmt: skip
 """Colour of each motion pattern (docs/model.md, section 6); sliding is hatched, both crosswise."""
 PATTERN_FILLS: Final = {**PATTERN_COLOURS, "sliding": "url(#hatch-sliding)", "both": "url(#hatch-both)"}
 HATCHES: Final = "".join(

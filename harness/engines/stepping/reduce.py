@@ -355,23 +355,27 @@ def _uplift_time(t_s: Array, theta: Array, rate: Array, first: int) -> float:
     return float(max(t_s[k] - power * theta[k] / rate[k], 0.0))
 
 
-def patterns(
-    t_s: Array, theta_rad: Array, slip_rate_m_s: Array, resolution_rad: float, stuck_below_m_s: float
-) -> tuple[Pattern, ...]:
-    """The stretches of rest, rocking, sliding and both."""
-    code = (np.abs(theta_rad) > resolution_rad).astype(np.int64) + 2 * (np.abs(slip_rate_m_s) > stuck_below_m_s)
+def patterns(motion: Trajectory, slid_m: Array, resolution_rad: float, stuck_below_m_s: float) -> tuple[Pattern, ...]:
+    """The stretches of rest, rocking, sliding of the pedestal and both, in any direction, and those in which the statue slides on
+    its support; `slid_m` is its slip."""
+    t_s, still = motion.t_s, np.zeros_like(motion.t_s)
+    across_rad, across_m = (motion.extra.get(name, still) for name in ("out_of_plane_rad", "pedestal_y_m"))
+    rocks = np.maximum(np.abs(motion.theta_rad), np.abs(across_rad - across_rad[0])) > resolution_rad
+    aside = np.abs(np.diff(across_m, prepend=across_m[0])) > support.SLIDES_M_S * np.diff(t_s, prepend=t_s[0])
+    code = rocks + 2 * ((np.abs(motion.slip_rate_m_s) > stuck_below_m_s) | aside)
+    code[support.statue_slides(t_s, slid_m)[1]] = 4
     # Passing upright is no rest: a short stay in the band between two sides of rocking is rocking.
     names = get_args(PatternName)
     edges = np.concatenate([[0], np.flatnonzero(np.diff(code)) + 1, [code.size - 1]])
-    patterns: list[Pattern] = []
+    found: list[Pattern] = []
     for start, stop in pairwise(edges):
         name = names[int(code[start])]
         begin, end = float(t_s[start]), float(t_s[stop])
-        if patterns and (patterns[-1].name == name or end - begin < SHORTEST_PATTERN_S):
-            patterns[-1] = Pattern(patterns[-1].start_s, end, patterns[-1].name)
+        if found and (found[-1].name == name or end - begin < SHORTEST_PATTERN_S):
+            found[-1] = Pattern(found[-1].start_s, end, found[-1].name)
         elif end > begin:
-            patterns.append(Pattern(begin, end, name))
-    return tuple(patterns)
+            found.append(Pattern(begin, end, name))
+    return tuple(found)
 
 
 # How a run ends whose statue still moves over still ground: by the rule of the analytic model, from the state in which it ends.
@@ -543,7 +547,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
         uplift_times_s=tuple(time for time in cycles.uplift_times_s if time <= end_s),
         peak_slip_m=float(np.abs(motion.slip_m).max()),
         residual_slip_m=float(np.interp(end_s, motion.t_s, motion.slip_m)),
-        patterns=patterns(motion.t_s, theta, motion.slip_rate_m_s, report.resolution_rad, report.stuck_below_m_s),
+        patterns=patterns(motion, slid_m, report.resolution_rad, report.stuck_below_m_s),
         validity=validity | dict(report.validity),
         work=report.work,
         skipped=report.skipped,

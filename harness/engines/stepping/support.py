@@ -44,15 +44,10 @@ def plain_spells(
     """
     t_s = motion.t_s
     lengths = np.diff(t_s, prepend=t_s[0])
-    slides = np.abs(np.diff(slip_m, prepend=slip_m[0])) > SLIDES_M_S * lengths
-    slid, lifted = np.abs(slip_m) > LEFT_M, gap_m > LEFT_M
-    if slid.any():
-        # The slip that passes the limit began a little before.
-        passed = int(slid.argmax())
-        slid[np.flatnonzero(~slides[:passed]).max(initial=-1) + 1 : passed] = True
+    lifted = gap_m > LEFT_M
     # By reason: since when it counts, and while it does.
     causes = {
-        "statue_slides": (slid, slid & slides),
+        "statue_slides": statue_slides(t_s, slip_m),
         "contact_lost": (lifted, lifted),
     }
     if pedestal is not None and motion.pedestal_xz_m is not None:
@@ -67,6 +62,17 @@ def plain_spells(
         "plain_for_s": float(lengths[plain].sum()),
         "plain_because": sorted(first, key=lambda name: first[name]),
     }
+
+
+def statue_slides(t_s: Array, slip_m: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Since when a slip of the statue on its support counts, and while it goes on, shape (n,)."""
+    slides = np.abs(np.diff(slip_m, prepend=slip_m[0])) > SLIDES_M_S * np.diff(t_s, prepend=t_s[0])
+    slid = np.abs(slip_m) > LEFT_M
+    if slid.any():
+        # The slip that passes the limit began a little before.
+        passed = int(slid.argmax())
+        slid[np.flatnonzero(~slides[:passed]).max(initial=-1) + 1 : passed] = True
+    return slid, slid & slides
 
 
 CORNERS_ONLY_RAD: Final = 0.3

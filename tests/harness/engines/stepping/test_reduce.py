@@ -188,12 +188,16 @@ def test_flight_is_told_from_lying_on_another_edge() -> None:
     for lift_m in (0.0, 0.01):
         at = place + np.array([0.0, 0.0, lift_m])
         rocking = replace(standing(zero, zero), statue_xz_m=at[:, [0, 2]], extra=statue_columns(block, turn, at))
-        found = reduce_trajectory(scene(block, duration_s=2.0), rocking, REPORT).validity
+        run = reduce_trajectory(scene(block, duration_s=2.0), rocking, REPORT)
+        found = run.validity
+        assert run.patterns[-1].name == "rocking"
         assert found["statue_flight_m"] == pytest.approx(lift_m, abs=1e-9)
         assert found["plain_because"] == (["contact_lost"] if lift_m else [])
     sliding = place + np.column_stack([zero, 0.01 * TIMES, zero])
     aside = replace(standing(zero, zero), statue_xz_m=sliding[:, [0, 2]], extra=statue_columns(block, turn, sliding))
-    assert reduce_trajectory(scene(block, duration_s=2.0), aside, REPORT).validity["plain_because"] == ["statue_slides"]
+    slid = reduce_trajectory(scene(block, duration_s=2.0), aside, REPORT)
+    assert slid.validity["plain_because"] == ["statue_slides"]
+    assert slid.patterns[-1].name == "statue_slides"
     bulge = np.vstack([PAESTUM.section_m, [[0.4, 0.5]]])
     rounded = replace(on, statue=replace(PAESTUM, section_m=bulge))
     found = reduce_trajectory(rounded, lying, REPORT).validity
