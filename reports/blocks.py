@@ -10,7 +10,7 @@ from typing import Any, Final, TypeAlias
 from markupsafe import Markup
 
 from harness.model.finding import Finding, Severity, weighed
-from harness.records.base import Record
+from harness.records.base import Record, option_words
 from reports.messages import Language
 
 SHOWN_POINTS: Final = 6
@@ -264,13 +264,8 @@ def grid(charts: Iterable[Chart | Drawing]) -> Group | None:
 
 
 def command_line(name: str, *words: str, **options: object) -> str:
-    """A command with what is given of its options, each once for every item of a list."""
-    line = ["rockcheck", *name.split(), *words]
-    for option, value in options.items():
-        flag = f"-{option}" if len(option) == 1 else f"--{option}"
-        for each in value if isinstance(value, (list, tuple)) else [value]:
-            line += [flag, str(each)] if each else []
-    return shlex.join(line)
+    """A command with what is given of its options."""
+    return shlex.join(["rockcheck", *name.split(), *words, *option_words(**options)])
 
 
 def repeat(say: Language, record: Record, *commands: str, more: Sequence[Block | None] = ()) -> list[Section]:

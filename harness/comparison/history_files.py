@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -71,13 +72,14 @@ def compare_files(
     return replace(scores, findings=(*scores.findings, *missing))
 
 
-def write_comparison(a: Path, b: Path, scores: Scores, folder: Path) -> None:
-    """Write the scores of two files, with both histories, into a result folder; raises `InputError` rather than lose a file."""
+def write_comparison(a: Path, b: Path, scores: Scores, folder: Path, asked: Sequence[str] | None = None) -> None:
+    """Write the scores of two files, by these options of the command, with both histories, into a result folder; raises
+    `InputError` rather than lose a file."""
     names = [*PAGES, RECORD, COMING, *FILES]
     check_inputs(folder, names, (a, b))
     check_folder(folder, ("compare",), names)
     record = CompareRecord(
-        title=f"{scores.a} against {scores.b}", scores=scores, versions=versions(), machine=machine()
+        title=f"{scores.a} against {scores.b}", scores=scores, asked=asked, versions=versions(), machine=machine()
     )
 
     def write(fresh: Path) -> None:

@@ -47,6 +47,8 @@ class Record:
     title: str
     answer: Answer | None = field(default=None, metadata=OMITTED)
     """The headline, on every page and terminal."""
+    asked: Sequence[str] | None = field(default=None, metadata=OMITTED)
+    """Options of its command that change what it computes, as it takes them; files and engines stand elsewhere."""
     findings: Sequence[Finding] = ()
     """All that is to be known of the result, by severity."""
     versions: Mapping[str, str]
@@ -62,6 +64,16 @@ class Record:
     def plain(self) -> Plain:
         """The record as plain JSON values in the order of its fields."""
         return plain(self)
+
+
+def option_words(**options: object) -> list[str]:
+    """Options of a command as it takes them, each once for every item of a list; those that are not given are left out."""
+    words: list[str] = []
+    for name, value in options.items():
+        flag = f"-{name}" if len(name) == 1 else f"--{name.replace('_', '-')}"
+        for each in value if isinstance(value, (list, tuple)) else [value]:
+            words += [flag, *([] if each is True else [str(each)])] if each else []
+    return words
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from harness.input.paths import read_files
@@ -19,6 +19,7 @@ from harness.questions.assess.assessment import Assessed, assess
 from harness.questions.assess.by_model import MODEL
 from harness.questions.assess.options import read_options
 from harness.records.assess import AssessRecord
+from harness.records.base import option_words
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.runs.progress import ProgressMessages
 from harness.runs.runner import DaskPool, LocalPool
@@ -114,6 +115,9 @@ def run(
                 on_progress=messages.now,
             )
 
+        words = vars(sampling) | {"seed": None, "options": options and options.name, "no_options": no_options}
+        record = replace(assessed.record, asked=option_words(**words))
+
         def write(fresh: Path) -> None:
             if csv:
                 _write_draws(assessed, fresh / DRAWS_NAME)
@@ -122,7 +126,7 @@ def run(
                 for made in scene_file.parent.iterdir():
                     shutil.copy(made, fresh)
 
-        return write_whole(folder, assessed.record.texted(say), write)
+        return write_whole(folder, record.texted(say), write)
 
 
 def _write_draws(assessed: Assessed, path: Path) -> None:

@@ -139,27 +139,26 @@ def compare(
     from harness.comparison.scores.pointwise import Measured
     from harness.model.finding import info
     from harness.model.run import to_plain
+    from harness.records.base import option_words
     from reports.text.wording import scores_text
 
     if from_inputs and measured is None:
         raise InputError(Mistake("--input-uncertainty", "", "beside --measured-uncertainty", "alone"))
     over_all: dict[str, SetScores] = {}
+    of_files = {"uncertainty": uncertainty, "slip_uncertainty": slip_uncertainty, "measured_uncertainty": measured}
+    given = {name: str(value) for name, value in of_files.items() if value is not None}
     if any(path.suffix == ".csv" for path in files):
         if (asked, target, horizon) != (EngineOptions(), TargetOptions(), False):
             no_run = "no -e, --set, --accuracy, --dt or --horizon with histories: nothing is run"
             raise InputError(Mistake("compare", "", no_run, "one of them"))
+        words = option_words(**given, input_uncertainty=from_inputs, iso=iso)
         pairs = compared_histories(
-            files, out, uncertainty_rad=uncertainty, slip_uncertainty_m=slip_uncertainty, iso=iso,
+            files, out, words, uncertainty_rad=uncertainty, slip_uncertainty_m=slip_uncertainty, iso=iso,
             measured=None if measured is None else Measured(measured, from_inputs),
         )  # fmt: skip
     else:
-        of_files = {
-            "--uncertainty": uncertainty,
-            "--slip-uncertainty": slip_uncertainty,
-            "--measured-uncertainty": measured,
-        }
-        for named in (name for name, value in of_files.items() if value is not None):
-            raise InputError(Mistake(named, "", "two .csv histories: runs state their own", "scenes"))
+        for word in option_words(**given):
+            raise InputError(Mistake(word, "", "two .csv histories: runs state their own", "scenes"))
         if out is not None:
             raise InputError(
                 Mistake("--out", "", "two .csv histories", "scenes", "`rockcheck run SCENE` writes their page")
@@ -176,7 +175,9 @@ def compare(
     saying.say(to_plain(pairs | ({"over_all_scenes": over_all} if over_all else {})), "\n".join(lines))
 
 
-def compared_histories(files: Sequence[Path], out: Path | None, **stated: Any) -> dict[str, Scores]:
+def compared_histories(
+    files: Sequence[Path], out: Path | None, asked: Sequence[str], **stated: Any
+) -> dict[str, Scores]:
     """The scores of two history files, written into `out` where it is given. Raises `InputError` for other files."""
     from harness.comparison.history_files import compare_files, write_comparison
 
@@ -186,7 +187,7 @@ def compared_histories(files: Sequence[Path], out: Path | None, **stated: Any) -
     a, b = files
     scores = compare_files(a, b, **stated)
     if out is not None:
-        write_comparison(a, b, scores, out)
+        write_comparison(a, b, scores, out, asked or None)
     return {f"{a.name}_vs_{b.name}": scores}
 
 

@@ -22,7 +22,7 @@ from harness.questions.study.file import load_study
 from harness.questions.study.study_record import export_csv, export_parquet, study_record
 from harness.questions.study.study_run import run_study, study_name
 from harness.questions.study.witnessed import witness_study
-from harness.records.base import Record
+from harness.records.base import Record, option_words
 from harness.records.result_folder import RECORD, check_folder, read_own, write_whole
 from harness.records.study import ExportRecord
 from harness.runs.progress import progress
@@ -92,6 +92,7 @@ def run(
             writer = export_parquet if export.suffix == ".parquet" else export_csv
             writer(store, study_name(study), export, _exported(export, folder))
             finished = replace(finished, export=ExportRecord(os.path.realpath(export), checksum(export)))
+        finished = replace(finished, asked=option_words(witness=witness, large=large) or None)
         return write_whole(folder, finished.texted(say))
 
 

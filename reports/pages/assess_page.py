@@ -223,9 +223,8 @@ def _source(item: Uncertain, say: Language, *, assumed: bool) -> str:
 
 def _again(record: AssessRecord, say: Language) -> list[str]:
     """The command of the assessment, and its scene as it was run."""
-    draws = max(item.draws for item in record.answers.values()) if record.answers else None
     file = record.scene.file or "SCENE"
     return [
-        command_line("assess", file, e=[*record.assessment], draws=draws, seed=record.seed),
+        command_line("assess", file, *(record.asked or ()), e=[*record.assessment], seed=record.seed),
         *as_run(record.scene, say),
     ]

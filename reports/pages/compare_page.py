@@ -30,5 +30,5 @@ def blocks(folder: Path, record: CompareRecord, say: Language) -> list[Block]:
             say, "histories", Chart("histories", say("text.compare_chart"), compare_figure(names, a, b, say), 1060)
         ),
         *section(say, "scores", Table(say("table.compare"), ["", say("label.value")], rows)),
-        *repeat(say, record, command_line("compare", scores.a, scores.b, out=folder.name)),
+        *repeat(say, record, command_line("compare", scores.a, scores.b, *(record.asked or ()), out=folder.name)),
     ]

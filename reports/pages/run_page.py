@@ -129,7 +129,7 @@ def _details(source: RunSource, say: Language) -> list[Block]:
     scores = Table(say("table.scores"), ["", *map(_pair, record.scores)], rows)
     by_model = Group("columns", [Group("", [Facts(pairs)], name) for name, pairs in limits.items()])
     settings = Group("columns", [Group("", [facts(say, run.settings)], name) for name, run in source.runs.items()])
-    command = command_line("run", source.scene.file or "scene.toml", e=[*source.runs])
+    command = command_line("run", source.scene.file or "scene.toml", *(record.asked or ()), e=[*source.runs])
     again = [command, *as_run(source.scene, say)]
     made = repeat(say, record)[0].blocks
     return [

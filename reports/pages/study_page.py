@@ -95,7 +95,8 @@ def blocks(_folder: Path, record: StudyRecord, say: Language) -> list[Block]:
         *section(say, "scene", Group("split", [picture, Facts(vary, "")])),
         *section(say, "asked", Text(reasons, "plan"), *notes(say, record.findings)),
         *repeat(
-            say, record, command_line("study", record.file), more=[Group("", [seconds], say("text.engine_time"))]
+            say, record, command_line("study", record.file, *(record.asked or ())),
+            more=[Group("", [seconds], say("text.engine_time"))],
         ),
     ]  # fmt: skip
 

@@ -37,8 +37,8 @@ def blocks(_folder: Path, record: TrustRecord, say: Language) -> list[Block]:
     }
     command = command_line("run", record.scene.file or "SCENE", e=record.engines, set=record.overrides)
     whole = command_line(
-        "trust", record.scene.file or "SCENE", *(["--coarse"] if record.coarse else []), e=record.engines,
-        set=record.overrides, motion=record.motion, seed=record.seed,
+        "trust", record.scene.file or "SCENE", coarse=record.coarse, e=record.engines, set=record.overrides,
+        motion=record.motion, seed=record.seed,
     )  # fmt: skip
     *_, floor = record.maps
     run = point_figure(record.maps, say)

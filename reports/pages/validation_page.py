@@ -76,7 +76,7 @@ def blocks(_folder: Path, record: ValidationRecord, say: Language) -> list[Block
     share = record.fit_share.name
     again = command_line(
         "validate", record.experiments, e=[*models], samples=record.samples, seed=record.seed,
-        **{"fit-share": "" if share == "fit" else share},
+        fit_share="" if share == "fit" else share,
     )  # fmt: skip
     return [
         verdict(record),

@@ -20,13 +20,14 @@ from harness.engines.base import Engine, EngineFailure
 from harness.input.paths import read_files
 from harness.model.finding import Answer, Finding, Say, caution, info, weighed
 from harness.model.history import Outcome, history_file
-from harness.model.run import Run, RunOptions, machine, versions
+from harness.model.run import SKIPS, Run, RunOptions, machine, versions
 from harness.model.scene import Scene
 from harness.questions.scene import floor_impact
 from harness.questions.scene.answer import answer_of
 from harness.questions.scene.left_out import TakenAway, explained, with_reasons
 from harness.questions.scene.witness import doubted, findings_of, finer_rad, finer_runs, witnesses
 from harness.records.assess import Assessment
+from harness.records.base import option_words
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.records.run import DecidedBy, HorizonRecord, RunRecord, Witness, own_moves
 from harness.records.scene import SceneRecord, motion_of
@@ -53,6 +54,7 @@ class Result:
     assessment: Mapping[str, Assessment] = field(default_factory=dict)
     witness: Mapping[str, Witness] = field(default_factory=dict)
     decided_by: DecidedBy | None = None
+    asked: Sequence[str] | None = None
 
     @property
     def failed(self) -> bool:
@@ -107,6 +109,7 @@ class Result:
             title=self.scene.title,
             scene=SceneRecord.of(self.scene),
             answer=self.answer(),
+            asked=self.asked,
             findings=self.findings(),
             motion=motion_of(self.scene),
             runs=self.runs,
@@ -168,6 +171,10 @@ def run_scene(
     steps = plan(scene, loaded, options, engines.REGISTRY)
     start = time.perf_counter()
     target = RunTarget(accuracy_rad, dt_s, options)
+    off = [name for name in SKIPS if name not in options.skips]
+    asked = option_words(
+        accuracy=accuracy_rad, dt=dt_s, no_skip=off if options.skips else "all", witness=witness, no_assess=not assess
+    )
     runs, refined = dict(stored or {}), list[str]()
     horizons, scores = dict(stored_horizons or {}), dict[str, Scores]()
     assessment, witness_answers = dict[str, Assessment](), dict[str, Witness]()
@@ -179,7 +186,7 @@ def run_scene(
         told = replace(scene, findings=(*scene.findings, *_findings(scene, known(), refined, target)))
         seconds = time.perf_counter() - start
         choice = floor_impact.decided_by(scene, known())
-        return Result(told, known(), scores, steps, seconds, horizons, assessment, witness_answers, choice)
+        return Result(told, known(), scores, steps, seconds, horizons, assessment, witness_answers, choice, asked)
 
     try:
         _run_engines(scene, loaded, target, runs, on_progress, apart=apart)
