@@ -59,13 +59,17 @@ docs: $(STAMP) ## write the API reference from the docstrings, without a network
 	@echo "API reference: out/api/index.html"
 
 bench: $(STAMP) ## run time against error, in one run
-	@$(PY) -m tests.measures.whole bench
+	@$(VENV)/bin/rockcheck bench
+	@$(PY) -m tests.measures.other_integrators
+	@$(PY) -m tests.measures.engine_defaults
 	-@$(VENV)/bin/python -m tests.measures.goals
 	@$(VENV)/bin/python -m tests.measures.scoring
 	@$(VENV)/bin/python -m tests.measures.calibration
 
 stress: $(STAMP) ## hard scenes and mutated input
-	@$(PY) -m tests.measures.whole stress
+	@$(VENV)/bin/rockcheck stress
+	@$(PY) -m tests.measures.invariance_checks
+	@$(PY) -m tests.fuzz
 
 lock: ## renew requirements.lock from pyproject.toml
 	@$(PY) -m pip install --quiet uv

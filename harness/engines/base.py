@@ -121,7 +121,7 @@ class Engine(ABC):
     """Declared order of convergence of the rotation in `dt_s`, before the first impact."""
     agreements: ClassVar[int] = 2
     """Comparisons of a run with the next finer one that must hold in a row before an accuracy counts as reached: one where errors
-    are shown to fall evenly with the step (`python -m tests.measures.coverage`), two where runs may agree by chance."""
+    are shown to fall evenly with the step (`python -m tests.measures.random_scenes`), two where runs may agree by chance."""
 
     def __init_subclass__(cls) -> None:
         """Let nothing but `EngineFailure` and a user's mistakes out of the class's runs, whoever asks for them."""

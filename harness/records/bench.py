@@ -10,12 +10,10 @@ from typing import Final, Literal
 from harness.model.finding import Answer, Finding, caution, changes_answer, info
 from harness.records.base import Record
 
-Group = Literal["level", "accuracy", "default", "other project"]
+Group = Literal["level", "accuracy"]
 LEVEL: Final = "level"
 TARGET: Final = "accuracy"
-DEFAULT: Final = "default"
-OTHER_PROJECT: Final = "other project"
-"""Groups of rows: a level, what the target takes, the engine's own defaults, another project's settings."""
+"""Groups of rows: a level, what the target takes."""
 TOGETHER: Final = "all together"
 """The skip of a row that has them all."""
 
@@ -70,78 +68,6 @@ class LevelChoice:
 
 
 @dataclass(frozen=True)
-class LevelRow:
-    """One level of an engine on a seeded scene: its error and processor time, or why there are none."""
-
-    dt_s: float
-    failed: str | None = None
-    error_rad: float | None = None
-    cpu_s: float | None = None
-
-
-@dataclass(frozen=True)
-class Statement:
-    """What a run stated of itself, and what it was off by while that is said to hold (None: it kept no history)."""
-
-    engine: str
-    outcome: str
-    dt_s: float | None
-    runs: int
-    steps: int
-    stated_rad: float
-    stated_m: float
-    reliable_until_s: float
-    end_s: float
-    error_rad: float | None
-    error_m: float | None
-    plain_from_s: float | None = None
-
-    @property
-    def rotation_holds(self) -> bool:
-        """Whether the error of the rotation stays within the statement."""
-        return self.error_rad is not None and self.error_rad <= self.stated_rad
-
-    @property
-    def slip_holds(self) -> bool:
-        """Whether that of the slip does."""
-        return self.error_m is not None and self.error_m <= self.stated_m
-
-    @property
-    def share(self) -> float:
-        """For what share of the run's length it is said to hold."""
-        return self.reliable_until_s / self.end_s if self.end_s > 0.0 else 1.0
-
-
-@dataclass(frozen=True)
-class Coverage:
-    """One seeded scene run to a target; no statement where the process died.
-
-    `cpu_s`: processor time of that run; `levels` where it was met to the end, since else none is known to be enough.
-    """
-
-    engine: str
-    seed: int
-    target_rad: float
-    stated: Statement | None = None
-    cpu_s: float = 0.0
-    levels: Sequence[LevelRow] = ()
-
-    @property
-    def covered(self) -> bool:
-        """Whether the errors of rotation and slip stay within the statement while it holds."""
-        return self.stated is not None and self.stated.rotation_holds and self.stated.slip_holds
-
-
-@dataclass(frozen=True)
-class Covered:
-    """An engine's seeded scenes: on how many the error lay within the statement, and on which it did not."""
-
-    inside: int
-    total: int
-    missed: Sequence[int] = ()
-
-
-@dataclass(frozen=True)
 class SkipRow:
     """Seconds with a skip and without it, outcomes that it `changed`, or why it was not measured (`failed`).
 
@@ -181,45 +107,6 @@ class ScalingRow:
 
 
 @dataclass(frozen=True)
-class SolverRow:
-    """One setting of a solver on a case: its error against the exact θ, rad, and the least processor time of all rounds, s."""
-
-    case: str
-    solver: str
-    tolerance: float
-    how: str = ""
-    work: int = 0
-    error_rad: float | None = None
-    seconds: float | None = None
-    failed: str | None = None
-
-
-@dataclass(frozen=True)
-class Throughput:
-    """Outcome-only runs of a map over amplitude and frequency: how many, how fast, their steps, the share that overturned."""
-
-    runs: int
-    threads: int
-    wall_s: float
-    cpu_s: float
-    runs_per_s: float
-    runs_per_core_s: float
-    steps_per_run: float
-    us_per_step: float
-    overturned: float
-
-
-@dataclass(frozen=True)
-class StartRow:
-    """Seconds to import the model and for its first call, and their ratios to numpy's and numba's import and a trivial call."""
-
-    import_s: float
-    first_call_s: float
-    import_ratio: float
-    first_call_ratio: float
-
-
-@dataclass(frozen=True)
 class PartRow:
     """What a part of a measurement took: by the clock, of the processor (`busy_s`); tasks that are left to do."""
 
@@ -251,26 +138,18 @@ class BenchRecord(Record):
     rows: Sequence[PrecisionRow] = ()
     absent: Mapping[str, str] = field(default_factory=dict)
     choice: Sequence[LevelChoice] = ()
-    seeded: Sequence[LevelChoice] = ()
-    coverage: Mapping[str, Covered] = field(default_factory=dict)
-    coverage_rows: Sequence[Coverage] = ()
     skips: Sequence[SkipRow] = ()
     scaling: Sequence[ScalingRow] = ()
-    solvers: Sequence[SolverRow] = ()
-    throughput: Mapping[str, Throughput] = field(default_factory=dict)
-    startup: StartRow | None = None
-    overhead: Mapping[str, float] = field(default_factory=dict)
-    scans: Mapping[str, float] = field(default_factory=dict)
     parts: Sequence[PartRow] = ()
     seconds: float
 
 
-# The record of a stress run: stability maps, hard scenes and the mutated inputs.
+# The record of a stress run: stability maps and hard scenes.
 
 CELL: Final = ("setting", "difficulty", "category")
 """What is said of a cell that nothing explains."""
-Remedy = Literal["step", "iterations", "margin", "spheres"]
-"""What makes a cell stable: a shorter step, more solver iterations, a hull without its margin, spheres instead of a hull."""
+Remedy = Literal["step", "iterations"]
+"""What makes a cell stable: a shorter step, more solver iterations."""
 
 
 @dataclass(frozen=True)
@@ -349,33 +228,6 @@ class HardRow:
         return self.got[engine] == self.wanted and not self.failed(engine)
 
 
-@dataclass(frozen=True)
-class Harm:
-    """An input that did harm: its seed (None: the whole file, or a process) and what came of it."""
-
-    seed: int | None
-    what: str
-
-
-@dataclass(frozen=True)
-class Mutated:
-    """Mutated inputs of one kind: how many were accepted and used, kinds of refusal, and what did harm."""
-
-    reader: str
-    inputs: int
-    tracebacks: int
-    hangs: int
-    half_written: int
-    accepted: int = 0
-    refusals: int = 0
-    found: Sequence[Harm] = ()
-
-    @property
-    def harm(self) -> int:
-        """How many did harm."""
-        return self.tracebacks + self.hangs + self.half_written
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StressRecord(Record):
     """`result.json` of `rockcheck stress`; `absent`: what was not run, and why."""
@@ -386,16 +238,14 @@ class StressRecord(Record):
     absent: Mapping[str, str] = field(default_factory=dict)
     scenes: Sequence[HardRow] = ()
     cells: Sequence[StabilityCell] = ()
-    fuzz: Sequence[Mutated] = ()
     parts: Sequence[PartRow] = ()
     seconds: float
 
     @property
     def holds(self) -> bool:
-        """Whether every hard scene came out, every cell is explained, no mutated input did harm, and nothing is left to do."""
+        """Whether every hard scene came out, every cell is explained, and nothing is left to do."""
         whole = not any(part.left for part in self.parts)
-        sound = not any(cell.unexplained for cell in self.cells) and not any(item.harm for item in self.fuzz)
-        return whole and sound and all(row.holds for row in self.scenes)
+        return whole and not any(cell.unexplained for cell in self.cells) and all(row.holds for row in self.scenes)
 
 
 def answer_of(record: StressRecord) -> Answer:
@@ -410,7 +260,7 @@ def answer_of(record: StressRecord) -> Answer:
 
 
 def findings_of(record: StressRecord) -> list[Finding]:
-    """Scenes that did not come out, cells by category, mutated inputs that did harm."""
+    """Scenes that did not come out, cells by category."""
     found = []
     for row in record.scenes:
         wrong = {name: got for name, got in row.got.items() if got != row.wanted}
@@ -430,13 +280,5 @@ def findings_of(record: StressRecord) -> list[Finding]:
         changes_answer("cell_unexplained", **{key: vars(cell)[key] for key in CELL}).of(cell.engine)
         for cell in record.cells
         if cell.unexplained
-    ]
-    if inputs := sum(item.inputs for item in record.fuzz):
-        used, harm = sum(item.accepted for item in record.fuzz), sum(item.harm for item in record.fuzz)
-        found.append(info("mutated", inputs=inputs, used=used, harm=harm))
-    found += [
-        changes_answer("mutated_harm", reader=item.reader, seed=case.seed, what=case.what)
-        for item in record.fuzz
-        for case in item.found
     ]
     return [*found, *of_parts(record.parts, record.absent)]

@@ -45,15 +45,11 @@ class Part:
 
 @dataclass(frozen=True)
 class Measurement(Generic[R]):
-    """A command that measures: its parts, whole or `quick`, and its record, made of the rows of each part and of its `head`.
-
-    `sources`: folders of code that computes beside the packages, from the folder that holds these.
-    """
+    """A command that measures: its parts, whole or `quick`, and its record, made of the rows of each part and of its `head`."""
 
     name: str
     parts: Callable[[bool], list[Part]]
     assembled: Callable[[Mapping[str, list[Any]], Mapping[str, Any]], R]
-    sources: tuple[str, ...] = ()
 
     def run(
         self,
@@ -70,7 +66,7 @@ class Measurement(Generic[R]):
         """
         listed, kind = self.parts(quick), full_kind(self.name, "--quick" if quick else "")
         check_folder(folder, (kind,))
-        rows, spent = measure(folder, listed, only, stamp(quick, self.sources), on_progress, kind)
+        rows, spent = measure(folder, listed, only, stamp(quick), on_progress, kind)
         return write_whole(folder, self.assembled(rows, head(command(self.name, quick, spent), spent)).texted(say))
 
 
@@ -81,18 +77,18 @@ def head(command: str, spent: Sequence[PartRow]) -> dict[str, Any]:
     return {"command": command, "parts": spent, "seconds": seconds, **place}
 
 
-def source(more: Sequence[str] = ()) -> str:
+def source() -> str:
     """SHA-256 of what computes: rows of one version, but of different code, are no one measurement."""
     root = Path(__file__).resolve().parents[2]
     state = hashlib.sha256()
-    for path in sorted(path for name in (*PACKAGES, *more) for path in (root / name).rglob("*.py")):
+    for path in sorted(path for name in PACKAGES for path in (root / name).rglob("*.py")):
         state.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
     return state.hexdigest()
 
 
-def stamp(quick: bool, sources: Sequence[str] = ()) -> dict[str, object]:
+def stamp(quick: bool) -> dict[str, object]:
     """What rows of one measurement share: the versions, source, machine and option of now."""
-    return {"versions": record.versions(), "source": source(sources), "machine": record.machine(), "quick": quick}
+    return {"versions": record.versions(), "source": source(), "machine": record.machine(), "quick": quick}
 
 
 def measure(

@@ -11,7 +11,7 @@ from harness.comparison.statistics.outcomes import FELL
 from harness.model.history import History, pair
 from harness.questions.validate.scenes import GRAVITY_M_S2
 from harness.records.assess import FragilityRecord
-from harness.records.bench import DEFAULT, LEVEL, OTHER_PROJECT, TARGET, PrecisionRow, ScalingRow
+from harness.records.bench import LEVEL, TARGET, PrecisionRow, ScalingRow
 from harness.records.validation import Curves, ValidationRecord
 from reports.charts import Json
 from reports.charts.figure import (
@@ -95,7 +95,7 @@ def fragility_by_factor(fragility: FragilityRecord, say: Language = ENGLISH) -> 
     )
 
 
-SHAPES: Final = {LEVEL: "circle", TARGET: "diamond", DEFAULT: "square", OTHER_PROJECT: "triangle-up"}
+SHAPES: Final = {LEVEL: "circle", TARGET: "diamond"}
 QUANTITIES: Final = {"duration_s": "circle", "mesh_vertices": "square", "runs": "diamond", "workers": "triangle-up"}
 PANELS: Final = {"wall_s": 330.0, "memory_mb": 200.0}
 """For each measure its height."""

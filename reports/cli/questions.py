@@ -274,17 +274,17 @@ Parts = Annotated[
 @command(app, None, "rockcheck bench --out out/bench", "rockcheck bench --parts precision,skips")
 def bench(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
     """Measure run time against error for every engine and setting, what skips gain, and how cost grows."""
-    from harness.questions.bench import bench_run
+    from harness.questions.bench.bench_run import BENCH
 
-    measured(bench_run.bench(), saying, quick, parts, out)
+    measured(BENCH, saying, quick, parts, out)
 
 
 @command(app, None, "rockcheck stress --out out/stress", "rockcheck stress --parts scenes")
 def stress(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
-    """Run hard scenes and map each engine's stability (`make stress` also reads thousands of mutated files)."""
-    from harness.questions.bench.stress import stress_run
+    """Run hard scenes and map each engine's stability."""
+    from harness.questions.bench.stress.stress_run import STRESS
 
-    record = measured(stress_run.stress(), saying, quick, parts, out)
+    record = measured(STRESS, saying, quick, parts, out)
     raise typer.Exit(OK if record.holds else FAILED)
 
 

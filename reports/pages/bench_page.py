@@ -16,7 +16,6 @@ from reports.blocks import (
     Cell,
     Chart,
     Details,
-    Section,
     Table,
     Text,
     grid,
@@ -44,22 +43,14 @@ def blocks(_folder: Path, record: BenchRecord, say: Language) -> list[Block]:
             Chart("scaling", say("text.scaling_chart"), scaling_figure(record.scaling, say), 760),
         ]
     sizes = [{**vars(row), "size": f"{row.engine}, {say.heading(row.quantity)}"} for row in record.scaling]
-    covered = [
-        {"engine": name, "inside": say("text.of", part=item.inside, whole=item.total), "missed_seed": item.missed}
-        for name, item in record.coverage.items()
-    ]
     return [
         verdict(record),
         *section(say, "notes", *notes(say, record.findings)),
         *section(say, "work", words(say, "work"), grid(work)),
-        *section(
-            say, "choice", _choices(say, "target", record.choice, record.target_rad), _choices(say, "seeded", record.seeded),
-            table(say, "coverage", "engine inside missed_seed", covered),
-        ),
+        *section(say, "choice", _choices(say, record.choice, record.target_rad)),
         *section(
             say, "skips", table(say, "skips", "skip scenes on_s off_s gain result", [_skip(row, say) for row in record.skips])
         ),
-        *_others(record, say),
         *section(say, "scaling", *scaling, table(say, "scaling", "size value wall_s memory_mb", sizes)),
         *section(
             say, "rows", *(Details(each, [_rows(each, rows, say)], fold=k == 0) for k, each in enumerate(scenes))
@@ -68,10 +59,10 @@ def blocks(_folder: Path, record: BenchRecord, say: Language) -> list[Block]:
     ]  # fmt: skip
 
 
-def _choices(say: Language, name: str, items: Sequence[LevelChoice], target_rad: float = 0.0) -> Table | None:
+def _choices(say: Language, items: Sequence[LevelChoice], target_rad: float) -> Table | None:
     columns = "engine met total_s fixed_s share median_times worst_times worst_scene"
     rows = [{**vars(item), "met": say("text.of", part=item.met, whole=item.scenes)} for item in items]
-    return table(say, name, columns, rows, target=f"{target_rad:g}")
+    return table(say, "target", columns, rows, target=f"{target_rad:g}")
 
 
 def _skip(row: SkipRow, say: Language) -> dict[str, object]:
@@ -83,43 +74,6 @@ def _skip(row: SkipRow, say: Language) -> dict[str, object]:
     parts += [] if row.apart_rad is None else [say("text.apart", apart=say.digits(row.apart_rad, 2))]
     result = ", ".join(parts) + (say("text.unsettled", count=len(row.unsettled)) if row.unsettled else "")
     return {**vars(row), "skip": name, "gain": row.gain, "result": result}
-
-
-def _others(record: BenchRecord, say: Language) -> list[Section]:
-    """The model beside other solvers of its equations, its outcomes by the second, and an engine's run over a bare loop."""
-    solvers = [
-        {**vars(row), "solver": ", ".join(filter(None, (row.solver, row.how))), "error_rad": row.failed or row.error_rad,
-         "work": None if row.failed else row.work}
-        for row in record.solvers
-    ]  # fmt: skip
-    outcomes = [
-        {**vars(item), "kind": name.replace("_", " "), "per_core": item.runs_per_core_s}
-        for name, item in record.throughput.items()
-        if name != "map"
-    ]
-    kinds = [name.removesuffix("_ratio") for name in record.overhead if name.endswith("_ratio")]
-    loops = [
-        {
-            "kind": kind.replace("_", " "),
-            **{part: record.overhead[f"{kind}_{part}"] for part in ("run_s", "bare_s", "ratio")},
-        }
-        for kind in kinds
-    ]
-    cases = dict.fromkeys(row.case for row in record.solvers)
-    by_case = [
-        table(
-            say,
-            "solvers",
-            "solver tolerance error_rad seconds work",
-            [row for row in solvers if row["case"] == case],
-            case=case,
-        )
-        for case in cases
-    ]
-    return section(
-        say, "others", *by_case, table(say, "throughput", "kind per_core steps_per_run runs", outcomes),
-        table(say, "overhead", "kind run_s bare_s ratio", loops),
-    )  # fmt: skip
 
 
 def _rows(scene: str, rows: Sequence[PrecisionRow], say: Language) -> Block:

@@ -1,4 +1,4 @@
-"""The page of a stress run (`harness/records/bench.py`): each engine's stability map, the hard scenes, the mutated inputs."""
+"""The page of a stress run (`harness/records/bench.py`): each engine's stability map and the hard scenes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ from reports.blocks import (
     notes,
     repeat,
     section,
-    table,
     verdict,
 )
 from reports.charts.map_figures import stability_figure
@@ -45,9 +44,6 @@ def blocks(_folder: Path, record: StressRecord, say: Language) -> list[Block]:
         *section(say, "notes", *notes(say, record.findings)),
         *section(say, "scenes", scenes if record.scenes else None),
         *section(say, "maps", signs, *maps),
-        *section(
-            say, "fuzz", table(say, "fuzz", "reader inputs accepted refusals tracebacks hangs half_written", record.fuzz)
-        ),
         *repeat(say, record, record.command),
     ]  # fmt: skip
 

@@ -19,13 +19,11 @@ from types import FrameType
 from typing import Any, Final
 
 from harness.model.errors import InputError
-from harness.questions.bench.stress.stress_run import COUNTS, EXAMPLES
 from meshes import MeshError
 from tests.fuzz.mutate import mutated
 from tests.fuzz.originals import Kind, kinds, prepare
+from tests.fuzz.pieces import COUNTS, EXAMPLES, Row
 from tests.fuzz.use import WRITTEN, unfinished
-
-Row = dict[str, Any]
 
 HANG_S: Final = 10
 """Most processor time for one small file; reading takes milliseconds."""

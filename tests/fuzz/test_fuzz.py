@@ -17,8 +17,6 @@ import pytest
 
 from harness.input.motions.recordfile import RecordFile
 from harness.model.errors import InputError, Mistake
-from harness.questions.bench.stress.stress_run import INPUTS as WHOLE
-from harness.questions.bench.stress.stress_run import summed
 from tests.fuzz.fuzz_run import Tried, attempt, rows
 from tests.fuzz.mutate import (
     BINARY,
@@ -34,6 +32,8 @@ from tests.fuzz.mutate import (
     point,
 )
 from tests.fuzz.originals import EFFECTS, EXPERIMENTS, SCENE, Kind, kinds, obj, ply, prepare, stl, tosses
+from tests.fuzz.pieces import INPUTS as WHOLE
+from tests.fuzz.pieces import summed
 from tests.fuzz.records import at2, cosmos, esm, smc
 from tests.fuzz.use import WRITTEN, unfinished
 

@@ -30,8 +30,7 @@ from analytic.block import GRAVITY_M_S2
 from analytic.problem import Options, Problem, encode
 from analytic.solver import Prepared, prepare
 from analytic.sweep import body_of, certify_rows
-from harness.questions.bench.programs import Cost, cost, costs
-from harness.records.bench import SolverRow, Throughput
+from harness.questions.bench.cost import Cost, cost, costs
 from tests.measures.reference_integrators import Model, heyoka_solver, scipy_run
 
 COLUMN: Final = Block.rectangle(width_m=0.5, height_m=2.0, mass_kg=1000.0)
@@ -47,6 +46,35 @@ RECORD_STEP_S: Final = 0.01
 
 Answer = tuple[NDArray[np.float64], int]
 """θ at a case's instants, or at the last of them, rad, and the work by the solver's own measure."""
+
+
+@dataclass(frozen=True)
+class SolverRow:
+    """One setting of a solver on a case: its error against the exact θ, rad, and the least processor time of all rounds, s."""
+
+    case: str
+    solver: str
+    tolerance: float
+    how: str = ""
+    work: int = 0
+    error_rad: float | None = None
+    seconds: float | None = None
+    failed: str | None = None
+
+
+@dataclass(frozen=True)
+class Throughput:
+    """Outcome-only runs of a map over amplitude and frequency: how many, how fast, their steps, the share that overturned."""
+
+    runs: int
+    threads: int
+    wall_s: float
+    cpu_s: float
+    runs_per_s: float
+    runs_per_core_s: float
+    steps_per_run: float
+    us_per_step: float
+    overturned: float
 
 
 class Entry(NamedTuple):

@@ -1,37 +1,55 @@
-"""Is the stated numerical uncertainty honest, and what does a target take? Seeded scenes, each against a much finer run.
-
-`python -m tests.measures.coverage ENGINE [FIRST COUNT] [--levels]` prints a line of JSON per scene, then (on stderr) how many of
-them held; with `--levels` each level is run too, as the bench does.
-"""
+"""Is the stated numerical uncertainty honest? What a run stated beside a much finer one, and seeded scenes to ask it of."""
 
 from __future__ import annotations
 
-import json
-import sys
-import time
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from analytic.block import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
-from harness import engines
-from harness.accuracy.refinement import run_to_accuracy
-from harness.comparison.scores.pointwise import error_rad, errors
-from harness.engines.base import Engine, EngineFailure
+from harness.comparison.scores.pointwise import errors
+from harness.engines.base import Engine
 from harness.model.run import Run, RunOptions
 from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue
-from harness.questions.bench.bench_run import FIRST_SEED, SCENES
-from harness.questions.bench.precision import TARGET_RAD
-from harness.records.bench import Coverage, LevelRow, Statement
 
 REFERENCE_STEP_DIVISOR: Final = 5.0
 """The run that stands for the truth has a step this many times finer than the finest of the target's own two."""
-FINEST_S: Final = 2.5e-4
-"""Step of the finest level that is compared: the share of what it takes is clear by then, and finer ones take the most."""
 DURATION_S: Final = 3.0
+
+
+@dataclass(frozen=True)
+class Statement:
+    """What a run stated of itself, and what it was off by while that is said to hold (None: it kept no history)."""
+
+    engine: str
+    outcome: str
+    dt_s: float | None
+    runs: int
+    steps: int
+    stated_rad: float
+    stated_m: float
+    reliable_until_s: float
+    end_s: float
+    error_rad: float | None
+    error_m: float | None
+    plain_from_s: float | None = None
+
+    @property
+    def rotation_holds(self) -> bool:
+        """Whether the error of the rotation stays within the statement."""
+        return self.error_rad is not None and self.error_rad <= self.stated_rad
+
+    @property
+    def slip_holds(self) -> bool:
+        """Whether that of the slip does."""
+        return self.error_m is not None and self.error_m <= self.stated_m
+
+    @property
+    def share(self) -> float:
+        """For what share of the run's length it is said to hold."""
+        return self.reliable_until_s / self.end_s if self.end_s > 0.0 else 1.0
 
 
 def statement(run: Run, truth: Run) -> Statement:
@@ -45,49 +63,12 @@ def statement(run: Run, truth: Run) -> Statement:
     )  # fmt: skip
 
 
-def coverage(engine: Engine, accuracy_rad: float, seeds: Sequence[int], levels: bool = False) -> Iterator[Coverage]:
-    """For each seed run to the accuracy, then against a finer run of the same engine, and say whether the statement held.
-
-    Without the scenes of which no history was kept. `levels` runs each level too.
-    """
-    for seed in seeds:
-        scene = random_scene(seed)
-        begin = time.process_time()
-        run = run_to_accuracy(engine, scene, accuracy_rad, RunOptions())
-        cpu_s = time.process_time() - begin
-        truth = truth_of(engine, scene, run, run.bounded_until_s)
-        if run.history is None or truth.history is None:
-            continue
-        row = Coverage(engine.name, seed, accuracy_rad, statement(run, truth), cpu_s)
-        yield replace(row, levels=tuple(_levels(engine, scene, truth))) if levels and met_whole(row) else row
-
-
-def met_whole(row: Coverage) -> bool:
-    """Whether the target is met to the end of the run."""
-    return row.stated is not None and row.stated.share >= 1.0 and row.stated.stated_rad <= row.target_rad
-
-
 def truth_of(engine: Engine, scene: Scene, run: Run, until_s: float, finest_s: float = 0.0) -> Run:
     """A much finer run of the same engine up to a time, its step not below the finest; of one that certifies, its finest."""
     if engine.capabilities.certifies:
         return engine.simulate(scene, engine.refinement_levels(scene)[-1], RunOptions())
     settings = engine.settings_for_dt(scene, max(float(run.settings["dt_s"]) / REFERENCE_STEP_DIVISOR, finest_s))
     return engine.simulate(scene, settings, RunOptions(stop=lambda t_s, _: t_s > until_s))
-
-
-def _levels(engine: Engine, scene: Scene, truth: Run) -> Iterator[LevelRow]:
-    """Each level down to `FINEST_S`: its error and what it takes, timed once, after the run to the target."""
-    for settings in engine.refinement_levels(scene):
-        if settings.dt_s < FINEST_S:
-            return
-        begin = time.process_time()
-        try:
-            run = engine.simulate(scene, settings, RunOptions())
-        except EngineFailure as failure:
-            yield LevelRow(settings.dt_s, str(failure))
-            continue
-        cpu_s = time.process_time() - begin
-        yield LevelRow(settings.dt_s, None, error_rad(run, truth), cpu_s)
 
 
 def random_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
@@ -137,26 +118,3 @@ def _excitation(rng: np.random.Generator, peak_m_s2: float) -> Excitation:
     noise = rng.normal(size=times.size)
     smooth = np.convolve(noise, np.hanning(9), mode="same") * np.sin(np.pi * times / DURATION_S)
     return SampledAcceleration(times, peak_m_s2 * smooth / np.max(np.abs(smooth)))
-
-
-def main(arguments: Sequence[str]) -> None:
-    """Print the rows of an engine's seeds as they are measured, then the count."""
-    name, *numbers = (word for word in arguments if word != "--levels")
-    first, count = (int(item) for item in numbers) if numbers else (FIRST_SEED, SCENES)
-    engine, levels = engines.load(name), "--levels" in arguments
-    if levels:
-        # What is loaded and compiled once is not the first scene's cost.
-        scene = random_scene(first)
-        engine.simulate(scene, engine.refinement_levels(scene)[0], RunOptions())
-    missed: list[int] = []
-    scenes = 0
-    for row in coverage(engine, TARGET_RAD, range(first, first + count), levels):
-        scenes += 1
-        missed += [] if row.covered else [row.seed]
-        print(json.dumps(asdict(row)), flush=True)
-    held = scenes - len(missed)
-    print(f"{name}: the error lay within the statement on {held} of {scenes}; not on {missed}", file=sys.stderr)
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])

@@ -1,15 +1,13 @@
-"""Engines on their own defaults, and on another project's settings: what `bench` and `stress` set beside this project's.
+"""Engines on their own defaults, and on another project's settings: what stands beside the bench's and the stress run's rows.
 
-`python -m tests.measures.engine_defaults SCENE` prints the rows of a scene of the bench's standard set, each as JSON; `--hull
-DIFFICULTY` the errors, rad, of pybullet's own hull on a row of the stability map, by setting.
+`python -m tests.measures.engine_defaults` prints each setting's error and processor time on the bench's standard scenes, then the
+errors, rad, of pybullet's own hull on the rows of the stability map.
 """
 
 from __future__ import annotations
 
-import json
-import sys
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 from importlib import import_module
 from typing import Any, Final
@@ -20,13 +18,13 @@ from numpy.typing import NDArray
 from harness import engines
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
+from harness.questions.bench.cost import costs, timed
 from harness.questions.bench.precision import BUDGET_S, REPEATS, costing
-from harness.questions.bench.programs import costs, timed
-from harness.questions.bench.standard_scenes import Standard, scene_of, standard_set
+from harness.questions.bench.standard_scenes import Standard, resolved, scene_of, standard_set
 from harness.questions.bench.stress.checks import holds_until_s
 from harness.questions.bench.stress.hard_scenes import solution
 from harness.questions.bench.stress.stability import difficulties
-from harness.records.bench import DEFAULT, OTHER_PROJECT, PrecisionRow
+from harness.records.bench import PrecisionRow
 
 Array = NDArray[np.float64]
 
@@ -43,7 +41,6 @@ class Default:
     """Settings that are not this project's: `label`, the module that runs them, and what its `EngineDefaults` take."""
 
     engine: str
-    group: str
     label: str
     module: str
     given: Mapping[str, Any]
@@ -52,19 +49,19 @@ class Default:
 BULLET: Final = "tests.measures.pybullet_defaults"
 MUNK: Final = "tests.measures.pymunk_defaults"
 DEFAULTS: Final = (
-    Default("pybullet", DEFAULT, "own defaults, 1/240 s", BULLET, {}),
-    Default("pybullet", DEFAULT, "own defaults, 0.25 ms", BULLET, {"dt_s": 2.5e-4}),
-    Default("pybullet", DEFAULT, "damping 0, hull at its own margin, 0.25 ms", BULLET, {"dt_s": 2.5e-4, "damping": 0.0}),
+    Default("pybullet", "own defaults, 1/240 s", BULLET, {}),
+    Default("pybullet", "own defaults, 0.25 ms", BULLET, {"dt_s": 2.5e-4}),
+    Default("pybullet", "damping 0, hull at its own margin, 0.25 ms", BULLET, {"dt_s": 2.5e-4, "damping": 0.0}),
     Default(
-        "pybullet", DEFAULT, "damping 0, hull at margin 0, 0.25 ms", BULLET,
+        "pybullet", "damping 0, hull at margin 0, 0.25 ms", BULLET,
         {"dt_s": 2.5e-4, "damping": 0.0, "margin_m": 0.0, "breaking_m": 1e-4},
     ),
     Default(
-        "pybullet", OTHER_PROJECT, "virtual_shake_robot_pybullet: 1 ms, stiffness 1e5, damping 1", BULLET,
+        "pybullet", "virtual_shake_robot_pybullet: 1 ms, stiffness 1e5, damping 1", BULLET,
         {"dt_s": 1e-3, "iterations": 150, "stiffness_n_m": 1e5, "contact_damping": 1.0, "rolls": True},
     ),
-    Default("pymunk", DEFAULT, "own defaults, 1/240 s", MUNK, {}),
-    Default("pymunk", DEFAULT, "own defaults, 0.25 ms", MUNK, {"dt_s": 2.5e-4}),
+    Default("pymunk", "own defaults, 1/240 s", MUNK, {}),
+    Default("pymunk", "own defaults, 0.25 ms", MUNK, {"dt_s": 2.5e-4}),
 )  # fmt: skip
 """The other project is github.com/ZhiangChen/virtual_shake_robot_pybullet, its published engine and contact parameters."""
 
@@ -76,7 +73,7 @@ def rows_of(item: Standard, scene: Scene) -> Iterator[PrecisionRow]:
     for name in dict.fromkeys(default.engine for default in DEFAULTS):
         engine = engines.load(name)
         if engine.missing() is None and not (item.spatial and engine.capabilities.dimensions < 3):
-            yield from _defaults(PrecisionRow(name, item.name, DEFAULT, "", item.block), scene, exact)
+            yield from _defaults(PrecisionRow(name, item.name, "", item.block), scene, exact)
 
 
 def _defaults(base: PrecisionRow, scene: Scene, exact: Run) -> Iterator[PrecisionRow]:
@@ -90,7 +87,7 @@ def _defaults(base: PrecisionRow, scene: Scene, exact: Run) -> Iterator[Precisio
         error = largest(t_s, theta, exact)
         finite = bool(np.isfinite(error))
         row = replace(
-            base, group=default.group, label=default.label, dt_s=settings.dt_s, steps=t_s.size - 1,
+            base, label=default.label, dt_s=settings.dt_s, steps=t_s.size - 1,
             error_rad=error if finite else None, failed=None if finite else "its numbers diverged",
         )  # fmt: skip
         yield costing(row, spent, scene.duration_s)
@@ -116,15 +113,16 @@ def hull_errors(difficulty: str) -> dict[str, float]:
     return errors
 
 
-def main(arguments: Sequence[str]) -> None:
-    """Print what is asked."""
-    if arguments[0] == "--hull":
-        print(json.dumps(hull_errors(arguments[1])))
-        return
-    chosen = next(item for item in standard_set() if item.name == arguments[0])
-    for row in rows_of(chosen, chosen.scene()):
-        print(json.dumps(asdict(row)))
+def main() -> None:
+    """Print them all."""
+    for item, scene in resolved(standard_set())[0]:
+        for row in rows_of(item, scene) if item.reference == "analytic" else ():
+            error = row.failed or f"{row.error_rad:.2g} rad"
+            print(f"{item.name}: {row.engine}, {row.label}: {error} in {row.cpu_s:.2g} s", flush=True)
+    if engines.load("pybullet").missing() is None:
+        for difficulty in difficulties():
+            print(f"{difficulty.name}: {hull_errors(difficulty.name)}", flush=True)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

@@ -1,4 +1,5 @@
-"""What a bench must reach: `python -m tests.measures.goals [RESULT]` prints each goal of a record; 1 where one is missed."""
+"""What a bench must reach: `python -m tests.measures.goals [RESULT [OTHERS]]` prints each goal of a bench's record and of what
+`tests.measures.other_integrators` measured; 1 where one is missed."""
 
 from __future__ import annotations
 
@@ -9,9 +10,10 @@ from pathlib import Path
 from typing import Final
 
 from harness.questions.bench.findings import fastest
-from harness.questions.bench.other_integrators import COMPARED, times_as_fast
 from harness.records.base import validated
-from harness.records.bench import TOGETHER, BenchRecord, SolverRow
+from harness.records.bench import TOGETHER, BenchRecord
+from tests.measures.analytic_model import SolverRow
+from tests.measures.other_integrators import COMPARED, KEPT, Others, read, times_as_fast
 
 RECORD: Final = Path("out/bench/result.json")
 REAL_TIME: Final = {"pymunk": 250.0, "pybullet": 60.0}
@@ -21,7 +23,6 @@ COST_SHARE: Final = 0.5
 HINDSIGHT: Final = 3.0
 """Times the best level in hindsight that it may take on one scene."""
 SKIP_GAIN: Final = {"analytic": 5.0, "pymunk": 2.0, "pybullet": 2.0}
-STATED_SHARE: Final = 0.95
 FASTER: Final = {"scipy DOP853": 100.0, "heyoka": 1.4}
 """Times faster than each other solver."""
 RUNS_PER_CORE_S: Final = 25_000.0
@@ -59,39 +60,36 @@ class Goal:
         return f"{'reached' if self.reached else 'MISSED '}  {self.what}: {number}, at {side} {self.wanted:g} wanted"
 
 
-def goals(record: BenchRecord) -> Iterator[Goal]:
-    """The goals of what a record holds; of a part that is not measured there are none."""
+def goals(record: BenchRecord, others: Others) -> Iterator[Goal]:
+    """The goals of what a record and the others hold; of a part that is not measured there are none."""
     target_rad = record.target_rad
     for engine, (factor, scene) in fastest(record.rows, target_rad).items():
         if engine in REAL_TIME:
             yield Goal(f"{engine}, times real time at {target_rad:g} rad on {scene}", factor, REAL_TIME[engine])
-    for where, items in (("standard set", record.choice), ("seeded scenes", record.seeded)):
-        for item in items:
-            on = f"--accuracy {target_rad:g} with {item.engine} on the {where}"
-            yield Goal(f"{on}, of the one fixed level's cost", item.share, COST_SHARE, at_most=True)
-            yield Goal(f"{on}, times the best level", item.worst_times, HINDSIGHT, at_most=True)
-    for engine, count in record.coverage.items():
-        yield Goal(f"{engine}, share of seeded scenes covered", count.inside / count.total, STATED_SHARE)
+    for item in record.choice:
+        on = f"--accuracy {target_rad:g} with {item.engine} on the standard set"
+        yield Goal(f"{on}, of the one fixed level's cost", item.share, COST_SHARE, at_most=True)
+        yield Goal(f"{on}, times the best level", item.worst_times, HINDSIGHT, at_most=True)
     for row in record.skips:
         if row.skip == TOGETHER:
             gain = None if row.failed else row.gain
             yield Goal(f"{row.engine}, times faster by all skips", gain, SKIP_GAIN[row.engine])
             yield Goal(f"{row.engine}, outcomes that skips change", len(row.changed), 0.0, at_most=True)
-    yield from _solvers(record.solvers)
-    if rates := record.throughput:
+    yield from _solvers(others.solvers)
+    if rates := others.throughput:
         yield Goal("outcomes a second and core", rates["two_block"].runs_per_core_s, RUNS_PER_CORE_S)
         if "two_block_certified" in rates:
             times = rates["two_block"].runs_per_core_s / rates["two_block_certified"].runs_per_core_s
             yield Goal("outcomes with their doubt flag, times the bare cost", times, CERTIFIED, at_most=True)
         if rates["map"].runs >= MAP_RUNS:
             yield Goal("seconds of a map", rates["map"].wall_s, MAP_S, at_most=True)
-    if record.startup is not None:
-        yield Goal("import over numpy's and numba's", record.startup.import_ratio, IMPORT_RATIO, at_most=True)
-        yield Goal("first call over a trivial one", record.startup.first_call_ratio, FIRST_CALL_RATIO, at_most=True)
+    if others.startup is not None:
+        yield Goal("import over numpy's and numba's", others.startup.import_ratio, IMPORT_RATIO, at_most=True)
+        yield Goal("first call over a trivial one", others.startup.first_call_ratio, FIRST_CALL_RATIO, at_most=True)
     for name, least in SCANS.items():
-        if name in record.scans:
-            yield Goal(f"pybullet, times real time of {name}", record.scans[name], least)
-    for name, ratio in record.overhead.items():
+        if name in others.scans:
+            yield Goal(f"pybullet, times real time of {name}", others.scans[name], least)
+    for name, ratio in others.overhead.items():
         if name.endswith("_ratio"):
             yield Goal(f"pymunk over a baseline loop, {name}", ratio, OVERHEAD, at_most=True)
 
@@ -108,8 +106,8 @@ def _solvers(rows: Sequence[SolverRow]) -> Iterator[Goal]:
 
 def main(arguments: Sequence[str]) -> int:
     """Print the goals; 1 where one is missed."""
-    path = Path(arguments[0]) if arguments else RECORD
-    listed = list(goals(validated(BenchRecord, path.read_bytes(), path)))
+    path, kept = (Path(each) for each in (*arguments, *(RECORD, KEPT)[len(arguments) :]))
+    listed = list(goals(validated(BenchRecord, path.read_bytes(), path), read(kept)))
     sys.stdout.write("".join(f"{goal}\n" for goal in listed))
     return 0 if all(goal.reached for goal in listed) else 1
 

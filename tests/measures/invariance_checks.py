@@ -1,16 +1,15 @@
 """Hard questions that are not one file: repeated, mirrored, perturbed, permuted, refined, and motions that are none.
 
-`python -m tests.measures.invariance_checks QUESTION` prints its row of JSON: the part `questions` of `rockcheck stress`.
+`python -m tests.measures.invariance_checks` asks them all and prints a line for each; 1 where one does not hold.
 """
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -27,7 +26,7 @@ from harness.model.scene import BaseExcitation, Scene
 from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.questions.bench.stress import checks
 from harness.questions.bench.stress.catalogue import ALL, CONTACT, leaning
-from harness.questions.bench.stress.hard_scenes import QUESTIONS, solution
+from harness.questions.bench.stress.hard_scenes import solution
 from harness.records.bench import HardRow, Measure
 
 HOLDS: Final = "holds"
@@ -254,15 +253,29 @@ def _no_motion() -> HardRow:
     return _row("motions with NaN, without samples, with one sample", {"reading": answers}, "refused")
 
 
-ASKED: Final[Mapping[str, Callable[[], HardRow]]] = dict(
-    zip(
-        QUESTIONS,
-        (_far, _hulls, _touched, _permuted, _repeated, _mirrored, _perturbed, _refined, _no_motion),
-        strict=True,
-    )
+ASKED: Final[Sequence[Callable[[], HardRow]]] = (
+    _far,
+    _hulls,
+    _touched,
+    _permuted,
+    _repeated,
+    _mirrored,
+    _perturbed,
+    _refined,
+    _no_motion,
 )
-"""What answers each question of the stress run."""
+"""What is asked beside the hard scenes and is not one file."""
+
+
+def main() -> int:
+    """Ask them all."""
+    answers = []
+    for ask in ASKED:
+        answers.append(row := ask())
+        failed = [f"{name}: {each}" for name in row.got for each in row.failed(name)]
+        print(f"{'holds' if row.holds else 'FAILS'}  {row.name}", *failed, sep="\n  ", flush=True)
+    return 0 if all(row.holds for row in answers) else 1
 
 
 if __name__ == "__main__":
-    print(json.dumps(asdict(ASKED[sys.argv[1]]())))
+    sys.exit(main())

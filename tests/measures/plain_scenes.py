@@ -19,9 +19,8 @@ from harness.comparison.scores.pointwise import error_rad
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.questions.scene.witness import TARGET_RAD as JOINT_RAD
-from harness.records.bench import Statement
 from harness.records.run import LEAST_S, PLAIN
-from tests.measures.coverage import statement, truth_of
+from tests.measures.coverage import Statement, statement, truth_of
 from tests.measures.pages import renew, table
 from tests.measures.random_scenes import FINEST_S, counted
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of

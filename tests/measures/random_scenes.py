@@ -19,9 +19,8 @@ from harness.accuracy.simulation import simulate
 from harness.comparison.comparator import compare
 from harness.model.run import Run
 from harness.questions.scene.scene_run import run_scene
-from harness.records.bench import Statement
 from harness.records.scores import Verdict
-from tests.measures.coverage import statement, truth_of
+from tests.measures.coverage import Statement, statement, truth_of
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
 from tests.measures.seeded_scenes import GENERATORS

@@ -21,9 +21,8 @@ from harness.model.history import Outcome
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.validate.tosses import poses
-from harness.records.bench import Statement
 from harness.runs.runner import Crash, Hung, LocalPool, Pool
-from tests.measures.coverage import statement
+from tests.measures.coverage import Statement, statement
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
 from tests.measures.seeded_scenes import space_scene

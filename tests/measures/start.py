@@ -5,9 +5,8 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from dataclasses import dataclass
 from typing import Final
-
-from harness.records.bench import StartRow
 
 STARTS: Final = 9
 """Processes of each kind of start."""
@@ -28,6 +27,16 @@ m = time.process_time()
 {second}
 print(m - s, time.process_time() - m)
 """
+
+
+@dataclass(frozen=True)
+class StartRow:
+    """Seconds to import the model and for its first call, and their ratios to numpy's and numba's import and a trivial call."""
+
+    import_s: float
+    first_call_s: float
+    import_ratio: float
+    first_call_ratio: float
 
 
 def timed(first: str, second: str) -> tuple[float, float]:

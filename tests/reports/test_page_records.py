@@ -25,7 +25,7 @@ from harness.records.kinds import read_result
 from harness.records.scores import Interval
 from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import SetScores, ValidationRecord
-from reports.blocks import Cell, Chart, Group, Section, Table, Text, verdict
+from reports.blocks import Cell, Chart, Group, Table, Text, verdict
 from reports.charts.curve_figures import on_front, precision_figure, scaling_figure
 from reports.charts.study_figures import fragility_figure, rose_picture
 from reports.messages import ENGLISH
@@ -245,10 +245,6 @@ def test_a_bench_shows_what_skips_gain_and_what_the_target_takes(tmp_path: Path)
     choice = rows(found, ENGLISH("table.target", target="0.001"))
     assert choice[0][1:5] == ["3 of 3", "0.300", "1.20", "0.250"]
     assert choice[1][3:] == ["–", "–", "–", "–", "–"]
-    (seeded,) = rows(found, ENGLISH("table.seeded"))
-    assert seeded[1:] == ["15 of 15", "0.500", "2.00", "0.250", "2.60", "5.50", "seed 7"]
-    assert rows(found, ENGLISH("table.coverage"))[1][1:] == ["14 of 15", "7"]
-    assert "others" not in [each.name for each in every(found, Section)], "what is not measured has no empty table"
 
 
 def test_a_stress_run_of_one_part_does_not_say_that_hard_scenes_come_out() -> None:
@@ -311,13 +307,13 @@ def test_scaling_is_one_plot_of_time_and_memory_with_a_table(tmp_path: Path) -> 
 def test_every_explanation_of_a_map_stands_below_it_once() -> None:
     cell = Found("pybullet", "1/60 s", "at rest", "inaccurate", remedy="step", stable="1 ms")
     cells = [
-        cell, replace(cell, setting="1/240 s"), replace(cell, setting="hull", remedy="margin", stable="margin 0"),
+        cell, replace(cell, setting="1/240 s"), replace(cell, setting="1/120 s", remedy="iterations", stable="9000 it."),
         replace(cell, setting="1 ms", remedy=None), replace(cell, engine="pymunk", stable="another"),
     ]  # fmt: skip
     told = explanations("pybullet", cells, ENGLISH)
-    assert [each.partition(": ")[0] for each in told] == ["at rest, 1/60 s; 1/240 s", "at rest, hull"]
+    assert [each.partition(": ")[0] for each in told] == ["at rest, 1/60 s; 1/240 s", "at rest, 1/120 s"]
     assert "1 ms" in told[0]
-    assert "margin 0" in told[1]
+    assert "9000 it." in told[1]
 
 
 def test_the_conservators_page_counts_as_the_terminal_does(tmp_path: Path, record_of: Callable[[str], Any]) -> None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import statistics
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from harness.model.finding import Finding, caution, info
-from harness.records.bench import DEFAULT, LEVEL, OTHER_PROJECT, TARGET, Covered, LevelChoice, PrecisionRow
+from harness.records.bench import LEVEL, TARGET, LevelChoice, PrecisionRow
 
 
 def choice(rows: Sequence[PrecisionRow], target_rad: float) -> list[LevelChoice]:
@@ -77,29 +77,6 @@ def speeds(rows: Sequence[PrecisionRow], target_rad: float) -> list[Finding]:
     ]
 
 
-def takes(choices: Sequence[LevelChoice], target_rad: float, scenes_of: str) -> list[Finding]:
-    """What the target takes on a set of scenes (`standard`, or those `seeded` that meet it to the end)."""
-    return [
-        info("target_takes", scenes_of=scenes_of, target_rad=target_rad, **vars(item)).of(item.engine)
-        for item in choices
-    ]
-
-
-def coverage(counts: Mapping[str, Covered]) -> list[Finding]:
-    """How often errors lay within what was stated."""
-    return [
-        info("stated_errors_hold", inside=item.inside, total=item.total).of(engine) for engine, item in counts.items()
-    ]
-
-
-def defaults(rows: Sequence[PrecisionRow]) -> list[Finding]:
-    """The largest error of each setting that is no level."""
-    worst: dict[tuple[str, str], PrecisionRow] = {}
-    for row in rows:
-        key = row.engine, row.label
-        if row.group in (DEFAULT, OTHER_PROJECT) and row.error_rad is not None:
-            worst[key] = max(row, worst.get(key, row), key=lambda each: each.error_rad or 0.0)
-    return [
-        info("error_of_setting", setting=row.label, error_rad=row.error_rad, scene=row.scene).of(row.engine)
-        for row in worst.values()
-    ]
+def takes(choices: Sequence[LevelChoice], target_rad: float) -> list[Finding]:
+    """What the target takes."""
+    return [info("target_takes", target_rad=target_rad, **vars(item)).of(item.engine) for item in choices]

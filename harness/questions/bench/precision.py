@@ -1,5 +1,4 @@
-"""Work against precision: every engine on every level, on its own defaults, on another project's settings, and what a target
-takes."""
+"""Work against precision: every engine on every level, and what a target takes."""
 
 from __future__ import annotations
 
@@ -15,8 +14,7 @@ from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.errors import InputError
 from harness.model.run import Run, RunOptions, number
 from harness.model.scene import Scene
-from harness.questions.bench import programs
-from harness.questions.bench.programs import Cost, costs, timed
+from harness.questions.bench.cost import Cost, costs, timed
 from harness.questions.bench.standard_scenes import Standard, standard_set
 from harness.records.bench import LEVEL, TARGET, PrecisionRow
 from harness.records.run import PLAIN
@@ -40,21 +38,14 @@ def tasks(quick: bool) -> list[str]:
     return names[:3] if quick else sorted(names, key=lambda name: "Maria" not in name)
 
 
-def of(program: str | None, quick: bool, name: str) -> list[PrecisionRow]:
-    """All rows of one scene of the standard set; one that says why where a file of it is absent.
-
-    `program` runs engines on their own defaults, and on another project's settings; None leaves that out.
-    """
+def of(quick: bool, name: str) -> list[PrecisionRow]:
+    """All rows of one scene of the standard set; one that says why where a file of it is absent."""
     item = next(item for item in standard_set() if item.name == name)
     try:
         scene = item.scene()
     except InputError as error:
         return [PrecisionRow(NOBODY, name, LEVEL, "", failed=str(error))]
-    names = list(engines.REGISTRY)
-    rows = list(rows_of(item, scene, names, quick=quick))
-    if item.reference == "analytic" and program is not None:
-        rows += [PrecisionRow(**row) for row in programs.rows(program, name)]
-    return sorted(rows, key=lambda row: names.index(row.engine))
+    return list(rows_of(item, scene, list(engines.REGISTRY), quick=quick))
 
 
 def died(name: str) -> list[PrecisionRow]:
@@ -63,7 +54,7 @@ def died(name: str) -> list[PrecisionRow]:
 
 
 def rows_of(item: Standard, scene: Scene, names: Sequence[str], *, quick: bool) -> Iterator[PrecisionRow]:
-    """This project's rows of one scene: each engine's levels, and what the target takes."""
+    """The rows of one scene: each engine's levels, and what the target takes."""
     model = engines.load("analytic")
     exact = model.simulate(scene, model.refinement_levels(scene)[-1], RunOptions())
     for name in names:

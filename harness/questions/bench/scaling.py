@@ -17,7 +17,7 @@ import numpy as np
 from harness.accuracy.simulation import simulate
 from harness.model.finding import Finding, info
 from harness.model.scene import Scene
-from harness.questions.bench.programs import cost, largest_child_mb, peak_memory_mb
+from harness.questions.bench.cost import cost, largest_child_mb, peak_memory_mb
 from harness.questions.bench.skips import written_study
 from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.records.bench import ScalingRow

@@ -24,7 +24,7 @@ from harness.model.errors import InputError
 from harness.model.finding import Finding, caution, info
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
-from harness.questions.bench.programs import cost, costs, timed
+from harness.questions.bench.cost import cost, costs, timed
 from harness.questions.bench.standard_scenes import (
     COLUMN,
     PAESTUM,

@@ -1,8 +1,7 @@
-"""Run the catalogue: what each engine says of each hard scene, and what the checks found; and ask what is not one scene."""
+"""Run the catalogue: what each engine says of each hard scene, and what the checks found."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Final
@@ -12,7 +11,6 @@ from harness.accuracy.refinement import run_to_accuracy
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.run import SKIPS, Run, RunOptions, number
 from harness.model.scene import Scene
-from harness.questions.bench import programs
 from harness.questions.bench.standard_scenes import scene_of
 from harness.questions.bench.stress import checks
 from harness.questions.bench.stress.catalogue import Hard, catalogue
@@ -69,11 +67,6 @@ def converged(settings: Settings) -> Settings:
 
 
 QUICK: Final = ("released 1e-3 rad below balance", "height to width 50", "floor friction 5")
-QUESTIONS: Final = (
-    "1 km from the origin", "hulls", "an impact touched and missed", "bodies in the other order", "the same scene twice",
-    "mirrored input", "perturbed starts", "order of convergence", "motions that are none",
-)  # fmt: skip
-"""What is asked beside the scenes and is not one file, by a program that is given; the longest first."""
 
 
 def simulate(engine: Engine, scene: Scene, dt_s: float, skips: bool) -> Run:
@@ -93,12 +86,6 @@ def tasks(quick: bool) -> list[str]:
 def compute(task: str) -> list[HardRow]:
     """The row of one hard scene."""
     return [row_of(next(hard for hard in catalogue() if hard.name == task))]
-
-
-def answer(program: str, task: str) -> Sequence[object]:
-    """The row of one question; one whose process ended without it did not come out."""
-    done = programs.ask(program, task)
-    return died(task) if done.returncode else [json.loads(done.stdout)]
 
 
 def died(task: str) -> list[HardRow]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
@@ -12,7 +12,6 @@ from harness import engines
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
-from harness.questions.bench import programs
 from harness.questions.bench.standard_scenes import COLUMN, EQUAL, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.questions.bench.stress import checks
 from harness.questions.bench.stress.catalogue import SHAKEN, body, leaning
@@ -60,8 +59,8 @@ def tasks(quick: bool) -> list[str]:
     return [f"{engine}: {row.name}" for engine in ENGINES for row in sorted(rows, key=lambda row: row.share)]
 
 
-def compute(program: str | None, quick: bool, task: str) -> list[StabilityCell]:
-    """The cells of one row of one map; none where the engine is not here. `program` measures pybullet's own hull."""
+def compute(quick: bool, task: str) -> list[StabilityCell]:
+    """The cells of one row of one map; none where the engine is not here."""
     name, _, words = task.partition(": ")
     engine = engines.load(name)
     if engine.missing() is not None:
@@ -69,12 +68,8 @@ def compute(program: str | None, quick: bool, task: str) -> list[StabilityCell]:
     row = next(item for item in difficulties() if item.name == words)
     scene = scene_of(row.name, row.content)
     exact = solution(scene)
-    cells = list(
-        explained(list(_cells_of(row, scene, engine, exact, quick)), partial(_converged, row, scene, engine, exact))
-    )
-    if name == "pybullet" and program is not None:
-        cells += _hulls(program, row, cells, checks.allowed_rad(exact))
-    return cells
+    cells = list(_cells_of(row, scene, engine, exact, quick))
+    return list(explained(cells, partial(_converged, row, scene, engine, exact)))
 
 
 def died(task: str) -> list[StabilityCell]:
@@ -131,29 +126,6 @@ def judge(scene: Scene, run: Run, exact: Run, at_rest: bool) -> tuple[str, list[
     drifts = [*checks.energy(scene, run), *checks.depth(scene, run), *(checks.creep(scene, run) if at_rest else [])]
     category = "inaccurate" if not checks.all_hold(right) else "stable" if checks.all_hold(drifts) else "drifting"
     return category, [*right, *drifts], ""
-
-
-def _hulls(program: str, row: Difficulty, own: Sequence[StabilityCell], allowed_rad: float) -> Iterator[StabilityCell]:
-    """pybullet's own hull, which this project does not use: with its default collision margin and without one.
-
-    `own`: the row's cells of this project's contact, on spheres at the base's vertices, of which a stable one avoids a failure.
-    The hull's errors are measured by a program that is given.
-    """
-    cells = []
-    (hulls,) = programs.rows(program, "--hull", row.name)
-    for label, error in hulls.items():
-        category = "diverged" if not math.isfinite(error) else "inaccurate" if error > allowed_rad else "stable"
-        evidence = [checks.within("error_rad", error, allowed_rad)]
-        cells.append(StabilityCell("pybullet", label, row.name, category, evidence))
-    whole = [cell for cell in own if cell.category == "stable" and not cell.short]
-    yield from (hull_avoided(cell, cells[1], whole) for cell in cells)
-
-
-def hull_avoided(cell: StabilityCell, bare: StabilityCell, own: Sequence[StabilityCell]) -> StabilityCell:
-    """A hull's cell with what is stable where it is not: the hull without its margin, else this project's contact."""
-    if cell.category == "stable" or not (bare.category == "stable" or own):
-        return cell
-    return cell.avoided("margin", bare) if bare.category == "stable" else cell.avoided("spheres", own[0])
 
 
 def _step(step_s: float) -> str:

@@ -7,7 +7,6 @@ import subprocess
 import sys
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,14 +14,14 @@ import pytest
 from harness import engines
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import EngineFailure
-from harness.model.finding import Finding
 from harness.model.history import History
 from harness.model.run import SKIPS, RunOptions
-from harness.questions.bench import findings, other_integrators, precision, scaling, skips
-from harness.questions.bench.programs import cost, costs, largest_child_mb
+from harness.questions.bench import findings, precision, scaling, skips
+from harness.questions.bench.bench_run import BENCH
+from harness.questions.bench.cost import cost, costs, largest_child_mb
 from harness.questions.bench.standard_scenes import COLUMN, Standard, resolved, scene_of, standard_set
 from harness.records.base import plain, validated
-from harness.records.bench import BenchRecord, Covered, PartRow, PrecisionRow, ScalingRow, SkipRow, StartRow, Throughput
+from harness.records.bench import BenchRecord, PartRow, PrecisionRow, ScalingRow, SkipRow
 from harness.runs.parts import head, processor_s
 from tests.engines_for_tests import ready
 from tests.measures import engine_defaults
@@ -78,12 +77,8 @@ def test_findings_follow_the_rows() -> None:
     (met,) = findings.speeds(ROWS, 1e-3)
     assert (met.code, met.values["scene"], met.values["factor"]) == ("meets_target", "hard", pytest.approx(10.0))
     assert [each.code for each in findings.speeds(ROWS, 1e-6)] == ["misses_target"]
-    (takes,) = findings.takes(findings.choice(ROWS, 1e-3), 1e-3, "standard")
+    (takes,) = findings.takes(findings.choice(ROWS, 1e-3), 1e-3)
     assert (takes.engine, takes.values["met"], takes.values["worst_scene"]) == ("pymunk", 2, "easy")
-    assert findings.coverage({"pymunk": Covered(19, 20)})[0].values == {"inside": 19, "total": 20}
-    own = row("pymunk", "easy", "own defaults", 0.1, 1.0, "default")
-    (error,) = findings.defaults([*ROWS, own, replace(own, scene="hard", error_rad=0.2)])
-    assert error.values == {"setting": "own defaults", "error_rad": 0.2, "scene": "hard"}
     together = SkipRow("all together", "pymunk", 6, 1.0, 1.5)
     (gain,) = skips.together_findings([together])
     assert (gain.code, gain.values["gain"]) == ("skips_gain", 1.5)
@@ -109,8 +104,6 @@ def test_rows_of_an_engine_its_defaults_and_another_project() -> None:
     assert {
         ("pymunk", "level"),
         ("pymunk", "accuracy"),
-        ("pybullet", "default"),
-        ("pybullet", "other project"),
     } <= groups
     best = min(item.error_rad for item in rows if item.engine == "pybullet")
     other_project = next(item.error_rad for item in rows if item.label.startswith("virtual_shake_robot"))
@@ -145,7 +138,7 @@ def test_scenes_without_their_files_are_named(monkeypatch: pytest.MonkeyPatch) -
     assert "elcentro1940" in row.failed
     assert skips.together([row])[0].failed == row.failed
     assert "elcentro1940" in skips.compute("no_history: analytic")[0].failed
-    (nobody,) = precision.of(None, True, next(iter(absent)))
+    (nobody,) = precision.of(True, next(iter(absent)))
     assert (nobody.engine, nobody.failed) == (precision.NOBODY, absent[nobody.scene])
 
 
@@ -235,49 +228,7 @@ def test_the_memory_of_workers_is_counted() -> None:
     assert processor_s() > before_s
 
 
-def told(rows: list[dict[str, Any]]) -> list[Finding]:
-    """What a bench says of other solvers by these rows."""
-    measured = other_integrators.collected(rows)
-    return other_integrators.findings(BenchRecord(target_rad=1e-3, **measured, **head("rockcheck bench", [])))
-
-
-def test_other_solvers_are_compared_at_equal_error() -> None:
-    def solver(name: str, error_rad: float, seconds: float, case: str = "block") -> dict[str, Any]:
-        return {"case": case, "solver": name, "tolerance": 1e-6, "error_rad": error_rad, "seconds": seconds}
-
-    solvers = [solver("analytic", 1e-10, 0.001), solver("analytic", 1e-4, 0.0001), solver("scipy DOP853", 1e-7, 0.2)]
-    solvers += [{"case": "block", "solver": "heyoka", "tolerance": 1e-9, "failed": "not installed"}]
-    solvers += [solver("analytic", 1e-10, 0.001, "two blocks")]
-    rate = asdict(Throughput(40_000, 2, 4.0, 8.0, 1e4, 9000.0, 300.0, 1.0, 0.5))
-    rows = [
-        *solvers, {"throughput": {"two_block": rate, "map": rate}}, {"startup": asdict(StartRow(1.0, 1.0, 1.2, 2.5))},
-        {"overhead": {"no_pedestal_ratio": 0.5, "pedestal_ratio": 1.2}},
-    ]  # fmt: skip
-    assert told([]) == []
-    found = told(rows)
-    assert [each.code for each in found] == [
-        "solver_faster", "solver_short", "solver_absent", "throughput", "throughput", "start_cost", "over_baseline",
-    ]  # fmt: skip
-    assert (found[0].values["error_rad"], found[0].values["times"]) == (1e-6, pytest.approx(200.0))
-    short = found[1].values
-    assert (short["short"], short["error_rad"], short["least_rad"]) == ("scipy DOP853", 1e-9, 1e-7)
-    assert short["times"] == pytest.approx(200.0)
-    assert found[2].values["reason"] == "not installed"
-    assert found[-1].values == {"ratios": {"no_pedestal": 0.5, "pedestal": 1.2}}
-
-
-@pytest.mark.parametrize(("theirs_rad", "times"), [(1e-7, 0.2), (1e-3, None)])
-def test_an_error_that_is_not_reached_is_told_with_the_smallest_one(theirs_rad: float, times: float | None) -> None:
-    ours = {"case": "block", "solver": "analytic", "tolerance": 1e-4, "error_rad": 1e-4, "seconds": 1.0}
-    theirs = ours | {"solver": "scipy DOP853", "error_rad": theirs_rad, "seconds": 0.2}
-    found = told([ours, theirs])[0]
-    assert (found.code, found.values["short"], found.values["least_rad"]) == ("solver_short", "analytic", 1e-4)
-    assert found.values["times"] == times
-
-
 def test_a_bench_with_parts_missing_is_a_record_that_says_so() -> None:
-    from tests.measures.whole import BENCH
-
     listed = BENCH.parts(False)
     spent = [PartRow(part.name, 0.0, 0, part.tasks) for part in listed]
     spent[0] = PartRow("precision", 1.0, 2, (), 2.0)
@@ -287,20 +238,9 @@ def test_a_bench_with_parts_missing_is_a_record_that_says_so() -> None:
     assert [item.scene for item in found.rows] == ["free rocking"]
     assert found.seconds == 1.0
     (left,) = (each for each in found.findings if each.code == "parts_left")
-    assert left.values["parts"]["coverage"] == len(next(each for each in listed if each.name == "coverage").tasks)
+    assert left.values["parts"]["alone"] == len(next(each for each in listed if each.name == "alone").tasks)
     assert plain(validated(BenchRecord, json.dumps(plain(found)), Path("result.json"))) == plain(found)
-    assert [part.name for part in listed if not part.died] == ["speeds", "workers"], (
-        "what stands by itself, or is timed by the clock, is alone"
-    )
-
-
-def test_a_bench_without_the_source_tree_s_programs_leaves_their_parts_out_and_says_so() -> None:
-    from harness.questions.bench.bench_run import bench
-
-    listed = bench().parts(False)
-    assert [part.name for part in listed if not part.tasks] == ["coverage", "others", "speeds"]
-    found = bench().assembled(dict.fromkeys([part.name for part in listed], ()), head("rockcheck bench", []))
-    assert set(found.absent) == {"engine defaults", "coverage", "others"}
+    assert [part.name for part in listed if not part.died] == ["workers"], "what is timed by the clock is alone"
 
 
 def test_pieces_of_work_are_timed_in_turns() -> None:

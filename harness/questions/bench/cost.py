@@ -1,23 +1,12 @@
-"""Measurements that whoever measures brings along: each is a module that runs in a process of its own and prints rows.
-
-A command without them leaves their parts out, and its record says so.
-"""
+"""What a piece of work costs: best of several, after a warm-up, by the clock and by the processor."""
 
 from __future__ import annotations
 
-import json
 import resource
-import subprocess
-import sys
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final, TypeVar
-
-from harness.runs.parts import Row
-
-# What a piece of work costs: best of several, after a warm-up, by the clock and by the processor.
 
 T = TypeVar("T")
 REPEATS: Final = 5
@@ -76,25 +65,3 @@ def peak_memory_mb() -> float:
 def largest_child_mb() -> float:
     """Largest resident memory of any ended child of this process, MB."""
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
-
-
-Programs = Mapping[str, str]
-"""Modules by what they measure."""
-NONE: Final[Programs] = MappingProxyType({})
-
-
-def absent(programs: Programs, wanted: Iterable[str]) -> dict[str, str]:
-    """What is wanted and not brought along, and why it is left out: a code."""
-    return {name: "no_program" for name in wanted if name not in programs}
-
-
-def ask(module: str, *words: str) -> subprocess.CompletedProcess[str]:
-    """Run a module with these arguments to its end, whatever it ends with."""
-    return subprocess.run([sys.executable, "-m", module, *words], capture_output=True, text=True, check=False)
-
-
-def rows(module: str, *words: str) -> list[Row]:
-    """What a module prints with these arguments, a row in each line. Raises `CalledProcessError` where it fails."""
-    done = ask(module, *words)
-    done.check_returncode()
-    return [json.loads(line) for line in done.stdout.splitlines()]

@@ -1,22 +1,20 @@
-"""The fuzz of the source tree as a part of a stress run: shared out whole, in processes whose end is seen."""
+"""The fuzz in pieces: shared out whole, in processes whose end is seen."""
 
 from __future__ import annotations
 
 import pytest
 
-from harness.questions.bench.stress.stress_run import INPUTS as WHOLE
-from harness.questions.bench.stress.stress_run import compute, died, stress, summed, tasks
 from tests.fuzz.fuzz_run import rows
 from tests.fuzz.originals import kinds
+from tests.fuzz.pieces import INPUTS as WHOLE
+from tests.fuzz.pieces import compute, died, summed, tasks
 
 FEW = 4
 """Kinds that are read in a process of its own here; `tests/fuzz/test_fuzz.py` reads all."""
 
 
 def test_the_work_is_shared_out_whole(monkeypatch: pytest.MonkeyPatch) -> None:
-    pieces = tasks(WHOLE)
-    spans = [piece.removeprefix("inputs ").split(" to ") for piece in pieces]
-    assert [n for first, last in spans for n in range(int(first), int(last) + 1)] == list(range(WHOLE))
+    assert [n for first, last in tasks(WHOLE) for n in range(int(first), int(last) + 1)] == list(range(WHOLE))
     assert WHOLE >= 20_000
     asked: list[tuple[str, int]] = []
     monkeypatch.setattr(
@@ -31,20 +29,19 @@ def test_the_work_is_shared_out_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     assert {"output folder", "gzip", "sister in gzip", "AT2 header", "title"} <= set(names)
 
 
-def test_a_stress_run_reads_mutated_files_in_a_process_of_its_own() -> None:
+def test_mutated_files_are_read_in_a_process_of_its_own() -> None:
     some = kinds()[:FEW]
-    found = compute("tests.fuzz", f"inputs 0 to {FEW - 1}")
+    found = compute(("0", str(FEW - 1)))
     assert [(row["reader"], row["inputs"], row["found"]) for row in found] == [(kind.name, 1, []) for kind in some]
-    (row,) = compute("tests.fuzz", "inputs 0 to none")
+    (row,) = compute(("0", "none"))
     assert row["tracebacks"] == 1
     assert "ValueError" in row["found"][0]["what"]
-    assert [part.name for part in stress().parts(False) if not part.tasks] == ["questions", "fuzz"]
 
 
 def test_a_process_that_ends_counts_as_a_failure() -> None:
     counts = {"inputs": 100, "accepted": 30, "tracebacks": 0, "hangs": 0, "half_written": 0}
     good = {"reader": "scene", **counts, "said": [1, 2], "found": []}
-    row, ended = summed([good, {**good, "said": [2, 3]}, *died("inputs 100 to 199: Timeout")])
+    row, ended = summed([good, {**good, "said": [2, 3]}, *died("100 to 199: Timeout")])
     assert (row.inputs, row.tracebacks, row.refusals) == (200, 0, 3)
     assert ended.tracebacks == ended.harm == 1
     assert "inputs 100 to 199: Timeout" in ended.found[0].what
