@@ -120,7 +120,8 @@ def trust(
     motion: Annotated[
         str,
         typer.Option(
-            "--motion", help="What shakes: sine, pulse (one sine), scene (its own motion, weaker or stronger)."
+            "--motion",
+            help="What shakes: sine or pulse (one sine) in place of the scene's motion; scene: that, weaker or stronger.",
         ),
     ] = "sine",
     coarse: Annotated[

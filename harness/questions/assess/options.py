@@ -49,8 +49,8 @@ HEAVIER: Final = 2.0
 """Factor on the pedestal's mass: what a denser stone, or lead in its core, may give."""
 WIDER: Final = 1.5
 """Factor on the pedestal's width, and with it, of the same stone, on its mass."""
-BASE_M: Final = 0.05
-"""By how much a plate widens the statue's base on each side: what is hardly seen."""
+BASE: Final = 0.125
+"""By how much of its narrower way a plate widens the statue's base on each side: what is hardly seen, 5 cm of 40."""
 SAME_FRICTION: Final = 0.1
 """A pair whose static coefficient is this near to the scene's own, as a share of it, is no option."""
 AS_IT_IS: Final = "as_it_is"
@@ -82,7 +82,10 @@ def options_of(scene: Scene) -> tuple[list[Option], dict[str, str]]:
         left_out["another_base"] = "changes_wall_distance"
         left_out |= {each.name: "reaches_wall" for each in options if not _before_wall(each.change(scene))}
         return [each for each in options if each.name not in left_out], left_out
-    options.append(Option("base_widened", _base_widened, {"plate_m": BASE_M}))
+    statue = scene.statue
+    # To one digit, as a plate is made, and of the scene as it is, whatever base is drawn.
+    plate_m = float(f"{BASE * min(statue.corner_left_m + statue.corner_right_m, statue.depth_m):.0e}")
+    options.append(Option("base_widened", lambda given: _base_widened(given, plate_m), {"plate_m": plate_m}))
     if scene.pedestal is not None:
         options.append(Option(FIXED, _fixed, slides=True))
     try:
@@ -135,8 +138,8 @@ def _pedestal(scene: Scene, mass: float, width: float = 1.0) -> Scene:
     return replace(scene, pedestal=replace(given, mass_kg=mass * given.mass_kg, width_m=width * given.width_m))
 
 
-def _base_widened(scene: Scene) -> Scene:
-    statue = widened(scene.statue, BASE_M)
+def _base_widened(scene: Scene, plate_m: float) -> Scene:
+    statue = widened(scene.statue, plate_m)
     if scene.pedestal is None:
         return replace(scene, statue=statue)
     # Where the plate would reach over the pedestal's edge, that grows by as much: its width decides nothing in the model.

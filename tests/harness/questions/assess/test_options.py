@@ -297,3 +297,13 @@ def test_an_engine_answers_an_options_draws_outside_the_domain() -> None:
     assert plinth.probability_overturned > 0.5
     assert plinth.low <= plinth.probability_overturned <= plinth.high
     assert plinth.difference.high - plinth.difference.low < 1.0
+
+
+@pytest.mark.parametrize(("base_m", "plate_m"), [(0.064, 0.008), (0.4, 0.05), (4.0, 0.5)])
+def test_a_plate_is_in_proportion_to_the_base(base_m: float, plate_m: float) -> None:
+    """Five centimetres all round nearly trebled the base of a figurine."""
+    given = scene(rectangle(base_m, 1.5 * base_m, depth_m=2.0 * base_m))
+    (option,) = (item for item in made.options_of(given)[0] if item.name == "base_widened")
+    assert option.values == {"plate_m": plate_m}
+    wide = option.change(given).statue
+    assert wide.corner_left_m + wide.corner_right_m == pytest.approx(base_m + 2.0 * plate_m)
