@@ -303,7 +303,11 @@ def rounding(steps: Any) -> Any:
 def certified(first: Solution, others: tuple[Solution, ...], accuracy: tuple[float, float]) -> Certified:
     """What the differences between the runs say; `accuracy` of rotation, rad, and slip, m, up to which they count as reliable."""
     uncertainty, slip, until = _spread(first, others, accuracy)
-    return Certified(first, uncertainty, slip, until, tuple(sorted({each.outcome for each in (first, *others)})))
+    # Runs that end the same sequences of impacts differ by nothing of what they all left out.
+    left_rad = first.params.rest_rad if first.doubts.dropped_rebounds else 0.0
+    return Certified(
+        first, max(uncertainty, left_rad), slip, until, tuple(sorted({each.outcome for each in (first, *others)}))
+    )
 
 
 def _spread(first: Solution, others: tuple[Solution, ...], accuracy: tuple[float, float]) -> tuple[float, float, float]:

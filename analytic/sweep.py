@@ -128,7 +128,8 @@ def certify_rows(
     parted = np.abs(b["energy_lost_j"] - a["energy_lost_j"]) > most
     until = np.where(parted, np.minimum(a["peak_time_s"], b["peak_time_s"]), first.states["time_s"])
     until = np.where(turned <= accuracy_rad, until, 0.0)
-    return CertifiedRows(bodies, body, first, other, turned, slid, until, accuracy_rad)
+    left_rad = np.where(first.counts["dropped_rebounds"] > 0, params["rest_rad"], 0.0)
+    return CertifiedRows(bodies, body, first, other, np.maximum(turned, left_rad), slid, until, accuracy_rad)
 
 
 def _encoded(motions: Sequence[Motions]) -> tuple[Records, Records, tuple[Floats, ...]]:

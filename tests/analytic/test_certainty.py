@@ -54,6 +54,12 @@ def test_no_less_is_stated_than_rounding_makes(seed: int) -> None:
     assert stated.uncertainty_rad <= budget.CERTIFIED_RAD
 
 
+def test_no_less_is_stated_than_the_rebounds_that_all_runs_drop() -> None:
+    found = certify(FREE, Rest(), theta0_rad=1e-9, duration_s=1.0, base_accuracy_rad=1e-6, accuracy_rad=1e-4)
+    assert found.solution.doubts.dropped_rebounds > 0
+    assert found.uncertainty_rad >= 1e-8, "a hundredth of the aimed error is dropped; the runs do not differ"
+
+
 def test_a_chaotic_run_says_until_when_it_holds() -> None:
     found = certify(
         STATUE,
