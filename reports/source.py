@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Final
@@ -17,7 +17,7 @@ from harness.model.run import Run
 from harness.records.base import REWRITE, Record
 from harness.records.kinds import read_result
 from harness.records.result_folder import RECORD, as_written
-from harness.records.run import RunRecord, has_answer
+from harness.records.run import RunRecord, has_answer, known_until_s
 from harness.records.scene import SceneRecord
 
 MOVED_SHARE: Final = 0.01
@@ -58,6 +58,14 @@ class RunSource:
         """The models that answered with a history and in which the statue stands."""
         answered = self.answered
         return [name for name in self.histories if name in answered and answered[name].outcome is Outcome.STANDS]
+
+    @property
+    def within_domain(self) -> RunSource:
+        """The same, of models in which it stands no more than their histories within their domain, where one stays in it."""
+        known = known_until_s({name: self.runs[name] for name in self.standing})
+        return replace(
+            self, histories={**self.histories, **{k: self.histories[k].until(end) for k, end in known.items()}}
+        )
 
 
 def run_source(folder: Path) -> RunSource:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 from harness.input.mesh_statue import findings_of, steps_of
 from harness.model.errors import printable
 from harness.model.finding import Finding, Severity, texted, weighed
-from harness.model.run import Run
+from harness.model.run import Run, number
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.base import Record
 from harness.records.run import RunRecord, outside_domain, peak_lean_rad, peak_slip_m, standing
@@ -210,6 +210,8 @@ def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
         peak = "–"
     elif lean_rad < STILL_RAD:
         peak = "0°"
+    elif number(run.validity, "left_domain_s", math.inf) < run.peak_time_s:
+        peak = f"({peak})"
     known = "–"
     if run.numerical_uncertainty_rad is not None and run.reliable_until_s is not None:
         until = min(run.reliable_until_s, run.end_s)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
@@ -292,6 +292,12 @@ class History(Shown):
         ax.plot(self.t_s, self.theta_rad, **style)
         ax.set(xlabel="time [s]", ylabel="rotation θ [rad]")
         return ax
+
+    def until(self, end_s: float) -> History:
+        """The history up to `end_s`; at least its first sample."""
+        count = max(int(np.searchsorted(self.t_s, end_s, side="right")), 1)
+        columns: dict[str, Any] = {name: getattr(self, name)[:count] for name in COLUMNS}
+        return replace(self, **columns, extra={name: values[:count] for name, values in self.extra.items()})
 
     @property
     def duration_s(self) -> float:

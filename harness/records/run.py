@@ -131,6 +131,12 @@ def outside_domain(run: Run) -> bool:
     return not (has_answer(run) or run.outcome.failed or run.outcome in UNKNOWN)
 
 
+def known_until_s(runs: Mapping[str, Run]) -> dict[str, float]:
+    """Until when each run tells how far the statue leans: as long as it is within its model's domain, where one stays in it."""
+    left = {name: number(run.validity, "left_domain_s", math.inf) for name, run in runs.items()}
+    return left if math.inf in left.values() else dict.fromkeys(runs, math.inf)
+
+
 @dataclass(frozen=True)
 class HorizonRecord:
     """Until when perturbed runs of one model stay within `tolerance_rad` of the unperturbed one, by the perturbation's size.

@@ -172,6 +172,7 @@ def blocks(folder: Path, record: RunRecord | StudyRecord | EffectsRecord, say: L
 
 def of_run(source: RunSource, say: Language = ENGLISH) -> list[Block]:
     """Headline, first points, what to do, pictures, and what the answer rests on, of one run."""
+    source = source.within_domain
     nominal = _nominal(source, say)
     headline, basis = _answer(source, nominal, say)
     given = [] if headline == nominal else [say("chance.given", what=nominal[0].lower() + nominal[1:])]

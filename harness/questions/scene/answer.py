@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -13,7 +14,7 @@ from harness.model.history import Outcome
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.assess import Assessment
-from harness.records.run import HorizonRecord, balance_share, has_answer, outside_domain, peak_lean_rad
+from harness.records.run import HorizonRecord, balance_share, has_answer, known_until_s, outside_domain, peak_lean_rad
 from harness.records.scores import ROBUST, Scores, Verdict
 
 Code = Literal[
@@ -127,16 +128,17 @@ def _what(scene: Scene, known: Mapping[str, Run], runs: Mapping[str, Run]) -> Fi
 
 
 def _lean(scene: Scene, known: Mapping[str, Run]) -> dict[str, Any]:
-    """The least and the largest of the models' largest leans, rad, and the largest as a share of the balance angle."""
-    peaks = [peak_lean_rad(run) for run in known.values()]
-    shares = [
-        balance_share(
-            run,
-            np.array([run.peak_theta_rad]) if run.history is None else run.history.theta_rad,
-            scene.statue.slenderness_rad,
-        )
-        for run in known.values()
-    ]
+    """The least and the largest of the models' largest leans, rad, and the largest as a share of the balance angle; of a model
+    that left its domain those before, where another did not."""
+    peaks, shares = [], []
+    for name, until_s in known_until_s(known).items():
+        run = known[name]
+        theta_rad = np.array([run.peak_theta_rad]) if run.history is None else run.history.theta_rad
+        if run.peak_time_s > until_s:
+            theta_rad = np.zeros(1) if run.history is None else run.history.until(until_s).theta_rad
+            run = replace(run, peak_theta_rad=float(np.abs(theta_rad).max()), validity={})
+        peaks.append(peak_lean_rad(run))
+        shares.append(balance_share(run, theta_rad, scene.statue.slenderness_rad))
     # A contact engine at rest gives by less.
     leans = [each if each >= STILL_RAD else 0.0 for each in (min(peaks), max(peaks))]
     return {"lean_rad": leans, "balance_share": max(shares)}

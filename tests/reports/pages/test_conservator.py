@@ -426,6 +426,24 @@ def test_an_outcome_that_the_smallest_changes_change_is_told(source: RunSource) 
     assert ENGLISH("run.tie") not in spoken(of_run(source))
 
 
+def test_the_room_is_that_of_models_within_their_domain(source: RunSource) -> None:
+    """One that left it by a slide before anything moved tells of no room; where all left it, what they say is all there is."""
+
+    def room_m(*names: str) -> dict[str, float]:
+        gone = {"left_domain_by": "statue_slides", "left_domain_s": 0.0}
+        runs = {
+            name: replace(run, validity={**run.validity, **(gone if name in names else {})})
+            for name, run in source.record.runs.items()
+        }
+        cut = replace(source, record=replace(source.record, runs=runs)).within_domain
+        return floor_plan(cut, cut.standing).room_m
+
+    one, *others = source.standing
+    alone = replace(source, histories={name: source.histories[name] for name in others})
+    assert room_m(one) == floor_plan(alone, others).room_m != room_m()
+    assert room_m(*source.standing) == room_m()
+
+
 def test_a_slide_that_no_standing_model_computes_is_no_stillness(source: RunSource) -> None:
     runs = {
         name: replace(run, validity={**run.validity, "left_domain_by": "statue_slides"})

@@ -61,6 +61,17 @@ def test_how_near_it_came_to_its_balance_counts_the_side_that_bears_less() -> No
     assert told(coarse)[1]["model_says"].values["balance_share"] == 0.7
 
 
+def test_a_model_leans_as_far_as_it_does_within_its_domain() -> None:
+    """It holds on its support a statue that slides from 0.4 s on, and lets it rock from 0.5 s on; alone that is all."""
+    slides = run("a", validity={"left_domain_s": 0.4, "left_domain_by": "statue_slides", "peak_over_slenderness": 0.9})
+    said = told(slides, run("b", doubles.rest()))[1]["models_agree"].values
+    assert (said["lean_rad"], said["balance_share"], said["outcome"]) == ([0.0, 0.0], 0.0, "still")
+    later = replace(slides, validity={**slides.validity, "left_domain_s": 0.52})
+    least, most = told(later, run("b", doubles.rest()))[1]["models_agree"].values["lean_rad"]
+    assert 0.0 == least < most < slides.peak_theta_rad
+    assert told(slides)[1]["model_says"].values["lean_rad"] == [slides.peak_theta_rad] * 2
+
+
 def test_runs_that_end_at_one_event_are_known_to_their_ends() -> None:
     """At a wall each ends at its own instant, its error stated up to rounding before it."""
     end_s = doubles.rocking().t_s[-1]
