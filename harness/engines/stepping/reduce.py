@@ -81,7 +81,11 @@ def fall(scene: Scene, motion: Trajectory, overturn_s: float | None) -> Fall | N
     if overturn_s is None and not body.excess_rad(_up(motion, -1))[0] > 0.0:
         return Fall(Outcome.UNDECIDED, None, None) if _may_tip_over(scene, motion) else None
     up = _up(motion)
-    first, no_return_s = last_outward(motion.t_s, body.excess_rad(up))
+    excess = body.excess_rad(up)
+    if scene.pedestal is not None:
+        # It may pass with its pedestal as one body the balance of both before its own.
+        excess = np.maximum(excess, tilt_share(scene, scene.pedestal, motion.tilt_rad)[0] - 1.0)
+    first, no_return_s = last_outward(motion.t_s, excess)
     if overturn_s is not None or up[-1, 2] <= OVERTURN_COS:
         return Fall(side_of(motion), no_return_s, overturn_s or float(motion.t_s[-1]), whole=True)
     looks = np.unique(np.linspace(first, len(up) - 1, LOOKS).round().astype(np.int64))

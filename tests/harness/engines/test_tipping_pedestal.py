@@ -133,3 +133,21 @@ def test_a_bust_on_a_column_that_tips_over_is_not_said_to_stand(name: str, durat
     balance_rad = math.atan(0.21 * 230.0 / (150.0 * 0.6 + 80.0 * 1.5))
     tilt_rad, share = run.validity["pedestal_tilt_rad"], run.validity["pedestal_tilt_share"]
     assert share == pytest.approx(tilt_rad / balance_rad)
+
+
+def test_a_fall_with_the_pedestal_has_no_return_from_the_balance_of_both() -> None:
+    """As one body they balance at 0.16 rad, which they pass a second before the statue's own 0.52 rad."""
+    squat = rectangle(0.34, 0.6, mass_kg=200.0)
+    slender = Pedestal(150.0, 0.36, 0.5, 1.2)
+    push = Pulse("one_sine", 0.6 * GRAVITY_M_S2, 0.8)
+    on = scene(squat, push, pedestal=slender, mu=0.8, mu_statue=0.8, duration_s=3.0)
+    engine = ready("pymunk")
+    run = engine.simulate(on, engine.settings_for_dt(on, 2e-3), RunOptions())
+    assert run.outcome is Outcome.OVERTURNED_LEFT
+    assert run.no_return_time_s is not None
+    assert run.history is not None
+    height_m = (200.0 * 1.5 + 150.0 * 0.6) / 350.0
+    tilt_rad = np.abs(run.history.extra["pedestal_tilt_rad"])
+    assert tilt_rad[run.history.t_s >= run.no_return_time_s].min() == pytest.approx(
+        math.atan(0.18 / height_m), rel=1e-2
+    )
