@@ -26,7 +26,7 @@ from reports.pages.page import write_report
 from reports.source import RunSource, run_source
 from reports.text.wording import run_verdict
 from tests.budgets_reports import LEAN_TOLD, LEAST_MOVES, PUSH_TOLD
-from tests.reports.claim_scenes import SEEDS, content, write_scene
+from tests.reports.claim_scenes import HOSTILE, SEEDS, content, write_scene
 from tests.reports.page_parts import answer, pictures, spoken
 
 FINE = 300_001
@@ -66,7 +66,7 @@ class Told:
 
 @pytest.fixture(scope="module")
 def told(tmp_path_factory: pytest.TempPathFactory) -> list[Told]:
-    """All scenes, run by the analytic model, with both of their pages written."""
+    """All scenes, run by the analytic model; of hostile titles both pages are written."""
     return list(_told(tmp_path_factory.mktemp("claims")))
 
 
@@ -75,7 +75,8 @@ def _told(folder: Path) -> Iterator[Told]:
         place = folder / str(seed)
         scene = load_scene(write_scene(folder / f"scene-{seed}", content(seed)))
         write_result(run_scene(scene, ["analytic"]), place)
-        write_report(place)
+        if scene.title == HOSTILE:
+            write_report(place)
         source = run_source(place)
         yield Told(seed, scene, source, blocks(place, source.record))
 
@@ -277,12 +278,13 @@ def test_what_slides_is_said_with_its_own_friction(told: list[Told]) -> None:
 
 
 def test_a_title_reaches_no_page_with_its_control_characters(told: list[Told]) -> None:
-    for item in told:
+    hostile = [item for item in told if item.scene.title == HOSTILE]
+    assert len(hostile) >= 8
+    for item in hostile:
         for name in ("report.html", "conservator.html"):
             page = (item.source.folder / name).read_text(encoding="utf-8")
             assert not re.search("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]", page), (item.seed, name)
-            if item.seed % 5 == 0:
-                assert r"x [/] y &lt;b&gt; &#34;$a_{&#34; \x1b[31m\nred \u202e" in page, (item.seed, name)
+            assert r"x [/] y &lt;b&gt; &#34;$a_{&#34; \x1b[31m\nred \u202e" in page, (item.seed, name)
 
 
 def test_the_first_view_of_a_history_shows_some_of_it(told: list[Told]) -> None:

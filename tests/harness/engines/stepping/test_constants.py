@@ -42,10 +42,11 @@ EXACT = {"EIGHTH_RAD": "an eighth of a turn"}
 BOUNDS = {"approach": 1.0, "short": 1.0, "MOST_FRICTION": 1.0}
 """Numbers that must stay below a bound, as an approach ends before its event: of these what they leave to it is changed."""
 SCENES = {
-    "two coefficients": paestum(0.429, 3.0, mu=(0.20, 0.15)),
-    "on the floor": paestum(0.334, 2.0, pedestal=False),
+    "two coefficients": paestum(0.429, 3.0, mu=(0.20, 0.15), duration_s=0.72),
+    "on the floor": paestum(0.334, 2.0, pedestal=False, duration_s=0.6),
     "micro-rocking": random_scene(10_129),
 }
+"""The first two end after their last event of another kind: slides, impacts at 0.49 and 0.59 s; uplift."""
 ASKEW = {
     "askew": scene_of(
         "askew",
