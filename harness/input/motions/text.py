@@ -17,6 +17,7 @@ from harness.model.errors import InputError, Mistake
 WIDEST: Final = 64
 """Characters of a number: no format of a network is wider, and a damaged one would ask for lines without end."""
 NOT_NUMBERS: Final = "the file is damaged, not of this format, or has notes after its numbers: take these out"
+CUT_OFF: Final = "the file is cut off: download it again"
 DOS_END: Final = b"\x1a"
 """Programs of DOS ended a text with this byte, and files of the 1980s and 1990s still do."""
 _PADDING = re.compile(rb"\x00+(?=[\r\n])|(?<=\n)\x00+")
@@ -157,9 +158,15 @@ def free_format(lines: Sequence[str], *, where: str, first_line: int) -> NDArray
 def first_of(values: NDArray[np.float64], count: int, where: str, place: str) -> NDArray[np.float64]:
     """The first `count` of `values` (n,); InputError naming `place` where there are fewer."""
     if values.size < count:
-        advice = "the file is cut off: download it again"
-        raise mistake(where, place, f"{count} numbers, as its header says", str(values.size), advice)
+        raise mistake(where, place, f"{count} numbers, as its header says", str(values.size), CUT_OFF)
     return values[:count]
+
+
+def check_rows(lines: Sequence[str], first: int, rows: int, where: str) -> None:
+    """Raise InputError unless `rows` lines follow from lines[first] on."""
+    if len(lines) < first + rows:
+        got = f"{max(len(lines) - first, 0)} to the file's end"
+        raise mistake(where, f"line {first + 1}", f"{rows} lines of numbers", got, CUT_OFF)
 
 
 def columns(lines: Sequence[str], count: int, *, where: str, first_line: int) -> NDArray[np.float64]:

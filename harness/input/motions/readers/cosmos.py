@@ -15,7 +15,7 @@ from harness.input.motions.recordfile import (
     parse_orientation,
     unit_named,
 )
-from harness.input.motions.text import Header, fixed_width, fortran_format, mistake
+from harness.input.motions.text import CUT_OFF, Header, fixed_width, fortran_format, mistake
 from harness.model.finding import Finding, caution, info
 
 _HEADER = re.compile(
@@ -62,6 +62,8 @@ def read(text: str, where: str) -> RecordFile:
             channel, unit = _channel(lines, i, data, numbers, Header(lines[text_from:i], where, text_from), found)
             channels.append(channel)
             numbers, text_from = {}, i + 1
+    if numbers or any("text lines" in line for line in lines[text_from:]):
+        raise mistake(where, f"line {len(lines)}", "a whole channel after its header", "the file's end", CUT_OFF)
     if not channels:
         got = next((line.strip() for line in lines if re.search(r"\bunits\s*=", line)), "none")
         wanted = "a block of accelerations, 'N acceleration pts, approx … units=…'"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import NUMERIC, Header, fixed_width, mistake
+from harness.input.motions.text import NUMERIC, Header, check_rows, fixed_width, mistake
 from harness.model.finding import caution
 
 _FIRST = re.compile(r"\s*(un)?corrected accelerogram\b.*\bGNS", re.IGNORECASE)
@@ -30,8 +30,10 @@ def read(text: str, where: str) -> RecordFile:
         channel, used = _channel(lines, start, where, blocks=3 if name == "GeoNet V2A" else 1)
         channels.append(channel)
         start += used
-    if not channels:
-        raise mistake(where, "line 1", "a channel", f"{len(lines)} lines", "the file is cut off")
+    rest = next((line for line in lines[start:] if line.strip()), "")
+    if not channels or _FIRST.match(rest) or NUMERIC.fullmatch(rest):
+        advice = "the file is cut off, or a line is there twice: download it again"
+        raise mistake(where, f"line {start + 1}", "a channel, or the end", repr(rest.strip()), advice)
     site = lines[1].split()
     facts = {"event": lines[7].strip(), "station": f"{site[1] if len(site) > 1 else ''}, {lines[2].strip()}"}
     found = (caution("record_uncorrected"),) if name == "GeoNet V1A" else ()
@@ -46,10 +48,12 @@ def _channel(lines: list[str], start: int, where: str, blocks: int) -> tuple[Cha
     )
     name = head.needed(r"^Component\s+(\S+)", "'Component' and a direction")[0]
     first = start + _TEXT_LINES + _NUMBER_LINES
-    if not all(NUMERIC.fullmatch(line) for line in lines[start + _TEXT_LINES : first]):
+    shifted = NUMERIC.fullmatch(lines[start + _TEXT_LINES - 1])
+    if shifted or not all(NUMERIC.fullmatch(line) for line in lines[start + _TEXT_LINES : first]):
         wanted = f"{_TEXT_LINES} lines of text, then {_NUMBER_LINES} of numbers"
         raise mistake(where, f"lines {start + 1} to {first}", wanted, "others", "lines are missing, or too many")
     rows = -(-count // _PER_LINE)
+    check_rows(lines, first, blocks * rows, where)
     values = fixed_width(lines[first : first + rows], _WIDTH, count, where=where, first_line=first + 1)
     if head.find(r"(Raw readings)")[0]:
         values = values * head.number(r"in units of\s+(\S+)\s*mm/s/s", "a unit of so many mm/s/s")

@@ -8,7 +8,16 @@ import numpy as np
 
 from harness.input.motions.check import STATED_PEAK_TOLERANCE
 from harness.input.motions.recordfile import Channel, RecordFile, unit_named
-from harness.input.motions.text import Header, fixed_width, fortran_format, header_count, header_number, mistake
+from harness.input.motions.text import (
+    CUT_OFF,
+    Header,
+    check_rows,
+    fixed_width,
+    fortran_format,
+    header_count,
+    header_number,
+    mistake,
+)
 
 _FLOAT = r"([-+.\deEdD]+)"
 _BLOCK = re.compile(
@@ -16,6 +25,8 @@ _BLOCK = re.compile(
     r"(?:\(?\s*UNITS?\s*(?::|=|ARE)?\s*|IN\s+|\((?=[A-Z]))?(?:([A-Z/*^²2]*?)[).]?\.?)?\s*(\(\s*\d.*)?$",
     re.IGNORECASE,
 )
+_PART = re.compile(r"^\s*(\d{1,9})\s+POINTS OF .*?\bDATA\b.*?(\(\s*\d[^()]*\))?\s*$", re.IGNORECASE)
+"""Accelerations, velocities or displacements."""
 _OLD_FORMAT = "(8F10.3)"
 """Files of today state their format; the older ones all have the same."""
 
@@ -32,6 +43,14 @@ def read(text: str, where: str) -> RecordFile:
     if not blocks:
         wanted = "a line such as '3251 points of accel data equally spaced at .020 sec, in cm/sec2'"
         raise mistake(where, "", wanted, "none", "the file is cut off, or holds no corrected accelerations")
+    parts = [(i, part) for i, line in enumerate(lines) if (part := _PART.match(line))]
+    last, part = parts[-1]
+    per_line, _ = fortran_format(part.group(2) or _OLD_FORMAT, where, f"line {last + 1}")
+    rows = -(-int(part.group(1)) // per_line)
+    check_rows(lines, last + 1, rows, where)
+    if len(parts) % len(blocks) or any("ACCELEROGRAM" in line.upper() for line in lines[last + 1 + rows :]):
+        got = f"{len(parts)} blocks of numbers in {len(blocks)} channels"
+        raise mistake(where, f"line {len(lines)}", "as many in each", got, CUT_OFF)
     channels: list[Channel] = []
     head_from = 0
     for start, block in blocks:

@@ -144,6 +144,50 @@ def test_the_last_whole_originals_line_matters(data_dir: Path, tmp_path: Path) -
             read_record(cut)
 
 
+@pytest.mark.parametrize(
+    ("name", "share"),
+    [
+        *((name, share) for name in ("20161113_110259_WTMC_20.V2A.gz", "ce36456p_CE36456.V2.gz") for share in (0.5, 0.673, 0.99)),
+        ("20161113_110259_WTMC_20.V2A.gz", 1.0),
+    ],
+)  # fmt: skip
+def test_a_file_that_ends_early_is_refused_though_accelerations_are_whole(
+    data_dir: Path, tmp_path: Path, name: str, share: float
+) -> None:
+    """Cut in velocities, in a channel's header, in the last displacements: channels after it were lost in silence."""
+    lines = gzip.decompress((data_dir / "records" / name).read_bytes()).decode().splitlines()
+    cut = tmp_path / name.removesuffix(".gz")
+    cut.write_text("\n".join(lines[: int(share * len(lines) - (share == 1.0))]))
+    with pytest.raises(InputError, match="cut off"):
+        read_record(cut)
+
+
+@pytest.mark.parametrize("twice", [False, True])
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.75, 0.9])
+def test_a_line_lost_or_doubled_anywhere_in_a_geonet_file_is_refused(
+    data_dir: Path, tmp_path: Path, share: float, twice: bool
+) -> None:
+    """All channels after one that was lost began ten samples late."""
+    whole = gzip.decompress((data_dir / "records" / "20161113_110259_WTMC_20.V2A.gz").read_bytes())
+    lines = whole.decode().splitlines()
+    at = int(share * len(lines))
+    path = tmp_path / "a.V2A"
+    path.write_text("\n".join([*lines[: at + twice], *lines[at + 1 - twice :]]))
+    with pytest.raises(InputError):
+        read_record(path)
+
+
+@pytest.mark.parametrize("after", [1, 20])
+def test_a_cosmos_file_that_ends_in_a_header_is_refused(tmp_path: Path, after: int) -> None:
+    path = writers.cosmos(tmp_path / "a.V2", [(wave(800), 90), (wave(800), 0)], 0.01, milliseconds=False)
+    text = path.read_text()
+    lines = text.splitlines()
+    second = next(i for i in range(1, len(lines)) if "text lines" in lines[i])
+    path.write_text("\n".join(lines[: second + after]))
+    with pytest.raises(InputError, match="cut off"):
+        read_record(path)
+
+
 @pytest.mark.parametrize("digits", [1, 2, 3])
 @pytest.mark.parametrize("dt_s", [0.005, 0.0025, 1.0 / 128.0, 0.001, 0.012])
 @pytest.mark.parametrize("start_s", [0.0, 12.347])

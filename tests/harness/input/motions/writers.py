@@ -83,7 +83,8 @@ def cosmos(path: Path, channels: Sequence[tuple[Floats, int]], dt_s: float, *, m
     """COSMOS with fixed-width values that touch, one block per channel and direction code."""
     lines: list[str] = []
     for accel, code in channels:
-        lines += [f"Corrected acceleration line {i}" for i in range(13)]
+        lines.append("Corrected acceleration   (Format v01.20 with 13 text lines) Src:")
+        lines += [f"Corrected acceleration line {i}" for i in range(1, 13)]
         ints = [-999] * 100
         ints[53] = code
         reals = [-999.0] * 100
