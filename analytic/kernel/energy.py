@@ -95,6 +95,17 @@ def _pass_weak(task: Task) -> None:
 
 
 @jit
+def _leaves(task: Task, until: float, accel: float, gravity: float) -> bool:
+    """Whether the domain is left on the way to a sample, which is then not passed at once: a step finds the instant."""
+    inside = math.isnan(task.results.left_domain_s)
+    note_rest(task, until, accel, gravity)
+    if inside and not math.isnan(task.results.left_domain_s):
+        task.results.left_domain_s, task.results.left_domain_by = math.nan, 0
+        return True
+    return False
+
+
+@jit
 def _look_through(task: Task) -> None:
     """Pass every sample up to which the statue certainly stays at rest: between two of them the acceleration is a straight line,
     so that what holds at its ends holds between them."""
@@ -109,6 +120,8 @@ def _look_through(task: Task) -> None:
         if until >= params.duration_s:
             hold(task, params.duration_s)
             return
+        if params.keep_validity and _leaves(task, until, ax, g + az):
+            return
         passed_x, passed_z = x.breaks_passed, z.breaks_passed
         x.breaks_passed += 1 if break_x == until else 0
         z.breaks_passed += 1 if break_z == until else 0
@@ -120,7 +133,6 @@ def _look_through(task: Task) -> None:
         hold(task, until)
         task.counts.quiet_samples += 1
         if params.keep_validity:
-            note_rest(task, until, ax, g + az)
             note_rest(task, until, after_x, g + after_z)
         _pass_weak(task)
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from analytic import AnalyticInputError, Block, Harmonic, Pedestal, Pulse, Rest, certify, simulate
+from analytic import AnalyticInputError, Block, Harmonic, Pedestal, Pulse, Rest, SampledAcceleration, certify, simulate
 from tests import budgets_reference as budget
 from tests.analytic import reference_lagrange
 from tests.analytic.paestum import FREE, GRAVITY, PEDESTAL, STATUE
@@ -96,6 +96,19 @@ def test_the_domain_is_left_where_a_limit_is_passed_not_where_a_step_is_looked_a
     ]
     assert left[0].left_domain_by == left[1].left_domain_by == "statue_slides"
     assert left[0].left_domain_s == pytest.approx(left[1].left_domain_s, abs=budget.LEFT_DOMAIN_S)
+
+
+def test_a_pedestal_that_tips_under_a_statue_at_rest_does_so_between_two_samples() -> None:
+    """Samples at rest are looked through, not integrated: the limit passed between two was told at the second, 20 ms late."""
+    block, pedestal = Block.rectangle(width_m=0.6, height_m=1.0, mass_kg=500.0), Pedestal(250.0, 0.62, 0.5)
+    m, both = block.mass_kg, block.mass_kg + pedestal.mass_kg
+    limit = GRAVITY * 0.31 * both / (m * (0.5 + 0.5) + pedestal.mass_kg * 0.25)
+    ramp = SampledAcceleration([0.0, 0.05, 0.1], [0.0, 1.2 * limit, 0.0])
+    found = simulate(
+        block, ramp, duration_s=0.2, pedestal=pedestal, floor_static=0.9, floor_kinetic=0.9, gravity_m_s2=GRAVITY
+    ).validity
+    assert found.left_domain_by == "pedestal_tips"
+    assert found.left_domain_s == pytest.approx(0.05 / 1.2, abs=budget.LEFT_DOMAIN_S)
 
 
 def test_paestum_landing_left_needs_the_printed_friction() -> None:
