@@ -50,9 +50,10 @@ MOST_SHOWN: Final = 20_000
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class KeyedRow(StudyRow):
-    """A row with the key of its result in the store."""
+    """A row with the key of its result in the store, and why it failed."""
 
     key: str | None
+    message: str = ""
 
 
 def every_row(store: Store, study: str, chosen: Chosen | None = None) -> Iterator[PlannedRow]:
@@ -79,6 +80,7 @@ def study_rows(store: Store, study: str, chosen: Chosen | None = None) -> list[K
             varied={sys.intern(key): value for key, value in row.varied.items()},
             run=None if row.run is None else CaseRun.stored(row.run),
             key=row.key,
+            message="" if row.run is None else sys.intern(str(row.run.get("message", ""))),
         )
         for row in every_row(store, study, chosen)
     ]

@@ -262,17 +262,16 @@ def study_record(
         rows=rows,
         table=table(store, name, len(rows)),
     )
-    found = [*_failures(rows, store), *findings_of(made), *made.findings]
+    found = [*_failures(rows), *findings_of(made), *made.findings]
     return replace(made, answer=answer_of(made), findings=found)
 
 
-def _failures(rows: Sequence[KeyedRow], store: Store) -> Iterator[Finding]:
+def _failures(rows: Sequence[KeyedRow]) -> Iterator[Finding]:
     """In how many cases each engine failed, and the most frequent reason."""
     reasons: dict[str, Counter[str]] = {}
     for row in rows:
-        if row.run is not None and row.run.outcome.failed and row.key is not None:
-            stored = store.get(row.key) or {}
-            reasons.setdefault(row.engine, Counter())[str(stored.get("message", ""))] += 1
+        if row.run is not None and row.run.outcome.failed:
+            reasons.setdefault(row.engine, Counter())[row.message] += 1
     for engine, counts in reasons.items():
         yield caution("runs_failed", count=counts.total(), reason=counts.most_common(1)[0][0]).of(engine)
 

@@ -20,6 +20,7 @@ from harness.questions.study.witnessed import drawn
 from harness.records.kinds import read_result
 from harness.records.study import StudyRecord
 from harness.runs.runner import InlinePool
+from harness.runs.store import Store
 from reports.cli import studies
 from tests.doubles import codes
 from tests.harness.questions.study.small_study import CONTACT, STUDY, written
@@ -76,8 +77,9 @@ def test_a_study_of_the_model_alone_has_no_witness_and_says_so(tmp_path: Path) -
         assert ("no_witness" in codes(record.findings)) is asked
 
 
-def test_why_runs_failed_is_told(tmp_path: Path) -> None:
-    """The exact body knows no pedestal: a count alone stood there."""
+def test_why_runs_failed_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The exact body knows no pedestal: a count alone stood there. Its rows hold why: none is read twice."""
+    monkeypatch.setattr(Store, "get", None)
     record = ran(tmp_path, STUDY.replace('engines = ["analytic"]', 'engines = ["analytic", "spatial"]'))
     (told,) = (each for each in record.findings if each.code == "runs_failed")
     failed = [row for row in record.rows if row.run and row.run.outcome.failed]
