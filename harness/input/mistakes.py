@@ -84,7 +84,7 @@ def mistakes_of(
 
     `overridden` are the keys that were replaced, by what named them: a mistake there is not the file's.
     """
-    details = error.errors(include_url=False)
+    details = [each for each in error.errors(include_url=False) if not _short_by_mistakes(each)]
     top = {detail["loc"][0]: detail["type"] for detail in details if len(detail["loc"]) == 1}
     other = next((KINDS[key] for key, kind in top.items() if kind == UNKNOWN and key in KINDS), None)
     if other is not None and "missing" in top.values():
@@ -105,6 +105,11 @@ def mistakes_of(
         return f"{where}:{line}" if line else where
 
     return [*(_mistake(path, details, model, place) for path, details in shown), *rest]
+
+
+def _short_by_mistakes(detail: ErrorDetails) -> bool:
+    """Whether a list is only too short as pydantic does not count entries that are mistakes themselves."""
+    return detail["type"] == "too_short" and len(detail["input"]) >= detail["ctx"]["min_length"]
 
 
 def _mistake(
@@ -164,8 +169,9 @@ def _resolve(
     named = False  # whether the next part is a name that the user gave in a table of tables
     for number, part in enumerate(location):
         last = number == len(location) - 1
+        tagged = [m for m in candidates if _tag_of(m) == part]
         table = next((each for each in candidates if part in each.model_fields), None)
-        if table is not None:
+        if table is not None and not (tagged and len(candidates) > 1):  # the tag of one may be a key of another
             owner = table
             path.append(str(part))
             kind = table.model_fields[str(part)].annotation
@@ -175,7 +181,6 @@ def _resolve(
             path += str(part).split(".")
             named = False
             continue
-        tagged = [m for m in candidates if _tag_of(m) == part]
         if last and unknown:
             owner = candidates[0] if len(candidates) == 1 else None
             path.append(str(part))

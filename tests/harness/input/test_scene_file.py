@@ -142,6 +142,25 @@ def test_an_unknown_key_is_named_whatever_it_looks_like(
     assert [(item.key, item.advice) for item in told] == [(key, near)]
 
 
+@pytest.mark.parametrize(
+    ("motion", "key", "wanted"),
+    [
+        ("{kind='record'}", "motion.x.file", "this key"),
+        ("{kind='record', file='a.csv', scale=nan}", "motion.x.scale", "a finite number"),
+        ("{kind='record', file='a.csv', records=1}", "motion.x.records", "a known key"),
+        ("{kind='samples', dt_s=0.1, accel_m_s2=[0.0, nan]}", "motion.x.accel_m_s2.1", "a finite number"),
+        ("{kind='samples', dt_s=0.1, accel_m_s2=[0.0]}", "motion.x.accel_m_s2", "at least 2 of them"),
+    ],
+)
+def test_a_wrong_key_of_a_motion_is_the_users_own_and_told_once(root: Path, motion: str, key: str, wanted: str) -> None:
+    """The tag `record` is a key of a motion by its spectrum; a list of two is not too short for one that is no number."""
+    with pytest.raises(InputError) as caught:
+        load_scene(root / "scenes" / "free_rocking.toml", [f"motion.x={motion}"])
+    (mistake,) = caught.value.mistakes
+    assert mistake.key == key
+    assert mistake.wanted.startswith(wanted)
+
+
 POSED = "[initial]\nposition_m = [0.0, 0.0, 0.6]\n"
 
 
