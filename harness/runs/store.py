@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import sqlite3
@@ -135,6 +136,7 @@ MEMORY: Final = ":memory:"
 BUSY_MS: Final = 60_000
 """Longest wait for another writer: many workers share one file, each holding it for well under a millisecond."""
 
+MAKE_ROOM: Final = "free some space (or allow larger files) and give the command again: what was finished is kept"
 RECOVER: Final = "move the file away and run the same command again: its results are computed anew"
 
 # Results stand in the order in which they came: in a tree of keys each row of a kilobyte would take a page of its own.
@@ -206,7 +208,8 @@ class Store:
     """A store in one file; every write is one transaction, so a killed process loses nothing that was finished.
 
     `kind` is what its results are of (see `STORE_KINDS`): no other command may take them for its own. Raises `InputError` when
-    the file cannot be opened, written or is no store of that kind; another program's is not opened.
+    the file cannot be opened, written or is no store of that kind, `OSError` where there is no room; another program's is not
+    opened.
     """
 
     def __init__(self, path: Path, kind: str = "study") -> None:
@@ -379,12 +382,12 @@ class Store:
         try:
             yield
         except (sqlite3.Error, OSError, UnicodeDecodeError) as error:  # a damaged schema is quoted as it stands
-            advice = (
-                "free some space (or allow larger files) and give the command again: what was finished is kept"
-                if getattr(error, "errno", None) in NO_ROOM or getattr(error, "sqlite_errorname", "").startswith(FULL)
-                else RECOVER
-            )
-            raise InputError(Mistake(str(self.path), "", f"a store that can be {done}", str(error), advice)) from error
+            number = getattr(error, "errno", None)
+            if number in NO_ROOM or getattr(error, "sqlite_errorname", "").startswith(FULL):
+                # No mistake of the input's.
+                said = f"{getattr(error, 'strerror', error)}; {MAKE_ROOM}"
+                raise OSError(number or errno.ENOSPC, said, str(self.path)) from error
+            raise InputError(Mistake(str(self.path), "", f"a store that can be {done}", str(error), RECOVER)) from error
 
 
 def stored_runs(store: Store, scene: Scene) -> dict[str, Run]:

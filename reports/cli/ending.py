@@ -58,10 +58,12 @@ def guarded(action: Any) -> int:
             sys.stderr.close()
             return FAILED
         except OSError as error:
-            what = "the output could not be"
+            what = "the output could not be written: "
             if error.filename:
-                what = f"{printable(repr(str(error.filename)))} could not be read or"
-            print(f"error: {what} written: {error.strerror or error}", file=sys.stderr)
+                what = f"{printable(repr(str(error.filename)))} could not be read or written: "
+            elif error.errno is None:  # a library's own words
+                what = ""
+            print(f"error: {what}{printable(error.strerror or str(error))}", file=sys.stderr)
             return WRONG_INPUT if error.errno in NO_SUCH_PLACE else FAILED
     return int(code or OK)
 
@@ -106,7 +108,7 @@ def say_record(record: Record, folder: Path, saying: OutputOptions, language: st
         for mistake in error.mistakes:
             typer.echo(f"error: {mistake}", err=True)
         raise typer.Exit(FAILED) from error
-    except OSError:
+    except (OSError, KeyboardInterrupt):
         pages = f"`rockcheck report {shlex.quote(str(folder))}` writes its pages"
         typer.echo(printable(f"the result stands in {folder}; {pages}"), err=True)
         raise

@@ -395,6 +395,19 @@ def test_where_there_is_no_room_for_its_page_a_result_stands_without_an_older_on
     assert "fault" not in second.stderr
 
 
+def test_a_result_whose_pages_were_interrupted_is_said_to_stand(
+    scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def ended(*given: Any) -> Path:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("reports.pages.page.write_report", ended)
+    done = rockcheck("run", "block.toml", "-q", "-e", "analytic", cwd=tmp_path)
+    assert done.returncode == INTERRUPTED
+    assert "`rockcheck report out/block` writes its pages" in done.stderr
+    assert (tmp_path / "out" / "block" / "result.json").exists()
+
+
 def test_what_an_ended_run_had_finished_is_written(
     scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

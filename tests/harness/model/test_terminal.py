@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 from pathlib import Path
 
@@ -60,6 +61,24 @@ def test_mistakes_and_names_of_files_are_one_line(capsys: pytest.CaptureFixture[
     said = capsys.readouterr().err
     assert said.count("\n") == 1
     assert not CONTROL.search(said.replace("\n", ""))
+
+
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    [
+        (OSError("no library of that name"), "error: no library of that name\n"),
+        (OSError(errno.ENOSPC, "No space"), "error: the output could not be written: No space\n"),
+        (OSError(errno.ENOSPC, "No space", "a"), "error: 'a' could not be read or written: No space\n"),
+    ],
+)
+def test_what_the_system_refuses_is_no_mistake_of_the_inputs(
+    fault: OSError, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def action() -> int:
+        raise fault
+
+    assert guarded(action) == 1
+    assert capsys.readouterr().err == said
 
 
 @pytest.mark.parametrize("options", [[], ["--json"], ["--explain"]])

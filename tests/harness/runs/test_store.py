@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import sqlite3
 import subprocess
 import sys
@@ -170,8 +171,9 @@ def test_a_full_disk_is_told_and_what_was_finished_is_kept(store: Store) -> None
     put(store, [("a", run())])
     pages = store._db.execute("PRAGMA page_count").fetchone()[0]
     store._db.execute(f"PRAGMA max_page_count={pages}")
-    with pytest.raises(InputError, match="free some space"):
+    with pytest.raises(OSError, match="free some space") as caught:
         put(store, [(f"k{i}", run()) for i in range(200)], histories=True)
+    assert (caught.value.errno, caught.value.filename) == (errno.ENOSPC, str(store.path)), "no mistake of the input's"
     assert store.get("a") is not None
     assert is_sound(store)
 
@@ -230,7 +232,6 @@ def test_rows_of_a_study_are_exported(store: Store, tmp_path: Path) -> None:
 FULL = """
 import resource, sys
 from pathlib import Path
-from harness.model.errors import InputError
 from harness.runs.store import Store
 from tests.harness.runs.test_store import run
 from tests.stores_for_tests import put
@@ -239,7 +240,7 @@ with Store(Path(sys.argv[1])) as store:
     for i in range(1000):
         try:
             put(store, [(f"k{i}", run())])
-        except InputError as error:
+        except OSError as error:
             sys.exit(f"{i} {error}")
 """
 
