@@ -169,10 +169,11 @@ def _numeric(cells: Sequence[str]) -> bool:
 
 @lru_cache(maxsize=1024)
 def intensity(motion: Excitation, duration_s: float) -> Intensity:
-    """Peaks of a motion; PGV without the drift of its velocity, for an offset of the record is no shaking."""
+    """Peaks of a motion; a record's PGV without the drift of its velocity, for an offset of it is no shaking."""
     samples = getattr(motion, "t_s", None)
     t_s = np.linspace(0.0, duration_s, 20_001) if samples is None else np.asarray(samples)
-    velocity = detrended(t_s, np.asarray(motion.velocity_m_s(t_s)))
+    velocity = np.asarray(motion.velocity_m_s(t_s))
+    velocity = velocity if samples is None else detrended(t_s, velocity)
     return Intensity(motion.peak_m_s2 / GRAVITY_M_S2, float(np.max(np.abs(velocity))))
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analytic.excitation import SampledAcceleration
+from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
 from harness.model.errors import InputError
 from harness.questions.study.rocking_spectrum import RING_DOWN_S
 from harness.questions.validate.scenes import (
@@ -99,6 +99,18 @@ def test_an_offset_of_the_record_is_no_velocity() -> None:
     raw = np.max(np.abs(burst(0.05).velocity_m_s(np.arange(3201) / 800.0)))
     assert raw > 1.5 * bare.pgv_m_s
     assert shifted.pgv_m_s == pytest.approx(bare.pgv_m_s, rel=TRAPEZOID_REL)
+
+
+@pytest.mark.parametrize(
+    "motion", [Harmonic(3.0, 2.0), Pulse("rectangular", 3.0, 0.5, 0.1), Pulse("one_sine", 3.0, 0.5)]
+)
+@pytest.mark.parametrize("duration_s", [0.7, 4.0])
+def test_the_peak_velocity_of_a_formula_is_its_integral_s(motion: Excitation, duration_s: float) -> None:
+    """A harmonic motion from rest has one of 2A/ω: a drift taken off it told less."""
+    t_s = np.linspace(0.0, duration_s, 1_000_001)
+    accel = motion.accel_m_s2(t_s)
+    velocity = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(t_s) * (accel[1:] + accel[:-1]))])
+    assert intensity(motion, duration_s).pgv_m_s == pytest.approx(np.abs(velocity).max(), rel=SAMPLED_SINE_REL)
 
 
 def test_bodies_are_drawn_once_for_all_their_tests(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
