@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic
-from harness.accuracy.horizon import horizon, parted_s, perturbed
+from harness import engines
+from harness.accuracy import horizon as horizon_room
+from harness.accuracy.horizon import horizon, horizon_of, parted_s, perturbed
 from harness.engines.base import EngineFailure
 from harness.model.history import History, Outcome
 from harness.model.run import Run
@@ -54,6 +56,15 @@ def test_the_horizon_is_where_the_growth_reaches_the_tolerance() -> None:
     assert model.runs == 1 + 4 * len(found.perturbations)
     assert found.failed == 1  # the rate perturbed by 1e-3 p
     assert found.outcomes == ("overturned_right", "stands")
+
+
+def test_the_horizon_is_read_between_its_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+    model, given = engines.load("analytic"), replace(paestum(0.429, 3.0), duration_s=5.0)
+    coarse = horizon_of(model, given, model.refinement_levels(given)[-1])
+    monkeypatch.setattr(horizon_room, "SAMPLED_S", 1e-3)
+    fine = horizon_of(model, given, model.refinement_levels(given)[-1])
+    assert 0.1 < coarse.until_s[-1] < given.duration_s
+    assert coarse.until_s == pytest.approx(fine.until_s, abs=1e-4)
 
 
 def test_a_stable_model_is_predictable_to_the_end() -> None:
