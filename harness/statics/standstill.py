@@ -192,9 +192,6 @@ def standstill(scene: Scene, runs: Iterable[Run]) -> Finding | None:
     return changes_answer("nothing_moves", push_g=push.peak, share=share, cause=cause, least=_least(scene))
 
 
-SLIPS: Final = ("statue_slip_m", "statue_y_m", "pedestal_y_m")
-
-
 def _moves(run: Run) -> bool:
     if run.outcome is not Outcome.STANDS or abs(run.peak_theta_rad) > STILL_RAD or abs(run.peak_slip_m) > STILL_M:
         return True

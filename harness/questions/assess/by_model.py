@@ -53,9 +53,7 @@ TRIAL_SHARE: Final = 0.01
 """Of the draws are timed before all of them are run."""
 
 
-def assess_models(
-    scene: Scene, draws: int = RUN_DRAWS, seed: int = 0, *, leaves_plane: bool = False
-) -> dict[str, Assessment]:
+def assess_models(scene: Scene, draws: int = RUN_DRAWS, *, leaves_plane: bool = False) -> dict[str, Assessment]:
     """The analytic model's own probability, and the exact body's where the scene is shaken across its rocking plane or a run has
     shown that its statue leaves it.
 
@@ -64,7 +62,7 @@ def assess_models(
     inputs = uncertain_inputs(scene)
     if not inputs or scene.initial.pose is not None:
         return {}
-    values = draws_of(scene, inputs, draws, seed)
+    values = draws_of(scene, inputs, draws, seed=0)
     model = model_draws(scene, values)
     fell = sampled(model, lambda number: varied(scene, row(values, number)))
     leaves_plane |= shaken_across(scene)
@@ -73,14 +71,14 @@ def assess_models(
     return answers if space is None else {**answers, SPACE: probability_of(space)}
 
 
-def assessed_s(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> float:
+def assessed_s(scene: Scene) -> float:
     """Processor seconds that `assess_models` is expected to take: timed on a share of its draws."""
     from analytic import AnalyticInputError
 
     inputs = uncertain_inputs(scene)
     if not inputs or scene.initial.pose is not None:
         return 0.0
-    values = draws_of(scene, inputs, draws, seed)
+    values = draws_of(scene, inputs, RUN_DRAWS, seed=0)
     size = next(iter(values.values())).size
     some = {key: column[: math.ceil(TRIAL_SHARE * size)] for key, column in values.items()}
     try:
