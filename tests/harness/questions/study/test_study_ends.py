@@ -21,7 +21,7 @@ from harness.runs.task import Task
 from tests.harness.questions.study.small_study import CONTACT, contents, lethal, lost, written
 from tests.harness.runs.endings import ended
 
-KILLS = 6
+KILLS = 10
 LONGEST_S = 60.0
 """A fresh process has its first result well within it, however busy the machine."""
 
