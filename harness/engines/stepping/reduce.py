@@ -489,9 +489,10 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
     slip_m, gap_m = support.statue_slip_m(scene, at), support.gap_m(scene, at)
     slid_m, in_space = slip_m, dict[str, object]()
     if "out_of_plane_rad" in motion.extra:
-        slid_m, in_space = moves_in_space(scene, motion)
+        placed = on_support(motion)
         # As it rocks across the plane both corners rise, and not the statue.
-        gap_m = np.minimum(gap_m, _clear_m(scene, motion, at))
+        gap_m = np.minimum(gap_m, _clear_m(scene, placed[0], at))
+        slid_m, in_space = moves_in_space(scene, motion, placed)
     plain = plain_spells(motion, slid_m, gap_m, at, scene.pedestal)
     if friction_is_known(scene, motion):
         account = report.interventions if report.repeats else None
@@ -641,7 +642,7 @@ def _outcome(
     return ahead
 
 
-def _on_support(motion: Trajectory) -> tuple[Array, Array]:
+def on_support(motion: Trajectory) -> tuple[Array, Array]:
     """The statue's rotations (n, 3, 3) and its right corner's places (n, 3), along its support; from a pedestal's centroid."""
     turn, tilt = rotations(motion.extra), motion.tilt_rad
     place = np.column_stack([motion.extra[f"corner_right_{k}_m"] for k in "xyz"])
@@ -653,18 +654,17 @@ def _on_support(motion: Trajectory) -> tuple[Array, Array]:
     return turn, place
 
 
-def _clear_m(scene: Scene, motion: Trajectory, at: support.Corners) -> Array:
-    """Height (n,) of the base's lowest vertex above the support."""
+def _clear_m(scene: Scene, turn: Array, at: support.Corners) -> Array:
+    """Height (n,) of the base's lowest vertex above the support, by the statue's rotations (n, 3, 3) along it."""
     base = scene.statue.feet_m - np.array([0.0, 0.0, scene.statue.centroid_height_m])
-    clear: Array = at.centroid_z + (_on_support(motion)[0][:, 2] @ base.T).min(axis=1)
+    clear: Array = at.centroid_z + (turn[:, 2] @ base.T).min(axis=1)
     return clear
 
 
-def _set_down_m(statue: Statue, motion: Trajectory) -> Array:
+def _set_down_m(statue: Statue, turn: Array, corner_m: Array) -> Array:
     """Where (n, 2) the middle of the base would be on its support, set down flat about the foot that is lowest."""
-    turn, place = _on_support(motion)
     foot = statue.feet_m[(turn[:, 2] @ statue.feet_m.T).argmin(axis=1)]
-    place += np.einsum("tij,tj->ti", turn, foot - np.array([statue.corner_right_m, 0.0, 0.0]))
+    place = corner_m + np.einsum("tij,tj->ti", turn, foot - np.array([statue.corner_right_m, 0.0, 0.0]))
     yaw = np.arctan2(turn[:, 1, 0] - turn[:, 0, 1], turn[:, 0, 0] + turn[:, 1, 1])
     x, y = statue.base_centre_m - foot[:, 0], -foot[:, 1]
     arm = np.column_stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y])
@@ -688,11 +688,11 @@ def _leans(scene: Scene, motion: Trajectory) -> dict[str, object]:
     }
 
 
-def moves_in_space(scene: Scene, motion: Trajectory) -> tuple[Array, dict[str, object]]:
-    """How far (n,) the statue shifted on its support, turned with it, and what else the plane does not tell: leans in any
-    direction, and how far pedestal and base turned and slid.
+def moves_in_space(scene: Scene, motion: Trajectory, placed: tuple[Array, Array]) -> tuple[Array, dict[str, object]]:
+    """How far (n,) the statue, `placed` on its support as `on_support` has it, shifted there, turned with it, and what else the
+    plane does not tell: leans in any direction, and how far pedestal and base turned and slid.
     """
-    leans, columns, base = _leans(scene, motion), motion.extra, _set_down_m(scene.statue, motion)
+    leans, columns, base = _leans(scene, motion), motion.extra, _set_down_m(scene.statue, *placed)
     shift, pedestal_y_m = base, np.zeros_like(motion.slip_m)
     if scene.pedestal is not None:
         pedestal_y_m, yaw = columns["pedestal_y_m"], columns["pedestal_yaw_rad"]

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from analytic import Harmonic, Pulse
 from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.frame import statue_columns
-from harness.engines.stepping.reduce import moves_in_space
+from harness.engines.stepping.reduce import moves_in_space, on_support
 from harness.model.scene import BaseExcitation, Pedestal
 from harness.questions.scene.scene_run import Result, run_scene
 from harness.records.run import peak_lean_rad, peak_slip_m, standing
@@ -124,7 +124,7 @@ def test_a_statue_that_turns_with_its_pedestal_does_not_shift_on_it() -> None:
         path = Trajectory(
             yaw, zero, zero, zero, zero, flat_m[1:], centroid_m[:, ::2], flat_m, flat_m, flat_m, zero, extra=columns
         )
-        shift_m, found = moves_in_space(on, path)
+        shift_m, found = moves_in_space(on, path, on_support(path))
         assert shift_m.max() == pytest.approx(expected_m, abs=PUSH)
         assert found["yaw_rad"] == pytest.approx(0.1)
 
@@ -140,7 +140,7 @@ def test_a_statue_that_never_stands_flat_shifts_in_any_direction() -> None:
     zero, flat_m = np.zeros_like(share), np.zeros((share.size, 2))
     columns = statue_columns(statue, turns, centroid_m)
     path = Trajectory(share, zero, zero, zero, zero, flat_m[1:], centroid_m[:, ::2], flat_m, extra=columns)
-    shift_m, found = moves_in_space(on, path)
+    shift_m, found = moves_in_space(on, path, on_support(path))
     assert shift_m.max() == pytest.approx(0.05, abs=PUSH)
     assert found["slip_across_m"] == pytest.approx(0.04, abs=PUSH)
 
@@ -157,7 +157,7 @@ def test_a_smaller_lean_towards_its_weak_side_is_nearer_to_its_balance() -> None
     centroid_m = np.column_stack([zero, zero, zero + statue.centroid_height_m])
     columns = statue_columns(statue, turns, centroid_m)
     path = Trajectory(lean, right, zero, zero, zero, flat_m[1:], flat_m, flat_m, extra=columns)
-    _, found = moves_in_space(on, path)
+    _, found = moves_in_space(on, path, on_support(path))
     assert found["peak_lean_rad"] == pytest.approx(0.2, rel=1e-2)
     assert found["peak_lean_balance_rad"] == pytest.approx(np.arctan2(0.1, 0.4))
     assert found["peak_lean_share"] == pytest.approx(0.18 / np.arctan2(0.1, 0.4), rel=1e-2)
