@@ -218,6 +218,8 @@ def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
         known = f"{run.numerical_uncertainty_rad:.0e} rad to {digits(until, 3)} s"
     slip_m = standing(run, "statue_slip_m") if scene.pedestal is None else peak_slip_m(run)
     slip = "–" if slip_m is None else length(slip_m if slip_m > STILL_M else 0.0).replace("\u00a0", " ")
+    if outside_domain(run) and slip_m is not None:
+        slip = f"({slip})"
     return [outcome, peak, slip, known, f"{digits(run.wall_s, 2)} s"]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -92,4 +93,5 @@ def test_an_outcome_outside_the_models_domain_stands_in_brackets(record: RunReco
     for validity, told in ((own.validity, "  analytic  stands "), ({**own.validity, **tips}, "  analytic  (stands) ")):
         run = replace(own, outcome=Outcome.STANDS, no_return_time_s=None, validity=validity)
         lines = record_lines(replace(record, runs={**record.runs, "analytic": run}))
-        assert any(line.startswith(told) for line in lines), lines
+        line = next(line for line in lines if line.startswith(told))
+        assert bool(re.search(r"\([\d.]+ [cm]?m\)", line)) is (validity is not own.validity)

@@ -29,6 +29,8 @@ Code = Literal[
 ]
 LATE: Final = (Verdict.HORIZON, Verdict.UNBOUNDED, Verdict.DOMAIN)
 """Verdicts of histories that agree up to some instant, and part for a reason that is no model's."""
+NOT_FOLLOWED: Final = (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX)
+"""Ends of a perturbed run that are none of the statue: it may fall or stand there as it does elsewhere."""
 STILL_RAD: Final = 1e-5
 """A smaller lean is the give of a contact engine at rest (some 0.01 mm at the top of a statue of one metre)."""
 
@@ -55,7 +57,13 @@ def answer_of(
         # What the third dimension adds is why answers differ.
         parts.append(info("plane_decides", causes=sorted(causes)))
     parts += decided
-    reached = {outcome_family(end) for name, each in horizons.items() if name in known for end in each.outcomes}
+    reached = {
+        outcome_family(end)
+        for name, each in horizons.items()
+        if name in known
+        for end in each.outcomes
+        if end not in NOT_FOLLOWED
+    }
     if len(reached) > 1:
         # The smallest change of start or motion changes the outcome itself.
         parts.append(changes_answer("outcome_not_predictable", outcomes=sorted(reached)))

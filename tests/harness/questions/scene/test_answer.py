@@ -198,3 +198,10 @@ def test_perturbed_runs_that_end_otherwise_make_the_outcome_unpredictable() -> N
     horizon = HorizonRecord(0.01, 10.0, (1e-9,), (5.0,), 4.0, ends, 0, 5.0)
     _, said = told(run("analytic"), run("b"), horizons={"analytic": horizon})
     assert said["outcome_not_predictable"].values["outcomes"] == ["overturned", "stands"]
+
+
+def test_a_perturbed_run_that_loses_contact_is_no_other_outcome_of_the_statue() -> None:
+    horizon = HorizonRecord(0.01, 10.0, (1e-3,), (5.0,), 4.0, (Outcome.LIFT_OFF, Outcome.OVERTURNED_LEFT), 0, 5.0)
+    fell = run("analytic", outcome=Outcome.OVERTURNED_LEFT)
+    _, said = told(fell, run("b"), horizons={"analytic": horizon})
+    assert "outcome_not_predictable" not in said
