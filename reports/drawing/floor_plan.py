@@ -110,10 +110,14 @@ def _in_plane(source: RunSource, body: Array, history: History) -> Array:
 
 
 def _in_space(source: RunSource, body: Array, history: History) -> Array:
+    """The outline of all that the body comes over."""
+    from scipy.spatial import ConvexHull
+
     columns = {name: history.extra[name] for name in SOLID_COLUMNS}
     chosen = _chosen([history.theta_rad, *columns.values()])
     shown = {name: values[chosen] for name, values in columns.items()}
-    return posed_in_space_m(body, source.scene.statue.corner_right_m, shown)[:, :, :2].reshape(-1, 2)
+    reached = posed_in_space_m(body, source.scene.statue.corner_right_m, shown)[:, :, :2].reshape(-1, 2)
+    return np.asarray(reached[ConvexHull(reached).vertices])
 
 
 def _chosen(columns: Sequence[Array]) -> Any:
