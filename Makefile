@@ -9,6 +9,9 @@ PYTHON ?= $(shell for p in python3.11 python3.12 python3.13 python3.14 python3 p
 COMPILE_PLANE = $(PY) -c "import analytic as a; a.simulate(a.Block.rectangle(width_m=0.2, height_m=1.0), a.ZeroExcitation(), duration_s=0.01)"
 COMPILE_SPACE = $(PY) -c "from analytic import spatial as s; s.simulate(s.Body.block(100.0, 0.4, 0.3, 1.2), duration_s=0.01, friction_static=0.5)"
 
+# Whatever the environment says: without bytecode every process, hundreds in the tests, compiles anew what it imports.
+export PYTHONDONTWRITEBYTECODE :=
+
 .DEFAULT_GOAL := setup
 .PHONY: help setup report test fast wheel lowest lint docs types contracts bench stress lock clean
 
