@@ -157,6 +157,7 @@ def test_a_stored_result_that_is_nothing_is_refused(every: dict[str, Kind], fold
     assert attempt(every["store"], path.read_bytes(), folder).refusal
 
 
+@pytest.mark.slow
 def test_whole_files_are_accepted_and_mutated_inputs_do_no_harm() -> None:
     found = summed(list(rows(10 * WHOLE, 10 * WHOLE + INPUTS - 1)))
     assert [row for row in found if row.found] == []

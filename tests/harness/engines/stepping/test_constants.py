@@ -109,6 +109,7 @@ def assert_moves_little(name: str, own: Sequence[History], what: str, scenes: Ma
         assert by_rad <= limit_rad, f"{what} moves {label!r} by {by_rad:.1e} rad"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LOCATING)
 def test_a_fifth_more_or_less_of_what_locates_events_moves_no_result_by_its_error(
     name: str, monkeypatch: pytest.MonkeyPatch

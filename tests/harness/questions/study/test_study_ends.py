@@ -12,6 +12,8 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from harness.questions.study.file import load_study
 from harness.questions.study.study_run import run_study
 from harness.runs.execute import Campaign
@@ -55,6 +57,7 @@ def whole(path: Path, store_path: Path) -> list[Any]:
     return contents(store_path)
 
 
+@pytest.mark.slow
 def test_killed_at_random_moments_a_study_ends_in_the_same_store_row_for_row(tmp_path: Path) -> None:
     path = written(tmp_path / "study", CONTACT)
     undisturbed = whole(path, tmp_path / "whole.sqlite")
