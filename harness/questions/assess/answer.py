@@ -60,7 +60,13 @@ def findings_of(record: AssessRecord) -> list[Finding]:
     key, most = max((record.indices or {}).items(), key=lambda item: item[1].most, default=("", Index(0.0, 0.0)))
     if most.most >= max(MATTERS, most.half_width):
         planar = record.plane_only and record.fragility is not None and record.fragility.model == MODEL
-        found.append(info("decisive_input", input=key, share=min(most.most, 1.0), planar=planar))
+        # Of the same draws: a difference is known better than by both widths, so that none is left out that may matter more.
+        equal = [
+            other
+            for other, item in (record.indices or {}).items()
+            if other != key and most.most - item.most <= math.hypot(most.half_width, item.half_width)
+        ]
+        found.append(info("decisive_input", input=key, share=min(most.most, 1.0), planar=planar, equal=equal))
     if record.assumed:
         found.append(info("uncertainty_assumed", keys=[item.key for item in record.uncertainty]))
     if record.runs is not None and record.runs.computed < record.runs.wanted:

@@ -83,7 +83,11 @@ def test_answer_and_findings_name_what_helps_what_room_it_needs_and_what_decides
     assert [each.code for each in told.findings[-3:]] == ["reserve", "best_option", "clearance"]
     assert told.findings[-3].values["kind"] == "none"
     (decides,) = (each for each in findings_of(record) if each.code == "decisive_input")
-    assert decides.values == {"input": "contact.floor", "share": 0.77, "planar": False}
+    assert decides.values == {"input": "contact.floor", "share": 0.77, "planar": False, "equal": []}
+    # With another seed it would be the other that matters most.
+    near = replace(record, indices={**inputs, "motion.scale": Index(0.1, 0.09, 0.71)})
+    (decides,) = (each for each in findings_of(near) if each.code == "decisive_input")
+    assert decides.values["equal"] == ["motion.scale"]
 
 
 @pytest.mark.parametrize(("p", "high", "colour"), [(0.01, 0.02, "agree"), (0.3, 0.32, "differ"), (0.9, 0.95, "failed")])
