@@ -69,4 +69,7 @@ class InputError(ValueError):
 
     def __init__(self, mistakes: Mistake | Iterable[Mistake]) -> None:
         self.mistakes: tuple[Mistake, ...] = (mistakes,) if isinstance(mistakes, Mistake) else tuple(mistakes)
-        super().__init__("\n".join(str(mistake) for mistake in self.mistakes))
+        super().__init__(self.mistakes)  # what a worker sends back is made again of this
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.mistakes))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from analytic.block import OVERTURN_RAD as OVERTURN_RAD
-from analytic.excitation import Excitation, ZeroExcitation
+from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Finding, Shown, new_axes
 from harness.model.history import Array
@@ -212,13 +212,27 @@ class Contact:
         return replace(self, floor_static=static, floor_kinetic=kinetic, floor_impact=acts)
 
 
+MOTIONS: Final = (ZeroExcitation, Harmonic, Pulse, SampledAcceleration)
+"""What the floor's acceleration along an axis may be."""
+
+
 @dataclass(frozen=True)
 class BaseExcitation:
-    """Acceleration of the floor: x in the rocking plane, y across it, z up."""
+    """Acceleration of the floor: x in the rocking plane, y across it, z up. Raises `InputError` for a motion of one's own class,
+    which the compiled model does not know.
+    """
 
     x: Excitation = field(default_factory=ZeroExcitation)
     y: Excitation = field(default_factory=ZeroExcitation)
     z: Excitation = field(default_factory=ZeroExcitation)
+
+    def __post_init__(self) -> None:
+        for axis in "xyz":
+            kind = type(getattr(self, axis))
+            if kind not in MOTIONS:
+                wanted = f"one of {', '.join(each.__name__ for each in MOTIONS)}"
+                advice = "sample it: scene.with_motion(accel_m_s2, dt_s)"
+                raise InputError(Mistake("BaseExcitation", axis, wanted, kind.__name__, advice))
 
     @property
     def end_s(self) -> float:

@@ -22,10 +22,12 @@ import tomli_w
 import trimesh
 
 import harness
+from analytic.excitation import Harmonic
 from harness import engines
 from harness.model.finding import Shown
 from harness.model.history import Outcome
 from harness.model.run_set import RunSet, column_of
+from harness.model.scene import BaseExcitation
 from harness.questions.scene.scene_run import write_result
 from harness.records.study import CaseRun, StudyRecord, StudyRow
 from harness.runs.task import scene_key
@@ -438,6 +440,23 @@ def test_a_run_without_a_history_and_a_study_without_numbers_say_so(scene: harne
 def test_what_shows_itself_travels_between_processes(run: harness.Run) -> None:
     again = pickle.loads(pickle.dumps(run))
     assert repr(again) == repr(run)
+
+
+def test_a_mistake_that_a_worker_found_reads_as_it_was_said(scene: harness.Scene) -> None:
+    with pytest.raises(harness.InputError) as caught:
+        scene.replace(foo=1)
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert (str(again), again.mistakes) == (str(caught.value), caught.value.mistakes)
+
+
+def test_a_motion_of_ones_own_class_is_refused_and_not_taken_for_what_it_derives_from() -> None:
+    class Louder(Harmonic):
+        def accel_m_s2(self, t_s: Any) -> Any:
+            return 2.0 * super().accel_m_s2(t_s)
+
+    with pytest.raises(harness.InputError, match="with_motion") as caught:
+        BaseExcitation(x=Louder(1.0, 2.0))
+    assert [(each.key, each.got) for each in caught.value.mistakes] == [("x", "Louder")]
 
 
 def test_the_example_notebook_runs(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
