@@ -11,7 +11,7 @@ from harness.engines.base import Engine, EngineFailure, LayerFault, own_failures
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
 from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
+from harness.model.scene import Scene, must_be_scene
 
 if TYPE_CHECKING:
     from harness.input.overrides import Overrides
@@ -46,6 +46,7 @@ def simulate(
     `overrides` replace keys of the scene as `scene.replace` does. An engine's own failure is a `Run` whose outcome says so.
     Raises `InputError` for an unknown engine or key, an accuracy or step out of range, or both given.
     """
+    must_be_scene(scene, "simulate")
     check_target(accuracy_rad, dt_s)
     if overrides:
         scene = scene.replace(overrides)

@@ -471,3 +471,10 @@ class Scene(Shown):
         turn = np.arctan2(dz, dx)[touching] - np.arccos(self.wall.distance_m / radius[touching])
         # A clockwise turn lowers the polar angle: the point meets the wall where r cos(angle) = distance.
         return float(np.min(turn[turn >= 0.0], initial=math.inf))
+
+
+def must_be_scene(scene: object, caller: str) -> None:
+    """Raise `InputError` for what is no scene, such as its file's path."""
+    if not isinstance(scene, Scene):
+        wanted = "a scene: harness.load_scene(path)"
+        raise InputError(Mistake(caller, "scene", wanted, type(scene).__name__))

@@ -442,6 +442,13 @@ def test_what_shows_itself_travels_between_processes(run: harness.Run) -> None:
     assert repr(again) == repr(run)
 
 
+@pytest.mark.parametrize("call", ["simulate", "run_scene", "assess", "sweep"])
+def test_a_path_is_no_scene_and_how_to_read_it_is_told(call: str) -> None:
+    more = {"simulate": ["analytic"], "sweep": [{"duration_s": [1.0]}]}.get(call, [])
+    with pytest.raises(harness.InputError, match="load_scene"):
+        getattr(harness, call)("scene.toml", *more)
+
+
 def test_a_mistake_that_a_worker_found_reads_as_it_was_said(scene: harness.Scene) -> None:
     with pytest.raises(harness.InputError) as caught:
         scene.replace(foo=1)

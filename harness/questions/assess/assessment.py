@@ -20,7 +20,7 @@ from harness.accuracy.forecast import START_S, Range, first_settings, moving_s, 
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Shown, new_axes
 from harness.model.run import machine, versions
-from harness.model.scene import Scene, Uncertain
+from harness.model.scene import Scene, Uncertain, must_be_scene
 from harness.questions.assess.answer import answer_of, findings_of
 from harness.questions.assess.by_model import (
     MODEL,
@@ -152,6 +152,7 @@ def assess(
     Raises `InputError` for a wrong number, a scene of which nothing is uncertain, or one that begins from a pose in space (the
     draws are stratified by the planar model).
     """
+    must_be_scene(scene, "assess")
     for given, value, least in (("draws", draws, 1), ("seed", seed, 0), ("most_runs", most_runs, 1)):
         if type(value) is not int or value < least:
             raise InputError(Mistake("assess", given, f"a whole number of at least {least}", repr(value)))

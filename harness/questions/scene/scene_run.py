@@ -21,7 +21,7 @@ from harness.input.paths import read_files
 from harness.model.finding import Answer, Finding, Say, caution, info, weighed
 from harness.model.history import Outcome, history_file
 from harness.model.run import SKIPS, Run, RunOptions, machine, versions
-from harness.model.scene import Scene
+from harness.model.scene import Scene, must_be_scene
 from harness.questions.scene import floor_impact
 from harness.questions.scene.answer import answer_of
 from harness.questions.scene.left_out import TakenAway, explained, with_reasons
@@ -165,6 +165,7 @@ def run_scene(
     this very scene, that are there already. An interrupt after one of the engines has finished raises `Ended` with the result so
     far.
     """
+    must_be_scene(scene, "run_scene")
     check_target(accuracy_rad, dt_s)
     options = options or RunOptions()
     loaded = [engines.load(name) for name in dict.fromkeys(names or engines.default_engines(scene))]

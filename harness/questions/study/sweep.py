@@ -13,7 +13,7 @@ from harness.input.overrides import plain
 from harness.model.errors import InputError, Mistake
 from harness.model.run import NUMBERS
 from harness.model.run_set import RunSet, run_set
-from harness.model.scene import Scene
+from harness.model.scene import Scene, must_be_scene
 from harness.questions.study.case_blocks import SweptRuns
 from harness.questions.study.cases import BaseScene
 from harness.questions.study.file import Value
@@ -46,8 +46,7 @@ def sweep(
         wanted = 'values by dotted key, such as {"motion.x.amplitude_g": [0.2, 0.3]}'
         raise InputError(Mistake("sweep", "values", wanted, repr(values)))
     axes = {key: _values(key, given) for key, given in values.items()}
-    if not isinstance(scene, Scene):
-        raise InputError(Mistake("sweep", "scene", "a scene: harness.load_scene(path)", type(scene).__name__))
+    must_be_scene(scene, "sweep")
     if not scene.given:
         wanted = "a scene that was loaded, whose keys are known"
         raise InputError(Mistake("sweep", "scene", wanted, "one made of parts"))
