@@ -131,19 +131,20 @@ TOLERANCE_RAD: Final = 0.01
 
 
 def perturbed(scene: Scene, size: float) -> tuple[Scene, ...]:
-    """The scene with slightly other starts: rotation + size (rad), rate + size·p (rad/s), and all motion times 1 ± size.
+    """The scene with slightly other starts: rotation + size (rad), rate + size·p (rad/s), to the side on which it starts, and
+    all motion times 1 ± size.
 
     p = √(mgR/J) is the statue's frequency parameter. A statue at rest forgets a perturbed start as soon as it rests again, so
     its motion is perturbed as well.
     """
     statue, start = scene.statue, scene.initial
-    side = 1 if start.theta_rad >= 0.0 else -1
+    side = -1 if (start.theta_rad or start.theta_rate_rad_s) < 0.0 else 1
     arm = math.hypot(statue.corner_m(side), statue.centroid_height_m)
     p = math.sqrt(statue.mass_kg * scene.gravity_m_s2 * arm / scene.pivot_inertia_kg_m2[side])
     leaning = replace(scene, initial=start.plus(side * size, 0.0))
     if start.pose is not None:
         leaning = replace(scene, initial=start.plus(0.0, -size * p))
-    thrown = replace(scene, initial=start.plus(0.0, size * p))
+    thrown = replace(scene, initial=start.plus(0.0, side * size * p))
     if scene.base_excitation.still:
         return leaning, thrown
     return leaning, thrown, shaken(scene, 1.0 + size), shaken(scene, 1.0 - size)

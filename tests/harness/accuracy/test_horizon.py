@@ -89,6 +89,16 @@ def test_perturbations_touch_start_and_motion_by_their_size() -> None:
     assert perturbed(scene(PAESTUM, theta_rad=-0.1), 1e-3)[0].initial.theta_rad == pytest.approx(-0.101)
 
 
+@pytest.mark.parametrize("start", [{"theta_rad": 0.1}, {"theta_rate_rad_s": 0.2}])
+def test_a_mirrored_start_is_perturbed_to_the_other_side(start: dict[str, float]) -> None:
+    """One thrown to the left was lifted to the right: its impact at once took energy, and the horizon was that impact's."""
+    block = replace(PAESTUM, corner_left_m=0.2, corner_right_m=0.2)
+    starts = [scene(block, **{key: way * value for key, value in start.items()}) for way in (1.0, -1.0)]
+    for right, left in zip(*(perturbed(each, 1e-3) for each in starts), strict=True):
+        assert left.initial.theta_rad == -right.initial.theta_rad
+        assert left.initial.theta_rate_rad_s == -right.initial.theta_rate_rad_s
+
+
 def test_a_run_that_ends_earlier_parts_at_its_end() -> None:
     history = doubles.rocking()
     assert parted_s(history, history, TOLERANCE) is None
