@@ -117,7 +117,7 @@ SEVERITY: Final[tuple[str, ...]] = ("agree", "differ", "failed")
 
 
 def tone_of_outcomes(families: Iterable[str]) -> Tone:
-    """The colour of outcomes by their families (`study_rows.family`): `agree` only where every answer is that it stands."""
+    """The colour of outcomes by their families (`family`): `agree` only where every answer is that it stands."""
     ends = set(families)
     return "agree" if ends == {"stands"} else "differ" if ends & {"stands", "wall"} else "failed"
 

@@ -156,7 +156,7 @@ def _by_model(question: Question) -> Assessment | None:
 
 
 def _paired(question: Question, name: str) -> Assessment:
-    """An engine's probability: the model's on all draws, corrected by its runs of some (`stratified`)."""
+    """An engine's probability: the model's on all draws, corrected by its runs of some (`engine_draws.estimate`)."""
     scene = question.scene
     values = draws_of(scene, uncertain_inputs(scene), question.draws, 0)
 
