@@ -4,7 +4,7 @@ the scene from the side.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -26,7 +26,7 @@ from reports.pages.assets import environment
 from reports.source import RunSource
 
 POSES: Final = 240
-"""Most poses of one column of a history: its extremes are among them."""
+"""Most poses of one column of a history in which it is sought which points of a body are ever outermost."""
 SIDES: Final[Mapping[str, tuple[float, float]]] = {
     "left": (-1.0, 0.0), "right": (1.0, 0.0), "front": (0.0, -1.0), "back": (0.0, 1.0)
 }  # fmt: skip
@@ -103,25 +103,36 @@ def _body(source: RunSource) -> Array:
 
 def _in_plane(source: RunSource, body: Array, history: History) -> Array:
     """Each corner moves along one line: the ends of its way are all that the outline needs."""
-    moved_m = base_shift_m(source.scene.pedestal, history.slip_m, history.extra)
-    chosen = _chosen([history.theta_rad, moved_m])
-    x = section(source.scene).posed_m(body[:, [0, 2]], history.theta_rad[chosen], moved_m[chosen])[:, :, 0]
-    return np.column_stack([np.concatenate([x.min(axis=0), x.max(axis=0)]), np.tile(body[:, 1], 2)])
+    shape, moved_m = section(source.scene), base_shift_m(source.scene.pedestal, history.slip_m, history.extra)
+
+    def reached(points: Array, chosen: Any) -> Array:
+        x = shape.posed_m(points[:, [0, 2]], history.theta_rad[chosen], moved_m[chosen])[:, :, 0]
+        ends = np.column_stack([np.concatenate([x.min(axis=0), x.max(axis=0)]), np.tile(points[:, 1], 2)])
+        return ends.reshape(2, -1, 2)
+
+    return _outline(body, [history.theta_rad, moved_m], reached)
 
 
 def _in_space(source: RunSource, body: Array, history: History) -> Array:
     """The outline of all that the body comes over."""
+    columns = {name: history.extra[name] for name in SOLID_COLUMNS}
+
+    def reached(points: Array, chosen: Any) -> Array:
+        shown = {name: values[chosen] for name, values in columns.items()}
+        return posed_in_space_m(points, source.scene.statue.corner_right_m, shown)[:, :, :2]
+
+    return _outline(body, [history.theta_rad, *columns.values()], reached)
+
+
+def _outline(body: Array, columns: Sequence[Array], reached: Callable[[Array, Any], Array]) -> Array:
+    """The outline (k, 2) of what the body's points `reached` (m, n, 2) in chosen samples: in all of them, of points that are
+    outermost in some."""
     from scipy.spatial import ConvexHull
 
-    columns = {name: history.extra[name] for name in SOLID_COLUMNS}
-    chosen = _chosen([history.theta_rad, *columns.values()])
-    shown = {name: values[chosen] for name, values in columns.items()}
-    reached = posed_in_space_m(body, source.scene.statue.corner_right_m, shown)[:, :, :2].reshape(-1, 2)
-    return np.asarray(reached[ConvexHull(reached).vertices])
-
-
-def _chosen(columns: Sequence[Array]) -> Any:
-    return np.unique(np.concatenate([shown_samples(values, POSES) for values in columns]))
+    some = np.unique(np.concatenate([shown_samples(values, POSES) for values in columns]))
+    outer = np.unique(ConvexHull(reached(body, some).reshape(-1, 2)).vertices % len(body))
+    every = reached(body[outer], slice(None)).reshape(-1, 2)
+    return np.asarray(every[ConvexHull(every).vertices])
 
 
 # The scene drawn to scale as inline SVG: floor, pedestal, silhouette, corners, centroid, wall, dimensions.

@@ -209,6 +209,18 @@ def test_a_model_of_space_tells_the_room_all_round(source: RunSource) -> None:
     assert "For the front and the back nothing is computed" in spoken(of_run(source))
 
 
+def test_the_room_holds_every_position_of_a_long_history(source: RunSource) -> None:
+    """Lean and slip come together somewhere between the largest of each; 240 poses of each told of a hundredth less."""
+    name, t_s = next(iter(source.histories)), np.arange(20_001) * 1e-3
+    theta, slip = 0.02 * np.sin(19.0 * t_s) * np.sin(0.3 * t_s), 0.05 * np.sin(14.5 * t_s + 1.0)
+    long = replace(
+        source.histories[name], t_s=t_s, theta_rad=theta, theta_rate_rad_s=0 * t_s, slip_m=slip, slip_rate_m_s=0 * t_s, extra={}
+    )  # fmt: skip
+    room_m, shape = floor_plan(replace(source, histories={name: long}), [name]).room_m, section(source.scene)
+    x, rest = shape.posed_m(shape.outline_m, theta, slip)[:, :, 0], shape.outline_m[:, 0]
+    assert room_m == pytest.approx({"left": rest.min() - x.min(), "right": x.max() - rest.max()}, abs=PUSH)
+
+
 def test_what_remains_before_the_wall_is_said(source: RunSource) -> None:
     """The same on both pages: of the outline that the models move, not of the mesh that is drawn."""
     text, wall = spoken(of_run(source)), source.scene.wall
