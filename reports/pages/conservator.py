@@ -192,6 +192,10 @@ def of_run(source: RunSource, say: Language = ENGLISH) -> list[Block]:
     return plain_page(headline, tone(source), points, _todo(source, plan, say), pictures, rests, say)
 
 
+ALTERED: Final = frozenset({"pga_g", "pgv_m_s", "floor"})
+"""Beside a factor, keys of a record's component by which the floor does not move as it was recorded."""
+
+
 def _shaking(source: RunSource, say: Language) -> list[str]:
     """How strong the shaking is, along what, how fast it swings where its scene says so, and how long it is strong."""
     motion, asked = source.record.motion, source.scene.toml.get("motion")
@@ -205,7 +209,9 @@ def _shaking(source: RunSource, say: Language) -> list[str]:
     specs = [asked.get(axis) for axis in axes] if isinstance(asked, dict) else []
     kinds = {spec.get("kind") if isinstance(spec, dict) else None for spec in specs}
     rates = {spec["frequency_hz"] for spec in specs if isinstance(spec, dict) and kinds == {"harmonic"}}
-    pace = say("shaking.record") if kinds == {"record"} else ""
+    given = [each for each in (asked, *specs) if isinstance(each, dict)]
+    altered = any(each.get("scale", 1.0) not in (1.0, -1.0) or each.keys() & ALTERED for each in given)
+    pace = say("shaking.altered" if altered else "shaking.record") if kinds == {"record"} else ""
     if len(rates) == 1 and isinstance(rate := rates.pop(), int | float):
         fast = rate > SLOW_HZ
         pace = say("shaking.fast" if fast else "shaking.slow", count=say.short(rate if fast else 1.0 / rate, 2))

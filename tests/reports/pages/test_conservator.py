@@ -192,6 +192,26 @@ def test_a_shaking_is_told_by_direction(source: RunSource) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("more", "x", "told"),
+    [
+        ({}, {}, "record"),
+        ({"scale": 1.0}, {"scale": -1.0}, "record"),
+        ({"scale": 1.75}, {}, "altered"),
+        ({}, {"scale": 2.0}, "altered"),
+        ({}, {"pga_g": 1.0}, "altered"),
+        ({}, {"floor": [{"period_s": 0.5}]}, "altered"),
+    ],
+)
+def test_a_record_is_told_as_recorded_only_where_nothing_alters_it(
+    source: RunSource, more: dict[str, Any], x: dict[str, Any], told: str
+) -> None:
+    toml = source.scene.toml | {"motion": more | {"x": {"kind": "record", "file": "a.csv"} | x}}
+    scene = replace(source.record.scene, toml=toml)
+    said = spoken(of_run(replace(source, record=replace(source.record, scene=scene))))
+    assert f"{ENGLISH(f'shaking.{told}')}, for" in said
+
+
 def test_a_model_of_space_tells_the_room_all_round(source: RunSource) -> None:
     """A body that is carried 3 cm to the back and turned by nothing needs just that, and nothing at the front."""
     (name, own), *_ = source.histories.items()
