@@ -15,8 +15,10 @@ from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
 from harness.model.files import FRESH
 from harness.model.finding import Say
+from harness.model.scene import Scene
 from harness.questions.assess.assessment import Assessed, assess
 from harness.questions.assess.by_model import MODEL
+from harness.questions.assess.model_draws import as_coefficients
 from harness.questions.assess.options import read_options
 from harness.records.assess import AssessRecord
 from harness.records.base import option_words
@@ -120,7 +122,7 @@ def run(
 
         def write(fresh: Path) -> None:
             if csv:
-                _write_draws(assessed, fresh / DRAWS_NAME)
+                _write_draws(scene, assessed, fresh / DRAWS_NAME)
                 _write_clearance(assessed.record, fresh / CLEARANCE_NAME)
             if scene_file != path:
                 for made in scene_file.parent.iterdir():
@@ -129,12 +131,12 @@ def run(
         return write_whole(folder, record.texted(say), write)
 
 
-def _write_draws(assessed: Assessed, path: Path) -> None:
+def _write_draws(scene: Scene, assessed: Assessed, path: Path) -> None:
     """A row for each draw: its values by key, the model's answers, and each engine's (empty where it did not run, or failed)."""
     model = assessed.model
     columns = {
         "draw": range(model.overturned.size),
-        **{name: column.tolist() for name, column in assessed.values.items()},
+        **{name: column.tolist() for name, column in as_coefficients(scene, assessed.values).items()},
         f"{MODEL}_decided": model.decided.astype(int).tolist(),
         f"{MODEL}_overturned": model.overturned.astype(int).tolist(),
         f"{MODEL}_peak_theta_over_alpha": model.peak_share.tolist(),

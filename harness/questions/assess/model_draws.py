@@ -308,14 +308,18 @@ def joined(parts: Sequence[ModelDraws]) -> ModelDraws:
     return ModelDraws(*map(np.concatenate, zip(*parts, strict=True)))
 
 
-def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
-    from analytic import Outcome, ensemble
+def as_coefficients(scene: Scene, draws: Mapping[str, Array]) -> dict[str, Array]:
+    """Draws by key as a scene takes them: what acts at an impact is drawn as a share of the way to static friction."""
+    acts = {IMPACT: _sweep(scene, draws)["floor_impact"]} if IMPACT in draws else {}
+    return {**draws, **acts}
 
+
+def _sweep(scene: Scene, draws: Mapping[str, Array]) -> dict[str, Array]:
+    """The draws of what a sweep takes, by its names for them."""
     sweep: dict[str, Array] = {}
     for key, values in draws.items():
         for name, column in (_sweep_of(scene, key, values) or {}).items():
             sweep[name] = sweep.get(name, 1.0) * column if name in FACTORS else column
-    _check_starts(scene, draws.get(START))
     contact = scene.contact
     static, kinetic = sweep.get("floor_static", contact.floor_static), sweep.get("floor_kinetic", contact.floor_kinetic)
     if sweep.keys() & {"floor_static", "floor_kinetic"}:
@@ -326,6 +330,14 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
         share = (contact.floor_impact - contact.floor_kinetic) / apart if apart > 0.0 else 0.0
     if share is not None and sweep.keys() & {"floor_static", "floor_kinetic", "floor_impact"}:
         sweep["floor_impact"] = np.clip(kinetic + np.asarray(share) * (static - kinetic), kinetic, static)
+    return sweep
+
+
+def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
+    from analytic import Outcome, ensemble
+
+    sweep = _sweep(scene, draws)
+    _check_starts(scene, draws.get(START))
     options: dict[str, Any] = dict(twoblock.keywords(scene))
     swept = ensemble(
         twoblock.block_of(scene),
