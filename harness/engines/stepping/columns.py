@@ -48,9 +48,17 @@ class Trajectory:
         """The support's rotation (n,), clockwise: the pedestal's."""
         return self.extra.get("pedestal_tilt_rad", np.zeros_like(self.t_s))
 
-    def until(self, count: int) -> Trajectory:
-        """The first `count` samples."""
-        return self._changed(lambda column: column[:count], count)
+    def until(self, count: int, end_s: float) -> Trajectory:
+        """The first `count` samples, the last of them at `end_s` where it lies beyond."""
+        before_s, last_s = self.t_s[max(count - 2, 0)], self.t_s[count - 1]
+        share = (end_s - before_s) / (last_s - before_s) if before_s < end_s < last_s else 1.0
+
+        def ended(column: Array) -> Array:
+            cut = column[:count].copy()
+            cut[-1] = share * cut[-1] + (1.0 - share) * column[max(count - 2, 0)]
+            return cut
+
+        return self._changed(ended, count)
 
     def up_to(self, count: int, t_s: float) -> Trajectory:
         """The first `count` samples (two at least), and one at `t_s`, as the last two of them go on."""

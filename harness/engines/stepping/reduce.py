@@ -478,7 +478,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
     if not finite.all():
         return _diverged(report, float(trajectory.t_s[int(np.flatnonzero(~finite)[0])]))
     end_s, overturn_s, until_s = _ending(scene, trajectory, report.rested)
-    motion = trajectory.until(until_s)
+    motion = trajectory.until(until_s, end_s)
     theta, rate = motion.theta_rad, motion.theta_rate_rad_s
     cycles = rocking(motion.t_s, theta, rate, report.resolution_rad)
     touch = None if wall_s is not None else support.wall_touch(scene, motion)

@@ -171,6 +171,19 @@ def test_gravity_of_a_step_is_exact_across_a_jump() -> None:
     assert np.all(gravity[:, 1] == 0.0)
 
 
+def test_nothing_is_told_of_what_comes_after_the_end() -> None:
+    """The overturning rotation is reached between two samples, and so is the end: largest values are not of the later one."""
+    theta = 0.7503 * TIMES
+    falling = replace(
+        standing(theta, np.full_like(TIMES, 0.7503)), slip_m=0.1 * TIMES, slip_rate_m_s=np.full_like(TIMES, 0.1)
+    )
+    run = reduce_trajectory(paestum(0.0, pedestal=False, duration_s=2.0), falling, REPORT)
+    assert run.end_s == pytest.approx(1.5 / 0.7503)
+    assert run.peak_slip_m == pytest.approx(0.1 * run.end_s) == run.residual_slip_m
+    assert run.history is not None
+    assert run.history.theta_rad[-1] == pytest.approx(OVERTURN_RAD)
+
+
 def test_flight_is_told_from_lying_on_another_edge() -> None:
     on = paestum(0.0, pedestal=False, duration_s=2.0)
     theta = np.minimum(TIMES, 1.4)
