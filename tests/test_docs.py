@@ -75,7 +75,7 @@ def test_what_has_been_checked_is_as_the_measured_pages_say(root: Path) -> None:
 
 
 def test_a_cell_that_no_page_has_is_told() -> None:
-    assert checked.cell("random_scenes", "wide;`pybullet`", "rotation held") == "66 (98.5 %)"
+    assert checked.cell("random_scenes", "wide;`pybullet`", "slip held") == "66 (98.5 %)"
     with pytest.raises(LookupError, match=r"measured/random_scenes\.md has no row 'wide;`havok`'"):
         checked.cell("random_scenes", "wide;`havok`", "rotation held")
 
