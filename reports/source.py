@@ -61,11 +61,17 @@ class RunSource:
 
     @property
     def within_domain(self) -> RunSource:
-        """The same, of models in which it stands no more than their histories within their domain, where one stays in it."""
-        known = known_until_s({name: self.runs[name] for name in self.standing})
-        return replace(
-            self, histories={**self.histories, **{k: self.histories[k].until(end) for k, end in known.items()}}
-        )
+        """The same, of what models tell within their domain where one stays in it: histories of those in which it stands, the
+        pedestal's slips of all."""
+        runs, histories = dict(self.runs), dict(self.histories)
+        known = known_until_s({name: run for name, run in self.answered.items() if name in histories})
+        for name, until_s in known.items():
+            if until_s < runs[name].end_s:
+                slip_m = histories[name].until(until_s).slip_m
+                runs[name] = replace(runs[name], peak_slip_m=float(np.abs(slip_m).max()))
+        for name, until_s in known_until_s({name: self.runs[name] for name in self.standing}).items():
+            histories[name] = histories[name].until(until_s)
+        return replace(self, record=replace(self.record, runs=runs), histories=histories)
 
 
 def run_source(folder: Path) -> RunSource:

@@ -476,6 +476,17 @@ def test_the_room_is_that_of_models_within_their_domain(source: RunSource) -> No
     assert room_m(*source.standing) == room_m()
 
 
+def test_a_pedestal_slides_as_far_as_within_the_models_domain(source: RunSource) -> None:
+    """The model alone pushed a pedestal by 3.5 cm, as its statue lay nearly flat."""
+    one, run = next(iter(source.answered.items()))
+    left = {"left_domain_by": "statue_slides", "left_domain_s": 0.0}
+    gone = replace(run, peak_slip_m=0.035, validity={**run.validity, **left})
+    told = replace(source, record=replace(source.record, runs={**source.runs, one: gone})).within_domain
+    assert told.runs[one].peak_slip_m == 0.0
+    others = {name: each.peak_slip_m for name, each in source.runs.items() if name != one}
+    assert {name: told.runs[name].peak_slip_m for name in others} == others
+
+
 def test_a_slide_that_no_standing_model_computes_is_no_stillness(source: RunSource) -> None:
     runs = {
         name: replace(run, validity={**run.validity, "left_domain_by": "statue_slides"})
