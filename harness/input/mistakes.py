@@ -46,9 +46,9 @@ _WANTED: Mapping[str, str] = {
 
 MOST_MISTAKES: Final = 20
 TYPE_NAME: Final = re.compile(
-    r"float|int|str|bool|(list|tuple)(\[.*\])?|function-.*|lax-or-strict.*|constrained-.*|literal\[.*|[A-Z]\w*(\[.*\])?"
+    r"float|int|str|bool|(list|tuple)(\[.*\])?|function-.*|lax-or-strict.*|constrained-.*|literal\[.*|[A-Z]\w*(\[.*\])?|\[key\]"
 )
-"""What pydantic puts into a location beside keys: the branch of a union."""
+"""What pydantic puts into a location beside keys: the branch of a union, or that the key itself is wrong."""
 UNKNOWN: Final = "extra_forbidden"
 """Pydantic's word for a key that its table does not have."""
 KINDS: Final = {

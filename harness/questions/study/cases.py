@@ -102,7 +102,7 @@ def expand(study: StudyFile, base: BaseScene, numbers: Iterable[int] | None = No
         varied = {**point, **{key: float(values[sample]) for key, values in draws.items()}}
         variant = study.variant[of_variant]
         setting = {**varied, **_also(study.vary, varied), **variant.set}
-        yield Case(number, variant.name, tuple(variant.engines), varied, setting, (*indices, sample))
+        yield Case(number, variant.name, tuple(dict.fromkeys(variant.engines)), varied, setting, (*indices, sample))
 
 
 def _also(axes: Sequence[Vary], varied: Mapping[str, Value]) -> dict[str, float]:

@@ -40,6 +40,18 @@ def test_runs_that_are_the_same_by_their_physics_are_computed_once(tmp_path: Pat
     assert (again.computed, again.found) == (0, 30)
 
 
+def test_an_engine_that_is_named_twice_is_asked_once(tmp_path: Path) -> None:
+    path = written(tmp_path, STUDY.replace('engines = ["analytic"]', 'engines = ["analytic", "analytic"]'))
+    summary = compute(path, tmp_path / "s.sqlite")
+    assert (summary.wanted, summary.computed) == (60, 30)
+
+
+def test_an_accuracy_of_no_engine_names_its_key(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        load_study(written(tmp_path, STUDY + "[accuracy]\nfoo = 1e-3\n"))
+    assert [each.key for each in caught.value.mistakes] == ["accuracy.foo"]
+
+
 def test_the_store_does_not_depend_on_the_number_of_processes(tmp_path: Path) -> None:
     path = written(tmp_path)
     for name, jobs in (("one", 1), ("two", 2)):
