@@ -219,14 +219,16 @@ def weakest_pushes(safe: Array) -> tuple[float, list[float]]:
 def weakest_words(scene: SceneRecord, say: Language = ENGLISH) -> str:
     """Towards which sides the statue tips first, and from which push on; told in the scan's own axes too where it was turned."""
     least, azimuths = weakest_pushes(bearing(scene))
-    names = list(dict.fromkeys(compass(azimuth, say) for azimuth in azimuths))
+    names = dict[str, float]()
+    for azimuth in azimuths:  # of two edges towards one side the weaker is told
+        names.setdefault(compass(azimuth, say), azimuth)
     if len(names) >= EVERY_SIDE:
         return say("push.round", push=say.percent(least))
     text = say("push.weakest", sides=say.listed(names), push=say.percent(least))
     turn = scan_turn_deg(scene)
     if turn == 0.0:
         return text
-    own = say.listed(dict.fromkeys(f"{say.short((azimuth - turn) % 360.0, 3)}°" for azimuth in azimuths))
+    own = say.listed(f"{say.short((azimuth - turn) % 360.0, 3)}°" for azimuth in names.values())
     return f"{text} {say('push.turned', turn=say.short(turn, 3))} {say('push.own', angles=own)}"
 
 

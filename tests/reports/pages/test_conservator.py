@@ -148,6 +148,13 @@ def test_the_weakest_side_is_told_in_the_scans_own_axes_where_the_scene_turned_i
     assert "towards 270°, counted counter-clockwise from its first level axis" in text
 
 
+def test_two_edges_towards_one_side_are_one_direction_of_the_scan(source: RunSource) -> None:
+    scene = replace(source.scene, toml={"statue": {"mesh": {"file": "a.ply", "azimuth_deg": 90.0}}})
+    bulged = [[-0.3, -0.3, 0.0], [0.1, -0.3, 0.0], [0.103, 0.0, 0.0], [0.1, 0.3, 0.0], [-0.3, 0.3, 0.0]]
+    text = weakest_words(replace(scene, statue=replace(scene.statue, footprint_m=bulged)))
+    assert re.search(r"is towards (269|271)°, counted", text)
+
+
 def test_sides_that_are_equally_weak_are_all_named(source: RunSource) -> None:
     scene = source.scene
     half = 0.1
