@@ -282,7 +282,7 @@ def _common_step(t_s: Floats) -> float | None:
 def _spread(t_s: Floats) -> Floats:
     """Times that do not decrease, those printed alike drawn apart evenly towards the next."""
     first = np.flatnonzero(np.concatenate([[True], np.diff(t_s) != 0.0]))
-    step = float(t_s[-1] - t_s[0]) / max(t_s.size - 1, 1)
+    step = float(t_s[-1] - t_s[0]) / max(int(first[-1]), 1)  # of the samples before those that are printed as the last
     ends = np.append(first, t_s.size), np.append(t_s[first], t_s[-1] + step * (t_s.size - first[-1]))
     return np.asarray(np.interp(np.arange(t_s.size), *ends))
 

@@ -14,6 +14,7 @@ from harness.input.motions.records import load
 from harness.input.motions.spec import RecordSpec
 from harness.input.motions.spectra import measures, peak_velocity_m_s
 from harness.model.errors import InputError
+from tests import doubles
 from tests.budgets_motions import FILTER_PASS, FILTER_STOP, RETURN_TO_REST_M, RETURN_TO_REST_M_S, SAME_MOTION
 from tests.harness.input.motions.writers import GRAVITY, wave
 
@@ -74,6 +75,27 @@ def test_a_corner_or_a_step_that_asks_for_endless_memory_is_refused() -> None:
     with pytest.raises(Contradiction) as refused:
         process.resample(long, 1e-5)
     assert refused.value.key == "resample_dt_s"
+
+
+@pytest.mark.parametrize(
+    ("printed", "largest", "codes", "at_s"),
+    [
+        ([0, 0, 1, 1, 2, 2], 3, ["record_times_spread"], [0.0, 0.005, 0.01, 0.015, 0.02, 0.025]),
+        ([0, 1, 1, 2, 3, 3, 4], 2, ["record_times_spread", "record_times_uneven"], [0.005 * k for k in range(9)]),
+    ],
+)
+def test_times_of_a_film_that_are_printed_alike_are_spread(
+    printed: list[int], largest: int, codes: list[str], at_s: list[float]
+) -> None:
+    """And the largest sample stays on the clock; of a file of samples doubled times are a mistake."""
+    times_s = 0.01 * np.array(printed)
+    clock = process.clock_of(times_s, "film", largest=largest)
+    assert doubles.codes(clock.said) == codes
+    assert clock.start_s + clock.dt_s * np.arange(clock.count) == pytest.approx(at_s)
+    peak = np.arange(len(printed)) == largest
+    assert clock.on(1.0 * peak).max() == 1.0
+    with pytest.raises(InputError, match="increasing times"):
+        process.clock_of(times_s, "samples")
 
 
 def test_a_finer_step_is_the_same_motion() -> None:
