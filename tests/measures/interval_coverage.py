@@ -50,7 +50,7 @@ class Population(NamedTuple):
         def run(numbers: Sequence[int]) -> list[bool | None]:
             return [bool(self.fell[chosen[k]]) for k in numbers]
 
-        return estimate(drawn, run, half_width=0.05, most_runs=400, batch=16)
+        return estimate(drawn, run, half_width=0.05, most_runs=400)
 
 
 def invented(random: np.random.Generator) -> Population:

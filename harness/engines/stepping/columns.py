@@ -55,7 +55,8 @@ class Trajectory:
 
         def ended(column: Array) -> Array:
             cut = column[:count].copy()
-            cut[-1] = share * cut[-1] + (1.0 - share) * column[max(count - 2, 0)]
+            if share < 1.0:
+                cut[-1] = share * cut[-1] + (1.0 - share) * cut[-2]
             return cut
 
         return self._changed(ended, count)

@@ -87,8 +87,6 @@ ALL_TIMES: Final = 4.2
 """What the models take for all that is asked of them over what the draws take: clearance, options, fragility, indices."""
 RESULT_S: Final = 3.0
 """To begin, and to write the record and its page."""
-BATCH: Final = 16
-"""Runs between two looks at the interval."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -173,7 +171,7 @@ def assess(
         contact = [name for name in names if name not in (MODEL, SPACE) and engines.load(name).missing() is None]
         estimated = partial(estimate, model, half_width=half_width, most_runs=most_runs)
         # Counted as if each contact engine agreed with the model, and thrice as many.
-        agreed = estimated(lambda numbers: model.overturned[list(numbers)].tolist(), batch=BATCH).engine_runs
+        agreed = estimated(lambda numbers: model.overturned[list(numbers)].tolist()).engine_runs
         runs_each = Range(agreed, min(3 * agreed, most_runs))
         on_progress(_forecast(scene, contact, runs_each, ALL_TIMES * drawn_s, workers))
         across, space = shaken_across(scene), None
@@ -188,7 +186,7 @@ def assess(
                 answers[name] = NotAssessed(reason)
                 continue
             runs = EngineRuns(scene, name, values, campaign, on_progress)
-            answer = estimated(runs, batch=max(BATCH, 2 * workers))
+            answer = estimated(runs)
             fell[name] = runs.fell
             if answer.undecided == 1.0:
                 message = f"none of its {answer.engine_runs} runs came to an end (rockcheck run -e {name} says why)"

@@ -34,6 +34,8 @@ SAFE_SHARE: Final = 0.6
 """Peak rotation of the model, over α, below which its statue is far from falling: a stratum of its own."""
 PILOT: Final = 10
 """Runs of every stratum before any is judged."""
+BATCH: Final = 16
+"""Runs between two looks at the interval, on however many cores: what is answered is no matter of the machine."""
 LEVEL: Final = 0.90
 """Level of every interval: what decides about a statue is asked to ± 0.05 at 90 %."""
 
@@ -47,7 +49,7 @@ def strata_of(model: ModelDraws) -> Ints:
     return np.where(model.overturned, 2, np.where(near, 1, 0))
 
 
-def estimate(model: ModelDraws, run: Runs, *, half_width: float, most_runs: int, batch: int) -> Assessment:
+def estimate(model: ModelDraws, run: Runs, *, half_width: float, most_runs: int, batch: int = BATCH) -> Assessment:
     """Run the engine on draws until the interval's half width is reached, or `most_runs` are made."""
     strata = strata_of(model)
     queues = [np.flatnonzero(strata == h).tolist() for h in range(3)]

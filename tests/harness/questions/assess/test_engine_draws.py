@@ -42,7 +42,7 @@ def estimated(model: ModelDraws, engine: np.ndarray, half_width: float = 0.05) -
     def run(numbers: Sequence[int]) -> list[bool | None]:
         return [bool(engine[k]) for k in numbers]
 
-    return estimate(model, run, half_width=half_width, most_runs=2000, batch=8)
+    return estimate(model, run, half_width=half_width, most_runs=2000)
 
 
 def test_undecided_runs_weigh_as_much_as_the_draws_they_stand_for() -> None:
@@ -54,7 +54,7 @@ def test_undecided_runs_weigh_as_much_as_the_draws_they_stand_for() -> None:
     def run(numbers: Sequence[int]) -> list[bool | None]:
         return [None if share[k] == 1.0 else False for k in numbers]
 
-    answer = estimate(model, run, half_width=0.001, most_runs=100, batch=8)
+    answer = estimate(model, run, half_width=0.001, most_runs=100)
     assert answer.undecided == pytest.approx(0.1)
     assert answer.probability_overturned == 0.0
     assert 0.1 < answer.high < 0.25
@@ -90,7 +90,7 @@ def test_a_model_that_is_always_wrong_does_not_move_the_estimate() -> None:
 
 def test_failed_runs_are_counted_apart() -> None:
     model, _ = population(1.0, 0.4, np.random.default_rng(5))
-    answer = estimate(model, lambda numbers: [None] * len(numbers), half_width=0.05, most_runs=64, batch=8)
+    answer = estimate(model, lambda numbers: [None] * len(numbers), half_width=0.05, most_runs=64)
     assert answer.undecided == 1.0
     assert answer.engine_runs == 64
     assert np.isnan(answer.probability_overturned)

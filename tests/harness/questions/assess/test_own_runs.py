@@ -57,7 +57,7 @@ def test_an_assessment_s_runs_are_those_of_the_thousand(name: str, monkeypatch: 
     values = draw(uncertain_inputs(scene), RUNS, SEED)
     with Store(Path(":memory:")) as store:
         runs = EngineRuns(scene, name, values, Campaign(store, InlinePool()), lambda text: None)
-        estimate(model_draws(scene, values), runs, half_width=0.05, most_runs=most, batch=most)
+        estimate(model_draws(scene, values), runs, half_width=0.05, most_runs=most)
     found = runs.fell
     assert len(found) == most
     told = {number: "x" if fell is None else str(int(fell)) for number, fell in found.items()}
