@@ -16,7 +16,8 @@ from harness.engines.base import EngineFailure
 from harness.model.finding import Finding, changes_answer
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
-from harness.records.run import DecidedBy, LawChoice
+from harness.questions.scene.answer import outcome_family
+from harness.records.run import DecidedBy, LawChoice, has_answer
 
 KEY: Final = "contact.floor_impact"
 MODEL: Final = "analytic"
@@ -36,7 +37,10 @@ def _by_another(scene: Scene) -> tuple[Run, float] | None:
 
 
 def decided_by(scene: Scene, runs: Mapping[str, Run]) -> DecidedBy | None:
-    """Outcomes of the model by the scene's choice and by another, from one run more; None where no impact makes the choice."""
+    """Outcomes of the model by the scene's choice and by another, from one run more; None where no impact makes the choice.
+
+    It decides where both tell what becomes of the statue, and not the same: one that still falls at the end tells nothing.
+    """
     model = runs.get(MODEL)
     found = None if model is None or model.outcome.failed else _by_another(scene)
     if model is None or found is None:
@@ -45,7 +49,8 @@ def decided_by(scene: Scene, runs: Mapping[str, Run]) -> DecidedBy | None:
     another = "kinetic" if contact.at_impact == contact.floor_static else "static"
     outcomes = {str(contact.floor_impact): model, another: other}
     said = {name: LawChoice(run.outcome, run.end_s, run.peak_theta_rad) for name, run in outcomes.items()}
-    return DecidedBy(KEY, at_s, said, model.outcome is not other.outcome)
+    told = {outcome_family(run.outcome) for run in outcomes.values() if has_answer(run)}
+    return DecidedBy(KEY, at_s, said, len(told) > 1)
 
 
 def findings_of(choice: DecidedBy | None) -> list[Finding]:

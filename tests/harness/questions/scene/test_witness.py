@@ -10,6 +10,7 @@ import pytest
 from harness import engines
 from harness.accuracy.simulation import simulate
 from harness.input.scene_file import load_scene
+from harness.model.history import Outcome
 from harness.model.run import RunOptions
 from harness.model.scene import Scene
 from harness.questions.scene import floor_impact, witness
@@ -141,6 +142,11 @@ def test_what_decides_the_outcome_is_told_with_what_each_choice_gives(pedestal: 
     }
     one = replace(pedestal, contact=replace(pedestal.contact, floor_static=0.15))
     assert decided_by(one, {"analytic": simulate(one, "analytic")}) is None
+    # Where one still falls at the scene's end it has not ended otherwise.
+    cut = replace(pedestal, duration_s=found.outcomes["static"].end_s - 0.1)
+    still = decided_by(cut, {"analytic": simulate(cut, "analytic")})
+    assert (still.outcomes["static"].outcome, still.decides) == (Outcome.UNDECIDED, False)
+    assert floor_impact.findings_of(still) == []
 
 
 def test_an_engine_that_bounds_nothing_has_no_witness(pedestal: Scene) -> None:
