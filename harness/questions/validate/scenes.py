@@ -170,18 +170,23 @@ def _numeric(cells: Sequence[str]) -> bool:
 @lru_cache(maxsize=1024)
 def intensity(motion: Excitation, duration_s: float) -> Intensity:
     """Peaks of a motion; a record's PGV without the drift of its velocity, for an offset of it is no shaking."""
-    samples = getattr(motion, "t_s", None)
-    t_s = np.linspace(0.0, duration_s, 20_001) if samples is None else np.asarray(samples)
-    velocity = np.asarray(motion.velocity_m_s(t_s))
-    velocity = velocity if samples is None else detrended(t_s, velocity)
+    if isinstance(motion, SampledAcceleration):
+        velocity = _peaks_m_s(motion)
+    else:
+        velocity = np.asarray(motion.velocity_m_s(np.linspace(0.0, duration_s, 20_001)))
     return Intensity(motion.peak_m_s2 / GRAVITY_M_S2, float(np.max(np.abs(velocity))))
 
 
-def detrended(t_s: Array, velocity_m_s: Array) -> Array:
-    """Velocity (n,) less the drift c t that fits it best: a record's offset c integrates to it, and a table begins at rest."""
-    since = t_s - t_s[0]
+def _peaks_m_s(motion: SampledAcceleration) -> Array:
+    """Velocities at the samples and where the acceleration passes zero between them, less the drift c t that fits those best:
+    a record's offset c integrates to it, and a table begins at rest."""
+    since, velocity = motion.t_s - motion.t_s[0], np.asarray(motion.velocity_m_s(motion.t_s))
     weight = float(since @ since)
-    return np.asarray(velocity_m_s - (float(since @ velocity_m_s) / weight if weight else 0.0) * since)
+    drift_m_s2 = float(since @ velocity) / weight if weight else 0.0
+    velocity, accel = velocity - drift_m_s2 * since, motion.samples_m_s2 - drift_m_s2
+    k = np.flatnonzero(accel[:-1] * accel[1:] < 0.0)
+    between = velocity[k] + 0.5 * (since[k + 1] - since[k]) * accel[k] ** 2 / (accel[k] - accel[k + 1])
+    return np.concatenate([velocity, between])
 
 
 # The scene of a test at one value of what is not known.

@@ -93,6 +93,16 @@ def test_intensity_is_that_of_the_burst(trial: Trial) -> None:
     assert intensity(burst(), 4.0).pgv_m_s == pytest.approx(3.0 / (4 * np.pi), rel=SAMPLED_SINE_REL)
 
 
+def test_the_peak_velocity_between_samples_counts() -> None:
+    """A burst of sixteen samples a swing: its velocity peaks where the straight line between two passes zero."""
+    t_s = 0.017 + np.arange(127) / 32.0
+    coarse = SampledAcceleration(t_s, 3.0 * np.sin(4 * np.pi * t_s) * np.minimum(1.0, np.minimum(t_s, 4.0 - t_s)))
+    fine = np.linspace(t_s[0], t_s[-1], 400_001)
+    told, true = intensity(coarse, 4.0).pgv_m_s, np.abs(coarse.velocity_m_s(fine)).max()
+    assert np.abs(coarse.velocity_m_s(t_s)).max() < 0.99 * true
+    assert told == pytest.approx(true, rel=2e-3)
+
+
 def test_an_offset_of_the_record_is_no_velocity() -> None:
     """0.05 m/s² integrate to 0.2 m/s in four seconds, as much as the burst's own; the drift is taken off as it was put on."""
     bare, shifted = intensity(burst(), 4.0), intensity(burst(0.05), 4.0)
