@@ -200,7 +200,8 @@ def _density_and_mass(volume_m3: float, density_kg_m3: float | None, mass_kg: fl
         )
     density = density_kg_m3 if density_kg_m3 is not None else float(mass_kg or 0.0) / volume_m3
     if not (density > 0.0 and np.isfinite(density)):
-        raise MeshError("a positive density or mass", f"density {density_kg_m3} and mass {mass_kg}")
+        given = f"density {density_kg_m3}" if mass_kg is None else f"mass {mass_kg}"
+        raise MeshError("a positive density or mass", given)
     return density, mass_kg if mass_kg is not None else density * volume_m3
 
 

@@ -754,7 +754,7 @@ def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> 
     strongest = say.percent(borne[strong])
     points = [
         say("study.effects_least", weak=compass(weak, say), strong=compass(strong, say), push=strongest),
-        say("study.effects_directions", count=len(borne), variants=variants),
+        say(f"study.effects_{'directions' if variants > 1 else 'alone'}", count=len(borne), variants=variants),
         say("study.effects_axes" if "components" in groups else "study.effects_form"),
     ]
     # What shaking is borne says nothing of how probable a fall is: never green.

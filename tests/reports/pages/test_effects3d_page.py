@@ -103,6 +103,8 @@ def test_the_conservator_is_told_of_variants_of_the_statue_and_of_what_shakes_it
         answer, *_ = of_effects(tmp_path, replace(record, effects=[*record.effects, *beside]))
         assert ENGLISH("study.effects_directions", count=4, variants=2) in answer.points
         assert ENGLISH(f"study.effects_{shaken}") in answer.points
+    answer, *_ = of_effects(tmp_path, replace(record, effects=[]))
+    assert ENGLISH("study.effects_alone", count=4) in answer.points, "no variant was tried"
 
 
 def test_a_rose_joins_only_directions_asked_one_after_another() -> None:
