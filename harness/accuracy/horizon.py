@@ -177,7 +177,7 @@ def horizon(
     reference = run(scene)
     if reference.history is None:
         raise EngineFailure(reference.message or "the unperturbed run has no history")
-    outcomes, failed = {reference.outcome}, 0
+    outcomes, failed, flips = {reference.outcome}, 0, None
     until: list[float] = []
     rates: list[float] = []
     for size in perturbations:
@@ -189,6 +189,9 @@ def horizon(
                 failed += 1
                 continue
             outcomes.add(other.outcome)
+            otherwise = not other.outcome.same_as(reference.outcome) and other.outcome is not Outcome.LIFT_OFF
+            if flips is None and otherwise:
+                flips = size
             time_s = parted_s(other.history, reference.history, tolerance_rad)
             if time_s is not None:
                 parted = True
@@ -206,6 +209,7 @@ def horizon(
         tuple(sorted(outcomes)),
         failed,
         float(least[0]),
+        flips,
     )
 
 

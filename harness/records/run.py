@@ -144,7 +144,8 @@ class HorizonRecord:
     `until_s` (one for each of `perturbations`) is `duration_s` where they always do; the first of it, `intrinsic_s`, is the
     horizon of the problem itself: beyond it no two programs need agree. `growth_per_s` is the mean rate at which the largest
     difference grows, from its size to the tolerance, over the perturbations that reach it (None: none does). `outcomes` are the
-    distinct outcomes among the runs: more than one says that the outcome itself is not predictable.
+    distinct outcomes among the runs: more than one says that the outcome itself is not predictable, by a perturbation of
+    `outcome_from` and more.
     """
 
     tolerance_rad: float
@@ -155,6 +156,7 @@ class HorizonRecord:
     outcomes: Sequence[Outcome]
     failed: int
     intrinsic_s: float
+    outcome_from: float | None = field(default=None, metadata=OMITTED)
 
     def until(self, uncertainty: float) -> float:
         """The horizon for an uncertainty of the start or the motion: that of the least perturbation that is as large.

@@ -158,7 +158,7 @@ SIDEWAYS: Final = (Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT)
 WIDE: Final = 0.05
 """A wider interval is told beside the share, which is rounded to whole cases of 100."""
 TIE: Final = "outcome_not_predictable"
-"""The finding of a run that ends otherwise by the smallest changes."""
+"""The finding of a run that ends otherwise by small changes."""
 STRONG: Final = 0.05
 """From the first to the last instant at which it has this share of its strongest push the shaking lasts."""
 

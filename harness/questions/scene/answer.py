@@ -57,16 +57,12 @@ def answer_of(
         # What the third dimension adds is why answers differ.
         parts.append(info("plane_decides", causes=sorted(causes)))
     parts += decided
-    reached = {
-        outcome_family(end)
-        for name, each in horizons.items()
-        if name in known
-        for end in each.outcomes
-        if end not in NOT_FOLLOWED
-    }
+    of_known = [each for name, each in horizons.items() if name in known]
+    reached = {outcome_family(end) for each in of_known for end in each.outcomes if end not in NOT_FOLLOWED}
     if len(reached) > 1:
-        # The smallest change of start or motion changes the outcome itself.
-        parts.append(changes_answer("outcome_not_predictable", outcomes=sorted(reached)))
+        # A small change of start or motion changes the outcome itself.
+        change = min((each.outcome_from for each in of_known if each.outcome_from is not None), default=None)
+        parts.append(changes_answer("outcome_not_predictable", outcomes=sorted(reached), change=change))
     return Answer(_code(known, judged), parts)
 
 

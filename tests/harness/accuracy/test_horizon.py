@@ -67,6 +67,17 @@ def test_the_horizon_is_read_between_its_samples(monkeypatch: pytest.MonkeyPatch
     assert coarse.until_s == pytest.approx(fine.until_s, abs=1e-4)
 
 
+def test_the_least_change_that_ends_otherwise_is_told() -> None:
+    """It was called the smallest of all, where only a motion stronger by a thousandth makes it fall."""
+
+    def model(each: Scene) -> Run:
+        falls = each.base_excitation.x.peak_m_s2 > 1.0005
+        return doubles.run_of(doubles.rest(), outcome=Outcome.OVERTURNED_LEFT if falls else Outcome.STANDS)
+
+    assert horizon(SCENE, model, tolerance_rad=TOLERANCE).outcome_from == 1e-3
+    assert horizon(SCENE, Unstable(), tolerance_rad=TOLERANCE).outcome_from == 1e-9
+
+
 def test_a_stable_model_is_predictable_to_the_end() -> None:
     found = horizon(SCENE, lambda each: doubles.run_of(doubles.rest()), tolerance_rad=TOLERANCE)
     assert set(found.until_s) == {SCENE.duration_s}

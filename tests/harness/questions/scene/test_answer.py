@@ -195,9 +195,9 @@ def test_the_probability_told_is_of_the_model_by_which_more_draws_fall_not_of_th
 
 def test_perturbed_runs_that_end_otherwise_make_the_outcome_unpredictable() -> None:
     ends = (Outcome.STANDS, Outcome.OVERTURNED_LEFT)
-    horizon = HorizonRecord(0.01, 10.0, (1e-9,), (5.0,), 4.0, ends, 0, 5.0)
+    horizon = HorizonRecord(0.01, 10.0, (1e-9, 1e-3), (5.0, 4.0), 4.0, ends, 0, 5.0, 1e-3)
     _, said = told(run("analytic"), run("b"), horizons={"analytic": horizon})
-    assert said["outcome_not_predictable"].values["outcomes"] == ["overturned", "stands"]
+    assert said["outcome_not_predictable"].values == {"outcomes": ["overturned", "stands"], "change": 1e-3}
 
 
 def test_a_perturbed_run_that_loses_contact_is_no_other_outcome_of_the_statue() -> None:
