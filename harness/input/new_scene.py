@@ -6,12 +6,13 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from harness.input.mesh_statue import findings_of, steps_of
 from harness.input.motions.recordfile import Channel, Layout, RecordFile
+from harness.input.motions.records import AZIMUTH_TOLERANCE_DEG, LEAST_CROSSING_DEG, crossing_deg
 from harness.model.finding import Finding, Say, caution, info
 
 if TYPE_CHECKING:
@@ -125,6 +126,28 @@ def _by_axis(shaking: RecordFile) -> dict[str, Channel]:
     return dict(zip("xy", level, strict=False)) | dict(zip("z", vertical, strict=False))
 
 
+ACROSS: Final = "The other horizontal channel across it (3D engines only)"
+
+
+def _across(along: Channel, other: Channel, shaking: RecordFile) -> tuple[str, dict[str, object]]:
+    """What of a record shakes to the left of `along`, as y lies of x: else the earthquake would be its mirror image.
+
+    The other channel as it is where nobody knows how the two lie.
+    """
+    x, y = along.orientation.azimuth_deg, other.orientation.azimuth_deg
+    taken: dict[str, object] = {"column": other.name}
+    if x is None or y is None or len(shaking.horizontals) > 2:
+        return ACROSS, taken
+    clockwise = (y - x) % 360.0
+    if abs(clockwise % 180.0 - 90.0) > AZIMUTH_TOLERANCE_DEG and crossing_deg(along, other) >= LEAST_CROSSING_DEG:
+        return "Both horizontal channels, turned to what lies across it (3D engines only)", {
+            "azimuth_deg": (x - 90.0) % 360.0
+        }
+    if clockwise < 180.0:
+        return f"{ACROSS}; it points to the right of x, and y to the left", taken | {"sign": -1}
+    return ACROSS, taken
+
+
 def _motion(
     channels: Mapping[str, Channel], shaking: RecordFile, motion: Path, folder: Path, user_input: UserInput
 ) -> Iterator[Part]:
@@ -146,16 +169,19 @@ def _motion(
         comments = []
     why: Mapping[str, str | Finding] = {
         "x": info("assumed_strongest", channel=next(iter(channels.values())).name),
-        "y": "The other horizontal channel across it (3D engines only)",
         "z": "The vertical channel",
     }
     for axis, channel in channels.items():
         file = os.path.relpath(motion.resolve(), folder.resolve())
         said = {"unit": user_input.motion_unit, **vars(user_input.layout or Layout())}
-        keys = {"kind": "record", "file": file, "column": channel.name}
+        taken: dict[str, object] = {"column": channel.name}
+        comment = why.get(axis, "")
+        if axis == "y":
+            comment, taken = _across(channels["x"], channel, shaking)
+        keys = {"kind": "record", "file": file, **taken}
         keys |= {key: value for key, value in said.items() if value is not None}
         peak = float(np.abs(channel.accel_m_s2).max())
-        yield [*comments, why[axis], f"Peak {peak:.3g} m/s²."], {"motion": {axis: keys}}
+        yield [*comments, comment, f"Peak {peak:.3g} m/s²."], {"motion": {axis: keys}}
         comments = []
         if any(each.code == "record_drifts" and each.values["channel"] == channel.name for each in shaking.findings):
             # A key to be uncommented stands after the others of its table.

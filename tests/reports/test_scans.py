@@ -127,6 +127,28 @@ def test_new_writes_a_scene_that_loads(scan: Path, motion: Path, tmp_path: Path)
     assert lasts.values["after_s"] >= QUIET_AFTER_S
 
 
+@pytest.mark.parametrize(
+    ("x_deg", "y_deg", "weights"),
+    [
+        (90, 0, (0.0, 1.0)),
+        (0, 90, (0.0, -1.0)),
+        (332, 242, (0.0, 1.0)),
+        (75, 30, (-1.0, math.sqrt(2.0))),
+    ],
+)
+def test_the_other_channel_shakes_to_the_left_of_the_first(
+    scan: Path, tmp_path: Path, x_deg: int, y_deg: int, weights: tuple[float, float]
+) -> None:
+    """Azimuths turn clockwise, the scene's axes the other way: a channel to the right of x would mirror the earthquake."""
+    file, t_s = tmp_path / "level.csv", np.arange(0.0, 2.0, 0.01)
+    rows = np.column_stack([t_s, 3.0 * np.sin(2.0 * t_s), np.sin(5.0 * t_s)])
+    lines = [f"t_s,a_{x_deg}_ms2,a_{y_deg}_ms2", *(",".join(f"{value:.9f}" for value in row) for row in rows)]
+    file.write_text("\n".join(lines))
+    scene = load_scene(new(scan, file, tmp_path / "a.toml", ScanOptions(unit="m", up="z"))[0])
+    wanted = rows[:, 1:] @ np.array(weights)
+    assert scene.base_excitation.y.accel_m_s2(t_s) == pytest.approx(wanted, abs=1e-6)  # of nine decimals, turned
+
+
 def test_a_record_of_the_vertical_alone_shakes_nothing_sideways(scan: Path, tmp_path: Path) -> None:
     file = tmp_path / "up.csv"
     rows = "\n".join(f"{0.01 * k:.2f},{math.sin(0.1 * k):.6f}" for k in range(200))

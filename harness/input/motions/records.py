@@ -152,6 +152,12 @@ def _same(channel: Channel, azimuth_deg: float | None, vertical: bool) -> bool:
     return abs((own - azimuth_deg + 180.0) % 360.0 - 180.0) <= AZIMUTH_TOLERANCE_DEG
 
 
+def crossing_deg(one: Channel, two: Channel) -> float:
+    """The angle between the lines of two horizontals, 0 to 90."""
+    apart = (one.orientation.azimuth_deg or 0.0) - (two.orientation.azimuth_deg or 0.0)
+    return math.degrees(math.asin(min(1.0, abs(math.sin(math.radians(apart))))))
+
+
 def turned(record: RecordFile, azimuth_deg: float, *, where: str, key: str) -> Series:
     """The horizontal acceleration towards `azimuth_deg` (clockwise from north) from the record's two horizontals."""
     horizontals = record.horizontals
@@ -160,7 +166,7 @@ def turned(record: RecordFile, azimuth_deg: float, *, where: str, key: str) -> S
         raise mistake(where, f"{key}.azimuth_deg", "two horizontal channels with known azimuths", got, "give column")
     one, two = horizontals
     first, second = (math.radians(channel.orientation.azimuth_deg or 0.0) for channel in horizontals)
-    crossing = math.degrees(math.asin(min(1.0, abs(math.sin(second - first)))))
+    crossing = crossing_deg(one, two)
     if crossing < LEAST_CROSSING_DEG:
         got = f"{one.name} and {two.name}, {crossing:g}° apart"
         raise mistake(where, f"{key}.azimuth_deg", "horizontals at least 30° apart", got, "give column")
