@@ -113,15 +113,15 @@ def test_esm_files_with_different_starts_are_put_on_one_clock(tmp_path: Path) ->
     np.testing.assert_allclose(series["HNN"].accel_m_s2, north[:290], atol=1e-8)
 
 
-@pytest.mark.parametrize("milliseconds", [False, True])
-def test_cosmos(tmp_path: Path, milliseconds: bool) -> None:
+@pytest.mark.parametrize(("milliseconds", "code", "name", "sign"), [(False, 400, "UP", 1), (True, 401, "DOWN", -1)])
+def test_cosmos(tmp_path: Path, milliseconds: bool, code: int, name: str, sign: int) -> None:
     accel = wave(1000, 0.005, peak_m_s2=5.0)
-    channels = [(accel, 90), (accel, 180), (accel, 400)]
+    channels = [(accel, 90), (accel, 180), (accel, code)]
     record = read_record(writers.cosmos(tmp_path / "a.V2", channels, 0.005, milliseconds=milliseconds))
     assert record.format == "COSMOS"
-    assert [channel.name for channel in record.channels] == ["090", "180", "UP"]
+    assert [channel.name for channel in record.channels] == ["090", "180", name]
     assert record.channels[0].dt_s == pytest.approx(0.005, rel=1e-12)
-    np.testing.assert_allclose(record.channels[2].accel_m_s2, accel, atol=1e-7)
+    np.testing.assert_allclose(record.channels[2].accel_m_s2, sign * accel, atol=1e-7)
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("ms2", 1.0), ("cms2", 0.01), ("g", GRAVITY)])
