@@ -365,6 +365,14 @@ def test_one_model_that_doubts_takes_the_green_away(source: RunSource) -> None:
         assert answer(of_run(replace(source, record=record))).tone != "agree"
 
 
+def test_models_that_differ_take_the_green_away(source: RunSource) -> None:
+    """Of runs that all stand, and a fall that is improbable."""
+    record = replace(source.record, assessment={"analytic": Assessment(0.01, 0.0, 0.02, 0.9, 1000, 1000)})
+    for code, tone in (("agree_until", "agree"), ("differ_by_model", "differ"), ("plane_left_out", "differ")):
+        said = replace(record, answer=replace(record.answer, code=code))
+        assert answer(of_run(replace(source, record=said))).tone == tone
+
+
 def test_a_shaking_whose_danger_was_not_computed_is_not_green(source: RunSource) -> None:
     """`--no-assess`: that every run stands says nothing of how probable a fall is."""
     page = of_run(replace(source, record=replace(source.record, assessment=None)))
