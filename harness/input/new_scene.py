@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from analytic.block import GRAVITY_M_S2
 from harness.input.mesh_statue import findings_of, steps_of
 from harness.input.motions.recordfile import Channel, Layout, RecordFile
 from harness.input.motions.records import AZIMUTH_TOLERANCE_DEG, LEAST_CROSSING_DEG, crossing_deg
@@ -19,7 +21,9 @@ if TYPE_CHECKING:
     from meshes.inspection import Inspection
 
 QUIET_AFTER_S = 5.0
-"""Time left after the record for the statue to come to rest."""
+"""Time left after the record in which the statue may still rock, at least."""
+RESTS: Final = 21.0
+"""Times 1/p (p² = 3g/4h) in which a block of slenderness 15° comes to rest from nine tenths of its balance, of any size."""
 STONE_ON_STONE = 0.6
 """Friction assumed where nothing is said: stone on stone, dry."""
 
@@ -50,7 +54,9 @@ def first_scene(
 
     channels = _by_axis(shaking)
     end = max(float(channel.t_s[-1] - channel.t_s[0]) for channel in channels.values())
-    duration_s = float(np.ceil(end + QUIET_AFTER_S))
+    height_m = 0.0 if inspection.solid is None else inspection.solid.centroid_height_m
+    quiet_s = max(QUIET_AFTER_S, RESTS * math.sqrt(height_m / (0.75 * GRAVITY_M_S2)))
+    duration_s = float(np.ceil(end + quiet_s))
     top = {"title": f"{scan.stem} under {motion.stem}", "duration_s": duration_s}
     parts: list[Part] = [
         (

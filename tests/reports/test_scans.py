@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.accuracy.simulation import simulate
 from harness.input.mesh_statue import steps_of
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Layout
 from harness.input.new_scene import QUIET_AFTER_S
@@ -20,6 +21,8 @@ from reports.messages import ENGLISH
 from reports.terminal import scan_lines
 from tests.doubles import codes
 from tests.meshes import toadstool
+from tests.scenes_for_tests import rectangle
+from tests.scenes_for_tests import scene as scene_of
 
 MARBLE_MASS_KG = 0.32 * MARBLE_KG_M3
 """Of the body's plinth, stem and cap: 0.072, 0.008 and 0.24 m³."""
@@ -125,6 +128,19 @@ def test_new_writes_a_scene_that_loads(scan: Path, motion: Path, tmp_path: Path)
     (lasts,) = [each for each in found if each.code == "assumed_duration"]
     assert scene.duration_s == pytest.approx(lasts.values["record_s"] + lasts.values["after_s"])
     assert lasts.values["after_s"] >= QUIET_AFTER_S
+
+
+def test_a_scene_lasts_as_long_as_a_tall_statue_rocks(scan: Path, motion: Path, tmp_path: Path) -> None:
+    """Nine metres were given the five seconds of a figurine; a block as high, let go near its balance, rocks for seventeen."""
+    out, found = new(scan, motion, tmp_path / "tall.toml", ScanOptions(height_m=9.0, up="z"))
+    (lasts,) = [each for each in found if each.code == "assumed_duration"]
+    height_m = load_scene(out).statue.centroid_height_m
+    block = rectangle(2.0 * height_m * math.tan(math.radians(15.0)), 2.0 * height_m)
+    free = scene_of(block, duration_s=40.0, theta_rad=0.9 * math.radians(15.0))
+    history = simulate(free, "analytic").history
+    assert history is not None
+    rocks_s = history.t_s[np.abs(history.theta_rad) > 0.01 * math.radians(15.0)].max()
+    assert 2.0 * QUIET_AFTER_S < rocks_s == pytest.approx(lasts.values["after_s"], rel=0.1)
 
 
 @pytest.mark.parametrize(
