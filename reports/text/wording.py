@@ -12,11 +12,11 @@ import numpy as np
 
 from harness.model.finding import Finding, info
 from harness.model.history import History, Outcome
-from harness.model.run import Intervention, Run
+from harness.model.run import Intervention, Run, number
 from harness.model.scene import base_shift_m
 from harness.records.assess import Assessment
 from harness.records.base import Table
-from harness.records.run import RunRecord, peak_slip_m
+from harness.records.run import SLIDES_M, RunRecord, peak_slip_m
 from harness.records.scores import AfterHorizon, Scores
 from harness.records.study import CaseRun, StudyRow, Value
 from reports.blocks import Chip, Text, Verdict, code, verdict, words
@@ -330,9 +330,11 @@ def before_fall(run: Run, history: History | None) -> dict[str, float]:
     if history is None or until is None:
         return {}
     upright = history.t_s <= until
+    # The history of a slip on the support is of the one along the plane.
+    aside = {"statue_slip_m"} if number(run.validity, "slip_across_m", 0.0) > SLIDES_M else set()
     rows = {}
     for key, column in FOLLOWED.items():
-        if key in run.validity and column in history.extra and upright.any():
+        if key in run.validity and key not in aside and column in history.extra and upright.any():
             values = np.asarray(history.extra[column])
             start = float(values[0]) if key == "yaw_rad" else 0.0
             rows[key] = float(np.max(np.abs(values[upright] - start)))

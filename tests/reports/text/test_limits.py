@@ -38,6 +38,9 @@ def test_before_the_fall_stands_what_the_history_says(fallen: tuple[Run, History
     run, history = fallen
     assert before_fall(run, history) == pytest.approx({"yaw_rad": 0.003, "statue_slip_m": 0.001})
     assert before_fall(run, None) == {}
+    # Of one that slid across the plane the column, along it, said nothing: 79 cm before its fall were 2e-9 m.
+    aside = replace(run, validity={**run.validity, "slip_across_m": 0.79})
+    assert before_fall(aside, history) == pytest.approx({"yaw_rad": 0.003})
     assert before_fall(replace(run, no_return_time_s=None), history) == {}
 
 
