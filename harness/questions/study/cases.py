@@ -123,8 +123,11 @@ def _drawn(item: Scatter, base: BaseScene, stream: np.random.Generator, samples:
     centre: JsonValue = dict(base.content)
     for part in item.key.split("."):
         centre = centre.get(part) if isinstance(centre, Mapping) else None
-    if isinstance(centre, bool) or not isinstance(centre, (int, float)):
-        raise InputError(Mistake(str(base.path), item.key, "a number to scatter around", repr(centre)))
+    if isinstance(centre, bool) or not isinstance(centre, (int, float)) or centre == 0:
+        advice = "low and high scatter a key that has none"
+        raise InputError(
+            Mistake(str(base.path), item.key, "a number other than 0 to scatter around", repr(centre), advice)
+        )
     width = item.relative or 0.0
     if item.distribution == "normal":
         return centre * (1.0 + width * stream.standard_normal(samples))

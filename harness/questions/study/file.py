@@ -71,10 +71,10 @@ class Scatter(UserTable):
 
     @model_validator(mode="after")
     def _bounds(self) -> Scatter:
-        absolute = self.low is not None and self.high is not None
-        if (self.relative is None) == (not absolute):
+        bounds = [each for each in (self.low, self.high) if each is not None]
+        if len(bounds) != (2 if self.relative is None else 0):
             raise Contradiction("relative", "either relative, or low and high", "both or neither")
-        if absolute and self.distribution != "uniform":
+        if bounds and self.distribution != "uniform":
             raise Contradiction("distribution", "'uniform' with low and high", repr(self.distribution))
         if self.low is not None and self.high is not None and self.low >= self.high:
             raise Contradiction("low", f"less than high = {self.high:g}", f"{self.low:g}")
