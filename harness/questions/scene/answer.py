@@ -59,6 +59,8 @@ def answer_of(
     parts += decided
     of_known = [each for name, each in horizons.items() if name in known]
     reached = {outcome_family(end) for each in of_known for end in each.outcomes if end not in NOT_FOLLOWED}
+    if "overturned" in reached:
+        reached.discard(Outcome.UNDECIDED.value)  # it still falls as the scene ends
     if len(reached) > 1:
         # A small change of start or motion changes the outcome itself.
         change = min((each.outcome_from for each in of_known if each.outcome_from is not None), default=None)

@@ -200,8 +200,9 @@ def test_perturbed_runs_that_end_otherwise_make_the_outcome_unpredictable() -> N
     assert said["outcome_not_predictable"].values == {"outcomes": ["overturned", "stands"], "change": 1e-3}
 
 
-def test_a_perturbed_run_that_loses_contact_is_no_other_outcome_of_the_statue() -> None:
-    horizon = HorizonRecord(0.01, 10.0, (1e-3,), (5.0,), 4.0, (Outcome.LIFT_OFF, Outcome.OVERTURNED_LEFT), 0, 5.0)
+@pytest.mark.parametrize("end", [Outcome.LIFT_OFF, Outcome.UNDECIDED])
+def test_a_perturbed_run_that_loses_contact_or_still_falls_is_no_other_outcome_of_the_statue(end: Outcome) -> None:
+    horizon = HorizonRecord(0.01, 10.0, (1e-3,), (5.0,), 4.0, (end, Outcome.OVERTURNED_LEFT), 0, 5.0)
     fell = run("analytic", outcome=Outcome.OVERTURNED_LEFT)
     _, said = told(fell, run("b"), horizons={"analytic": horizon})
     assert "outcome_not_predictable" not in said
