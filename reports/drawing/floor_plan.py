@@ -110,7 +110,9 @@ def _in_plane(source: RunSource, body: Array, history: History) -> Array:
         ends = np.column_stack([np.concatenate([x.min(axis=0), x.max(axis=0)]), np.tile(points[:, 1], 2)])
         return ends.reshape(2, -1, 2)
 
-    return _outline(body, [history.theta_rad, moved_m], reached)
+    # No geometry of space is loaded for a body of a few corners.
+    few = source.mesh is None
+    return reached(body, slice(None)).reshape(-1, 2) if few else _outline(body, [history.theta_rad, moved_m], reached)
 
 
 def _in_space(source: RunSource, body: Array, history: History) -> Array:

@@ -54,9 +54,10 @@ class Trajectory:
         share = (end_s - before_s) / (last_s - before_s) if before_s < end_s < last_s else 1.0
 
         def ended(column: Array) -> Array:
+            if share == 1.0:
+                return column[:count]
             cut = column[:count].copy()
-            if share < 1.0:
-                cut[-1] = share * cut[-1] + (1.0 - share) * cut[-2]
+            cut[-1] = share * cut[-1] + (1.0 - share) * cut[-2]
             return cut
 
         return self._changed(ended, count)
