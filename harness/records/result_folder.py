@@ -102,12 +102,12 @@ def check_folder(
         raise InputError(Mistake("--out", "", "a new or an empty folder, or one with a result of its own", got))
     for kind in found:
         if kinds is not None and kind not in kinds:
-            got = f"{folder}, which holds {'a' if kind == finished else 'what was begun of a'} {kind}"
+            got = f"{folder}, which holds {'a result' if kind == finished else 'what was begun'} of this kind: {kind}"
             advice = "give another folder"
             if kind == begun:
                 goes_on = shlex.join(["rockcheck", *GOES_ON.get(kind, kind).split(), "--out", str(folder)])
                 advice = f"{advice}; `{goes_on}` goes on with this one"
-            raise InputError(Mistake("--out", "", f"a folder of a {' or '.join(kinds)}", got, advice))
+            raise InputError(Mistake("--out", "", f"a folder of this kind: {' or '.join(kinds)}", got, advice))
     sums = owned(folder)
     foreign = [name for name in names if not _own(folder / name, sums)]
     if foreign:

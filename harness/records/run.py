@@ -158,14 +158,6 @@ class HorizonRecord:
     intrinsic_s: float
     outcome_from: float | None = field(default=None, metadata=OMITTED)
 
-    def until(self, uncertainty: float) -> float:
-        """The horizon for an uncertainty of the start or the motion: that of the least perturbation that is as large.
-
-        Beyond the largest one no prediction is claimed: the horizon is then 0.
-        """
-        known = [t for size, t in zip(self.perturbations, self.until_s, strict=True) if size >= uncertainty]
-        return known[0] if known else 0.0
-
 
 @dataclass(frozen=True)
 class LawChoice:

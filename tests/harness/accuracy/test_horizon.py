@@ -16,7 +16,6 @@ from harness.engines.base import EngineFailure
 from harness.model.history import History, Outcome
 from harness.model.run import Run
 from harness.model.scene import Scene
-from harness.records.run import HorizonRecord
 from tests import doubles
 from tests.scenes_for_tests import PAESTUM, paestum, scene
 
@@ -83,11 +82,6 @@ def test_a_stable_model_is_predictable_to_the_end() -> None:
     assert set(found.until_s) == {SCENE.duration_s}
     assert found.growth_per_s is None
     assert found.outcomes == ("stands",)
-
-
-def test_the_horizon_of_an_uncertainty_is_that_of_the_next_larger_perturbation() -> None:
-    found = HorizonRecord(TOLERANCE, 10.0, (1e-9, 1e-5), (6.0, 3.0), GROWTH, ("stands",), 0, 6.0)
-    assert [found.until(u) for u in (0.0, 1e-9, 1e-7, 1e-5, 1e-4)] == [6.0, 6.0, 3.0, 3.0, 0.0]
 
 
 def test_perturbations_touch_start_and_motion_by_their_size() -> None:

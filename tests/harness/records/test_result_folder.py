@@ -198,7 +198,7 @@ def test_a_write_that_was_killed_can_be_done_again(tmp_path: Path, result: Resul
 
 def test_a_result_of_another_kind_is_not_replaced(tmp_path: Path, result: Result) -> None:
     write_result(result, tmp_path)
-    with pytest.raises(InputError, match="which holds a run"):
+    with pytest.raises(InputError, match="which holds a result of this kind: run"):
         check_folder(tmp_path, ("study",))
 
 
@@ -314,7 +314,7 @@ def test_what_was_begun_is_for_its_own_command_only(tmp_path: Path, kind: str) -
     check_folder(tmp_path, (kind,))
     before = contents(tmp_path)
     for other in {"run", "compare", *STORE_KINDS} - {kind}:
-        with pytest.raises(InputError, match=f"what was begun of a {kind} "):
+        with pytest.raises(InputError, match=f"what was begun of this kind: {kind} "):
             check_folder(tmp_path, (other,))
     for other in set(STORE_KINDS) - {kind}:
         with pytest.raises(InputError, match="use another folder"):
