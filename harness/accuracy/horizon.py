@@ -92,6 +92,21 @@ def unseen_tipping_s(scene: Scene, run: Run, error_rad: float) -> float:
     return number(validity, "left_domain_s") if unseen else math.inf
 
 
+def several_slides_s(scene: Scene, run: Run) -> float:
+    """When the statue slides on a corner on which friction may hold it in several ways, or none (Painlevé); else infinite.
+
+    There μ b h > J/m + b²: what presses the corner down turns it into its support. Each engine's levels agree on one motion, and
+    two engines converge to two.
+    """
+    statue, slides = scene.statue, "statue_slides" in run.validity.get("plain_because", ())
+    turning_m2 = statue.inertia_kg_m2 / statue.mass_kg
+    several = any(
+        scene.contact.statue * corner_m * statue.centroid_height_m > turning_m2 + corner_m**2
+        for corner_m in (statue.corner_left_m, statue.corner_right_m)
+    )
+    return number(run.validity, "plain_from_s") if slides and several else math.inf
+
+
 def hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float, target: Error) -> bool:
     """Whether no level is expected to reach `end_s`, by what all comparisons together gained: two of them tell luck.
 

@@ -20,6 +20,7 @@ from harness.accuracy.horizon import (
     hopeless,
     last_s,
     outgrown_s,
+    several_slides_s,
     shaken,
     unseen_tipping_s,
 )
@@ -273,8 +274,11 @@ class _Climb:
             # What never passes a third of the target never passes it: the model's runs are asked twice where it matters.
             grown_s = outgrown_s(self.scene, expected_rad, self.target.rotation_rad)
         tips_s = unseen_tipping_s(self.scene, best, expected_rad)
-        found, until_s = [], min([*held_s, grown_s, tips_s])
-        if until_s == tips_s:
+        slides_s = several_slides_s(self.scene, best)
+        found, until_s = [], min([*held_s, grown_s, tips_s, slides_s])
+        if until_s == slides_s:
+            found.append(caution("several_slides", until_s=slides_s))
+        elif until_s == tips_s:
             found.append(caution("tipping_not_resolved", until_s=tips_s))
         elif until_s < best.end_s:
             small_rad = PERTURBED_SHARE * expected_rad if until_s == grown_s else None
