@@ -29,6 +29,11 @@ class RunTarget:
     dt_s: float | None = None
     options: RunOptions = field(default_factory=RunOptions)
 
+    @property
+    def target_rad(self) -> float:
+        """The accuracy that is aimed at where no step is given, rad."""
+        return self.accuracy_rad or DEFAULT_ACCURACY_RAD
+
 
 def simulate(
     scene: Scene,
@@ -70,7 +75,7 @@ def simulate_with(engine: Engine, scene: Scene, target: RunTarget) -> Run:
             else:
                 from harness.accuracy.refinement import run_to_accuracy
 
-                run = run_to_accuracy(engine, scene, target.accuracy_rad or DEFAULT_ACCURACY_RAD, target.options)
+                run = run_to_accuracy(engine, scene, target.target_rad, target.options)
     except EngineFailure as error:
         run = failed(engine.name, Outcome.CRASHED, str(error), time.perf_counter() - start)
         if isinstance(error, LayerFault):

@@ -365,8 +365,7 @@ def patterns(motion: Trajectory, slid_m: Array, resolution_rad: float, stuck_bel
     t_s, still = motion.t_s, np.zeros_like(motion.t_s)
     across_rad, across_m = (motion.extra.get(name, still) for name in ("out_of_plane_rad", "pedestal_y_m"))
     rocks = np.maximum(np.abs(motion.theta_rad), np.abs(across_rad - across_rad[0])) > resolution_rad
-    aside = np.abs(np.diff(across_m, prepend=across_m[0])) > support.SLIDES_M_S * np.diff(t_s, prepend=t_s[0])
-    code = rocks + 2 * ((np.abs(motion.slip_rate_m_s) > stuck_below_m_s) | aside)
+    code = rocks + 2 * ((np.abs(motion.slip_rate_m_s) > stuck_below_m_s) | support.moves(t_s, across_m))
     code[support.statue_slides(t_s, slid_m)[1]] = 4
     # Passing upright is no rest: a short stay in the band between two sides of rocking is rocking.
     names = get_args(PatternName)

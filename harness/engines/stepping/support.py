@@ -64,9 +64,15 @@ def plain_spells(
     }
 
 
+def moves(t_s: Array, place_m: Array) -> NDArray[np.bool_]:
+    """Whether a place moves by more than solver iterations leave in one that stands, shape (n,)."""
+    faster: NDArray[np.bool_] = np.abs(np.diff(place_m, prepend=place_m[0])) > SLIDES_M_S * np.diff(t_s, prepend=t_s[0])
+    return faster
+
+
 def statue_slides(t_s: Array, slip_m: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Since when a slip of the statue on its support counts, and while it goes on, shape (n,)."""
-    slides = np.abs(np.diff(slip_m, prepend=slip_m[0])) > SLIDES_M_S * np.diff(t_s, prepend=t_s[0])
+    slides = moves(t_s, slip_m)
     slid = np.abs(slip_m) > LEFT_M
     if slid.any():
         # The slip that passes the limit began a little before.

@@ -14,7 +14,7 @@ from typing import Final
 from harness import engines
 from harness.accuracy.forecast import run_s, worth_a_process
 from harness.accuracy.horizon import horizon_beside
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, RunTarget, check_target, failed, simulate_with
+from harness.accuracy.simulation import RunTarget, check_target, failed, simulate_with
 from harness.comparison.comparator import compare
 from harness.engines.base import Engine, EngineFailure
 from harness.input.paths import read_files
@@ -193,7 +193,7 @@ def run_scene(
         _run_engines(scene, loaded, target, runs, on_progress, apart=apart)
         horizons |= _horizons(scene, answers_of(known()), horizons, on_progress, every=horizon)
         scores |= _scores(scene, known(), horizons, iso)
-        taken = TakenAway(scene, target.accuracy_rad or DEFAULT_ACCURACY_RAD)
+        taken = TakenAway(scene, target.target_rad)
         if target.dt_s is None:
             found = explained(known(), scores, taken)
             refinable = {

@@ -16,7 +16,7 @@ from typing import Final
 
 from harness import engines
 from harness.accuracy.horizon import PERTURBED_SHARE, outgrown_s
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, RunTarget, simulate_with
+from harness.accuracy.simulation import RunTarget, simulate_with
 from harness.accuracy.spread import Error, spread, target_of
 from harness.comparison.comparator import compare
 from harness.comparison.scores.pointwise import errors
@@ -50,7 +50,7 @@ def doubted(scores: Iterable[Scores]) -> list[Scores]:
 
 def finer_rad(target: RunTarget) -> float:
     """The accuracy of a run that is made again before models are said to differ."""
-    return (target.accuracy_rad or DEFAULT_ACCURACY_RAD) / CONFIRMATION_FACTOR
+    return target.target_rad / CONFIRMATION_FACTOR
 
 
 def finer_runs(
@@ -97,13 +97,12 @@ def _outgrown(scene: Scene, name: str, run: Run, parts_s: float, target: RunTarg
     Levels may all fall on one side of an event that the scene all but has, such as a statue that turns back a millionth of a
     radian before it would meet its support: they then agree, and differ from what is true by more than from each other.
     """
-    target_rad = target.accuracy_rad or DEFAULT_ACCURACY_RAD
     for share in GROWING:
         small_rad = share * number(run.settings, "expected_error_rad")
-        until_s = outgrown_s(scene, small_rad / PERTURBED_SHARE, target_rad)
+        until_s = outgrown_s(scene, small_rad / PERTURBED_SHARE, target.target_rad)
         if until_s < min(parts_s, run.bounded_until_s):
             said = caution(
-                "target_met_until", target_rad=target_rad, until_s=until_s, end_s=run.end_s, small_rad=small_rad
+                "target_met_until", target_rad=target.target_rad, until_s=until_s, end_s=run.end_s, small_rad=small_rad
             )
             others = tuple(each for each in run.findings if not each.code.startswith("target_met_until"))
             return {name: replace(run, reliable_until_s=until_s, findings=(*others, said))}
