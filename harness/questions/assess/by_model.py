@@ -141,18 +141,18 @@ def probability_of(
 ) -> Assessment:
     """The share of the draws that overturn, by the model where it answers and by the engine's runs (`fell`, by number of the
     draw) where the model left its domain, with its interval. Raises `ValueError` without draws."""
-    size = model.overturned.size
-    own = wilson(int(model.overturned.sum()), size, LEVEL)
-    if own is None:
-        raise ValueError("a probability without draws")
+    size, fallen = model.overturned.size, int(model.overturned.sum())
     outside, runs = Outside.of(model, fell), int(model.left[list(fell)].sum())
+    own, most = wilson(fallen, size, LEVEL), wilson(fallen + round(outside.undecided * size), size, LEVEL)
+    if own is None or most is None:
+        raise ValueError("a probability without draws")
     p = own.value + outside.falls
     below = math.hypot(own.value - own.low, outside.falls - outside.low)
-    above = math.hypot(own.high - own.value, outside.high - outside.falls)
+    above = math.hypot(most.high - most.value, outside.high - outside.falls)
     return Assessment(
         probability_overturned=p,
         low=max(p - below, 0.0),
-        high=min(p + above + outside.undecided, 1.0),
+        high=min(p + outside.undecided + above, 1.0),
         level=LEVEL,
         draws=size,
         engine_runs=size,

@@ -23,6 +23,7 @@ from harness.questions.assess.assessment import assess, difference
 from harness.questions.assess.by_model import Outside, assess_models, probability_of
 from harness.questions.assess.engine_draws import jeffreys
 from harness.questions.assess.model_draws import ModelDraws, draw, draws_of, model_draws, row, uncertain_inputs, varied
+from harness.questions.assess.sensitivity import fragility_of
 from harness.records.assess import Assessment, AssessRecord, NotAssessed
 from harness.runs.runner import InlinePool
 from reports.messages import ENGLISH
@@ -227,17 +228,25 @@ def test_the_interval_holds_open_draws_either_way() -> None:
     model = ModelDraws(kind < 2, kind == 0, np.ones(100), np.zeros(100), kind == 2, np.zeros(100, bool))
     fell = dict(zip(range(70, 78), (True, True, True, False, False, False, False, None), strict=True))
     none, some = probability_of(model), probability_of(model, fell)
-    own, sample = wilson(10, 100, 0.9), jeffreys(3, 7)
+    own, every, sample = wilson(10, 100, 0.9), wilson(40, 100, 0.9), jeffreys(3, 7)
     assert (none.probability_overturned, none.undecided, none.sampled) == pytest.approx((0.1, 0.3, 0))
-    assert (none.low, none.high) == pytest.approx((own.low, own.high + 0.3))
+    assert (none.low, none.high) == pytest.approx((own.low, every.high))
     answered = 0.2 * 7 / 8
     assert some.undecided == pytest.approx(0.3 - answered)
     assert some.probability_overturned == pytest.approx(0.1 + answered * 3 / 7)
     below = np.hypot(0.1 - own.low, answered * (sample[0] - sample[1]))
-    above = np.hypot(own.high - 0.1, answered * (sample[2] - sample[0])) + some.undecided
+    may_fall = wilson(10 + round(30 - 100 * answered), 100, 0.9)
+    above = np.hypot(may_fall.high - may_fall.value, answered * (sample[2] - sample[0])) + some.undecided
     assert (some.low, some.high) == pytest.approx(
         (some.probability_overturned - below, some.probability_overturned + above)
     )
+
+
+def test_an_assessment_s_interval_is_its_fragility_s_at_factor_1() -> None:
+    kind = np.repeat(np.arange(3), (10, 60, 30))
+    model = ModelDraws(kind < 2, kind == 0, np.ones(100), np.zeros(100), *np.zeros((2, 100), bool))
+    found, curve = probability_of(model), fragility_of((1.0,), [model])
+    assert (found.low, found.high) == pytest.approx((curve.low[0], curve.high[0]))
 
 
 def test_an_engine_s_draws_that_touch_the_wall_are_told_apart_from_those_without_an_answer() -> None:
