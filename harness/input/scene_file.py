@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -35,6 +35,10 @@ BELOW_M: Final = 1e-6
 """A body in contact may be this far below the floor: what rounding of a printed place leaves."""
 TOLERANCE_STEP_M: Final = 1e-4
 """To which a contact tolerance is proposed."""
+LIGHTEST_KG_M3: Final = 200.0
+"""Cork's density; one in g/cm³ or pounds per cubic foot, and a mass in tonnes, make stone lighter."""
+HEAVIEST_KG_M3: Final = 25_000.0
+"""No metal is denser."""
 OF_PEDESTAL: Final = ("contact.floor_impact", "model.friction_normal", "model.pedestal_at_impact")
 """Keys that say nothing of a statue on the floor."""
 PRESETS: Final = {"consistent": Form("dynamic", "momentum"), "paper": Form("static", "unchanged")}
@@ -161,7 +165,19 @@ def resolve(
         check_wall(scene, path)
     except AnalyticInputError as error:  # of a scan, whose base is known only now
         raise InputError(Mistake(str(path), "statue", "a body that rocks on its base", str(error))) from error
-    return replace(scene, findings=(*scene.findings, *_beyond_base(scene)))
+    return replace(scene, findings=(*scene.findings, *_odd_densities(scene), *_beyond_base(scene)))
+
+
+def _odd_densities(scene: Scene) -> Iterator[Finding]:
+    """Bodies of a density that no stone, wood or metal has: a unit is mistaken. Without a scan a statue fills its box."""
+    statue, pedestal = scene.statue, scene.pedestal
+    box_m3 = (statue.corner_left_m + statue.corner_right_m) * statue.depth_m * statue.height_m
+    bodies = {"statue": statue.mass_kg / box_m3 if statue.solid is None else statue.solid.density_kg_m3}
+    if pedestal is not None:
+        bodies["pedestal"] = pedestal.mass_kg / (pedestal.width_m * pedestal.depth_m * pedestal.height_m)
+    for key, density_kg_m3 in bodies.items():
+        if not LIGHTEST_KG_M3 <= density_kg_m3 <= HEAVIEST_KG_M3:
+            yield caution("odd_density", key=key, density_kg_m3=density_kg_m3)
 
 
 def _beyond_base(scene: Scene) -> list[Finding]:
