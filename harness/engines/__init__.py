@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Final
 
@@ -29,6 +29,11 @@ PLASTIC_THROWN: Final = ("pymunk", "pybullet")
 """Engines that locate plastic impacts alone of what is thrown."""
 
 
+def asked(names: Sequence[str] | None, otherwise: Sequence[str]) -> list[str]:
+    """The names that are asked for, a text being one of them, each once; none are the `otherwise`."""
+    return list(dict.fromkeys([names] if isinstance(names, str) else names or otherwise))
+
+
 def default_engines(scene: Scene) -> tuple[str, ...]:
     """The engines that run a scene unless others are asked for."""
     if scene.initial.pose is None:
@@ -50,7 +55,11 @@ def stands_alone(scene: Scene) -> bool:
 def load(name: str) -> Engine:
     """The engine of that name; raises `InputError` with the nearest known name."""
     if not isinstance(name, str) or name not in REGISTRY:
+        from multiprocessing import parent_process
+
         advice = "repeat -e for each" if "," in str(name) else nearest(str(name), REGISTRY)
+        if parent_process() is not None:  # in a worker, which begins with the registry as it stands here
+            advice = "an engine that a script adds is known to its own process alone: jobs=1"
         raise InputError(Mistake("--engine", "", f"one of {', '.join(REGISTRY)}", repr(name), advice))
     # Its module brings its simulator along: only who asks for the engine pays for that.
     module, _, attribute = REGISTRY[name].partition(":")

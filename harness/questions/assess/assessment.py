@@ -154,7 +154,7 @@ def assess(
     for given, value, least in (("draws", draws, 1), ("seed", seed, 0), ("most_runs", most_runs, 1)):
         if type(value) is not int or value < least:
             raise InputError(Mistake("assess", given, f"a whole number of at least {least}", repr(value)))
-    names = tuple(dict.fromkeys(names or engines.DEFAULT_ENGINES))
+    names = engines.asked(names, engines.DEFAULT_ENGINES)
     for name in names:
         engines.load(name)
     inputs = _inputs(scene)

@@ -168,7 +168,7 @@ def run_scene(
     must_be_scene(scene, "run_scene")
     check_target(accuracy_rad, dt_s)
     options = options or RunOptions()
-    loaded = [engines.load(name) for name in dict.fromkeys(names or engines.default_engines(scene))]
+    loaded = [engines.load(name) for name in engines.asked(names, engines.default_engines(scene))]
     steps = plan(scene, loaded, options, engines.REGISTRY)
     start = time.perf_counter()
     target = RunTarget(accuracy_rad, dt_s, options)

@@ -295,7 +295,7 @@ def engines_of(scene: Scene, names: Sequence[str] | None, *, coarse: bool) -> tu
 
     Raises `InputError` where there is nobody beside it, or one that was named is not installed.
     """
-    others = [engines.load(name) for name in dict.fromkeys(names or engines.default_engines(scene)) if name != MODEL]
+    others = [engines.load(name) for name in engines.asked(names, engines.default_engines(scene)) if name != MODEL]
     here = [item for item in others if item.missing() is None]
     if not names:
         # A planar scene in three dimensions is the planar answer again.

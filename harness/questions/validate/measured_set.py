@@ -53,7 +53,7 @@ class MeasuredSet:
 
     def asked(self, otherwise: Sequence[str]) -> list[Model]:
         """The models asked for, or the usual ones."""
-        return [parse_model(name) for name in dict.fromkeys(self.models or otherwise)]
+        return [parse_model(name) for name in engines.asked(self.models, otherwise)]
 
     def shares(self, count: int) -> tuple[list[int], list[int]]:
         """Numbers of the set's members that are fitted on, a seeded third, and of those that are scored."""

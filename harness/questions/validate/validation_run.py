@@ -138,7 +138,7 @@ def run_validation(
     `InputError` for a wrong table, model, file or number, or `resume` where there is nothing to go on.
     """
     start = time.perf_counter()
-    chosen = [parse_model(text) for text in dict.fromkeys(models or engines.DEFAULT_ENGINES)]
+    chosen = [parse_model(text) for text in engines.asked(models, engines.DEFAULT_ENGINES)]
     _check(folder, samples, resume, chosen)
     trials = read_table(experiments)
     share = [trial for trial in trials if trial.share == fit_share]

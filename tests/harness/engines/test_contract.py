@@ -62,6 +62,18 @@ def test_what_names_no_engine_is_refused(name: str) -> None:
         engines.load(name)
 
 
+def test_a_worker_says_why_it_knows_no_engine_of_a_script(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("multiprocessing.parent_process", object)
+    with pytest.raises(InputError, match="own process alone: jobs=1"):
+        engines.load("mine")
+
+
+def test_a_text_is_one_name() -> None:
+    assert engines.asked("analytic", engines.DEFAULT_ENGINES) == ["analytic"]
+    assert engines.asked(["pymunk", "analytic", "pymunk"], ()) == ["pymunk", "analytic"]
+    assert engines.asked(None, ("pymunk",)) == engines.asked([], ("pymunk",)) == ["pymunk"]
+
+
 def test_levels_go_from_coarse_to_fine(engine: Engine) -> None:
     levels = engine.refinement_levels(shaken(engine))
     assert len(levels) >= 2
