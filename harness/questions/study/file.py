@@ -46,6 +46,8 @@ class Vary(UserTable):
             raise Contradiction("values", "either values, or start, stop and count", "both or neither")
         if self.values is None and any(item is None for item in grid):
             raise Contradiction("count", "start, stop and count together", "not all three")
+        if self.values is not None and "spacing" in self.model_fields_set:
+            raise Contradiction("spacing", "a grid beside it", "values")
         if self.spacing == "log" and (self.start is None or self.stop is None or min(self.start, self.stop) <= 0.0):
             raise Contradiction("spacing", "positive start and stop for a logarithmic grid", "no such grid")
         return self
@@ -101,6 +103,13 @@ class Ask(UserTable):
     margin: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.25
     audit: Annotated[float, Field(ge=0.0, le=1.0)] = 0.1
     histories: bool = False
+
+    @model_validator(mode="after")
+    def _used(self) -> Ask:
+        for key, asking in (("margin", ("boundary",)), ("audit", ("boundary", "adaptive"))):
+            if key in self.model_fields_set and self.cases not in asking:
+                raise Contradiction(key, f"cases = {' or '.join(asking)} beside it", repr(self.cases))
+        return self
 
 
 class StudyFile(UserTable):

@@ -86,7 +86,11 @@ def test_a_weighed_mass_gives_the_density(root: Path) -> None:
 
 def test_a_density_that_no_material_has_is_doubted(root: Path) -> None:
     scan = ["statue.mass_kg=none", "statue.mesh.density_kg_m3=2.7"]
-    for overrides, key in ((scan, "statue"), (["statue.mass_kg=0.7"], "statue"), (["pedestal.width_m=60.0"], "pedestal")):
+    for overrides, key in (
+        (scan, "statue"),
+        (["statue.mass_kg=0.7"], "statue"),
+        (["pedestal.width_m=60.0"], "pedestal"),
+    ):
         scene = load_scene(root / "scenes" / "paestum_pedestal.toml", overrides)
         assert {name for code, name in told(scene) if code == "odd_density"} == {key}
     (light,) = (each.values for each in scene.findings if each.code == "odd_density")

@@ -52,6 +52,26 @@ def test_an_accuracy_of_no_engine_names_its_key(tmp_path: Path) -> None:
     assert [each.key for each in caught.value.mistakes] == ["accuracy.foo"]
 
 
+@pytest.mark.parametrize(
+    ("ask", "key"),
+    [
+        ("margin = 0.1\n", "ask.margin"),
+        ("audit = 0.2\n", "ask.audit"),
+        ('cases = "adaptive"\nmargin = 0.1\n', "ask.margin"),
+    ],
+)
+def test_what_would_choose_no_case_is_refused(tmp_path: Path, ask: str, key: str) -> None:
+    with pytest.raises(InputError) as caught:
+        load_study(written(tmp_path, f"{STUDY}[ask]\n{ask}"))
+    assert [each.key for each in caught.value.mistakes] == [key]
+
+
+def test_the_spacing_of_a_list_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        load_study(written(tmp_path, STUDY + '[[vary]]\nkey = "duration_s"\nvalues = [1.0]\nspacing = "log"\n'))
+    assert [each.key.split(".")[-1] for each in caught.value.mistakes] == ["spacing"]
+
+
 def test_the_store_does_not_depend_on_the_number_of_processes(tmp_path: Path) -> None:
     path = written(tmp_path)
     for name, jobs in (("one", 1), ("two", 2)):
