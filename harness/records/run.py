@@ -122,8 +122,24 @@ def has_answer(run: Run) -> bool:
     """
     if run.outcome.failed or run.outcome in UNKNOWN:
         return False
-    left_s = tips_s(run)
-    return left_s is None or left_s >= (math.inf if run.no_return_time_s is None else run.no_return_time_s)
+    return tips_s(run) is None or not left_early(run)
+
+
+def left_early(run: Run) -> bool:
+    """Whether a run left its model's domain before it was decided what becomes of the statue."""
+    decided_s = math.inf if run.no_return_time_s is None else run.no_return_time_s
+    return number(run.validity, "left_domain_s", math.inf) < decided_s
+
+
+def outcome_family(outcome: Outcome) -> str:
+    """What happens to the statue: falls to different sides are one outcome."""
+    return "overturned" if outcome.overturned else outcome.value
+
+
+def unconfirmed(known: Mapping[str, Run]) -> list[str]:
+    """The runs, of those that tell it, whose outcome is told outside a model's domain alone."""
+    sure = {outcome_family(run.outcome) for run in known.values() if not left_early(run)}
+    return [name for name, run in known.items() if outcome_family(run.outcome) not in sure]
 
 
 def outside_domain(run: Run) -> bool:

@@ -18,7 +18,7 @@ from harness.model.scene import base_shift_m
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import MOSTLY, Assessment, worst
 from harness.records.effects3d import EffectsRecord
-from harness.records.run import RunRecord, own_moves, peak_slip_m, tips_s
+from harness.records.run import RunRecord, own_moves, peak_slip_m, tips_s, unconfirmed
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import StudyRecord, StudyRow, SupportRecord, Value
 from harness.statics.standstill import tipping_of_pedestal
@@ -323,6 +323,8 @@ def _who(source: RunSource, say: Language) -> list[str]:
     answered = source.answered
     silent, total = len(source.runs) - len(answered) - len(_leaning(source)), say.count(len(answered))
     none = [say("run.silent_one" if silent == 1 else "run.silent", count=begun(say.count(silent)))] if silent else []
+    open_ends = dict.fromkeys(end_key(answered[name].outcome) for name in unconfirmed(answered))
+    none += [say("run.outside", end=say(f"end.{end}")) for end in open_ends]
     if len(answered) == 1:
         return [say("run.answered_one" if silent else "run.asked_one"), *none]
     # Not all models were given the same axes of the floor's motion.

@@ -11,10 +11,19 @@ import numpy as np
 
 from harness.model.finding import Answer, Finding, changes_answer, info
 from harness.model.history import Outcome
-from harness.model.run import Run
+from harness.model.run import Run, number
 from harness.model.scene import Scene
 from harness.records.assess import Assessment
-from harness.records.run import HorizonRecord, balance_share, has_answer, known_until_s, outside_domain, peak_lean_rad
+from harness.records.run import (
+    HorizonRecord,
+    balance_share,
+    has_answer,
+    known_until_s,
+    outcome_family,
+    outside_domain,
+    peak_lean_rad,
+    unconfirmed,
+)
 from harness.records.scores import ROBUST, Scores, Verdict
 
 Code = Literal[
@@ -47,6 +56,10 @@ def answer_of(
     known = {name: run for name, run in runs.items() if has_answer(run)}
     judged = [*counted(runs, scores).values()]
     parts = [_what(scene, known, runs)]
+    if outside := unconfirmed(known):
+        first = known[min(outside, key=lambda name: number(known[name].validity, "left_domain_s"))].validity
+        left = {"at_s": first["left_domain_s"], "by": first["left_domain_by"]}
+        parts.append(changes_answer("outcome_outside_domain", models=outside, **left))
     if assessment:
         from harness.questions.assess.answer import probability  # not for a run that asks for none
 
@@ -77,11 +90,6 @@ def counted(runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, 
         for pair, each in scores.items()
         if each.verdict in ROBUST or (has_answer(runs[each.a]) and has_answer(runs[each.b]))
     }
-
-
-def outcome_family(outcome: Outcome) -> str:
-    """What happens to the statue: falls to different sides are one outcome."""
-    return "overturned" if outcome.overturned else outcome.value
 
 
 def _code(known: Mapping[str, Run], scores: Sequence[Scores]) -> Code:

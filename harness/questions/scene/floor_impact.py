@@ -16,8 +16,7 @@ from harness.engines.base import EngineFailure
 from harness.model.finding import Finding, changes_answer
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
-from harness.questions.scene.answer import outcome_family
-from harness.records.run import DecidedBy, LawChoice, has_answer
+from harness.records.run import DecidedBy, LawChoice, has_answer, outcome_family
 
 KEY: Final = "contact.floor_impact"
 MODEL: Final = "analytic"

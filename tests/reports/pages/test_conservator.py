@@ -504,12 +504,13 @@ def test_a_pedestal_slides_as_far_as_within_the_models_domain(source: RunSource)
 
 def test_a_slide_that_no_standing_model_computes_is_no_stillness(source: RunSource) -> None:
     runs = {
-        name: replace(run, validity={**run.validity, "left_domain_by": "statue_slides"})
+        name: replace(run, validity={**run.validity, "left_domain_by": "statue_slides", "left_domain_s": 0.0})
         for name, run in source.record.runs.items()
     }
     text = spoken(of_run(replace(source, record=replace(source.record, runs=runs))))
-    assert ENGLISH("run.slides_unknown") in text
-    assert ENGLISH("run.slides_unknown") not in spoken(of_run(source))
+    for said in (ENGLISH("run.slides_unknown"), ENGLISH("run.outside", end=ENGLISH("end.stands"))):
+        assert said in text
+        assert said not in spoken(of_run(source))
 
 
 @pytest.mark.parametrize("pedestal", [None, Pedestal(80.0, 0.6, 0.6, 0.3)])

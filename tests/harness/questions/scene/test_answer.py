@@ -72,6 +72,18 @@ def test_a_model_leans_as_far_as_it_does_within_its_domain() -> None:
     assert told(slides)[1]["model_says"].values["lean_rad"] == [slides.peak_theta_rad] * 2
 
 
+def test_an_outcome_that_only_a_model_outside_its_domain_tells_is_told_as_such() -> None:
+    """It holds on its support a statue that slides from 0.4 s on, and lets it fall; what passed no return before had fallen."""
+    left = {"left_domain_s": 0.4, "left_domain_by": "statue_slides"}
+    falls = run("a", outcome=Outcome.OVERTURNED_LEFT, no_return_time_s=0.9, overturn_time_s=1.0, validity=left)
+    for others in ((), (run("b"),)):
+        found = told(falls, *others)[1]["outcome_outside_domain"].values
+        assert found == {"models": ["a"], "at_s": 0.4, "by": "statue_slides"}
+    inside = replace(falls, engine="b", validity={})
+    assert "outcome_outside_domain" not in told(falls, inside)[1]
+    assert "outcome_outside_domain" not in told(replace(falls, no_return_time_s=0.3))[1]
+
+
 def test_runs_that_end_at_one_event_are_known_to_their_ends() -> None:
     """At a wall each ends at its own instant, its error stated up to rounding before it."""
     end_s = doubles.rocking().t_s[-1]
