@@ -31,7 +31,7 @@ from harness.input.motions.readers import (
     volume1,
 )
 from harness.input.motions.recordfile import FORMATS, UNIT_NAMES, Layout, RecordFile, unit_named
-from harness.input.motions.text import mistake, text_of
+from harness.input.motions.text import CUT_OFF, mistake, text_of
 from harness.input.text_file import read_bytes
 from harness.model.errors import InputError
 from harness.model.finding import Finding, caution, info, weighed
@@ -49,6 +49,8 @@ class Reader(Protocol):
 
 _READERS: Final[tuple[Reader, ...]] = (geonet, knet, smc, volume1, v2, cosmos, esm, at2, nsmn, unam, cwb)
 _ALIKE = 0.5  # share of two file names' letters (without the ending) that agree at their ends, for files of one record
+_LAST_TWO = re.compile(r"\.([^\s.]*)\s+\S*\.([^\s.]*)\Z")
+"""The decimals of a file's last two numbers, where nothing follows: networks write the same count in all."""
 _ENDINGS: Final = {"K-NET": r"\.(EW|NS|UD)", "KiK-net": r"\.(EW|NS|UD)[12]", "USC V1": r"\.[a-z]\d[a-z]"}
 """Endings by which these networks tell the files of one record apart."""
 _NO_RECORD = re.compile(r"RESPONSE AND FOURIER AMPLITUDE SPECTRA|RESPONSE SPECTR", re.IGNORECASE)
@@ -93,6 +95,7 @@ def _of_a_network(text: str, where: str) -> RecordFile | None:
             continue
         try:
             record = reader.read(version, where)
+            _check_end(text, where)
         except InputError as error:
             # The same reader's first refusal counts the file's own lines.
             if refused is None or refused[0] is not reader:
@@ -102,6 +105,14 @@ def _of_a_network(text: str, where: str) -> RecordFile | None:
     if refused:
         raise refused[1]
     return None
+
+
+def _check_end(text: str, where: str) -> None:
+    """Raise InputError where a file ends within its last number: no end of a line, and fewer digits than in the number before."""
+    ends = _LAST_TWO.search(text, max(len(text) - 100, 0))
+    if ends and len(ends[2]) < len(ends[1]):
+        got = repr(text.split()[-1])
+        raise mistake(where, f"line {len(text.splitlines())}", "a last number as long as the one before", got, CUT_OFF)
 
 
 def _versions(text: str) -> Iterator[tuple[str, tuple[Finding, ...]]]:

@@ -115,6 +115,20 @@ def test_cut_files_are_refused(tmp_path: Path, lost: int) -> None:
             read_record(path)
 
 
+@pytest.mark.parametrize("lost", [1, 2, 3])
+def test_a_file_that_ends_within_its_last_number_is_refused(tmp_path: Path, lost: int) -> None:
+    at2 = writers.at2(tmp_path / "a.AT2", wave(800), 0.01, "UP")
+    smc = writers.smc(tmp_path / "a.smc", wave(800), 100.0, 0, 0, 200.0)
+    esm = writers.esm(tmp_path / "a.ASC", wave(200), 0.01, "HNE", "20190728_160919.870")
+    for path in (at2, smc, esm):
+        whole = path.read_text().rstrip()
+        path.write_text(whole)
+        read_record(path)
+        path.write_text(whole[:-lost])
+        with pytest.raises(InputError, match="cut off|the file is damaged"):
+            read_record(path)
+
+
 def test_a_cut_gzip_and_binary_data_are_refused(tmp_path: Path) -> None:
     whole = gzip.compress(writers.at2(tmp_path / "a.AT2", wave(), 0.01, "UP").read_bytes())
     (tmp_path / "cut.gz").write_bytes(whole[: len(whole) // 2])
