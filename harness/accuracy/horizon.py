@@ -204,8 +204,11 @@ def horizon(
                 failed += 1
                 continue
             outcomes.add(other.outcome)
-            otherwise = not other.outcome.same_as(reference.outcome) and other.outcome is not Outcome.LIFT_OFF
-            if flips is None and otherwise:
+            ends = {other.outcome, reference.outcome}
+            # Beside one that overturns what is undecided still falls as the scene ends.
+            falls = Outcome.UNDECIDED in ends and any(end.overturned for end in ends)
+            same = falls or other.outcome.same_as(reference.outcome) or other.outcome is Outcome.LIFT_OFF
+            if flips is None and not same:
                 flips = size
             time_s = parted_s(other.history, reference.history, tolerance_rad)
             if time_s is not None:

@@ -77,6 +77,15 @@ def test_the_least_change_that_ends_otherwise_is_told() -> None:
     assert horizon(SCENE, Unstable(), tolerance_rad=TOLERANCE).outcome_from == 1e-9
 
 
+def test_a_fall_that_the_scene_s_end_cuts_off_is_no_other_end() -> None:
+    def model(each: Scene) -> Run:
+        strength = each.base_excitation.x.peak_m_s2
+        end = Outcome.STANDS if strength > 1.0005 else Outcome.UNDECIDED if strength > 1.0 else Outcome.OVERTURNED_LEFT
+        return doubles.run_of(replace(doubles.rest(), t_s=np.linspace(0.0, 10.0, doubles.rest().t_s.size)), outcome=end)
+
+    assert horizon(SCENE, model, tolerance_rad=TOLERANCE).outcome_from == 1e-3
+
+
 def test_a_stable_model_is_predictable_to_the_end() -> None:
     found = horizon(SCENE, lambda each: doubles.run_of(doubles.rest()), tolerance_rad=TOLERANCE)
     assert set(found.until_s) == {SCENE.duration_s}
