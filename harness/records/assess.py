@@ -48,12 +48,12 @@ class Assessment:
 
 def worst(answers: Mapping[str, Assessment]) -> str:
     """The model by which a fall is the most probable, a draw without an end taken for one: a few sampled draws widen an interval,
-    and make no fall. Of equal ones that of the higher limit, or one that knows all of the shaking.
+    and make no fall. Of equal ones the one that knows all of the shaking, then that of the higher limit.
     """
 
-    def probable(name: str) -> tuple[float, float, bool]:
+    def probable(name: str) -> tuple[float, bool, float]:
         item = answers[name]
-        return item.probability_overturned + item.undecided, item.high, not item.plane_only
+        return item.probability_overturned + item.undecided, not item.plane_only, item.high
 
     return max(answers, key=probable)
 
