@@ -174,7 +174,6 @@ class Campaign:
         raised.
         """
         self._expected += expected
-        self._say_progress()
         again: list[tuple[Task, ...]] = []
 
         def done(batch: tuple[Task, ...], result: Finished | Crash) -> None:
@@ -193,10 +192,14 @@ class Campaign:
 
     def _left(self, tasks: Iterable[Task]) -> Iterator[Task]:
         """The tasks of which nobody has a result yet, and nobody is at work on."""
+        begun = False
         for task in tasks:
             if task.key in self._stored:
                 self.reused[task.key] = task.runs
             elif task.key not in self._seen:
+                if not begun:  # what the store held is not told as left
+                    self._say_progress()
+                begun = True
                 self._seen.add(task.key)
                 yield task
                 continue

@@ -68,8 +68,14 @@ def test_what_a_store_holds_is_not_computed_again(
             return item
 
     monkeypatch.setattr(executed, "InlinePool", Counting)
-    again = harness.execute(wanted(scene), store)
+    told: list[tuple[int, int]] = []
+    again = harness.execute(wanted(scene), store, on_progress=lambda *counts: told.append(counts))
     assert Counting.asked == 2
+    assert told[0] == (0, 2)
+    assert told[-1] == (2, 2)
+    found: list[tuple[int, int]] = []
+    harness.execute(wanted(scene), store, on_progress=lambda *counts: found.append(counts))
+    assert found == [(0, 0)]
     assert again.table["peak_theta_rad"][:2].tolist() == first.table["peak_theta_rad"].tolist()
     # A study and a list of runs name a run alike: either finds what the other computed.
     with sqlite3.connect(store) as file:
