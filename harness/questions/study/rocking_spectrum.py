@@ -190,7 +190,8 @@ def run_file(
     answer = compute(spectrum, excitations, threads=pool.workers, on_progress=on_progress)
     motions = []
     for source, item in zip(spectrum.motion, excitations, strict=True):
-        pgv_m_s = float(np.max(np.abs(item.velocity_m_s(np.linspace(0.0, item.end_s, 20_001)))))
+        # Of a record of a minute the peak is met within 1e-6 of it.
+        pgv_m_s = float(np.max(np.abs(item.velocity_m_s(np.linspace(0.0, item.end_s, 200_001)))))
         motions.append(
             SpectrumMotion(Path(source.file).name, item.peak_m_s2 / STANDARD_GRAVITY_M_S2, pgv_m_s, item.end_s)
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,9 +16,11 @@ from analytic import Block, Form, simulate
 from harness.comparison.statistics.distributions import wilson
 from harness.input.tables import read_model
 from harness.model.errors import InputError
-from harness.questions.study.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of
+from harness.questions.study.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of, run_file
 from harness.records.kinds import read_result
 from harness.records.study import RockingSpectrumRecord
+from harness.runs.execute import silent
+from harness.runs.runner import LocalPool
 from reports.cli import app
 from reports.pages.rocking_spectrum_page import verdict
 from tests import budgets_assess as budget
@@ -122,6 +125,19 @@ def test_the_command_writes_page_record_and_map(tmp_path: Path) -> None:
         green = verdict(replace(answered, probability_overturned=shares, cases=cases, undecided=0.0)).tone == "agree"
         interval = wilson(fell, cases, 0.9)
         assert green == (fell / cases <= 0.05 and interval.high < 0.10), (fell, cases)
+
+
+def test_a_motion_that_was_asked_by_its_peak_velocity_has_it(tmp_path: Path) -> None:
+    """The peak of a short burst in a long record was passed over."""
+    path = written(tmp_path, sizes=2, shapes=2)
+    t_s = np.arange(0.0, 60.0, 0.01)
+    burst = np.where(np.abs(t_s - 30.0) < 0.03, np.sin(100.0 * (t_s - 30.0)), 0.0)
+    rows = [f"{t:.2f},{a:.9f}" for t, a in zip(t_s, burst, strict=True)]
+    (tmp_path / "weak.csv").write_text("\n".join(["t_s,table", *rows]))
+    path.write_text(path.read_text().replace('"weak.csv"', '"weak.csv"\npgv_m_s = 0.01'))
+    with closing(LocalPool(1)) as pool:
+        record = run_file(path, tmp_path / "out", pool, silent)
+    assert record.motions[0].pgv_m_s == pytest.approx(0.01, rel=1e-4)
 
 
 @pytest.mark.parametrize(
