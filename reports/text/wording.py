@@ -280,6 +280,14 @@ FOLLOWED: Final[Mapping[str, str]] = {
 }
 """Limits that a history follows, with its column: there the part before the outcome was decided can be told."""
 
+WITH_FALL: Final = (
+    "statue_friction_needed",
+    "statue_normal_least_n",
+    "floor_normal_least_n",
+    "pedestal_tipping_margin_m",
+)
+"""Limits that no history follows: of one that overturns they are of the fall too, and told so."""
+
 TIPS_RAD: Final = 1e-3
 """A pedestal that tips by more is said to."""
 
@@ -302,6 +310,8 @@ def limit_rows(source: RunSource, say: Language = ENGLISH) -> dict[str, list[tup
             if key in before:
                 low, until = f"{say.digits(before[key], 2)} {unit}", say.plain(run.no_return_time_s)
                 told = say("text.before_fall", before=low, until=until, whole=told)
+            elif key in WITH_FALL and run.no_return_time_s is not None:
+                told = say("text.with_fall", whole=told)
             by_name.setdefault(name, []).append((words, told))
         if run.validity:
             by_name.setdefault(name, []).extend(interventions_row(run.interventions, run.validity, say))

@@ -65,6 +65,10 @@ def test_a_fall_is_told_beside_what_was_before(fallen: tuple[Run, History], sour
     until = run.no_return_time_s
     assert rows["turn about the vertical"] == f"0.0030 rad until {until:.3f} s; with the fall 0.9000 rad"
     assert rows["energy gained"] == "9.600 J"
+    needed = {**run.validity, "statue_friction_needed": 124.6}
+    for each, said in ((run, "124.6, with the fall"), (replace(run, no_return_time_s=None), "124.6")):
+        told = replace(fall, record=replace(fall.record, runs={"pybullet": replace(each, validity=needed)}))
+        assert dict(limit_rows(told)["pybullet"])["friction that the statue's pivot needed"] == said
 
 
 def test_engines_of_one_reason_stand_together_with_what_each_left_out_and_saved(source: RunSource) -> None:
