@@ -78,7 +78,7 @@ def read(text: str, where: str, *, unit: str | None = None) -> RecordFile:
     others = [
         header
         for header, counted in zip(table.headers, counts, strict=True)
-        if counted or header in table.words or NO_COMPONENT.search(header)
+        if header != table.headers[time] and (counted or header in table.words or NO_COMPONENT.search(header))
     ]
     for column, header in enumerate(table.headers):
         if column == time or header in others:

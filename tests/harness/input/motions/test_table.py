@@ -73,6 +73,7 @@ TABLES = {
         [f'{t:.3f};"ok";{n:.9f}'.replace(".", ",") for t, n in zip(TIMES, NORTH, strict=True)],
     ),
     "minutes": (["time_min,a_N_ms2"], [f"{t / 60.0:.9f},{n:.9f}" for t, n in zip(TIMES, NORTH, strict=True)]),
+    "milliseconds": (["t_ms,a_N_ms2"], [f"{1e3 * t:.3f},{n:.9f}" for t, n in zip(TIMES, NORTH, strict=True)]),
 }
 
 
