@@ -186,9 +186,9 @@ def scaling_figure(items: Sequence[ScalingRow], say: Language = ENGLISH) -> Json
     for engine, quantity in dict.fromkeys((item.engine, item.quantity) for item in items):
         mine = sorted((i for i in items if (i.engine, i.quantity) == (engine, quantity)), key=lambda i: i.value)
         sizes = [(item.value / mine[0].value, item.wall_s, item.memory_mb) for item in mine]
-        parts.append({"name": engine, "kind": say.heading(quantity), **columns("x wall_s memory_mb", sizes)})
+        parts.append({"name": engine, "kind": say.label(quantity), **columns("x wall_s memory_mb", sizes)})
     met = {
-        say.heading(name): shape for name, shape in QUANTITIES.items() if any(item.quantity == name for item in items)
+        say.label(name): shape for name, shape in QUANTITIES.items() if any(item.quantity == name for item in items)
     }
     most, least = max(max(part["x"]) for part in parts), min(item.wall_s for item in items)
     data = {"sizes": parts, "proportional": [{"x": [1.0, most], "wall_s": [least, least * most]}]}

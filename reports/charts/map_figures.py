@@ -82,13 +82,17 @@ def map_axes(conditions: Sequence[Condition], keys: Sequence[str]) -> tuple[str,
     return (second, first) if "amplitude" in first else (first, second)
 
 
-def grouped(conditions: Sequence[Condition], keys: Sequence[str], say: Language) -> dict[str, list[Condition]]:
-    """Conditions by what these keys are, in words."""
+def grouped(
+    conditions: Sequence[Condition], keys: Sequence[str], say: Language
+) -> list[tuple[str, list[Condition]]]:
+    """Conditions by what these keys are, with that in words."""
     groups: dict[str, list[Condition]] = {}
     for item in conditions:
-        where = "".join(f" · {say.heading(key)} {item.varied[key]}" for key in keys)
-        groups.setdefault(where, []).append(item)
-    return groups
+        groups.setdefault(repr([item.varied[key] for key in keys]), []).append(item)
+    return [
+        ("".join(f" · {say.label(key)} {say.value(members[0].varied[key], 'plain')}" for key in keys), members)
+        for members in groups.values()
+    ]
 
 
 def map_figures(
@@ -99,8 +103,8 @@ def map_figures(
     if axes is None:
         return []
     figures = []
-    for where, members in grouped(conditions, [key for key in keys if key not in axes], say).items():
-        x, y = ((say.heading(key), sorted({item.number(key) for item in members})) for key in axes)
+    for where, members in grouped(conditions, [key for key in keys if key not in axes], say):
+        x, y = ((say.label(key), sorted({item.number(key) for item in members})) for key in axes)
         found = {model: _grid(model, members, axes, x, y, say) for model in models}
         grids = {model: grid for model, grid in found.items() if grid is not None}
         if len(grids) > 1:

@@ -114,7 +114,7 @@ def _value_map(
     marked: bool = True,
 ) -> Json | None:
     """A heatmap of one number of each run; None where it is nought everywhere."""
-    x, y = ((say.heading(key), sorted({item.number(key) for item in conditions})) for key in axes)
+    x, y = ((say.label(key), sorted({item.number(key) for item in conditions})) for key in axes)
     there = {tuple(item.number(key) for key in axes): run for item, run in runs_of(conditions, model)}
     values = np.array([[value_of(there[at, up]) if (at, up) in there else np.nan for at in x[1]] for up in y[1]])
     if not np.nanmax(values, initial=0.0) > 0.0:
@@ -142,8 +142,8 @@ def curve_figures(
             continue
         groups = grouped(conditions, [other for other in keys if other != key], say)
         if len(groups) <= MOST_GROUPS:
-            by = say("text.by", name=say.heading(key))
-            figures += [(by + where, _curves(models, members, key, say)) for where, members in groups.items()]
+            by = say("text.by", name=say.label(key))
+            figures += [(by + where, _curves(models, members, key, say)) for where, members in groups]
     return figures
 
 
@@ -167,7 +167,7 @@ def _curves(models: Sequence[str], members: Sequence[Condition], key: str, say: 
     if any(value for part in parts for value in part["slip"]):
         rows.append((axis("slip", say("chart.slip"), scale={"zero": True}), 140))
     drawn = [(points("runs", looks, y, first=k == 0), height) for k, (y, height) in enumerate(rows)]
-    return rows_of(drawn, across("x", say.heading(key)), {"runs": parts})
+    return rows_of(drawn, across("x", say.label(key)), {"runs": parts})
 
 
 SLIP_COLOUR: Final = "#009E73"
@@ -255,7 +255,7 @@ def fragility_figure(
     drawn = named({name: style for name, style in model_looks(models).items() if name in shown})
     layers = chosen([band("fits", drawn, 0.12), marks("line", "fits", drawn), *estimates("points", drawn)])
     y = upwards("y", say("chart.share_overturns"), {"domain": [0.0, 1.0]})
-    return figure(layers, 420, data, across("x", say.heading(key)), y)
+    return figure(layers, 420, data, across("x", say.label(key)), y)
 
 
 def _fitted(model: str, levels: Mapping[float, Sequence[bool]]) -> list[Json]:

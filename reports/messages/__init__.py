@@ -112,18 +112,17 @@ class Language:
         return self.written(numbers.percent(share, count))
 
     def label(self, key: str) -> str:
-        """What a value of a record is called, and its unit."""
+        """What a value of a record is called, and its unit (`motion.x.amplitude_g` → `amplitude [g]`)."""
         words, unit = self.named(key)
         return f"{words} [{unit}]" if unit else words
 
     def named(self, key: str) -> tuple[str, str]:
-        """What a value is called, and its unit, apart."""
-        words, unit = numbers.split_unit(key)
-        return self.strings.get(f"label.{key}", words), unit
-
-    def heading(self, key: str) -> str:
-        """A scene's dotted key as a short heading: what its last part is called (`motion.x.amplitude_g` → `amplitude [g]`)."""
-        return self.label(key.rsplit(".", 1)[-1])
+        """What a value is called, and its unit, apart: of a scene's dotted key its last part, with its table where both have a
+        name of their own."""
+        *table, last = key.split(".")
+        words, unit = numbers.split_unit(last)
+        whole = "_".join([*table[-1:], last])
+        return self.strings.get(f"label.{whole}", self.strings.get(f"label.{last}", words)), unit
 
     def plain(self, value: Any, count: int = 4) -> str:
         """Any value of a record in one table cell, its numbers with `count` digits."""
@@ -202,7 +201,7 @@ def _named_key(say: Language, key: str) -> str:
 
 def _settings(say: Language, values: Mapping[str, float]) -> str:
     """`mass 250 kg and width 0.9 m`, of dotted keys of a scene."""
-    named = ((*say.named(key.rsplit(".", 1)[-1]), say.short(value)) for key, value in values.items())
+    named = ((*say.named(key), say.short(value)) for key, value in values.items())
     return say.listed(f"{words} {value}" + (f"\u00a0{unit}" if unit else "") for words, unit, value in named)
 
 
@@ -211,7 +210,7 @@ def _change(say: Language, share: float) -> str:
 
 
 FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
-    "plain": lambda say, value: say.word(value) if isinstance(value, str) else say.short(float(value)),
+    "plain": lambda say, value: say.word(str(value)) if isinstance(value, bool | str) else say.short(float(value)),
     "count": lambda say, value: str(value),
     "given": lambda say, value: f"{value:g}",
     "number": lambda say, value: say.digits(float(value), 2),

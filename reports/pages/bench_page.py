@@ -42,7 +42,7 @@ def blocks(_folder: Path, record: BenchRecord, say: Language) -> list[Block]:
             words(say, "scaling"),
             Chart("scaling", say("text.scaling_chart"), scaling_figure(record.scaling, say), 760),
         ]
-    sizes = [{**vars(row), "size": f"{row.engine}, {say.heading(row.quantity)}"} for row in record.scaling]
+    sizes = [{**vars(row), "size": f"{row.engine}, {say.label(row.quantity)}"} for row in record.scaling]
     return [
         verdict(record),
         *section(say, "notes", *notes(say, record.findings)),

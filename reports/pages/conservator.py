@@ -540,7 +540,7 @@ def of_study(record: StudyRecord, say: Language = ENGLISH) -> list[Block]:
     models, cases = conditions(record.rows)
     ends = {model: [run.outcome for _, run in runs_of(cases, model)] for model in models}
     ends = {model: outcomes for model, outcomes in ends.items() if outcomes}
-    said = [*_asked(record, models, say), *_by_variant(ends, say), *_bore(record, cases, say)]
+    said = [*_asked(record, models, cases, say), *_by_variant(ends, say), *_bore(record, cases, say)]
     tone = tone_of_study(family(outcome) for outcomes in ends.values() for outcome in outcomes)
     basis = [*_agree(record, say), say("chance.unknown")]
     pictures = [*_map(record, cases, say), *_pictures(record, models, cases, say)]
@@ -595,8 +595,9 @@ def _fallen(outcomes: Sequence[Outcome]) -> int:
     return sum(outcome.overturned for outcome in outcomes)
 
 
-def _asked(record: StudyRecord, models: Sequence[str], say: Language) -> list[str]:
-    varied = [say.key(key) or say("key.other") for key in record.vary]
+def _asked(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], say: Language) -> list[str]:
+    keys = {**record.vary, **(cases[0].varied if cases else {})}  # what is scattered stands in the cases alone
+    varied = [say.key(key) or say("key.other") for key in keys]
     variants = list(dict.fromkeys(model.partition(" (")[2][:-1] for model in models))
     said = [say("study.varied", keys=say.listed(dict.fromkeys(varied)))] if varied else []
     names = say.listed(f"“{name}”" for name in variants)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.records.study import StudyRecord, StudyRow
 from reports.blocks import (
@@ -71,8 +71,13 @@ def blocks(_folder: Path, record: StudyRecord, say: Language) -> list[Block]:
         f"{count}: {say.word(reason)}" for reason, count in Counter(row.reason for row in record.rows).most_common()
     ]
     vary = [
-        (say.value(key, "key"), say.row([_shown(value, say) for value in values]))
+        (say.value(key, "key"), say.row([say.value(value, "plain") for value in values]))
         for key, values in record.vary.items()
+    ]
+    scattered = {key: [item.number(key) for item in cases] for key in keys if key not in record.vary}
+    vary += [
+        (say.value(key, "key"), say.range([say.short(min(values)), say.short(max(values))]))
+        for key, values in scattered.items()
     ]
     seconds = Facts([(name, say.value(value, "s")) for name, value in record.engine_seconds.items()])
     picture = Drawing(scene_svg(record.scene, say), [say("text.study_scene", title=record.scene.title)])
@@ -141,13 +146,8 @@ def study_charts(
         if "amplitude" in key or key.endswith("scale"):
             figure = fragility_figure(models, cases, key, say)
             if figure is not None:
-                charts.append(Chart(f"fragility-{key}", say("text.study_fragility", key=say.heading(key)), figure))
+                charts.append(Chart(f"fragility-{key}", say("text.study_fragility", key=say.label(key)), figure))
     return charts
-
-
-def _shown(value: Any, say: Language) -> str:
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return say.short(float(value)) if number else say.plain(value)
 
 
 def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], say: Language) -> Verdict:
@@ -170,9 +170,9 @@ def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str
                 end = kind if kind == "overturns" else symbol(run.outcome, say)[1]
                 by_variant.setdefault(model.partition(" (")[2], set()).add(end)
         style = "differs" if any(len(ends) > 1 for ends in by_variant.values()) else ""
-        varied = [Cell(_shown(item.varied[key], say), style) for key in keys]
+        varied = [Cell(say.value(item.varied[key], "plain"), style) for key in keys]
         rows.append([*varied, *(_answer(item.answers.get(model), say) for model in models)])
-    return Table(say("table.matrix"), [*map(say.heading, keys), *map(_head, models)], rows, "matrix")
+    return Table(say("table.matrix"), [*map(say.label, keys), *map(_head, models)], rows, "matrix")
 
 
 def _answer(row: StudyRow | None, say: Language) -> Cell:

@@ -25,7 +25,7 @@ from harness.records.kinds import read_result
 from harness.records.scores import Interval
 from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import SetScores, ValidationRecord
-from reports.blocks import Cell, Chart, Group, Table, Text, verdict
+from reports.blocks import Cell, Chart, Facts, Group, Table, Text, Verdict, verdict
 from reports.charts.curve_figures import on_front, precision_figure, scaling_figure
 from reports.charts.study_figures import fragility_figure, rose_picture
 from reports.messages import ENGLISH
@@ -52,6 +52,15 @@ def test_a_study_says_what_unmodified_engines_confirm(record_of: Callable[[str],
     told = [each for each in findings_of(replace(record, witness=seen)) if "witness" in each.code]
     assert [each.code for each in told] == ["study_witness", "study_witness_count", "witness_parts"]
     assert told[1].values == {"witness": "pymunk", "confirmed": 8, "differ": 1, "silent": 0}
+
+
+def test_what_a_study_scatters_is_told_as_varied(record_of: Callable[[str], Any], tmp_path: Path) -> None:
+    record, key = record_of("map"), "contact.floor_static"
+    assert key not in record.vary
+    facts = [pair for block in every(page_blocks(tmp_path, record), Facts) for pair in block.pairs]
+    assert (ENGLISH.value(key, "key"), "0.97 to 1.04") in facts
+    plain_words = " ".join(text for block in every(conservator.of_study(record), Verdict) for text in block.points)
+    assert ENGLISH.key(key) in plain_words
 
 
 def test_every_claim_and_model_has_its_computed_verdict(

@@ -36,7 +36,7 @@ def test_two_axes_make_a_map_and_no_curve() -> None:
 
 
 def test_two_values_beside_an_axis_are_a_chart_each() -> None:
-    cases = [condition(value, other) for value in (0.2, 0.3, 0.4) for other in (1.0, 2.0)]
+    cases = [condition(value, other) for value in (0.2, 0.3, 0.4) for other in (1.0, 2.0 / 3.0)]
     assert [words for words, _ in curve_figures([MODEL], cases, [KEY, OTHER])] == [
-        "By amplitude [g] · frequency [Hz] 1.0", "By amplitude [g] · frequency [Hz] 2.0",
+        "By amplitude [g] · frequency [Hz] 1", "By amplitude [g] · frequency [Hz] 0.6667",
     ]  # fmt: skip

@@ -50,7 +50,9 @@ def test_keys_become_headings() -> None:
     assert ENGLISH.label("lean_rad") == "lean [rad]"
     assert ENGLISH.label("accel_m_s2") == "accel [m/s²]"
     assert ENGLISH.label("own_steps") == "own steps"
-    assert ENGLISH.heading("motion.x.amplitude_g") == "amplitude [g]"
+    assert ENGLISH.label("motion.x.amplitude_g") == "amplitude [g]"
+    assert ENGLISH.label("contact.statue") != ENGLISH.label("statue"), "a coefficient is no statue"
+    assert ENGLISH.label("pedestal.mass_kg") != ENGLISH.label("statue.mass_kg"), "a study may vary both"
 
 
 def test_any_value_of_a_record_fits_a_cell() -> None:
