@@ -187,9 +187,7 @@ def scaling_figure(items: Sequence[ScalingRow], say: Language = ENGLISH) -> Json
         mine = sorted((i for i in items if (i.engine, i.quantity) == (engine, quantity)), key=lambda i: i.value)
         sizes = [(item.value / mine[0].value, item.wall_s, item.memory_mb) for item in mine]
         parts.append({"name": engine, "kind": say.label(quantity), **columns("x wall_s memory_mb", sizes)})
-    met = {
-        say.label(name): shape for name, shape in QUANTITIES.items() if any(item.quantity == name for item in items)
-    }
+    met = {say.label(name): shape for name, shape in QUANTITIES.items() if any(item.quantity == name for item in items)}
     most, least = max(max(part["x"]) for part in parts), min(item.wall_s for item in items)
     data = {"sizes": parts, "proportional": [{"x": [1.0, most], "wall_s": [least, least * most]}]}
     rows: list[tuple[list[Json], float]] = []

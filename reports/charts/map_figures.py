@@ -82,9 +82,7 @@ def map_axes(conditions: Sequence[Condition], keys: Sequence[str]) -> tuple[str,
     return (second, first) if "amplitude" in first else (first, second)
 
 
-def grouped(
-    conditions: Sequence[Condition], keys: Sequence[str], say: Language
-) -> list[tuple[str, list[Condition]]]:
+def grouped(conditions: Sequence[Condition], keys: Sequence[str], say: Language) -> list[tuple[str, list[Condition]]]:
     """Conditions by what these keys are, with that in words."""
     groups: dict[str, list[Condition]] = {}
     for item in conditions:
