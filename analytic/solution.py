@@ -233,9 +233,10 @@ class Solution:
         return self.results.peak_theta_rad
 
     @property
-    def peak_time_s(self) -> float:
-        """When it was."""
-        return self.results.peak_time_s
+    def peak_time_s(self) -> float | None:
+        """When it was; None where it is yet to come, as the energy at the run's end tells."""
+        ahead = self.counts.energy_endings > 0 and self.results.peak_time_s == self.end_s
+        return None if ahead else self.results.peak_time_s
 
     @property
     def peak_slip_m(self) -> float:

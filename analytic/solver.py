@@ -315,7 +315,7 @@ def _spread(first: Solution, others: tuple[Solution, ...], accuracy: tuple[float
     if first.t_s.size == 0:
         turned = SAFETY * max(abs(other.peak_theta_rad - first.peak_theta_rad) for other in others)
         slid = SAFETY * max(abs(other.peak_slip_m - first.peak_slip_m) for other in others)
-        until = min(s.peak_time_s for s in (first, *others)) if _parted(first, others) else first.end_s
+        until = min(s.results.peak_time_s for s in (first, *others)) if _parted(first, others) else first.end_s
         return turned, slid, (until if turned <= accuracy[0] else 0.0)
     size = min(solution.t_s.size for solution in (first, *others)) - 1
     turned, slid = (

@@ -301,14 +301,15 @@ def ensemble(
     def shaped(column: NDArray[Any]) -> NDArray[Any]:
         return np.ascontiguousarray(column).reshape(shape)
 
-    overturn_time_s, no_return_time_s = shaped(out.results["overturn_time_s"]), shaped(out.results["no_return_time_s"])
+    outcome = shaped(out.states["outcome"])
+    falls = (outcome == codes.OVERTURNED_LEFT) | (outcome == codes.OVERTURNED_RIGHT)
     return Ensemble(
-        codes=shaped(out.states["outcome"]),
+        codes=outcome,
         end_s=shaped(out.states["time_s"]),
         peak_theta_rad=np.abs(shaped(out.results["peak_theta_rad"])),
         peak_slip_m=shaped(out.results["peak_slip_m"]),
-        overturn_time_s=overturn_time_s,
-        no_return_time_s=np.where(np.isfinite(overturn_time_s), no_return_time_s, np.nan),
+        overturn_time_s=shaped(out.results["overturn_time_s"]),
+        no_return_time_s=np.where(falls, shaped(out.results["no_return_time_s"]), np.nan),
         left_domain_s=shaped(out.results["left_domain_s"]) if domain else np.full(shape, np.nan),
         impacts=shaped(out.counts["impacts"]),
         steps=shaped(out.counts["steps"]),

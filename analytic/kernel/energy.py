@@ -250,12 +250,13 @@ def _landing(task: Task, pivot: int, facet: int, speed: float) -> tuple[int, flo
 
 
 @jit
-def _follow(task: Task) -> int:
-    """Outcome of the free rocking from the present state, UNKNOWN where energy alone does not decide."""
+def _follow(task: Task) -> tuple[int, bool]:
+    """Outcome of the free rocking from the present state, UNKNOWN where energy alone does not decide; and whether it is a fall
+    whose balance point is passed for good."""
     params, series = task.params, task.series
     m, g, last = params.mass_kg, params.gravity_m_s2, task.base.n_facets
     theta, omega, pivot = task.state.theta_rad, task.state.theta_rate_rad_s, task.state.pivot
-    for _ in range(MAX_IMPACTS):
+    for number in range(MAX_IMPACTS):
         j = place(task, theta, pivot)
         energy = 0.5 * j * omega * omega + m * g * series.pivot_z[0]
         side = 1 if (omega > 0.0 or (omega == 0.0 and series.pivot_x[0] > 0.0)) else -1
@@ -267,63 +268,80 @@ def _follow(task: Task) -> int:
                 max(abs(series.pivot_x[0]), params.floor_static * params.has_pedestal * radius),
                 series.pivot_z[0],
             )
-            if series.pivot_x[0] * side <= 0.0 and not _sticks(task, j, energy, reach, lowest, radius):
-                return UNKNOWN
+            past = series.pivot_x[0] * side > 0.0
+            if not past and not _sticks(task, j, energy, reach, lowest, radius):
+                return UNKNOWN, False
             outcome, doubt = _ahead(task, pivot, side, theta, energy)
             if outcome != UNKNOWN or doubt > 0.0:
-                return outcome
+                return outcome, past and number == 0
             side = -side
         facet = pivot if side > 0 else pivot - 1
         x, z, _ = corner(task, facet, 1 if pivot == facet + 1 else -1)
         if not _sticks(task, j, energy, max(abs(x), abs(series.pivot_x[0])), min(z, series.pivot_z[0]), radius):
-            return UNKNOWN
+            return UNKNOWN, False
         wall = _wall_ahead(task, pivot, side, theta)
         if x * series.pivot_x[0] >= 0.0 and z > series.pivot_z[0]:  # it rises towards a facet that it may not reach
             margin = energy / (m * g * z) - 1.0
             if abs(margin) < NEAR_TIE:
-                return UNKNOWN
+                return UNKNOWN, False
             if margin < 0.0:
                 xv, zv = vertex(task, pivot)
                 turned = side * math.atan2(xv, zv) - math.acos(energy / (m * g * radius))
                 _note_ahead(task, side, min(turned, wall))
                 if wall < turned:
-                    return codes.TOUCHES_WALL
+                    return codes.TOUCHES_WALL, False
                 omega = -omega  # it turns back, and comes by here the other way
                 continue
         if x * series.pivot_x[0] < 0.0:  # the centroid must pass over the corner first
             margin = energy / (m * g * radius) - 1.0
             task.results.outcome_margin = min(task.results.outcome_margin, abs(margin))
             if abs(margin) < NEAR_TIE:
-                return UNKNOWN
+                return UNKNOWN, False
             if margin < 0.0:
                 beyond = pivot == last if side < 0 else pivot == 0
-                return _ahead(task, pivot, -side, theta, energy)[0] if beyond else UNKNOWN
+                outcome = _ahead(task, pivot, -side, theta, energy)[0] if beyond else UNKNOWN
+                return outcome, number == 0
         if wall < side * load_double(task.base.facets, facet):
             _note_ahead(task, side, wall)
-            return codes.TOUCHES_WALL
+            return codes.TOUCHES_WALL, False
         speed = side * math.sqrt(max(2.0 * (energy - m * g * z) / j, 0.0))
         pivot, omega, held = _landing(task, pivot, facet, speed)
         if not held:
-            return UNKNOWN
+            return UNKNOWN, False
         theta = load_double(task.base.facets, facet)
         xr, _, _ = corner(task, facet, 1)
         xl, _, _ = corner(task, facet, -1)
         if xr < 0.0 < xl and 0.5 * j * omega * omega <= SPENT * m * g * radius:
-            return codes.STANDS
-    return EXHAUSTED
+            return codes.STANDS, False
+    return EXHAUSTED, False
 
 
 @jit
 def decide(task: Task) -> bool:
-    """Set the outcome from the energy if it follows from it; both motions must be over."""
-    state = task.state
+    """Set the outcome from the energy if it follows from it; both motions must be over.
+
+    A fall that has yet to pass its balance, and a wall, are told at the end of a run alone: until then their instants are found.
+    """
+    state, results = task.state, task.results
     if state.slide != 0 or task.counts.impacts < state.followed:
         return False
-    outcome = codes.STANDS if state.pivot < 0 else _follow(task)
+    peak_rad, peak_s, left_s, left_by = (
+        results.peak_theta_rad,
+        results.peak_time_s,
+        results.left_domain_s,
+        results.left_domain_by,
+    )
+    outcome, passed = (codes.STANDS, False) if state.pivot < 0 else _follow(task)
+    last = state.time_s >= task.params.duration_s
     if outcome == EXHAUSTED:
         state.followed = task.counts.impacts + NEXT_IMPACTS
-    if outcome in (EXHAUSTED, UNKNOWN):
+    if outcome in (EXHAUSTED, UNKNOWN) or not (passed or last or outcome == codes.STANDS):
+        # What lies ahead is met again.
+        results.peak_theta_rad, results.peak_time_s = peak_rad, peak_s
+        results.left_domain_s, results.left_domain_by = left_s, left_by
         return False
+    if not passed:
+        results.no_return_time_s = math.nan
     state.outcome = outcome
     task.counts.energy_endings += 1
     return True

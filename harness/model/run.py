@@ -165,7 +165,7 @@ class RunRow:
     engine: str = field(metadata=said())
     outcome: Outcome = field(metadata=said())
     peak_theta_rad: float = field(metadata=said("rad"))
-    peak_time_s: float = field(metadata=said("s"))
+    peak_time_s: float | None = field(default=None, metadata=said("s"))
     end_s: float = field(metadata=said("s"))
     overturn_time_s: float | None = field(default=None, metadata=said("s"))
     no_return_time_s: float | None = field(default=None, metadata=said("s"))
@@ -226,7 +226,8 @@ class Run(RunRow, Shown):
         facts = {"engine": self.engine, "outcome": self.outcome.value}
         if self.outcome.failed:
             return facts | {"because": self.message}
-        facts["largest rotation"] = f"{self.peak_theta_rad:.4g}{error} rad at {self.peak_time_s:.4g} s"
+        at = "" if self.peak_time_s is None else f" at {self.peak_time_s:.4g} s"
+        facts["largest rotation"] = f"{self.peak_theta_rad:.4g}{error} rad{at}"
         return facts | ({"largest slip": f"{1e3 * self.peak_slip_m:.4g} mm"} if self.peak_slip_m else {})
 
     def columns(self) -> dict[str, object]:

@@ -57,7 +57,6 @@ ClaimAnswer = Literal["holds", "does not hold", "holds for some", "not tested"]
 class CaseRun(RunRow):
     """What a study keeps of one run (`harness.model.run.Run`); impacts are counted, and weighed for claims."""
 
-    peak_time_s: float | None = None  # type: ignore[assignment]
     end_s: float | None = None  # type: ignore[assignment]
     impacts: int
     last_impact_s: float | None = None

@@ -20,7 +20,7 @@ from analytic import (
     simulate,
 )
 from tests.analytic.paestum import GRAVITY, PEDESTAL, STATUE
-from tests.budgets_analytic import SKIP_RAD
+from tests.budgets_analytic import EVENT_REL, SKIP_RAD
 
 TIMES = np.arange(0.0, 20.0, 0.02)
 ENVELOPE = np.exp(-(((TIMES - 10.0) / 2.0) ** 2))
@@ -171,3 +171,19 @@ def test_energy_decides_on_worn_bases_as_integration_does(beside: str) -> None:
             assert by_energy.outcome is integrated.outcome
             assert by_energy.peak_theta_rad == pytest.approx(integrated.peak_theta_rad, rel=1e-6, abs=1e-7)
     assert decided > 150
+
+
+@pytest.mark.parametrize("amplitude_g", [0.34, 0.48, 0.523, 0.537, 0.62])
+def test_energy_tells_the_instant_of_no_return_and_of_no_peak_to_come(amplitude_g: float) -> None:
+    """A statue beyond its balance as the blow ends comes back, and falls seconds later, to either side."""
+    block = Block.two_corners(
+        mass_kg=100.0, centroid_height_m=1.0, corner_left_m=0.18, corner_right_m=0.2, inertia_kg_m2=36.0
+    )
+    blow = Pulse("one_sine", amplitude_g * GRAVITY, 0.9)
+    whole, alone = (simulate(block, blow, duration_s=6.0, dt_s=dt) for dt in (0.01, None))
+    assert alone.work.ended_by_energy
+    assert alone.outcome is whole.outcome
+    assert alone.no_return_time_s == pytest.approx(whole.no_return_time_s, rel=EVENT_REL)
+    assert alone.peak_time_s is None
+    short = simulate(block, blow, duration_s=1.1, dt_s=0.01)
+    assert short.no_return_time_s is None or short.no_return_time_s == pytest.approx(whole.no_return_time_s)

@@ -348,7 +348,7 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
         **options,
     )
     # Past its instant of no return a statue that falls falls, whatever its pedestal does then.
-    # (A fall told by energy alone has no such instant: nothing is known past the domain.)
+    # (One that begins beyond its balance, or is yet to pass it as the run ends, has no such instant.)
     falls = swept.overturned & np.isfinite(swept.no_return_time_s)
     left = swept.left_domain_s < np.where(falls, swept.no_return_time_s, np.inf)
     stands, over = ~left & (swept.outcomes == Outcome.STANDS), ~left & swept.overturned

@@ -22,7 +22,7 @@ from harness.questions.study.file import StudyFile, Value
 from harness.records.base import Plain
 
 Columns = dict[str, NDArray[Any]]
-RUN: Final = {name: name for name in ("overturn_time_s", "peak_slip_m", "peak_time_s")}
+RUN: Final = {name: name for name in ("overturn_time_s", "peak_slip_m")}
 VALIDITY: Final = {
     "energy_gained_j": "energy_gained_j",
     "energy_lost_j": "energy_lost_j",
@@ -86,12 +86,15 @@ def _numbers(rows: CertifiedRows, slenderness_rad: NDArray[np.float64], pedestal
     states, results, counts = rows.first.states, rows.first.results, rows.first.counts
     signed = results["peak_theta_rad"]
     peak = np.abs(signed)
+    # Of a peak that the energy at the run's end tells the time is not known.
+    ahead = (counts["energy_endings"] > 0) & (results["peak_time_s"] == states["time_s"])
     falls = np.isin(states["outcome"], [k for k, item in enumerate(OUTCOMES) if Outcome(item.value).overturned])
     columns: Columns = {name: np.full(peak.size, value) for name, value in NUMBERS.items()}
     columns |= {
         "outcome": column_of([OUTCOMES[code].value for code in states["outcome"].tolist()]),
         "end_s": states["time_s"],
         "peak_theta_rad": peak,
+        "peak_time_s": np.where(ahead, np.nan, results["peak_time_s"]),
         "residual_slip_m": states["slip_m"],
         "no_return_time_s": np.where(falls, results["no_return_time_s"], np.nan),
         "numerical_uncertainty_rad": rows.uncertainty_rad,

@@ -214,8 +214,20 @@ def test_a_statue_that_slips_on_its_support_is_no_fall_of_the_model(monkeypatch:
     assert rough.low > 0.9
 
 
+def test_a_statue_that_slips_as_it_falls_falls_by_the_model_after_its_motion_too() -> None:
+    """Its point of no return is passed at 0.38 s, it slips from 0.71 s, the blow ends at 0.9 s."""
+    falls = scene(rectangle(0.36, 2.0), Pulse("one_sine", 0.8 * GRAVITY_M_S2, 0.9), mu_statue=0.5, duration_s=6.0)
+    single = engines.load("analytic").simulate(
+        falls, engines.load("analytic").settings_for_dt(falls, 1e-3), RunOptions()
+    )
+    assert single.no_return_time_s is not None
+    assert single.no_return_time_s < single.validity["left_domain_s"] < 0.9
+    model = model_draws(falls, {"motion.scale": np.ones(1)})
+    assert (model.overturned.item(), model.left.item()) == (True, False)
+
+
 def test_a_fall_told_by_energy_past_the_domain_is_not_the_models() -> None:
-    """Such a fall has no instant of no return: of each draw a single run says that the statue slips, long before."""
+    """Its point of no return is passed later: of each draw a single run says that the statue slips, long before."""
     slips = scene(rectangle(0.245, 1.0), Pulse("one_sine", 0.68 * GRAVITY_M_S2, 0.41), mu_statue=0.2, duration_s=4.0)
     model = model_draws(slips, draw(uncertain_inputs(slips), 200, seed=0))
     assert not model.overturned[~model.left].any()
