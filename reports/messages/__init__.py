@@ -2,6 +2,7 @@
 
 A finding's sentence stands under `finding.CODE`: a text, or a table of texts of which the value named by its `by` chooses one.
 `{until_s:s}` is a value in a format of `FORMATS`; what stands in square brackets is left out where one of its values is empty.
+`{cases|case|cases}` is the first word where the value is 1, else the second.
 """
 
 from __future__ import annotations
@@ -23,6 +24,9 @@ LANGUAGES: Final = tuple(sorted(file.stem for file in FOLDER.glob("*.toml")))
 OPTIONAL: Final = re.compile(r"\[([^\[\]]*)\]")
 """A part of a sentence that may be left out: no user's text is searched, only the catalogue's own."""
 FIELD: Final = re.compile(r"\{(\w+)(?::(\w+))?\}")
+_PART: Final = r"(?:[^{}|]|\{[^{}]*\})*"
+COUNTED: Final = re.compile(rf"\{{(\w+)\|({_PART})\|({_PART})\}}")
+"""Words that follow a count."""
 SOON_S: Final = 1e-6
 """A sooner instant is the beginning: its digits are rounding's."""
 PLACE: Final = re.compile(rf"(?:\b(\w+) )?{FIELD.pattern}")
@@ -44,13 +48,13 @@ class Language:
 
     def __call__(self, key: str, /, **values: object) -> str:
         """The string of a key, its braces filled. Raises `KeyError` for an unknown key."""
-        return PLACE.sub(lambda place: self._after(place[1], str(values[place[2]])), self.strings[key])
+        return PLACE.sub(lambda place: self._after(place[1], str(values[place[2]])), agreed(self.strings[key], values))
 
     def say(self, finding: Finding) -> str:
         """The sentence of a finding. Raises `KeyError` for an unknown code."""
         key, values = f"finding.{finding.code}", finding.values
         by = self.strings.get(f"{key}.by")
-        template = self.strings[key if by is None else f"{key}.{values[by]}"]
+        template = agreed(self.strings[key if by is None else f"{key}.{values[by]}"], values)
         filled = OPTIONAL.sub(lambda part: part[1] if self._full(part[1], values) else "", template)
         text = PLACE.sub(
             lambda place: self._after(place[1], self.value(values.get(place[2]), place[3] or "plain")), filled
@@ -155,6 +159,11 @@ class Language:
         """`a`, `a and b`, `a, b and c`."""
         names = list(items)
         return "".join(names) if len(names) < 2 else f"{', '.join(names[:-1])} {self.strings['and']} {names[-1]}"
+
+
+def agreed(template: str, values: Mapping[str, object]) -> str:
+    """A string with its words as its counts have them."""
+    return COUNTED.sub(lambda part: part[2] if str(values.get(part[1])) == "1" else part[3], template)
 
 
 def _grouped(say: Language, groups: Mapping[str, Sequence[str]]) -> str:

@@ -15,7 +15,7 @@ from harness.model.history import Outcome
 from harness.model.run import SKIPS
 from harness.questions.assess.options import PAIRS
 from harness.records.scores import Verdict
-from reports.messages import FIELD, FORMATS, LANGUAGES, OPTIONAL, language
+from reports.messages import COUNTED, ENGLISH, FIELD, FORMATS, LANGUAGES, OPTIONAL, agreed, language
 
 PACKAGES = ("analytic", "meshes", "harness", "reports")
 MAKERS = {"info", "caution", "changes_answer", "Doubt", "Change"}
@@ -70,7 +70,9 @@ def test_every_language_says_the_same_of_the_same_values() -> None:
         for name, texts in english.items():
             for variant, text in texts.items():
                 here = other[name][variant]
-                assert sorted(FIELD.findall(here)) == sorted(FIELD.findall(text)), f"{code}: {name}"
+                fields, theirs = (sorted(FIELD.findall(agreed(each, {}))) for each in (text, here))
+                assert theirs == fields, f"{code}: {name}"
+                assert {part[0] for part in COUNTED.findall(here)} <= {field for field, _ in fields}, f"{code}: {name}"
                 assert len(OPTIONAL.findall(here)) == len(OPTIONAL.findall(text)), f"{code}: {name}"
 
 
@@ -81,13 +83,24 @@ def test_every_sentence_is_filled_with_all_of_its_values_and_with_the_least(code
         for variant, text in texts.items():
             if variant == "by":
                 continue
-            values = {field: SAMPLES[form or "plain"] for field, form in FIELD.findall(text)}
-            needed = {field for field, _ in FIELD.findall(OPTIONAL.sub("", text))}
+            many = agreed(text, {})
+            values = {field: SAMPLES[form or "plain"] for field, form in FIELD.findall(many)}
+            needed = {field for field, _ in FIELD.findall(OPTIONAL.sub("", many))}
             chosen = {texts["by"]: {"True": True, "False": False}.get(variant, variant)} if "by" in texts else {}
-            for filled in (values, {key: value for key, value in values.items() if key in needed}):
+            single = values | {part[0]: 1 for part in COUNTED.findall(text)}
+            for filled in (values, single, {key: value for key, value in values.items() if key in needed}):
                 told = say.say(info(name, **{**filled, **chosen}))
                 assert told.endswith((".", ")", "?")), told
                 assert not re.search(r"[{}\[\]]|–\s|None", told), told
+
+
+def test_what_is_counted_once_is_said_in_the_singular() -> None:
+    counts = {"cases": 1, "wanted": 1, "alike": 0, "found": 0, "computed": 1, "not_sent": 0, "failed": 0}
+    assert ENGLISH.say(info("study_done", **counts)) == "1 case, 1 run wanted, 1 computed."
+    assert ENGLISH.say(info("study_done", **counts | {"cases": 21, "wanted": 0})) == "21 cases, 0 runs wanted, 1 computed."
+    assert language("it").say(info("study_done", **counts)) == "1 caso, 1 calcolo richiesto, 1 eseguito."
+    assert language("it")("text.further", count=1) == "un altro risultato"
+    assert language("it")("text.further", count=2) == "altri 2 risultati"
 
 
 def test_every_outcome_verdict_and_skip_has_words() -> None:
