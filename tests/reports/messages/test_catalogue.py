@@ -97,7 +97,9 @@ def test_every_sentence_is_filled_with_all_of_its_values_and_with_the_least(code
 def test_what_is_counted_once_is_said_in_the_singular() -> None:
     counts = {"cases": 1, "wanted": 1, "alike": 0, "found": 0, "computed": 1, "not_sent": 0, "failed": 0}
     assert ENGLISH.say(info("study_done", **counts)) == "1 case, 1 run wanted, 1 computed."
-    assert ENGLISH.say(info("study_done", **counts | {"cases": 21, "wanted": 0})) == "21 cases, 0 runs wanted, 1 computed."
+    assert (
+        ENGLISH.say(info("study_done", **counts | {"cases": 21, "wanted": 0})) == "21 cases, 0 runs wanted, 1 computed."
+    )
     assert language("it").say(info("study_done", **counts)) == "1 caso, 1 calcolo richiesto, 1 eseguito."
     assert language("it")("text.further", count=1) == "un altro risultato"
     assert language("it")("text.further", count=2) == "altri 2 risultati"
