@@ -29,8 +29,8 @@ POINTS: Final = 1200
 """Most points of a curve: more than pixels across."""
 BETWEEN: Final = 24
 """Pixels between plots side by side."""
-BESIDE: Final = 96
-"""Pixels beside the plot of a chart of several, for the names of its axes."""
+BESIDE: Final = 132
+"""Pixels beside the plot of a chart of several, for the names of its axes: the longest outcome's in either language."""
 RESERVED: Final = 68 * 2**30
 """Bytes of addresses, not of memory, that the library's engine reserves; where it may not, it ends the process."""
 CUT: Final = re.compile(r"(?<=[\"#])clip\d+(?=[\")])")

@@ -246,9 +246,10 @@ def chosen(layers: Sequence[Json]) -> list[Json]:
 
 
 def points(data: str, looks: Mapping[str, Look], y: Json, first: bool) -> list[Json]:
-    """Lines with a disc at each of their points; the first row of several carries the key."""
+    """Lines with a disc at each of their points, from left to right; the first row of several carries the key."""
     drawn = {"y": y} | named(looks, legend=first)
-    line = marks("line", data, drawn)
+    # Over an axis of names the library would join the points by name.
+    line = marks("line", data, drawn, orient="vertical")
     return [*(chosen([line]) if first else [line]), discs(data, {"y": y} | filled(drawn))]
 
 

@@ -148,7 +148,7 @@ def curve_figures(
 
 
 def _curves(models: Sequence[str], members: Sequence[Condition], key: str, say: Language) -> Json:
-    """Outcome, largest rotation and, where anything slides, slip; where the statue does not stand the last two say nothing."""
+    """Outcome and, where a statue that stands rocks or slides, largest rotation and slip; of one that falls these say nothing."""
     looks, along = model_looks(models), sorted(members, key=lambda item: float(item.varied[key]))
     parts: list[Json] = [
         {
@@ -160,12 +160,10 @@ def _curves(models: Sequence[str], members: Sequence[Condition], key: str, say: 
         for model in models for runs in [runs_of(along, model)]
     ]  # fmt: skip
     outcomes = list(dict.fromkeys(words for part in parts for words in part["outcome"]))
-    rows = [
-        (names("outcome", outcomes[::-1], grid=True), 40 + 26 * len(outcomes)),
-        (axis("theta", say("chart.theta"), scale={"zero": True}), 180),
-    ]
-    if any(value for part in parts for value in part["slip"]):
-        rows.append((axis("slip", say("chart.slip"), scale={"zero": True}), 140))
+    rows = [(names("outcome", outcomes[::-1], grid=True), 40 + 26 * len(outcomes))]
+    for column, height in (("theta", 180), ("slip", 140)):
+        if any(value for part in parts for value in part[column]):
+            rows.append((axis(column, say(f"chart.{column}"), scale={"zero": True}), height))
     drawn = [(points("runs", looks, y, first=k == 0), height) for k, (y, height) in enumerate(rows)]
     return rows_of(drawn, across("x", say.label(key)), {"runs": parts})
 
@@ -243,7 +241,7 @@ def fragility_figure(
         levels: dict[float, list[bool]] = {}
         for item, run in runs_of(conditions, model):
             if (fallen := run.outcome.fell) is not None:
-                levels.setdefault(float(item.varied[key]), []).append(fallen)
+                levels.setdefault(abs(item.number(key)), []).append(fallen)
         if sum(len(fell) >= LEAST_RUNS for fell in levels.values()) >= 3:
             shares = [(x, share) for x, fell in sorted(levels.items()) if (share := wilson(sum(fell), len(fell)))]
             estimated = columns_of([share for _, share in shares])
@@ -260,8 +258,9 @@ def fragility_figure(
 
 def _fitted(model: str, levels: Mapping[float, Sequence[bool]]) -> list[Json]:
     """The fitted curve of one model with its band; none where nothing can be fitted."""
-    intensity = [x for x, fell in levels.items() for _ in fell]
-    curve_fit = fit(intensity, [fell for runs in levels.values() for fell in runs])
+    shaken = {x: fell for x, fell in levels.items() if x > 0.0}
+    intensity = [x for x, fell in shaken.items() for _ in fell]
+    curve_fit = fit(intensity, [fell for runs in shaken.values() for fell in runs])
     if curve_fit.median is None:
         return []
     xs = np.linspace(min(intensity), max(intensity), 120)
@@ -280,7 +279,7 @@ def rose_picture(models: Sequence[str], conditions: Sequence[Condition], say: La
     for model, style in model_looks(models).items():
         least: dict[float, float | None] = {}
         for item, run in runs_of(conditions, model):
-            angle, size_of = float(item.varied[turn]), float(item.varied[size])
+            angle, size_of = float(item.varied[turn]), abs(item.number(size))
             known = least.setdefault(angle, None)
             if run.outcome.overturned:
                 least[angle] = size_of if known is None else min(known, size_of)
@@ -288,5 +287,5 @@ def rose_picture(models: Sequence[str], conditions: Sequence[Condition], say: La
             drawn.append(RoseCurve(model, dict(sorted(least.items())), style))
     if not drawn:
         return None
-    most = max(float(item.varied[size]) for item in conditions)
+    most = max(abs(item.number(size)) for item in conditions)
     return rose_of(drawn, most, " g" if size.endswith("_g") else "", say=say)

@@ -80,10 +80,10 @@ const rowsOf = (parts, stretch, bins) => parts.flatMap((part) => {
 /* As `sized` of charts/drawn.py; where it is narrow, plots side by side stand below each other. */
 const sized = (spec, width, alone = true) => {
   if (Array.isArray(spec)) return spec.map((each) => sized(each, width, false));
-  if (spec.spec) { const columns = width < 620 ? 1 : spec.columns; return { ...spec, columns, spec: { ...spec.spec, width: Math.max(60, (width - 96) / columns - 24) } }; }
+  if (spec.spec) { const columns = width < 620 ? 1 : spec.columns; return { ...spec, columns, spec: { ...spec.spec, width: Math.max(60, (width - 132) / columns - 24) } }; }
   const parted = ["vconcat", "hconcat"].filter((key) => spec[key]);
   if (parted.length) return { ...spec, ...Object.fromEntries(parted.map((key) => [key, sized(spec[key], width, false)])) };
-  return alone ? { ...spec, width, autosize: { type: "fit-x", contains: "padding" } } : { ...spec, width: Math.max(60, spec.width * width - 96) };
+  return alone ? { ...spec, width, autosize: { type: "fit-x", contains: "padding" } } : { ...spec, width: Math.max(60, spec.width * width - 132) };
 };
 
 /* A chart that answers: its view, the stretches of its axes (`X`, `Y`; none: as they come), and what the pointer is told. */

@@ -208,6 +208,22 @@ def test_runs_without_an_end_are_told_and_no_share_of_falls_counts_them_as_stand
     assert part(figure, "points")["y"] == [pytest.approx(10 / 11)] * 3
 
 
+@pytest.mark.parametrize("levels", [(-0.1, -0.2, -0.3), (0.0, 0.2, 0.3)])
+def test_a_shaking_is_as_strong_either_way_and_none_fits_nothing(levels: tuple[float, ...]) -> None:
+    rows = [
+        replace(
+            invented_study.case_row("analytic", invented_study.case_run(end)),
+            number=20 * k + place, varied={"motion.x.amplitude_g": level, "draw": float(place), "variant": "own"},
+        )
+        for k, level in enumerate(levels)
+        for place, end in enumerate(["overturned_left"] * (5 * k) + ["stands"] * (20 - 5 * k))
+    ]  # fmt: skip
+    figure = fragility_figure(*conditions(rows), "motion.x.amplitude_g")
+    assert figure is not None
+    assert part(figure, "points")["x"] == sorted(map(abs, levels))
+    assert part(figure, "fits")["y"][-1] == pytest.approx(0.5, abs=0.2)
+
+
 def test_findings_of_runs_that_differ_in_numbers_are_one(record_of: Callable[[str], Any]) -> None:
     found = [info("target_met_until_fall", until_s=value) for value in (1.5, 2.25)] + [info("motion_across_left_out")]
     rows = [invented_study.case_row("analytic", invented_study.case_run(findings=[plain(each)])) for each in found]

@@ -27,6 +27,8 @@ def test_one_axis_has_outcome_rotation_and_slip() -> None:
     assert runs["outcome"] == ["stands", "stands", "overturns left"]
     assert runs["theta"] == [0.2, 0.3, None], "of a statue that falls no rotation is told"
     assert runs["slip"] == [2.0, 3.0, None]
+    lines = [layer["mark"] for row in figure["vconcat"] for layer in row["layer"] if layer["mark"]["type"] == "line"]
+    assert {each["orient"] for each in lines} == {"vertical"}, "from left to right, over an axis of names too"
 
 
 def test_two_axes_make_a_map_and_no_curve() -> None:

@@ -139,8 +139,8 @@ def test_a_still_rounds_places_and_no_words() -> None:
 def test_every_plot_has_the_share_of_the_width_that_it_states() -> None:
     beside = {"hconcat": [{"vconcat": [{"width": 0.6}, {"width": 0.6}]}, {"width": 0.4}]}
     left, right = sized(beside, 1000.0)["hconcat"]
-    assert [each["width"] for each in left["vconcat"]] == [504.0, 504.0]
-    assert right["width"] == 304.0
+    assert [each["width"] for each in left["vconcat"]] == [468.0, 468.0]
+    assert right["width"] == 268.0
     assert sized({"layer": []}, 1000.0)["width"] == 1000.0
 
 
