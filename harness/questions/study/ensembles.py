@@ -49,9 +49,9 @@ def _score(
     judged = [_judged(a, b, history) for a, b in both]
     peaks = None
     if len(both) >= LEAST_VALUES:
-        sides = [[abs(run.peak_theta_rad) for run, _ in side] for side in zip(*both, strict=True)]
+        sides = [[_peak_rad(run) for run, _ in side] for side in zip(*both, strict=True)]
         peaks = compare_distributions(*sides, paired=True, resamples=RESAMPLES if len(both) <= MANY else RESAMPLES // 5)
-    rocked = [[abs(run.peak_theta_rad) for run, _ in pair] for pair in both if all(_rocks(run) for run, _ in pair)]
+    rocked = [[_peak_rad(run) for run, _ in pair] for pair in both if all(_rocks(run) for run, _ in pair)]
     log_peaks = compare_logarithms(*zip(*rocked, strict=True)) if len(rocked) >= LEAST_VALUES else None
     return SetScores(
         reference=reference,
@@ -65,9 +65,15 @@ def _score(
     )
 
 
+def _peak_rad(run: CaseRun) -> float:
+    """The largest rotation; none at rest, where what a contact engine gives would come after every zero of the model."""
+    peak_rad = abs(run.peak_theta_rad)
+    return peak_rad if peak_rad > ROCKS_RAD else 0.0
+
+
 def _rocks(run: CaseRun) -> bool:
     """Whether the statue rocks and stands: at rest it has no logarithm, falling no largest rotation."""
-    return run.outcome is Outcome.STANDS and abs(run.peak_theta_rad) > ROCKS_RAD
+    return run.outcome is Outcome.STANDS and _peak_rad(run) > 0.0
 
 
 def _judged(a: Answered, b: Answered, history: Callable[[str], History | None]) -> tuple[Prediction, Verdict]:

@@ -77,6 +77,18 @@ def test_a_model_whose_maxima_are_larger_over_a_suite_of_motions_is_told_apart()
     assert "peaks_alike" in [each.code for each in found["pybullet"].findings("pybullet")]
 
 
+def test_what_a_contact_engine_gives_at_rest_is_no_other_distribution() -> None:
+    """Of twelve statues eight rest, at 0 by the model and at 1e-6 rad by the engine."""
+    peaks = [0.0 if number < 8 else 0.01 * number for number in range(CASES)]
+    rested = [
+        row(number, name, doubles.rocking(), peak_theta_rad=max(peak, least))
+        for number, peak in enumerate(peaks)
+        for name, least in (("analytic", 0.0), ("pymunk", 1e-6))
+    ]
+    found = score_sets(rested)["pymunk"].peaks
+    assert (found.ks, found.ks_p, found.area.value) == (0.0, 1.0, 0.0)
+
+
 def test_without_histories_peaks_and_outcomes_decide() -> None:
     same = doubles.rocking()
     rows = [row(0, "analytic", same), row(0, "pymunk", doubles.scaled(same, 1.2))]
