@@ -44,7 +44,7 @@ class TwoBlock(Engine):
         dimensions=2,
         certifies=True,
         uses_mesh=True,
-        skips=frozenset({"quiet_start", "quiet_end", "energy_outcome", "no_history"}),
+        skips=frozenset({"quiet_start", "quiet_end", "no_history"}),
     )
     order: ClassVar[float] = 8.0
 
@@ -79,7 +79,6 @@ class TwoBlock(Engine):
             "dt_s": scene.output_dt_s if keep else None,
             "skip_start": options.allows("quiet_start"),
             "skip_rest": options.allows("quiet_end"),
-            "skip_energy": options.allows("energy_outcome"),
         }
         start = time.perf_counter()
         motion = block_of(scene), scene.base_excitation.x, scene.base_excitation.z
@@ -175,8 +174,6 @@ def skipped(solution: Solution, keep: bool) -> dict[str, float | None]:
     left: dict[str, float | None] = {}
     if work.skipped_s > 0.0:
         left["quiet_rest"] = work.skipped_s
-    if work.ended_by_energy and solution.end_s > 0.0 and not keep:
-        left["energy_outcome"] = None
     if not keep:
         left["no_history"] = None
     if solution.overturn_time_s is not None:

@@ -29,7 +29,6 @@ SKIPS: Final[Mapping[str, str]] = {
     "quiet_start": "nothing is integrated before the motion first reaches a limit of rest",
     "quiet_rest": "nothing is integrated while the statue is at rest and the motion stays below its limits of rest",
     "quiet_end": "the run ends when the statue is at rest and the motion that is left cannot move it",
-    "energy_outcome": "after the motion ends the outcome follows from the energy, without integration",
     "base_only": "collision shapes other than the base are left out while nothing else can touch",
     "mirror": "half of a scene that is its own mirror image across the rocking plane is computed in 3D",
     "no_history": "no history is kept when only the outcome is asked",

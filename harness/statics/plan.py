@@ -368,13 +368,6 @@ def _quiet_end(scene: Scene, options: RunOptions) -> Decision:
     return (True, info("plan_floor_still", from_s=end)) if end < scene.duration_s else (False, info("plan_floor_moves"))
 
 
-def _energy(scene: Scene, options: RunOptions) -> Decision:
-    end = scene.base_excitation.end_s
-    if options.history:
-        return False, info("plan_histories_asked")
-    return (True, info("plan_energy", from_s=end)) if end < scene.duration_s else (False, info("plan_floor_moves"))
-
-
 def _base_only(scene: Scene, options: RunOptions) -> Decision:
     from meshes.decomposition import missing
 
@@ -410,7 +403,6 @@ DECISIONS: Final[Mapping[str, Callable[[Scene, RunOptions], Decision]]] = {
     "quiet_start": _quiet_start,
     "quiet_rest": _quiet_rest,
     "quiet_end": _quiet_end,
-    "energy_outcome": _energy,
     "base_only": _base_only,
     "mirror": _mirror,
     "no_history": _no_history,

@@ -30,7 +30,7 @@ REFERENCE_STEP_SHARE: Final = 0.25
 """Step of the run that tells how far the engine's own error goes where a skip parts two runs, over theirs, and"""
 PARTED_RAD: Final = 1e-5
 """from what difference on it is asked."""
-OUTCOME_ONLY: Final = frozenset({"no_history", "energy_outcome"})
+OUTCOME_ONLY: Final = frozenset({"no_history"})
 """Skips that apply where no history is asked: outcome and peak are compared."""
 HEAD: Final = (
     "engine",

@@ -58,15 +58,14 @@ ALL: Final = RunOptions(history=False)
 NONE: Final = RunOptions(history=True, skips=frozenset())
 
 
-def _alone(skip: str, *beside: str, history: bool = True) -> tuple[RunOptions, RunOptions]:
+def _alone(skip: str, *beside: str) -> tuple[RunOptions, RunOptions]:
     """What is asked with a skip, and without it, none but those `beside` it either way."""
-    return RunOptions(history, frozenset({skip, *beside})), RunOptions(history, frozenset(beside))
+    return RunOptions(skips=frozenset({skip, *beside})), RunOptions(skips=frozenset(beside))
 
 
 LEVERS: Final = {
     TOGETHER: (ALL, NONE),
     "no_history": (RunOptions(False, frozenset({"no_history"})), RunOptions(True, frozenset())),
-    "energy_outcome": _alone("energy_outcome", "no_history", history=False),
     "mirror": _alone("mirror", "base_only"),
     **{skip: _alone(skip) for skip in ("quiet_start", "quiet_rest", "quiet_end", "stop_at_overturn", "base_only")},
 }
@@ -76,7 +75,6 @@ CASES: Final = {
     "quiet_start": {"analytic": "late record", "pymunk": "late record", "pybullet": "late record"},
     "quiet_rest": {"pybullet": "late record"},
     "quiet_end": {"analytic": "pulse", "pymunk": "pulse", "pybullet": "pulse"},
-    "energy_outcome": {"analytic": "pulse"},
     "no_history": {"analytic": "study", "pymunk": "late record", "pybullet": "late record"}
     | dict.fromkeys(PLAIN, "short"),
     "stop_at_overturn": {"pymunk": "falls"} | dict.fromkeys(PLAIN, "falls soon"),

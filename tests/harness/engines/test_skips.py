@@ -46,7 +46,7 @@ def shaken(name: str) -> Scene:
     if name in RECORDED:
         return recorded(name)
     contents: dict[str, dict[str, Any]] = {
-        "energy_outcome": {"duration_s": 9.0, "statue": COLUMN, "motion": {"x": pulse}},
+        "pulse": {"duration_s": 1.5, "statue": COLUMN, "motion": {"x": pulse}},
         "no_history": {"duration_s": 1.0, "statue": COLUMN, "motion": harmonic(0.25, 2.0)},
         "base_only": {"duration_s": 0.5, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.3, 3.0)},
         "mirror": {"duration_s": 0.7, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.429, 3.0)},
@@ -95,7 +95,7 @@ def left_out(skip: str, on: Run, off: Run) -> bool:
 @pytest.mark.parametrize(("name", "skip"), CASES)
 def test_a_skip_leaves_something_out_and_changes_nothing(name: str, skip: str) -> None:
     engine, scene = ready(name), shaken(skip)
-    history = skip not in ("energy_outcome", "no_history")
+    history = skip != "no_history"
     every = frozenset(SKIPS) - BESIDE.get(skip, set())
     on = run(engine, scene, RunOptions(history=history, skips=every))
     off = run(engine, scene, RunOptions(history=history, skips=every - {skip}))
@@ -122,7 +122,7 @@ def test_the_plan_lists_every_skip_that_there_is() -> None:
 
 
 def test_a_planar_question_has_one_answer_in_the_plane_and_in_three_dimensions() -> None:
-    scene = replace(shaken("energy_outcome"), duration_s=1.5)
+    scene = shaken("pulse")
     flat, solid = (run_to_accuracy(ready(name), scene, 1e-3, RunOptions()) for name in ("pymunk", "pybullet"))
     assert flat.outcome is solid.outcome
     times = np.linspace(0.0, 1.5, 500)
