@@ -142,6 +142,9 @@ def resolve(
         given = model.contact.model_fields_set | model.model.model_fields_set
         also = [key for key in OF_PEDESTAL if key.split(".")[1] in given]
         found.append(info("key_not_used", keys=["contact.floor_static", "contact.floor_kinetic", *also]))
+        if drawn := [f"uncertainty.{key}" for key in model.uncertainty if key.startswith("contact.floor")]:
+            # A probability over it would be one of no doubt at all.
+            found.append(caution("key_not_used", keys=drawn))
     scene = Scene(
         title=model.title,
         duration_s=model.duration_s,

@@ -34,6 +34,14 @@ def test_what_is_assumed_is_said(tmp_path: Path) -> None:
     assert unused[2:] == ["contact.floor_impact", "model.friction_normal"]
 
 
+def test_a_doubt_of_what_is_not_there_is_a_caution(tmp_path: Path) -> None:
+    drawn = '[uncertainty]\n"contact.floor" = { kind = "lognormal", cov = 0.15 }\n'
+    found = load_scene(written(tmp_path, GOOD + drawn)).findings
+    assert [each.values["keys"] for each in found if each.code == "key_not_used" and each.severity == "caution"] == [
+        ["uncertainty.contact.floor"]
+    ]
+
+
 def test_an_amplitude_in_g_is_a_share_of_the_scenes_gravity(tmp_path: Path) -> None:
     motion = "[motion.x]\nkind = 'harmonic'\namplitude_g = 0.25\nfrequency_hz = 1.0\n"
     scene = load_scene(written(tmp_path, GOOD + motion))
