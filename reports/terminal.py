@@ -181,9 +181,10 @@ def _cut(text: str) -> str:
 
 
 def table(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Rows of cells as aligned lines, the first row their heading."""
+    """Rows of cells as aligned lines, the first row their heading; nearer to each other where a line would be cut."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)) for row in rows]
+    gap = "  " if sum(widths) + 2 * len(widths) <= COLUMNS else " "
+    lines = [gap.join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)) for row in rows]
     return [_cut(f"  {line}".rstrip()) for line in lines]
 
 
@@ -195,11 +196,15 @@ def _first(heading: Sequence[Sequence[str]], rows: Sequence[Sequence[str]], most
     return [*lines, f"  {further} further {what} (--verbose)"] if further else lines
 
 
+def _clock(seconds: float) -> str:
+    return f"{digits(seconds, 2)} s" if seconds >= 1e-3 else f"{digits(1e3 * seconds, 2)} ms"
+
+
 def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
     """Of a statue on the floor the slip is its own, which the analytic model does not have."""
     outcome = ENGLISH.strings[f"short.{run.outcome.value}"]
     if run.outcome.failed:
-        return [outcome, "–", "–", "–", f"{digits(run.wall_s, 2)} s"]
+        return [outcome, "–", "–", "–", _clock(run.wall_s)]
     if run.no_return_time_s is not None:
         outcome += f" at {digits(run.no_return_time_s, 3)} s"
     if outside_domain(run):
@@ -220,7 +225,7 @@ def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
     slip = "–" if slip_m is None else length(slip_m if slip_m > STILL_M else 0.0).replace("\u00a0", " ")
     if outside_domain(run) and slip_m is not None:
         slip = f"({slip})"
-    return [outcome, peak, slip, known, f"{digits(run.wall_s, 2)} s"]
+    return [outcome, peak, slip, known, _clock(run.wall_s)]
 
 
 def _pair_rows(pairs: Sequence[Scores], most: int) -> list[str]:

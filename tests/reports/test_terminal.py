@@ -15,7 +15,7 @@ from harness.model.finding import caution, changes_answer, info, texted
 from harness.model.history import Outcome
 from harness.records.run import RunRecord
 from reports.messages import ENGLISH
-from reports.terminal import COLUMNS, LINES, motion_lines, record_lines
+from reports.terminal import COLUMNS, LINES, motion_lines, record_lines, table
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +50,14 @@ def test_many_findings_engines_and_long_names_still_fit(record: RunRecord) -> No
     assert sum("further finding" in line for line in lines) == 1
     few = printed(replace(long, runs=record.runs, scores=record.scores).texted(ENGLISH.say))
     assert any("near tie" in line for line in few), "the heaviest finding is shown first"
+
+
+def test_a_line_that_is_a_little_too_long_loses_no_number() -> None:
+    cells = ["x" * 30, "y" * 30, "z" * 24, "0.00054 s"]
+    (line,) = table([cells])
+    assert len(line) <= COLUMNS
+    assert line.split() == cells[:3] + ["0.00054", "s"]
+    assert table([cells[:2]]) == [f"  {cells[0]}  {cells[1]}"]
 
 
 def test_verbose_prints_every_finding_by_severity(record: RunRecord) -> None:
