@@ -56,7 +56,7 @@ def test_a_line_that_is_a_little_too_long_loses_no_number() -> None:
     cells = ["x" * 30, "y" * 30, "z" * 24, "0.00054 s"]
     (line,) = table([cells])
     assert len(line) <= COLUMNS
-    assert line.split() == cells[:3] + ["0.00054", "s"]
+    assert line.split() == [*cells[:3], "0.00054", "s"]
     assert table([cells[:2]]) == [f"  {cells[0]}  {cells[1]}"]
 
 
