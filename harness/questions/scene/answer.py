@@ -70,15 +70,21 @@ def answer_of(
         # What the third dimension adds is why answers differ.
         parts.append(info("plane_decides", causes=sorted(causes)))
     parts += decided
-    of_known = [each for name, each in horizons.items() if name in known]
-    reached = {outcome_family(end) for each in of_known for end in each.outcomes if end not in NOT_FOLLOWED}
-    if "overturned" in reached:
-        reached.discard(Outcome.UNDECIDED.value)  # it still falls as the scene ends
-    if len(reached) > 1:
-        # A small change of start or motion changes the outcome itself.
-        change = min((each.outcome_from for each in of_known if each.outcome_from is not None), default=None)
-        parts.append(changes_answer("outcome_not_predictable", outcomes=sorted(reached), change=change))
+    flipping = [each for name, each in horizons.items() if name in known and len(_reached(each)) > 1]
+    if flipping:
+        # A small change of start or motion changes the outcome by one model itself.
+        change = min((each.outcome_from for each in flipping if each.outcome_from is not None), default=None)
+        outcomes = sorted(set().union(*map(_reached, flipping)))
+        parts.append(changes_answer("outcome_not_predictable", outcomes=outcomes, change=change))
     return Answer(_code(known, judged), parts)
+
+
+def _reached(horizon: HorizonRecord) -> set[str]:
+    """What becomes of the statue in perturbed runs of one model."""
+    reached = {outcome_family(end) for end in horizon.outcomes if end not in NOT_FOLLOWED}
+    return (
+        reached - {Outcome.UNDECIDED.value} if "overturned" in reached else reached
+    )  # it still falls as the scene ends
 
 
 def counted(runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, Scores]:

@@ -212,6 +212,13 @@ def test_perturbed_runs_that_end_otherwise_make_the_outcome_unpredictable() -> N
     assert said["outcome_not_predictable"].values == {"outcomes": ["overturned", "stands"], "change": 1e-3}
 
 
+def test_models_that_each_keep_to_an_outcome_of_their_own_leave_none_to_chance() -> None:
+    stands = HorizonRecord(0.01, 10.0, (1e-3,), (5.0,), 4.0, (Outcome.STANDS,), 0, 5.0)
+    horizons = {"analytic": stands, "b": replace(stands, outcomes=(Outcome.OVERTURNED_LEFT,))}
+    _, said = told(run("analytic"), run("b", outcome=Outcome.OVERTURNED_LEFT), horizons=horizons)
+    assert "outcome_not_predictable" not in said
+
+
 @pytest.mark.parametrize("end", [Outcome.LIFT_OFF, Outcome.UNDECIDED])
 def test_a_perturbed_run_that_loses_contact_or_still_falls_is_no_other_outcome_of_the_statue(end: Outcome) -> None:
     horizon = HorizonRecord(0.01, 10.0, (1e-3,), (5.0,), 4.0, (end, Outcome.OVERTURNED_LEFT), 0, 5.0)
