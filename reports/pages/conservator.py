@@ -313,9 +313,10 @@ def _nominal(source: RunSource, say: Language) -> str:
 def _begins(source: RunSource, say: Language) -> str:
     """What the statue is put through: shaking, a start off its rest, both or neither."""
     start, shaken = source.scene.initial, "shaking_" if source.record.motion.accel_m_s2 else ""
-    kinds = {"pose": start.pose is not None, "lean": start.theta_rad, "turn": start.theta_rate_rad_s, "alone": True}
+    lean, turn = start.theta_rad, start.theta_rate_rad_s
+    kinds = {"pose": start.pose is not None, "lean_turn": lean and turn, "lean": lean, "turn": turn, "alone": True}
     kind = next(name for name, there in kinds.items() if there)
-    return say(f"begin.{shaken}{kind}", lean=say.digits(math.degrees(abs(start.theta_rad)), 2))
+    return say(f"begin.{shaken}{kind}", lean=say.digits(math.degrees(abs(lean)), 2))
 
 
 def _who(source: RunSource, say: Language) -> list[str]:

@@ -15,7 +15,7 @@ import pytest
 from analytic import Harmonic
 from harness.model.finding import changes_answer
 from harness.model.history import Outcome
-from harness.model.scene import BaseExcitation, Pedestal
+from harness.model.scene import BaseExcitation, Initial, Pedestal
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.assess import Assessment
 from harness.records.run import balance_share, has_answer
@@ -462,6 +462,15 @@ def test_what_follows_a_fall_is_no_doubt_of_the_distances(source: RunSource) -> 
         record = replace(source.record, runs=ends, horizons=None)
         text = spoken(of_run(replace(source, record=record)))
         assert (ENGLISH("run.inexact", time="2") in text) is said
+
+
+@pytest.mark.parametrize(
+    ("start", "kind"), [((0.1, 0.0), "lean"), ((0.0, 0.3), "turn"), ((0.1, 0.3), "lean_turn"), ((0.0, 0.0), "alone")]
+)
+def test_all_of_a_start_off_its_rest_is_told(source: RunSource, start: tuple[float, float], kind: str) -> None:
+    begun = replace(source.record, scene=replace(source.scene, initial=Initial(*start)))
+    told = ENGLISH(f"begin.shaking_{kind}", lean=ENGLISH.digits(math.degrees(start[0]), 2)).rstrip(",")
+    assert told.lower() in spoken(of_run(replace(source, record=begun))).lower()
 
 
 def test_an_outcome_that_the_smallest_changes_change_is_told(source: RunSource) -> None:
