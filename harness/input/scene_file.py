@@ -39,6 +39,8 @@ LIGHTEST_KG_M3: Final = 200.0
 """Cork's density; one in g/cm³ or pounds per cubic foot, and a mass in tonnes, make stone lighter."""
 HEAVIEST_KG_M3: Final = 25_000.0
 """No metal is denser."""
+HIGHEST_FRICTION: Final = 2.0
+"""Of rubber on rough stone it is about one."""
 OF_PEDESTAL: Final = ("contact.floor_impact", "model.friction_normal", "model.pedestal_at_impact")
 """Keys that say nothing of a statue on the floor."""
 PRESETS: Final = {"consistent": Form("dynamic", "momentum"), "paper": Form("static", "unchanged")}
@@ -168,11 +170,11 @@ def resolve(
         check_wall(scene, path)
     except AnalyticInputError as error:  # of a scan, whose base is known only now
         raise InputError(Mistake(str(path), "statue", "a body that rocks on its base", str(error))) from error
-    return replace(scene, findings=(*scene.findings, *_odd_densities(scene), *_beyond_base(scene)))
+    return replace(scene, findings=(*scene.findings, *_odd_numbers(scene), *_beyond_base(scene)))
 
 
-def _odd_densities(scene: Scene) -> Iterator[Finding]:
-    """Bodies of a density that no stone, wood or metal has: a unit is mistaken. Without a scan a statue fills its box."""
+def _odd_numbers(scene: Scene) -> Iterator[Finding]:
+    """Densities and friction that no material has: a unit is mistaken, or per cent are. Without a scan a statue fills its box."""
     statue, pedestal = scene.statue, scene.pedestal
     box_m3 = (statue.corner_left_m + statue.corner_right_m) * statue.depth_m * statue.height_m
     bodies = {"statue": statue.mass_kg / box_m3 if statue.solid is None else statue.solid.density_kg_m3}
@@ -181,6 +183,10 @@ def _odd_densities(scene: Scene) -> Iterator[Finding]:
     for key, density_kg_m3 in bodies.items():
         if not LIGHTEST_KG_M3 <= density_kg_m3 <= HEAVIEST_KG_M3:
             yield caution("odd_density", key=key, density_kg_m3=density_kg_m3)
+    for key in ("statue",) if pedestal is None else ("statue", "floor_static", "floor_kinetic"):
+        friction = getattr(scene.contact, key)
+        if friction > HIGHEST_FRICTION:
+            yield caution("odd_friction", key=f"contact.{key}", friction=friction)
 
 
 def _beyond_base(scene: Scene) -> list[Finding]:

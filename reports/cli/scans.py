@@ -119,7 +119,11 @@ def new(
     try:
         text, assumed = first_scene(inspection, scan, mesh, shaking, motion, user_input, say)
         write_text(out, text)
-        doubted = [each for each in load_scene(out).findings if each.code in ("odd_density", "part_beyond_base")]
+        doubted = [
+            each
+            for each in load_scene(out).findings
+            if each.code in ("odd_density", "odd_friction", "part_beyond_base")
+        ]
     except BaseException:
         for written in (out, mesh, log):
             written.unlink(missing_ok=True)

@@ -92,7 +92,7 @@ def test_a_weighed_mass_gives_the_density(root: Path) -> None:
     assert ("mesh_differs", "statue.mesh.density_kg_m3") in told(scene)
 
 
-def test_a_density_that_no_material_has_is_doubted(root: Path) -> None:
+def test_a_density_or_friction_that_no_material_has_is_doubted(root: Path) -> None:
     scan = ["statue.mass_kg=none", "statue.mesh.density_kg_m3=2.7"]
     for overrides, key in (
         (scan, "statue"),
@@ -103,7 +103,15 @@ def test_a_density_that_no_material_has_is_doubted(root: Path) -> None:
         assert {name for code, name in told(scene) if code == "odd_density"} == {key}
     (light,) = (each.values for each in scene.findings if each.code == "odd_density")
     assert light["density_kg_m3"] == pytest.approx(250.0 / (60.0 * 0.8 * 0.2), rel=1e-12)
-    assert "odd_density" not in doubles.codes(load_scene(root / "scenes" / "paestum_pedestal.toml").findings)
+    percent = load_scene(
+        root / "scenes" / "paestum_pedestal.toml", ["contact.floor_static=20.0", "contact.statue=60.0"]
+    )
+    assert {name for code, name in told(percent) if code == "odd_friction"} == {
+        "contact.floor_static",
+        "contact.statue",
+    }
+    plain = doubles.codes(load_scene(root / "scenes" / "paestum_pedestal.toml").findings)
+    assert not {"odd_density", "odd_friction"} & set(plain)
 
 
 @pytest.mark.parametrize(
