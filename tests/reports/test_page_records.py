@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.outcomes import score_outcomes
 from harness.model.finding import Answer, caution, info
 from harness.model.run import write_json
@@ -145,6 +146,19 @@ def test_models_that_are_right_equally_often_are_all_named(record_of: Callable[[
     assert tied.findings[1].values["right"] == [0.85, 0.75, 0.92]
     best = validation_answer(with_accuracies(0.8, 0.81)).findings[0].values
     assert (best["alone"], best["models"]) == (True, names[1:])
+
+
+def test_a_model_is_better_than_the_threshold_beyond_the_chance_in_both(record_of: Callable[[str], Any]) -> None:
+    """13 and 8 of 24 tests: the model's interval leaves the threshold's share out, yet both overlap by half."""
+    record = record_of("validation")
+    model, bare = wilson(13, 24), wilson(8, 24)
+    models = {
+        name: replace(item, outcomes=replace(item.outcomes, accuracy=model)) for name, item in record.models.items()
+    }
+    outcomes = replace(record.baseline.outcomes, accuracy=bare)
+    held = replace(record, models=models, baseline=replace(record.baseline, outcomes=outcomes))
+    assert model.low > bare.value
+    assert validation_answer(held).code == "alike"
 
 
 def test_the_front_holds_what_nothing_beats() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
@@ -57,13 +58,18 @@ def answer_of(record: ValidationRecord) -> Answer:
     found, bare = [_best(known)], record.baseline.outcomes.accuracy
     if bare is None:
         return Answer("no_threshold", found)
-    better = [name for name, item in known.items() if item.low > bare.value]
-    worse = [name for name, item in known.items() if item.high < bare.value]
+    better = [name for name, item in known.items() if _shown_more(item, bare)]
+    worse = [name for name, item in known.items() if _shown_more(bare, item)]
     shown = "better" if better else "worse" if worse else "alike"
     own = sorted(record.baseline.threshold_by_body_m_s.values()) or [record.baseline.threshold_m_s]
     values = {"models": better or worse or list(known), "right": _values(bare), "threshold_m_s": [own[0], own[-1]]}
     against = info("threshold", shown=shown, **values) if better else caution("threshold", shown=shown, **values)
     return Answer(shown, [*found, against])
+
+
+def _shown_more(one: Interval, other: Interval) -> bool:
+    """Whether a share is larger beyond the chance in both: the interval of their difference (Newcombe 1998) leaves zero out."""
+    return one.value - other.value > math.hypot(one.value - one.low, other.high - other.value)
 
 
 def findings_of(record: ValidationRecord) -> list[Finding]:
