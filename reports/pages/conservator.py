@@ -541,11 +541,23 @@ def of_study(record: StudyRecord, say: Language = ENGLISH) -> list[Block]:
     models, cases = conditions(record.rows)
     ends = {model: [run.outcome for _, run in runs_of(cases, model)] for model in models}
     ends = {model: outcomes for model, outcomes in ends.items() if outcomes}
-    said = [*_asked(record, models, cases, say), *_by_variant(ends, say), *_bore(record, cases, say)]
+    said = [
+        *_asked(record, models, cases, say),
+        *_by_variant(ends, say),
+        *_outside(record, say),
+        *_bore(record, cases, say),
+    ]
     tone = tone_of_study(family(outcome) for outcomes in ends.values() for outcome in outcomes)
     basis = [*_agree(record, say), say("chance.unknown")]
     pictures = [*_map(record, cases, say), *_pictures(record, models, cases, say)]
     return plain_page(_headline(ends, say), tone, said, [say("todo.ask")], pictures, basis, say)
+
+
+def _outside(record: StudyRecord, say: Language) -> list[str]:
+    """In how many of their runs models left what they compute before anything was decided."""
+    left = [each.values for each in record.findings if each.code == "left_domain_in_runs"]
+    runs = {key: sum(each[key] for each in left) for key in ("left", "cases")}
+    return [say("study.outside", **runs)] if left else []
 
 
 def _headline(ends: Mapping[str, Sequence[Outcome]], say: Language) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from analytic import Harmonic
-from harness.model.finding import changes_answer
+from harness.model.finding import caution, changes_answer
 from harness.model.history import Outcome
 from harness.model.scene import BaseExcitation, Initial, Pedestal
 from harness.questions.scene.scene_run import run_scene, write_result
@@ -26,7 +26,7 @@ from reports.drawing.floor_plan import floor_plan
 from reports.drawing.kinematics import section
 from reports.messages import ENGLISH
 from reports.pages import conservator
-from reports.pages.conservator import of_run
+from reports.pages.conservator import of_run, of_study
 from reports.source import RunSource, run_source
 from reports.text import wording
 from reports.text.giving_way import (
@@ -315,6 +315,16 @@ def test_a_run_without_an_end_is_neither_prevented_nor_a_stand(record_of: Callab
     assert (told.values["total"], told.values["prevented"]) == (0, 0)
     figures = {each.name: each.figure for each in charts}
     assert figures["saved"]["datasets"]["falls"][1]["count"] == []
+
+
+def test_answers_outside_a_model_s_domain_are_told_of_a_study(record_of: Callable[[str], Any]) -> None:
+    record = record_of("table")
+    left = [
+        caution("left_domain_in_runs", left=n, cases=6, causes={"pedestal_tips": n}).of(f"model {n}") for n in (1, 2)
+    ]
+    text = spoken(of_study(replace(record, findings=left)))
+    assert ENGLISH("study.outside", left=3, cases=12) in text
+    assert "something gives way" not in spoken(of_study(replace(record, findings=[])))
 
 
 def test_a_frequency_that_is_kept_is_no_number(record_of: Callable[[str], Any]) -> None:
