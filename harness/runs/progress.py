@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 SILENT_S: Final = 10.0
 """Off a terminal, where nothing can turn, a line comes at least this often."""
+LESS_STORED: Final = ", less what the store holds"
+"""Follows what a call is expected to take, where calls before it left results."""
 RATE_S: Final = 1800.0
 """The rate is that of so long: a task may take minutes, and the machine's load changes within the hour."""
 FORECAST_TASKS: Final = 10
@@ -166,7 +168,7 @@ def progress(
             bar.update(task, completed=done, total=total, left=left())
             tenth = 10 * done // total if total else 10
             # Nothing that costs is known yet.
-            words = f"{title}: {done} of {total} runs" if total else title
+            words = f"{title}: {done} of {counted(total, 'run')}" if total else title
             if tenth != said:
                 lines.now(words + left())
             # A reminder says the time that is left as it is then.
@@ -193,6 +195,11 @@ def progress(
 def time_left(seconds: float | None) -> str:
     """`, about 12 min left`; empty where nothing is known, or nothing is left."""
     return f", about {duration_words(seconds)} left" if seconds else ""
+
+
+def counted(count: int, noun: str) -> str:
+    """`1 run`, `2 runs`."""
+    return f"{count} {noun}{'s' if count != 1 else ''}"
 
 
 def duration_words(seconds: float) -> str:

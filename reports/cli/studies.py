@@ -25,7 +25,7 @@ from harness.questions.study.witnessed import witness_study
 from harness.records.base import Record, option_words
 from harness.records.result_folder import RECORD, check_folder, read_own, write_whole
 from harness.records.study import ExportRecord
-from harness.runs.progress import progress
+from harness.runs.progress import LESS_STORED, progress
 from harness.runs.runner import LIMIT_S, DaskPool, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, check_begun
 
@@ -77,6 +77,7 @@ def run(
         # Its size is told, or refused, before anything is begun.
         cost = estimate.cost(study, base, pool.workers, witness=witness)
         size = estimate.check(study, cost.cpu_s, pool.workers, str(path), large=large)
+        size += LESS_STORED * (folder / STORE_NAME).exists()
         each_s = cost.each_s / pool.workers
         on_progress = stack.enter_context(
             progress(study.title, quiet, size, workers=pool.workers, each_s=each_s, after_s=estimate.RESULT_S)

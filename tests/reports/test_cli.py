@@ -21,7 +21,9 @@ from harness.model.errors import InputError
 from harness.model.run import Run
 from harness.questions.scene import scene_run
 from harness.runs.execute import KEPT, Campaign
-from reports.cli import app
+from harness.runs.progress import LESS_STORED
+from harness.runs.runner import InlinePool
+from reports.cli import app, studies
 from reports.cli.ending import INTERRUPTED, guarded
 from reports.pages.page import write_report
 from tests.command import rockcheck
@@ -193,6 +195,19 @@ def test_a_wrong_study_leaves_no_store(scene: Path, tmp_path: Path, key: str, sc
     done = rockcheck("study", "wrong.toml", "--out", "made/here", cwd=tmp_path)
     assert done.returncode == 2, done.stderr
     assert not (tmp_path / "made").exists()
+
+
+def test_a_study_s_forecast_leaves_out_what_its_store_holds(
+    scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = f'title = "s"\nscene = "{scene.name}"\n[[vary]]\nkey = "initial.theta_rad"\nvalues = [0.05]\n'
+    study = scene.with_name("one.toml")
+    study.write_text(text + '[[variant]]\nname = "a"\nengines = ["analytic"]\n')
+    for less in (False, True):
+        studies.run(study, tmp_path / "out", pool=InlinePool())
+        first, *_ = capsys.readouterr().err.splitlines()
+        assert first.startswith("1 case, 1 run: about ")
+        assert first.endswith(LESS_STORED) is less
 
 
 def test_an_interrupt_is_told_with_the_command_that_goes_on(

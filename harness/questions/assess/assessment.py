@@ -65,7 +65,7 @@ from harness.records.assess import (
 from harness.records.base import RunCounts
 from harness.records.scene import SceneRecord
 from harness.runs.execute import Campaign
-from harness.runs.progress import forecast_words
+from harness.runs.progress import LESS_STORED, counted, forecast_words
 from harness.runs.runner import LocalPool, Pool
 from harness.runs.store import Store
 
@@ -158,7 +158,7 @@ def assess(
     for name in names:
         engines.load(name)
     inputs = _inputs(scene)
-    on_progress(f"{MODEL}: {draws} draws")
+    on_progress(f"{MODEL}: {counted(draws, 'draw')}")
     values = draws_of(scene, inputs, draws, seed)
     begin = time.process_time()
     model = model_draws(scene, values)
@@ -173,7 +173,8 @@ def assess(
         # Counted as if each contact engine agreed with the model, and thrice as many.
         agreed = estimated(lambda numbers: model.overturned[list(numbers)].tolist()).engine_runs
         runs_each = Range(agreed, min(3 * agreed, most_runs))
-        on_progress(_forecast(scene, contact, runs_each, ALL_TIMES * drawn_s, workers))
+        forecast = _forecast(scene, contact, runs_each, ALL_TIMES * drawn_s, workers)
+        on_progress(forecast + LESS_STORED * bool(storage.keys()))
         across, space = shaken_across(scene), None
         if across:
             on_progress(f"{SPACE}: draws, then clearance")

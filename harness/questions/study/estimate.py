@@ -20,7 +20,7 @@ from harness.questions.study.case_selection import COARSEST, REFERENCE, map_axes
 from harness.questions.study.cases import BaseScene, Case, expand
 from harness.questions.study.file import StudyFile
 from harness.questions.study.witnessed import SHARE
-from harness.runs.progress import duration_words
+from harness.runs.progress import counted, duration_words
 from harness.runs.task import scene_key
 
 TRIALS: Final = 16
@@ -115,7 +115,7 @@ def sentence(study: StudyFile, cpu_s: float, workers: int) -> str:
     cases = study.points * len(study.variant)
     at_most = "at most " if study.ask.cases != "all" else ""
     spent, clock = duration_words(cpu_s), duration_words(cpu_s / workers)
-    size = f"{cases} cases, {at_most}{study.runs} runs"
+    size = f"{counted(cases, 'case')}, {at_most}{counted(study.runs, 'run')}"
     return f"{size}: {at_most}about {spent} of processor time, {clock} by the clock (workers: {workers})"
 
 

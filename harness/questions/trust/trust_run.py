@@ -57,7 +57,7 @@ from harness.records.trust import (
     TrustSummary,
 )
 from harness.runs.execute import Campaign
-from harness.runs.progress import duration_words, progress
+from harness.runs.progress import LESS_STORED, duration_words, progress
 from harness.runs.runner import DaskPool, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, check_begun
 from harness.runs.task import Task, request_key
@@ -279,7 +279,7 @@ def run_trust(
         check_begun(folder, "a trust map")
     with ExitStack() as stack:
         workers = pool or stack.enter_context(closing(LocalPool(jobs) if dask is None else DaskPool(dask)))
-        size = cost_words(plane, chosen, workers.workers, coarse=coarse)
+        size = cost_words(plane, chosen, workers.workers, coarse=coarse) + LESS_STORED * (folder / STORE_NAME).exists()
         store = stack.enter_context(Store(folder / STORE_NAME, "trust"))
         on_progress = stack.enter_context(progress(f"{path.stem}, trust map", quiet, size, grows=True))
         campaign = Campaign(store, workers, on_progress, {MODEL: BATCH}, free=(MODEL,))

@@ -20,6 +20,7 @@ from harness.questions.assess.assessment import assess
 from harness.questions.assess.engine_draws import DrawnRun, estimate, overturns
 from harness.questions.assess.model_draws import IMPACT, ModelDraws
 from harness.records.assess import Assessment
+from harness.runs.progress import LESS_STORED
 from harness.runs.runner import InlinePool
 from harness.runs.store import Store
 from harness.runs.task import TaskResult
@@ -103,11 +104,13 @@ def test_what_is_stored_is_not_run_again(tmp_path: Path) -> None:
     scene = paestum(0.429, 3.0, duration_s=1.0)
     with Store(tmp_path / "store.sqlite") as store:
         first = assess(scene, ["pymunk"], store=store, pool=InlinePool(), **FEW)
+    told: list[str] = []
     with Store(tmp_path / "store.sqlite") as store:
-        again = assess(scene, ["pymunk"], store=store, pool=InlinePool(), **FEW)
+        again = assess(scene, ["pymunk"], store=store, pool=InlinePool(), on_progress=told.append, **FEW)
         other = assess(scene, ["pymunk"], store=store, pool=InlinePool(), seed=1, **FEW)
     assert first.record.runs.computed == first.record.runs.wanted == len(first.fell["pymunk"]) > 0
     assert again.record.runs.computed == 0
+    assert any(line.startswith("this takes ") and line.endswith(LESS_STORED) for line in told)
     assert again.record.assessment == first.record.assessment
     assert again.fell == first.fell
     assert other.record.runs.computed == other.record.runs.wanted
