@@ -1,4 +1,4 @@
-"""The readme's commands run as printed: studies are only read, runs are cut to half a second, draws to 200, samples to one,
+"""The readme's commands run as printed: studies are only read, runs are cut to a fifth of a second, draws to 100, samples to one,
 processes too, and an engine's interval is a wide one."""
 
 from __future__ import annotations
@@ -41,9 +41,9 @@ def shortened(line: str) -> list[str]:
     """The words of a command as it is run here."""
     words = shlex.split(line)[1:]
     if words[0] in ("run", "trust", "assess") and "--explain" not in words:
-        words += ["--set", "duration_s=0.5"]
+        words += ["--set", "duration_s=0.2"]
     if words[0] == "assess":
-        words += ["--draws", "200", "--half-width", "0.4"]
+        words += ["--draws", "100", "--half-width", "0.4"]
     if words[0] in ("assess", "trust", "validate"):
         words += ["--jobs", "1"]
     if "--samples" in words:

@@ -47,10 +47,10 @@ def shaken(name: str) -> Scene:
         return recorded(name)
     contents: dict[str, dict[str, Any]] = {
         "pulse": {"duration_s": 1.5, "statue": COLUMN, "motion": {"x": pulse}},
-        "no_history": {"duration_s": 1.0, "statue": COLUMN, "motion": harmonic(0.25, 2.0)},
-        "base_only": {"duration_s": 0.5, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.3, 3.0)},
+        "no_history": {"duration_s": 0.4, "statue": COLUMN, "motion": harmonic(0.25, 2.0)},
+        "base_only": {"duration_s": 0.3, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.3, 3.0)},
         "mirror": {"duration_s": 0.7, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.429, 3.0)},
-        "stop_at_overturn": {"duration_s": 5.0, "statue": COLUMN, "motion": harmonic(0.6, 1.0)},
+        "stop_at_overturn": {"duration_s": 1.2, "statue": COLUMN, "motion": harmonic(0.6, 1.0)},
     }
     return scene_of(name, contents[name])
 

@@ -19,7 +19,7 @@ from tests.scenes_for_tests import paestum
 @pytest.fixture(scope="module")
 def shaken() -> AssessRecord:
     """The paper's pedestal as the model assesses it."""
-    return assess(paestum(0.429, 3.0, duration_s=3.0), ["analytic"], draws=200).record
+    return assess(paestum(0.429, 3.0, duration_s=3.0), ["analytic"], draws=40).record
 
 
 def answer(p: float, low: float, high: float) -> Assessment:

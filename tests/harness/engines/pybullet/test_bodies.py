@@ -203,20 +203,6 @@ def test_verification_runs_are_finer_and_solved_more_tightly() -> None:
             assert (verification.as_dict()["reversed_bodies"] != level.as_dict()["reversed_bodies"]) == solved
 
 
-def test_memory_does_not_grow() -> None:
-    import resource
-
-    case = paestum(0.0, 1.0, duration_s=0.01)
-
-    def run(times: int) -> int:
-        for _ in range(times):
-            bullet(case, 1e-3, NOTHING_SKIPPED)
-        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-
-    warm = run(10)
-    assert run(40) - warm < 4096, "kB over 40 runs"
-
-
 def test_quiet_start_changes_nothing() -> None:
     motion = Harmonic(0.3 * GRAVITY_M_S2, 2.0)
     t_s = np.linspace(0.0, 1.0, 201)

@@ -43,10 +43,10 @@ BOUNDS = {"approach": 1.0, "short": 1.0, "MOST_FRICTION": 1.0}
 """Numbers that must stay below a bound, as an approach ends before its event: of these what they leave to it is changed."""
 SCENES = {
     "two coefficients": paestum(0.429, 3.0, mu=(0.20, 0.15), duration_s=0.72),
-    "on the floor": paestum(0.334, 2.0, pedestal=False, duration_s=0.6),
-    "micro-rocking": random_scene(10_129),
+    "micro-rocking": replace(random_scene(10_129), duration_s=2.4),
 }
-"""The first two end after their last event of another kind: slides, impacts at 0.49 and 0.59 s; uplift."""
+"""The first ends after its last event of another kind (uplift, slides, impacts at 0.49 and 0.59 s), the second where what a
+number changes has grown to its most."""
 ASKEW = {
     "askew": scene_of(
         "askew",
