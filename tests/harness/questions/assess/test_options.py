@@ -25,7 +25,7 @@ from tests import budgets_assess as budget
 from tests.scenes_for_tests import paestum, rectangle, scene
 
 SCENES = Path(__file__).parents[4] / "scenes"
-DRAWS = 400
+DRAWS = 200
 
 
 def compared(scene: Scene) -> OptionsRecord:
