@@ -76,7 +76,8 @@ def test_a_step_is_a_few_calls_from_the_command(
     if engine.startswith("pybullet"):
         pytest.importorskip("pybullet", reason="pybullet has no wheels here")
     # So small a lean comes to its first impacts within that time.
-    options = ["--set", "duration_s=0.2", "--set", "initial.theta_rad=0.005", "--no-assess", "--out", str(tmp_path / "out")]
+    sets = ["--set", "duration_s=0.2", "--set", "initial.theta_rad=0.005"]
+    options = [*sets, "--no-assess", "--out", str(tmp_path / "out")]
     ways = ways_to(steps, ["run", str(ROOT / "scenes" / "free_rocking.toml"), "-e", engine, *options])
     assert ways
     if engine in ("pymunk", "pybullet"):

@@ -25,12 +25,12 @@ from tests import budgets_assess as budget
 from tests.scenes_for_tests import paestum, rectangle, scene
 
 SCENES = Path(__file__).parents[4] / "scenes"
-DRAWS = 200
+DRAWS = 400
 
 
-def compared(scene: Scene) -> OptionsRecord:
+def compared(scene: Scene, draws: int = DRAWS) -> OptionsRecord:
     options, left_out = made.options_of(scene)
-    return by_draws(scene, options, DRAWS, left_out)
+    return by_draws(scene, options, draws, left_out)
 
 
 def by_draws(
@@ -210,7 +210,7 @@ def test_of_options_that_never_fall_the_one_whose_draws_all_end_is_the_best() ->
 
 
 def test_the_shipped_pedestal_protects_its_statue() -> None:
-    record = compared(load_scene(SCENES / "paestum_pedestal.toml"))
+    record = compared(load_scene(SCENES / "paestum_pedestal.toml"), 200)
     by_name = {item.name: item for item in record.options}
     assert record.as_it_is.name == made.AS_IT_IS
     assert by_name[made.FLOOR].harms

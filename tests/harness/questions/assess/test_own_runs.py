@@ -75,4 +75,6 @@ def test_an_assessment_s_interval_holds_the_thousand_runs() -> None:
     assert answer.low <= truth <= answer.high
     # Runs without an end count either way: they widen what the others leave, 1 − 2 half of their share.
     assert answer.high - answer.low <= 2 * half + (1.0 - 2 * half) * answer.undecided
-    assert answer.engine_runs <= 1.645**2 * truth * (1.0 - truth) / half**2, "without the model's strata it takes so many"
+    assert answer.engine_runs <= 1.645**2 * truth * (1.0 - truth) / half**2, (
+        "without the model's strata it takes so many"
+    )
