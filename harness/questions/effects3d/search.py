@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Annotated, Any, Final, final
+from typing import TYPE_CHECKING, Annotated, Any, Final, final
 
 import numpy as np
 from pydantic import Field
@@ -28,6 +28,9 @@ from meshes import MeshError, Solid
 from meshes.footprint import reach_m
 from meshes.roughening import ragged
 from meshes.survey import adjusted
+
+if TYPE_CHECKING:
+    from functools import _lru_cache_wrapper
 
 # What is changed of a scene, one thing at a time: components of the motion, base, inertia, survey, friction, time step.
 
@@ -252,23 +255,55 @@ Outcomes = Callable[[float], Outcome | None]
 """How the statue overturns at a factor on the motion, None where it does not."""
 
 
+def _halved(
+    outcome: _lru_cache_wrapper[Outcome | None], below: float, above: float, resolution: float
+) -> AmplitudeCrossing:
+    """The crossing between a factor that stands (or 0) and one that overturns, to the resolution."""
+    while below > 0.0 and above / below > 1.0 + resolution:
+        middle = math.sqrt(above * below)
+        if outcome(middle) is None:
+            below = middle
+        else:
+            above = middle
+    return AmplitudeCrossing(above, below, outcome(above), outcome.cache_info().currsize)
+
+
 def first_crossing(
     outcome_at: Outcomes, least: float, most: float, step: float, resolution: float
 ) -> AmplitudeCrossing:
     """The least factor of a geometric grid from `least` to `most` that overturns, bracketed from below."""
     outcome, below = cache(outcome_at), 0.0
     count = max(math.ceil(math.log(most / least) / math.log(step)), 1)
-    for above in np.geomspace(least, most, count + 1).tolist():
-        if outcome(above) is None:
-            below = above
-            continue
-        while below > 0.0 and above / below > 1.0 + resolution:
-            middle = math.sqrt(above * below)
-            if outcome(middle) is None:
-                below = middle
+    for factor in np.geomspace(least, most, count + 1).tolist():
+        if outcome(factor) is not None:
+            return _halved(outcome, below, factor, resolution)
+        below = factor
+    return AmplitudeCrossing(None, below, None, outcome.cache_info().currsize)
+
+
+def nearest_crossing(
+    outcome_at: Outcomes, near: float, least: float, most: float, resolution: float
+) -> AmplitudeCrossing:
+    """The crossing next to `near`, by strides that double away from it; between `least` and `most`."""
+    outcome, stride = cache(outcome_at), 1.0 + 4.0 * resolution
+    above, below = None, 0.0
+    if outcome(near) is not None:
+        above = near
+        while below == 0.0 and above > least:
+            lower = max(above / stride, least)
+            stride *= stride
+            if outcome(lower) is None:
+                below = lower
             else:
-                above = middle
-        return AmplitudeCrossing(above, below, outcome(above), outcome.cache_info().currsize)
+                above = lower
+        return _halved(outcome, below, above, resolution)
+    below = near
+    while below < most:
+        higher = min(below * stride, most)
+        stride *= stride
+        if outcome(higher) is not None:
+            return _halved(outcome, below, higher, resolution)
+        below = higher
     return AmplitudeCrossing(None, below, None, outcome.cache_info().currsize)
 
 
@@ -298,8 +333,10 @@ def start_factor(scene: Scene) -> float:
     return BEGIN_SHARE * factor / (1.0 + factor * vertical * scene.base_excitation.x.peak_m_s2 / scene.gravity_m_s2)
 
 
-def find(scene: Scene, condition: str, azimuth_deg: float, engine: str, search: Search) -> Amplitude:
-    """The least overturning amplitude. Raises `InputError`."""
+def find(
+    scene: Scene, condition: str, azimuth_deg: float, engine: str, search: Search, near_g: float | None = None
+) -> Amplitude:
+    """The least overturning amplitude; with `near_g` the one next to it, which costs a few runs. Raises `InputError`."""
     changed = changed_scene(scene, condition, azimuth_deg)
     unit, dt_s = peak_g(changed), search.dt_s * CONDITIONS[condition].step_share
     space = SpaceOutcomes(changed) if engine == EXACT else None
@@ -311,8 +348,11 @@ def find(scene: Scene, condition: str, azimuth_deg: float, engine: str, search: 
         return outcome if outcome.overturned else None
 
     least, most = min(start_factor(changed), search.most_g / unit), search.most_g / unit
-    step = STEPS.get(engine, max(STEPS.values()))
-    crossing = first_crossing(outcome_at, least, most, step, search.resolution)
+    if near_g is None:
+        step = STEPS.get(engine, max(STEPS.values()))
+        crossing = first_crossing(outcome_at, least, most, step, search.resolution)
+    else:
+        crossing = nearest_crossing(outcome_at, near_g / unit, least, most, search.resolution)
     above, below = None if crossing.above is None else crossing.above * unit, crossing.below * unit
     doubt: Doubt = "" if space is None else space.doubt(crossing.above, crossing.below)
     return Amplitude(condition, float(azimuth_deg), engine, above, below, crossing.outcome or "", crossing.runs, doubt)

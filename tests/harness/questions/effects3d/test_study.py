@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -81,7 +82,9 @@ def test_each_engine_is_asked_what_the_one_before_leaves_open(scene: Scene) -> N
     asked: dict[tuple[str, str], list[float]] = {}
 
     def ask(kind: type, questions: Iterable[tuple[Any, ...]]) -> list[Amplitude]:
-        found = []
+        found, questions = [], list(questions)
+        for each in questions:  # whoever answers takes what is asked
+            inspect.signature(WORK[kind][1]).bind(scene, *each)
         for condition, azimuth, engine, *_ in questions if kind is Amplitude else ():
             asked.setdefault((engine, condition), []).append(azimuth)
             # Towards 90° nothing overturns; towards 270° the plane errs most.
