@@ -13,7 +13,7 @@ import pytest
 from harness.model.errors import InputError
 from harness.records.base import Record
 from reports import messages as languages
-from reports.messages import ENGLISH, LANGUAGES, Language, language
+from reports.messages import ENGLISH, LANGUAGES, Language, agreed, language
 from reports.pages.page import _conservator
 from tests.budgets_reports import GULPEASE, SENTENCE_WORDS_MEAN, SENTENCE_WORDS_MOST
 
@@ -80,7 +80,7 @@ def of_page(say: Language) -> dict[str, str]:
 
 
 def braces(text: str) -> set[str]:
-    return {name for _, name, _, _ in Formatter().parse(text) if name is not None}
+    return {name for _, name, _, _ in Formatter().parse(agreed(text, {})) if name is not None}
 
 
 def page(folder: Path, record: Record, say: Language) -> str:
