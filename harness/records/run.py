@@ -60,7 +60,7 @@ class Witness:
     floor_impact: str = ""
 
 
-def tips_s(run: Run) -> float | None:
+def tips_s(run: RunRow) -> float | None:
     """When a model that holds the pedestal upright says that it tips, s; None where it does not say so."""
     left_s = run.validity.get("left_domain_s")
     return left_s if isinstance(left_s, float) and run.validity.get("left_domain_by") == "pedestal_tips" else None
@@ -115,7 +115,7 @@ UNKNOWN: Final = (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX, Outcome.UNDECIDED)
 """Outcomes that say what became of the run, not of the statue."""
 
 
-def has_answer(run: Run) -> bool:
+def has_answer(run: RunRow) -> bool:
     """Whether a run tells what becomes of the statue: it ended, and held upright no pedestal that tips before that was decided.
 
     Every page and the terminal count by this the models that answered.
@@ -125,7 +125,12 @@ def has_answer(run: Run) -> bool:
     return tips_s(run) is None or not left_early(run)
 
 
-def left_early(run: Run) -> bool:
+def falls(run: RunRow) -> bool | None:
+    """Whether the statue falls by a run; None where that does not tell it."""
+    return run.outcome.fell if has_answer(run) else None
+
+
+def left_early(run: RunRow) -> bool:
     """Whether a run left its model's domain before it was decided what becomes of the statue."""
     decided_s = math.inf if run.no_return_time_s is None else run.no_return_time_s
     return number(run.validity, "left_domain_s", math.inf) < decided_s
@@ -142,7 +147,7 @@ def unconfirmed(known: Mapping[str, Run]) -> list[str]:
     return [name for name, run in known.items() if outcome_family(run.outcome) not in sure]
 
 
-def outside_domain(run: Run) -> bool:
+def outside_domain(run: RunRow) -> bool:
     """Whether a run ended, but outside its model's domain, so that what it says of the statue does not count."""
     return not (has_answer(run) or run.outcome.failed or run.outcome in UNKNOWN)
 

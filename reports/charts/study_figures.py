@@ -10,6 +10,7 @@ import numpy as np
 from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.fragility import fit
 from harness.model.finding import Finding, info
+from harness.records.run import falls
 from harness.records.study import CaseRun, Panel
 from reports.charts import Json
 from reports.charts.drawn import BETWEEN
@@ -240,7 +241,7 @@ def fragility_figure(
     for model in models:
         levels: dict[float, list[bool]] = {}
         for item, run in runs_of(conditions, model):
-            if (fallen := run.outcome.fell) is not None:
+            if (fallen := falls(run)) is not None:
                 levels.setdefault(abs(item.number(key)), []).append(fallen)
         if sum(len(fell) >= LEAST_RUNS for fell in levels.values()) >= 3:
             shares = [(x, share) for x, fell in sorted(levels.items()) if (share := wilson(sum(fell), len(fell)))]

@@ -18,7 +18,7 @@ from harness.model.scene import base_shift_m
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import MOSTLY, Assessment, worst
 from harness.records.effects3d import EffectsRecord
-from harness.records.run import RunRecord, own_moves, peak_slip_m, tips_s, unconfirmed
+from harness.records.run import RunRecord, outside_domain, own_moves, peak_slip_m, tips_s, unconfirmed
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import StudyRecord, StudyRow, SupportRecord, Value
 from harness.statics.standstill import tipping_of_pedestal
@@ -627,7 +627,8 @@ def _borne(cases: Sequence[Condition], key: str) -> float | None:
     """The strongest level of the shaking up to which the statue stood in every situation and every model; None without one."""
     ends: dict[float, set[str]] = {}
     for item in cases:
-        answered = {family(row.run.outcome) for row in item.answers.values() if row.run is not None}
+        runs = [row.run for row in item.answers.values() if row.run is not None]
+        answered = {"other" if outside_domain(run) else family(run.outcome) for run in runs}
         ends.setdefault(abs(float(item.varied[key])), set()).update(answered)
     safe = itertools.takewhile(lambda level: ends[level] == {"stands"}, sorted(level for level in ends if ends[level]))
     return max(safe, default=None)

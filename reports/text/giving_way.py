@@ -12,6 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.finding import Finding, info
+from harness.records.run import falls
 from harness.records.scene import PushRecord, SceneRecord
 from harness.records.study import StudyRecord, SupportRecord
 from harness.records.trust import Saved
@@ -48,7 +49,8 @@ def pedestal_effect(
     say: Language = ENGLISH,
     words: str = "chart",
 ) -> tuple[Finding, list[Chart]] | None:
-    """What the pedestal saves in a study with and without it, by its first analytic model; None for other studies.
+    """What the pedestal saves in a study with and without it, by the model that tells it of most conditions; None for other
+    studies.
 
     Where the study varies a frequency, charts of the share of falls (`saved`) and of the reach (`moved`). `words` is the table of
     the catalogue that names what the charts show.
@@ -60,15 +62,17 @@ def pedestal_effect(
     if len({item.varied["pedestal"] for item in cases if "pedestal" in keys}) < 2:
         return None
     shape = section(record.scene)
-    model = next((name for name in models if name.startswith("analytic")), models[0])
+    counted = {name: _saved(cases, name) for name in models}
+    model = max(models, key=lambda name: counted[name].total)
+    told = info("pedestal_saves", model=model, **vars(counted[model]))
     if pace is None:
-        return _saved(cases, model), []
+        return told, []
     fell: dict[tuple[float, str], list[bool]] = {}
     reach: dict[tuple[float, str], float] = {}
     for item, run in runs_of(cases, model):
         setting = "floor" if item.varied["pedestal"] == "none" else "pedestal"
         place = (float(item.varied[pace]), setting)
-        if (fallen := run.outcome.fell) is not None:
+        if (fallen := falls(run)) is not None:
             fell.setdefault(place, []).append(fallen)
         if fallen is False:
             theta = run.peak_theta_rad * np.array([-1.0, 1.0])
@@ -79,18 +83,17 @@ def pedestal_effect(
     }
     drawn = {"saved": _by_setting(fell, named, say), "moved": _reach_by_setting(reach, named, record)}
     charts = [Chart(name, say(f"text.pedestal_{name}", model=model), figure) for name, figure in drawn.items()]
-    return _saved(cases, model), charts
+    return told, charts
 
 
-def _saved(cases: Sequence[Condition], model: str) -> Finding:
-    """How often the pedestal prevents, and how often it causes, an overturning under the same condition, where both runs end."""
+def _saved(cases: Sequence[Condition], model: str) -> Saved:
+    """How often the pedestal prevents and causes an overturning under the same condition, where both runs tell it."""
     pairs: dict[tuple[Any, ...], dict[bool, bool]] = {}
     for item, run in runs_of(cases, model):
         rest = tuple(value for key, value in item.varied.items() if key != "pedestal")
-        if (fallen := run.outcome.fell) is not None:
+        if (fallen := falls(run)) is not None:
             pairs.setdefault(rest, {})[item.varied["pedestal"] == "none"] = fallen
-    saved = Saved.of([(pair[True], pair[False]) for pair in pairs.values() if len(pair) == 2])
-    return info("pedestal_saves", model=model, **vars(saved))
+    return Saved.of([(pair[True], pair[False]) for pair in pairs.values() if len(pair) == 2])
 
 
 SETTINGS: Final = {"floor": FLOOR_COLOUR, "pedestal": PEDESTAL_COLOUR}

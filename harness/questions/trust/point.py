@@ -23,7 +23,7 @@ from harness.questions.scene.answer import STILL_RAD, counted
 from harness.questions.scene.scene_run import Result, run_scene
 from harness.records.assess import Assessment
 from harness.records.base import Plain, plain
-from harness.records.run import HorizonRecord, balance_share, has_answer, outcome_family
+from harness.records.run import HorizonRecord, balance_share, has_answer, outcome_family, outside_domain
 from harness.records.scores import Interval, Scores, Verdict
 from harness.records.trust import CONTOURS, Rotation, TrustClass
 from harness.runs.task import TaskResult
@@ -185,7 +185,7 @@ def said(result: Result, path: Rotation | None = None) -> Said:
         answer=answer.code,
         why=why,
         outcomes={
-            name: run.outcome.value if run.outcome.failed else outcome_family(run.outcome)
+            name: "left_domain" if outside_domain(run) else outcome_family(run.outcome)
             for name, run in result.runs.items()
         },
         still=_still(model),

@@ -496,9 +496,15 @@ def falls(cell: TrustCell, name: str) -> bool | None:
     return None if end not in ("overturned", "stands") else end == "overturned"
 
 
+def _knows_most(saved: Mapping[str, Saved]) -> str | None:
+    """The model that knows what becomes of the statue under most conditions, of several the analytic one: on a pedestal that tips
+    it knows next to nothing."""
+    return max(saved, key=lambda name: (saved[name].total, name == MODEL), default=None)
+
+
 def answer_of(plane: Plane, names: Sequence[str], maps: Sequence[TrustMap], saved: Mapping[str, Saved]) -> Answer:
     """The headline: up to which strength the model holds, whether space was asked of a scan, the shares of the plane,
-    and what the pedestal saves by the model.
+    and what the pedestal saves.
     """
     frequencies = [each for each in plane.frequencies_hz if each is not None]
     over = {"from_g": plane.amplitudes_g[0], "to_g": plane.amplitudes_g[-1]}
@@ -514,7 +520,8 @@ def answer_of(plane: Plane, names: Sequence[str], maps: Sequence[TrustMap], save
         told.append(info("trust_shares", where=where, shares=shares, **over, **every_hz))
     planar = all(engines.load(name).capabilities.dimensions == PLANAR for name in names)
     alone = [caution("trust_in_plane")] if planar and not plane.scene.planar else []
-    pedestal = [info("pedestal_saves", model=MODEL, **vars(saved[MODEL]))] if MODEL in saved else []
+    first = _knows_most(saved)
+    pedestal = [] if first is None else [info("pedestal_saves", model=first, **vars(saved[first]))]
     return Answer("refuted" if refuted else "trust_map", [*refuted[:1], *held, *alone, *pedestal, *told])
 
 
@@ -523,11 +530,11 @@ def findings_of(
 ) -> list[Finding]:
     """What the maps rest on, why models left their domain or the plane is not enough, and what the pedestal saves by engines."""
     some = summary.whole if summary.whole < summary.asked else None
-    checks = {"checked": summary.checked, "changed": summary.changed, "seed": seed}
+    checks, first = {"checked": summary.checked, "changed": summary.changed, "seed": seed}, _knows_most(saved)
     found = [
         info("trust_asked", points=summary.points, asked=summary.asked, some=some),
         caution("trust_checked", **checks) if summary.changed else info("trust_checked", **checks),
-        *(info("pedestal_saves", model=name, **vars(each)) for name, each in saved.items() if name != MODEL),
+        *(info("pedestal_saves", model=name, **vars(each)) for name, each in saved.items() if name != first),
     ]
     cells = [cell for each in maps for cell in each.cells]
     for kind in ("left_domain", "plane_left_out", "no_answer"):

@@ -317,6 +317,26 @@ def test_a_run_without_an_end_is_neither_prevented_nor_a_stand(record_of: Callab
     assert figures["saved"]["datasets"]["falls"][1]["count"] == []
 
 
+def test_a_pedestal_that_tips_is_no_stand_of_a_model_that_holds_it_upright(record_of: Callable[[str], Any]) -> None:
+    record, tips = record_of("table"), {"left_domain_s": 0.1, "left_domain_by": "pedestal_tips"}
+    rows = [
+        replace(row, run=replace(row.run, validity=tips))
+        if row.engine == "analytic" and row.varied["pedestal"] == "keep"
+        else row
+        for row in record.rows
+    ]
+    found = pedestal_effect(record, *conditions(rows))
+    assert found is not None
+    assert found[0].values["model"].startswith("pymunk"), "which knows what becomes of it"
+    assert found[0].values["total"] == 30
+    alone = [row for row in rows if row.model == "analytic (own impact)"]
+    told = pedestal_effect(record, *conditions(alone))
+    assert told is not None
+    assert (told[0].values["total"], told[0].values["prevented"]) == (0, 0)
+    borne = answer(conservator.of_study(replace(record, rows=alone))).points
+    assert not [each for each in borne if each.startswith(ENGLISH("study.borne", level="")[:10])]
+
+
 def test_answers_outside_a_model_s_domain_are_told_of_a_study(record_of: Callable[[str], Any]) -> None:
     record = record_of("table")
     left = [

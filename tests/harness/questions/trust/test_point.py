@@ -125,6 +125,12 @@ def test_peaks_are_confirmed_where_they_are_as_near_as_a_prediction_is_asked_to_
     assert said(result(run("analytic", far, **FELL), run("pymunk", **FELL, **late))).peak_confirmed
 
 
+def test_a_model_that_holds_upright_a_pedestal_that_tips_has_no_outcome() -> None:
+    ends = said(result(run("analytic", **TIPS), run("pymunk", **FELL))).outcomes
+    assert ends == {"analytic": "left_domain", "pymunk": "overturned"}
+    assert said(result(run("analytic", **LEFT))).outcomes == {"analytic": "stands"}
+
+
 def test_the_model_alone_says_alike_what_ends_alike() -> None:
     stands, again = said(result(run("analytic"))), said(result(run("analytic", doubles.scaled(doubles.rocking(), 1.2))))
     assert stands.alike == again.alike

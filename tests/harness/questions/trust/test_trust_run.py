@@ -40,7 +40,7 @@ from harness.questions.trust.trust_run import (
 )
 from harness.records.kinds import read_result
 from harness.records.scores import Interval
-from harness.records.trust import CLASSES, CONTOURS, Rotation, TrustRecord, TrustSummary
+from harness.records.trust import CLASSES, CONTOURS, Rotation, Saved, TrustRecord, TrustSummary
 from harness.runs.progress import duration_words
 from harness.runs.runner import InlinePool
 from harness.runs.store import STORE_NAME, Store
@@ -390,6 +390,17 @@ def test_only_a_map_over_frequencies_speaks_of_every_frequency(root: Path) -> No
         whole = Plane.of(load_scene(root / "scenes" / "paestum_block.toml"), motion, coarse=True)
         held = [each for each in answer_of(whole, ("analytic",), maps, {}).findings if each.code == "trust_up_to"]
         assert [("from_hz" in each.values) for each in held] == [spoken] * len(maps)
+
+
+def test_what_a_pedestal_saves_is_told_by_the_model_that_knows_it_of_most_points(root: Path) -> None:
+    maps, whole = (
+        invented_records.trust().maps,
+        Plane.of(load_scene(root / "scenes" / "paestum_block.toml"), "sine", coarse=True),
+    )
+    few, many = Saved(25, 0, 0, 0), Saved(51, 7, 4, 2)
+    for saved, first in (({"analytic": few, "pymunk": many}, "pymunk"), ({"pymunk": few, "analytic": few}, "analytic")):
+        told = [each for each in answer_of(whole, [*saved], maps, saved).findings if each.code == "pedestal_saves"]
+        assert [each.values["model"] for each in told] == [first]
 
 
 def test_an_outcome_that_is_confirmed_is_every_model_s() -> None:
