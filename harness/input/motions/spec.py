@@ -7,7 +7,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from analytic.excitation import PulseShape
-from harness.input.mistakes import UserTable
+from harness.input.mistakes import Contradiction, UserTable
 from harness.input.motions.recordfile import Layout, unit_named
 
 
@@ -111,21 +111,21 @@ class Source(UserTable):
     @model_validator(mode="after")
     def _consistent(self) -> Source:
         if self.column is not None and self.azimuth_deg is not None:
-            raise ValueError(
-                "column and azimuth_deg exclude each other: a channel as recorded, or both horizontals turned"
-            )
-        if sum((self.scale != 1.0, self.pga_g is not None, self.pgv_m_s is not None)) > 1:
-            raise ValueError("scale, pga_g and pgv_m_s exclude each other: one factor is asked for")
+            wanted = "no azimuth beside column: a channel as recorded, or both horizontals turned"
+            raise Contradiction("azimuth_deg", wanted, f"{self.azimuth_deg:g}")
+        given = {"scale": self.scale != 1.0, "pga_g": self.pga_g is not None, "pgv_m_s": self.pgv_m_s is not None}
+        factors = [name for name, there in given.items() if there]
+        if len(factors) > 1:
+            raise Contradiction(factors[-1], "one factor: scale, pga_g or pgv_m_s", " and ".join(factors))
         if self.scale == 0.0:
-            raise ValueError('scale = 0 leaves nothing: use kind = "rest"')
+            raise Contradiction("scale", 'a factor other than 0 (kind = "rest" is no shaking)', "0")
         if self.window_s is not None and not 0.0 <= self.window_s[0] < self.window_s[1]:
-            raise ValueError("window_s needs 0 <= start < end")
+            raise Contradiction("window_s", "[from, to] with 0 <= from < to", str([*self.window_s]))
         if self.bandpass_hz is not None and not 0.0 < self.bandpass_hz[0] < self.bandpass_hz[1]:
-            raise ValueError("bandpass_hz needs 0 < low < high")
+            raise Contradiction("bandpass_hz", "[low, high] with 0 < low < high", str([*self.bandpass_hz]))
         if self.significant is not None and not 0.0 <= self.significant[0] < self.significant[1] <= 1.0:
-            raise ValueError(
-                "significant needs two shares of the Arias intensity, 0 <= from < to <= 1, such as [0.05, 0.95]"
-            )
+            wanted = "[from, to], shares of the Arias intensity with 0 <= from < to <= 1"
+            raise Contradiction("significant", wanted, str([*self.significant]))
         return self
 
 
@@ -186,9 +186,9 @@ class Target(UserTable):
         if given - optional not in wanted:
             ways = ", or ".join(" ".join(sorted(way)) for way in wanted)
             said = " ".join(sorted(given)) or "none"
-            raise ValueError(f"beside code and ag_g wanted exactly {ways}; given: {said}")
+            raise Contradiction("code", f"beside it and ag_g exactly {ways}", said)
         if not self.vertical and self.soil is None and not self._ordered():
-            raise ValueError("wanted TB_s <= TC_s <= TD_s")
+            raise Contradiction("TC_s", "TB_s <= TC_s <= TD_s", f"{self.TB_s:g}, {self.TC_s:g}, {self.TD_s:g}")
         return self
 
     def _ordered(self) -> bool:
@@ -208,11 +208,14 @@ class SpectrumSpec(Target, _Filtered):
     def _one_origin(self) -> SpectrumSpec:
         if self.record is None:
             if self.seed is None:
-                raise ValueError("an artificial motion needs its seed, or a record to start from")
+                raise Contradiction("seed", "the seed of an artificial motion, or a record to start from", "neither")
             if self.method is not None:
-                raise ValueError("method says what is done to a record, and there is none")
+                raise Contradiction("method", "no method without a record", repr(self.method))
         elif self.seed is not None or self.duration_s is not None:
-            raise ValueError("seed and duration_s belong to artificial motions: leave them out beside a record")
+            key = "seed" if self.seed is not None else "duration_s"
+            raise Contradiction(
+                key, "no such key beside a record: it is of artificial motions", str(getattr(self, key))
+            )
         return self
 
 

@@ -12,6 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from harness.input import paths
+from harness.input.mistakes import mistakes_of
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import Component, Motion
 from harness.model.errors import InputError
@@ -92,27 +93,35 @@ def test_refusals_name_their_key(tmp_path: Path, keys: dict[str, Any], key: str,
     assert said in str(error.value)
 
 
+SITE: dict[str, Any] = {"kind": "spectrum", "code": "ec8", "ag_g": 0.2, "soil": "A", "type": 1}
+
+
 @pytest.mark.parametrize(
-    "keys",
+    ("key", "keys"),
     [
-        {"kind": "record", "file": "a", "scale": 2.0, "pga_g": 0.3},
-        {"kind": "record", "file": "a", "column": "x", "azimuth_deg": 30.0},
-        {"kind": "record", "file": "a", "window_s": [5.0, 5.0]},
-        {"kind": "record", "file": "a", "significant": [0.95, 0.05]},
-        {"kind": "record", "file": "a", "bandpass_hz": [0.0, 5.0]},
-        {"kind": "record", "file": "a", "scale": 0.0},
-        {"kind": "record", "file": "a", "speed": 1.0},
-        {"kind": "harmonic", "amplitude_g": "3", "frequency_hz": 1.0},
-        {"kind": "harmonic", "amplitude_g": math.nan, "frequency_hz": 1.0},
-        {"kind": "spectrum", "code": "ec8", "ag_g": 0.2, "soil": "A", "type": 1},
-        {"kind": "spectrum", "code": "ec8", "ag_g": 0.2, "soil": "A", "type": 1, "seed": 1, "method": "scale"},
-        {"kind": "spectrum", "code": "ec8", "ag_g": 0.2, "soil": "A", "type": 1, "seed": 1, "record": {"file": "a"}},
-        {"kind": "harmonic", "amplitude_g": 0.1, "frequency_hz": 1.0, "floor": [{"period_s": 0.0}]},
+        ("pga_g", {"kind": "record", "file": "a", "scale": 2.0, "pga_g": 1.0}),
+        ("azimuth_deg", {"kind": "record", "file": "a", "column": "x", "azimuth_deg": 30.0}),
+        ("window_s", {"kind": "record", "file": "a", "window_s": [5.0, 5.0]}),
+        ("significant", {"kind": "record", "file": "a", "significant": [0.95, 0.05]}),
+        ("bandpass_hz", {"kind": "record", "file": "a", "bandpass_hz": [0.0, 5.0]}),
+        ("scale", {"kind": "record", "file": "a", "scale": 0.0}),
+        ("speed", {"kind": "record", "file": "a", "speed": 1.0}),
+        ("amplitude_g", {"kind": "harmonic", "amplitude_g": "3", "frequency_hz": 1.0}),
+        ("amplitude_g", {"kind": "harmonic", "amplitude_g": math.nan, "frequency_hz": 1.0}),
+        ("seed", SITE),
+        ("code", {**SITE, "seed": 1, "S": 1.2}),
+        ("TC_s", {"kind": "spectrum", "code": "ec8", "ag_g": 0.2, "S": 1.0, "TB_s": 0.5, "TC_s": 0.4, "TD_s": 2.0, "seed": 1}),
+        ("method", {**SITE, "seed": 1, "method": "scale"}),
+        ("seed", {**SITE, "seed": 1, "record": {"file": "a"}}),
+        ("duration_s", {**SITE, "duration_s": 20.0, "record": {"file": "a"}}),
+        ("floor.0.period_s", {"kind": "harmonic", "amplitude_g": 0.1, "frequency_hz": 1.0, "floor": [{"period_s": 0.0}]}),
     ],
-)
-def test_contradictions_are_refused_before_any_file_is_opened(keys: dict[str, Any]) -> None:
-    with pytest.raises(ValidationError):
+)  # fmt: skip
+def test_contradictions_are_refused_by_their_key_before_any_file_is_opened(key: str, keys: dict[str, Any]) -> None:
+    with pytest.raises(ValidationError) as error:
         Motion(x=keys)  # type: ignore[arg-type]
+    (mistake,) = mistakes_of(error.value, Motion, "a scene")
+    assert mistake.key == f"x.{key}"
 
 
 def test_an_endless_motion_through_a_building_needs_the_scenes_duration() -> None:
