@@ -41,7 +41,7 @@ HEAVIEST_KG_M3: Final = 25_000.0
 """No metal is denser."""
 HIGHEST_FRICTION: Final = 2.0
 """Of rubber on rough stone it is about one."""
-OF_PEDESTAL: Final = ("contact.floor_impact", "model.friction_normal", "model.pedestal_at_impact")
+OF_PEDESTAL: Final = ("contact.floor_impact", "model.preset", "model.friction_normal", "model.pedestal_at_impact")
 """Keys that say nothing of a statue on the floor."""
 PRESETS: Final = {"consistent": Form("dynamic", "momentum"), "paper": Form("static", "unchanged")}
 

@@ -32,6 +32,9 @@ def test_what_is_assumed_is_said(tmp_path: Path) -> None:
     chosen = load_scene(scene.source, ["contact.floor_impact='static'", "model.friction_normal='static'"])
     (unused,) = (each.values["keys"] for each in chosen.findings if each.code == "key_not_used")
     assert unused[2:] == ["contact.floor_impact", "model.friction_normal"]
+    paper = load_scene(scene.source, ["model.preset='paper'", "contact.restitution=0.9"])
+    (unused,) = (each.values["keys"] for each in paper.findings if each.code == "key_not_used")
+    assert unused[2:] == ["model.preset"]
 
 
 def test_a_doubt_of_what_is_not_there_is_a_caution(tmp_path: Path) -> None:
