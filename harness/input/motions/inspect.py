@@ -23,7 +23,7 @@ ENDLESS_S: Final = 20.0
 """Shown of a harmonic motion that never ends and whose scene gives no duration."""
 _FINE_STEP_S = 0.005
 _SAMPLES_PER_PULSE = 400
-_SAMPLES_PER_PERIOD = 80
+_SAMPLES_PER_PERIOD = 400
 _MOST_SAMPLES = 1_000_000
 _ROWS: Final = (
     ("PGA", "g", "pga_g", "{:.4f}"),
@@ -104,7 +104,9 @@ def inspect_component(motion: SceneMotion) -> MotionInspection:
         dt_s = min(_FINE_STEP_S, max(end, 1e-3) / _SAMPLES_PER_PULSE)
         if (omega_rad_s := getattr(excitation, "omega_rad_s", 0.0)) > 0.0:
             dt_s = max(min(dt_s, 2.0 * math.pi / omega_rad_s / _SAMPLES_PER_PERIOD), end / _MOST_SAMPLES)
-        series = Series(dt_s, excitation.accel_m_s2(dt_s * np.arange(math.ceil(end / dt_s) + 2)), prepared.done)
+        # One that ends is followed past its end, one that the scene cuts off to where it does.
+        count = math.ceil(end / dt_s) + 2 if math.isfinite(excitation.end_s) else math.floor(end / dt_s + 1e-9) + 1
+        series = Series(dt_s, excitation.accel_m_s2(dt_s * np.arange(count)), prepared.done)
     kind, title = motion.component.kind, f"{motion.where}: {motion.key}"
     trace = _trace(motion.key, kind, series, prepared.target)
     return MotionInspection(title, {"kind": kind}, (trace,), prepared.findings, prepared.target)

@@ -88,6 +88,15 @@ def test_components_without_a_file(keys: dict[str, Any]) -> None:
 def test_a_fast_component_is_shown_at_its_peak_and_as_strong_as_the_scene_makes_it(keys: dict[str, Any]) -> None:
     component = ADAPTER.validate_python(keys)
     found = inspect_component(SceneMotion(component, Path(), "scene.toml", "motion.x", 4.0, scale=2.0))
-    # 80 samples in a period miss a crest by at most (2π/80)²/8.
+    # 400 samples in a period miss a crest by at most (2π/400)²/8.
     assert found.traces[0].measures.pga_g == pytest.approx(0.6, rel=1e-3)
     assert [(each.code, each.values["factor"]) for each in found.traces[0].series.done] == [("step_scaled", 2.0)]
+
+
+def test_a_motion_without_end_is_inspected_to_where_the_scene_ends() -> None:
+    """After whole periods the floor stands still; it was told to move, an instant past the end. 400 samples in a period follow
+    the velocity 2A/ω to (2π/400)²/12."""
+    component = ADAPTER.validate_python({"kind": "harmonic", "amplitude_g": 0.3, "frequency_hz": 3.0})
+    found = inspect_component(SceneMotion(component, Path(), "scene.toml", "motion.x", 4.0)).traces[0].measures
+    assert found.end_velocity_m_s == pytest.approx(0.0, abs=1e-9)
+    assert found.pgv_m_s == pytest.approx(2.0 * 0.3 * GRAVITY / (2.0 * np.pi * 3.0), rel=5e-5)
