@@ -88,7 +88,8 @@ def _study_rows(record: StudyRecord, verbose: bool) -> list[str]:
     ends: dict[str, Counter[str]] = {}
     for row in record.rows:
         if row.run is not None:
-            ends.setdefault(row.model, Counter())[family(row.run.outcome)] += 1
+            kind = "other" if outside_domain(row.run) else family(row.run.outcome)
+            ends.setdefault(row.model, Counter())[kind] += 1
     kinds = list(dict.fromkeys(kind for count in ends.values() for kind in count))
     cells = [[model, str(count.total()), *(str(count[kind]) for kind in kinds)] for model, count in ends.items()]
     heading = ["model", "runs", *(ENGLISH.strings[f"ends.{kind}"] for kind in kinds)]

@@ -37,6 +37,15 @@ def test_title_answer_engines_and_pairs_stand_in_this_order(record: RunRecord) -
     assert len(lines) <= LINES
 
 
+def test_a_stand_that_a_model_does_not_follow_is_counted_as_no_stand(record_of: Callable[[str], Any]) -> None:
+    map_of, tips = record_of("map"), {"left_domain_s": 0.1, "left_domain_by": "pedestal_tips"}
+    rows = [replace(row, run=row.run and replace(row.run, validity=tips, no_return_time_s=None)) for row in map_of.rows]
+    for found, stands in ((map_of, True), (replace(map_of, rows=rows), False)):
+        (heading,) = [line for line in record_lines(found) if line.split()[:1] == ["model"]]
+        assert (ENGLISH("ends.stands") in heading) == stands
+        assert (ENGLISH("ends.other") in heading) != stands
+
+
 def test_many_findings_engines_and_long_names_still_fit(record: RunRecord) -> None:
     many = [caution("engine_failed", outcome=f"{k}", message="long " * 60) for k in range(30)]
     heavy = [changes_answer("near_tie", margin=1e-4).of("analytic")]
