@@ -15,7 +15,7 @@ from analytic.kernel.records import MotionParams, Records, row
 from analytic.machine_code import Entry
 from analytic.problem import encode_motion
 from analytic.solver import SECOND_RUN_SHARE, within
-from analytic.spatial.kernel.records import EVENT_HEAD, INTERVAL_HEAD, MEMORY, MOST, RUN, STATE, Run
+from analytic.spatial.kernel.records import EVENT_HEAD, INTERVAL_HEAD, MEMORY, MOST, RUN, SECTORS, STATE, Run
 from analytic.spatial.problem import UPRIGHT, Body, Floats, Problem
 from analytic.spatial.solution import (
     KINDS,
@@ -91,6 +91,7 @@ def prepare(
         "output_step_s": dt_out_s or 0.0,
         "keep_events": rows > 0,
         "try_all": ties,
+        "sectors": SECTORS[0],
         "step_s": 1e-3,
         "energy_scale_j": least,
     }

@@ -107,7 +107,8 @@ class Spatial(Engine):
 def _answer(
     scene: Scene, own: SpatialSettings, problem: Problem, stated: bool
 ) -> tuple[SpatialSettings, Certified, Sequence[tuple[float, Solution]]]:
-    """The answer at the local error asked, else at the finest coarser level whose runs reach their ends; and what did not.
+    """The answer at the local error asked, else at the finest coarser level whose runs reach their ends, else at a finer one; and
+    what did not.
 
     A run that takes `STEPS_SHARE` times the steps of the coarsest level makes no progress worth them: it is given up.
     """
@@ -118,9 +119,11 @@ def _answer(
     # What is held to short steps takes those of its length too, whatever the coarse run took.
     steps = coarse.work.steps + coarse.work.rejected + scene.duration_s / min(own.dt_s or math.inf, CAP_S)
     most_steps = int(max(LEAST_STEPS, STEPS_SHARE * steps))
-    coarser = [(local, error) for local, error in reversed(LEVELS) if local > own.tolerance]
+    coarser = [each for each in reversed(LEVELS) if each[0] > own.tolerance]
+    finer = [each for each in LEVELS if each[0] < own.tolerance]
     tried: list[tuple[SpatialSettings, Certified]] = []
-    for settings in (own, *(replace(own, tolerance=local, expected_error_rad=error) for local, error in coarser)):
+    others = (replace(own, tolerance=local, expected_error_rad=error) for local, error in (*coarser, *finer))
+    for settings in (own, *others):
         certified = spatial.certify(
             problem,
             tolerance=settings.tolerance,

@@ -6,20 +6,22 @@ import math
 from typing import Final
 
 from analytic.kernel.compiler import inlined, jit
-from analytic.spatial.kernel.codes import EDGE_SLIDE, FLAT_SLIDE, VERTEX_SLIDE
+from analytic.spatial.kernel.codes import EDGE_SLIDE, EDGE_STICK, FLAT_SLIDE, VERTEX_SLIDE
 from analytic.spatial.kernel.contact import (
     Rows,
     along_across,
     clear,
     columns,
+    edge_friction,
     least_normal,
+    normal,
     respond,
     response,
     solve_columns,
 )
 from analytic.spatial.kernel.flat import place, press_flat, solve_flat, write_undone
 from analytic.spatial.kernel.records import SECTORS, Memory, Run
-from analytic.spatial.kernel.vectors import Vector, cross, dot, length, minus, plus, times, to_table
+from analytic.spatial.kernel.vectors import Vector, cross, dot, length, minus, plus, row3, times, to_table
 
 STARTS: Final = 8
 """Directions from which Newton's method starts for each of two vertices."""
@@ -73,11 +75,11 @@ def one_direction(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: i
 
 @jit
 def _direction(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int, zero: float, stable: bool) -> bool:
-    step = TWO_PI / SECTORS
+    step = TWO_PI / s.sectors
     if stable:
         m.across[0] = _across_at(s, m, rows, mode, a, b, i, 0.0)
     before = m.across[0]
-    for k in range(1, SECTORS + 1):
+    for k in range(1, s.sectors + 1):
         if stable:
             m.across[k] = _across_at(s, m, rows, mode, a, b, i, k * step)
         after = m.across[k]
@@ -115,20 +117,35 @@ def _two_across(s: Run, m: Memory, rows: Rows, a: int, b: int, p: float, q: floa
 
 
 @jit
+def _against_holding(m: Memory, rows: Rows, a: int, b: int, i: int) -> float:
+    """Angle against the friction on vertex i of an edge that holds it, both vertices being at the same share of their limits."""
+    along, across = along_across(m, rows, a, b)
+    total = dot(along, row3(m.force, a)) + dot(along, row3(m.force, b))
+    most, aside = edge_friction(m, rows, a, b) * normal(m, rows, i), dot(across, row3(m.force, i))
+    ahead = math.copysign(math.sqrt(max((most - aside) * (most + aside), 0.0)), total)
+    force = to_table(rows, plus(times(ahead, along), times(aside, across)))
+    return math.atan2(-force[1], -force[0])
+
+
+@jit
 def two_directions(s: Run, m: Memory, rows: Rows, a: int, b: int, size: float, zero: float) -> bool:
     """Find the directions of both vertices of an edge by Newton's method from several starts."""
     across = to_table(rows, along_across(m, rows, a, b)[1])
     first, small = math.atan2(across[1], across[0]), 1e-7
-    for start in range(STARTS * STARTS):
-        # Both the same way first, across the edge before along it.
+    for start in range(-1, STARTS * STARTS):
+        # At the limit of friction as that has held them; then both the same way first, across the edge before along it.
         p = first + TWO_PI * (start % STARTS) / STARTS
         q = p + TWO_PI * (start // STARTS) / STARTS
+        if start < 0 and solve_columns(s, m, columns(m, rows, EDGE_STICK, a, b, 0.0)):
+            p, q = _against_holding(m, rows, a, b, a), _against_holding(m, rows, a, b, b)
         for _ in range(NEWTON):
             fp, fq = _two_across(s, m, rows, a, b, p, q)
             if not abs(fp) + abs(fq) < math.inf:
                 break
             if abs(fp) + abs(fq) <= CONVERGED * size:
-                if off_direction(m, rows, a)[1] >= -zero and off_direction(m, rows, b)[1] >= -zero:
+                along = min(off_direction(m, rows, a)[1], off_direction(m, rows, b)[1])
+                # To look past a root at which a force pulls takes a quarter of a run: only where nothing was found.
+                if along >= -zero and (s.sectors == SECTORS[0] or least_normal(s, m, rows) >= 0.0):
                     return True
                 break
             pp, pq = _two_across(s, m, rows, a, b, p + small, q)

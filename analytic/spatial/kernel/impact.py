@@ -11,7 +11,7 @@ from analytic.spatial.kernel.choose import choose
 from analytic.spatial.kernel.contact import UNLIMITED, Rows, free_accelerations, least_normal, vertex_velocities
 from analytic.spatial.kernel.holding import hold_level, hold_place, hold_velocity, set_touch, take_heading, vertex_place
 from analytic.spatial.kernel.rates import contact_forces, kinetic_energy, touches_flat
-from analytic.spatial.kernel.records import Memory, Run
+from analytic.spatial.kernel.records import SECTORS, Memory, Run
 from analytic.spatial.kernel.rest import rests
 from analytic.spatial.kernel.track import note_event, note_interval
 from analytic.spatial.kernel.vectors import (
@@ -67,7 +67,12 @@ def strike(s: Run, m: Memory, rows: Rows, size: float) -> tuple[bool, bool]:
                 return True, True
             # The plastic impact is chosen by what the vertices really do, and the trial left its own in memory.
             vertex_velocities(s, m, m.y)
-    return choose(s, m, rows, to_body(rows, v0), True, size), False
+    found = False
+    for sectors in SECTORS:
+        s.sectors = sectors
+        found = found or choose(s, m, rows, to_body(rows, v0), True, size)
+    s.sectors = SECTORS[0]
+    return found, False
 
 
 @jit
@@ -160,12 +165,20 @@ def _choose_slowly(s: Run, m: Memory, dropped_m_s: float) -> bool:
     """Set a mode; False if none is possible, whatever the directions of slow vertices are."""
     if dropped_m_s > 10.0 * s.still_m_s and find_mode(s, m, dropped_m_s):
         return True
-    # What a slow vertex' direction is lies within the errors of its velocity: where no mode goes with it, others are asked. Last
-    # one whose rebound was dropped: where impacts of two vertices by turns come to their end both stand still.
-    for slower_m_s in (10.0 * s.still_m_s, s.still_m_s, 100.0 * s.still_m_s, 1000.0 * s.still_m_s, s.settle_m_s):
-        if find_mode(s, m, slower_m_s):
-            return True
-    return False
+    found = False
+    for sectors in SECTORS:
+        s.sectors = sectors
+        # What a slow vertex' direction is lies within the errors of its velocity: where no mode goes with it, others are asked.
+        # Last one whose rebound was dropped: where impacts of two vertices by turns come to their end both stand still.
+        for slower_m_s in (10.0 * s.still_m_s, s.still_m_s, 100.0 * s.still_m_s, 1000.0 * s.still_m_s, s.settle_m_s):
+            found = found or find_mode(s, m, slower_m_s)
+    s.sectors = SECTORS[0]
+    if found:
+        return True
+    # Friction of what stays only because its rebound is too small to be seen may leave no mode: then it does rebound.
+    touched = s.touching
+    _leave(s, m, PUSHED_M_S)
+    return s.touching < touched and find_mode(s, m, 10.0 * s.still_m_s)
 
 
 @jit
@@ -250,7 +263,7 @@ def collide(s: Run, m: Memory, vertex: int) -> None:
         m.impulse[i, 0], m.impulse[i, 1], m.impulse[i, 2] = to_table(rows, f)
     _audit_momentum(s, m, v0, w0, to_table(rows, total), moment)
     s.impacts += 1
-    _leave(s, m)
+    _leave(s, m, s.settle_m_s)
     settled = _settle(s, m)
     loss = before_j - kinetic_energy(s, m, m.y)
     s.impact_loss_j += loss
@@ -297,8 +310,8 @@ def _worst_cone(s: Run, m: Memory) -> float:
 
 
 @jit
-def _leave(s: Run, m: Memory) -> None:
-    """Let go of the vertices that the impact makes leave."""
+def _leave(s: Run, m: Memory, least_m_s: float) -> None:
+    """Let go of the vertices that rise faster than this."""
     vertex_velocities(s, m, m.y)
     rows = axes(m.y)
     largest = 0.0
@@ -306,7 +319,7 @@ def _leave(s: Run, m: Memory) -> None:
         largest = max(largest, length(row3(m.u, m.touch[k])))
     for k in range(s.touching):
         i = m.touch[k]
-        if dot(rows[2], row3(m.u, i)) > max(s.settle_m_s, 1e-9 * largest):
+        if dot(rows[2], row3(m.u, i)) > max(least_m_s, 1e-9 * largest):
             m.down[i] = 0
     set_touch(s, m)
 

@@ -14,8 +14,8 @@ WORK: Final = 13
 LOST: Final = 14
 MAX_VERTICES: Final = 256
 """Room for the base's vertices: a record's arrays have their sizes from the start."""
-SECTORS: Final = 48
-"""Directions in which a sign change is looked for; a second root within one sector is not seen."""
+SECTORS: Final = (48, 768)
+"""Directions between which a sign change is looked for, and where no mode is found so: of two in one sector none is seen."""
 Triples = Annotated[Floats, (MAX_VERTICES, 3)]
 Pairs = Annotated[Floats, (MAX_VERTICES, 2)]
 Scalars = Annotated[Floats, (MAX_VERTICES,)]
@@ -75,6 +75,8 @@ class Run:
     slow: bool
     """The present step is one of slow sliding."""
     outcome: int
+    sectors: int
+    """Between which directions of sliding are sought: few, or many where nothing was found (`SECTORS`)."""
     touching: int
     samples: int
     events: int
@@ -167,7 +169,7 @@ class Memory:
     """λ of the forces, and"""
     before: Annotated[Floats, (5,)]
     """the one before."""
-    across: Annotated[Floats, (SECTORS + 1,)]
+    across: Annotated[Floats, (SECTORS[1] + 1,)]
     """Response across each direction in which a vertex may begin to slide."""
     anchor: Pairs
     """Where each vertex sticks, table's frame."""

@@ -95,6 +95,20 @@ def test_a_base_of_many_vertices_rolls_over_them(vertices: int) -> None:
     assert run.gap_m.min() > -budget.IMPULSE
 
 
+@pytest.mark.parametrize("seed", [214, 222, 352, 366, 425, 663, 871, 1153, 1447, 1455])
+def test_what_friction_held_begins_to_slide_in_a_direction(seed: int) -> None:
+    """At the limit of friction the equations have two solutions side by side, or one that no start led to: none was found."""
+    rng = np.random.default_rng(seed)
+    body = drawn_body(rng, 15)
+    least = float(np.min(np.hypot(*body.vertices_m[:, :2].T))) / -float(body.vertices_m[0, 2])
+    x, y = (analytic.Harmonic(rng.uniform(1.0, 2.0) * least * 9.81, rng.uniform(2.0, 6.0)) for _ in range(2))
+    shaken = spatial.Problem(body, 0.1, rng.uniform(0.6, 1.0), None, x, y, gravity_m_s2=9.81)
+    run = spatial.solve(shaken, tolerance=1e-10, dt_out_s=0.01)
+    assert run.outcome is not spatial.Outcome.FRICTION_PARADOX
+    assert run.energy_residual < budget.AUDIT
+    assert run.gap_m.min() > -budget.IMPULSE
+
+
 def test_a_run_with_more_events_than_rows_is_repeated_with_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = spatial.solve(drawn(4), dt_out_s=0.01)
     runs: list[int] = []

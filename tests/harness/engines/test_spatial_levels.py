@@ -1,13 +1,16 @@
-"""The engine `spatial` where a level's runs do not reach their end: the next coarser level answers, and is named."""
+"""The engine `spatial` where a level's runs do not reach their end: another level answers, and is named."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
+import analytic.spatial
 from analytic.excitation import Harmonic, Pulse
-from analytic.spatial import solver
+from analytic.spatial import Certified, Problem, solver
+from analytic.spatial import Outcome as Paradox
 from harness import engines
 from harness.engines import spatial
 from harness.engines.spatial import LEVELS
@@ -52,6 +55,22 @@ def test_a_level_that_takes_too_many_steps_is_answered_by_the_next_coarser(monke
     assert run.outcome is alone.outcome
     assert run.peak_theta_rad == alone.peak_theta_rad
     assert run.numerical_uncertainty_rad == alone.numerical_uncertainty_rad
+
+
+def test_a_coarse_level_that_finds_no_motion_is_answered_by_a_finer_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    given, engine, certify = between_two_feet(), engines.load("spatial"), analytic.spatial.certify
+
+    def lost(problem: Problem, *, tolerance: float, **limits: Any) -> Certified:
+        found = certify(problem, tolerance=tolerance, **limits)
+        if tolerance < LEVELS[0][0]:
+            return found
+        return replace(found, solution=replace(found.solution, outcome=Paradox.FRICTION_PARADOX), complete=False)
+
+    monkeypatch.setattr(analytic.spatial, "certify", lost)
+    run = engine.simulate(given, engine.refinement_levels(given)[0], RunOptions())
+    assert run.settings["tolerance"] == LEVELS[1][0]
+    assert run.outcome is Outcome.OVERTURNED_RIGHT
+    assert run.work["levels_given_up"] == 1
 
 
 def test_choices_among_several_motions_are_told() -> None:
