@@ -245,11 +245,11 @@ def chosen(layers: Sequence[Json]) -> list[Json]:
     return [first | {"params": [CHOSEN]}, *rest]
 
 
-def points(data: str, looks: Mapping[str, Look], y: Json, first: bool) -> list[Json]:
-    """Lines with a disc at each of their points, from left to right; the first row of several carries the key."""
+def points(data: str, looks: Mapping[str, Look], y: Json, first: bool, joined: bool = True) -> list[Json]:
+    """A disc at each point, `joined` by lines from left to right; the first row of several carries the key."""
     drawn = {"y": y} | named(looks, legend=first)
-    # Over an axis of names the library would join the points by name.
-    line = marks("line", data, drawn, orient="vertical")
+    # Over an axis of names the library would join the points by name. Points of no size carry the key alone.
+    line = marks("line", data, drawn, orient="vertical") if joined else marks("point", data, drawn, size=0)
     return [*(chosen([line]) if first else [line]), discs(data, {"y": y} | filled(drawn))]
 
 

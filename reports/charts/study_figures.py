@@ -165,7 +165,8 @@ def _curves(models: Sequence[str], members: Sequence[Condition], key: str, say: 
     for column, height in (("theta", 180), ("slip", 140)):
         if any(value for part in parts for value in part[column]):
             rows.append((axis(column, say(f"chart.{column}"), scale={"zero": True}), height))
-    drawn = [(points("runs", looks, y, first=k == 0), height) for k, (y, height) in enumerate(rows)]
+    joined = all(len(set(part["x"])) == len(part["x"]) for part in parts)  # no line through draws of one place
+    drawn = [(points("runs", looks, y, k == 0, joined), height) for k, (y, height) in enumerate(rows)]
     return rows_of(drawn, across("x", say.label(key)), {"runs": parts})
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from reports.charts import Json
 from reports.charts.map_figures import map_axes
 from reports.charts.study_figures import curve_figures
 from reports.text.wording import Condition
@@ -17,6 +18,11 @@ def condition(value: float, other: float = 1.0) -> Condition:
     return Condition({KEY: value, OTHER: other}, {MODEL: case_row("analytic", run)})
 
 
+def lines(figure: Json) -> list[Json]:
+    """The marks of its lines."""
+    return [layer["mark"] for row in figure["vconcat"] for layer in row["layer"] if layer["mark"]["type"] == "line"]
+
+
 def test_one_axis_has_outcome_rotation_and_slip() -> None:
     cases = [condition(value) for value in (0.4, 0.2, 0.3)]
     ((words, figure),) = curve_figures([MODEL], cases, [KEY])
@@ -27,8 +33,13 @@ def test_one_axis_has_outcome_rotation_and_slip() -> None:
     assert runs["outcome"] == ["stands", "stands", "overturns left"]
     assert runs["theta"] == [0.2, 0.3, None], "of a statue that falls no rotation is told"
     assert runs["slip"] == [2.0, 3.0, None]
-    lines = [layer["mark"] for row in figure["vconcat"] for layer in row["layer"] if layer["mark"]["type"] == "line"]
-    assert {each["orient"] for each in lines} == {"vertical"}, "from left to right, over an axis of names too"
+    assert {each["orient"] for each in lines(figure)} == {"vertical"}, "from left to right, over an axis of names too"
+
+
+def test_draws_of_one_place_are_joined_by_no_line() -> None:
+    ((_, figure),) = curve_figures([MODEL], [condition(value) for value in (0.2, 0.2, 0.3, 0.4)], [KEY])
+    assert not lines(figure)
+    assert len(part(figure, "runs", MODEL)["x"]) == 4
 
 
 def test_two_axes_make_a_map_and_no_curve() -> None:
