@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from meshes import Solid, load_solid
+from meshes.inspection import inspect
 from meshes.intake import EdgeCount
+from meshes.prepare import Wanted
 from tests.budgets_meshes import CENTROID_TOLERANCE_M, FLAT_BASE_M, RESOLVED_ABS, SURVEY_ASKED_REL, SURVEY_REL
 from tests.meshes import togatus
 
@@ -33,6 +35,11 @@ def test_surveyed_numbers(statue: Solid, name: str, survey: float) -> None:
 
 def test_height(statue: Solid) -> None:
     assert statue.height_m == pytest.approx(1.46, rel=SURVEY_ASKED_REL)
+
+
+def test_its_file_is_told_as_one_part(root: Path) -> None:
+    found = inspect(root / "scenes" / "togatus.ply", Wanted(unit="m", up="z"), density_kg_m3=2700.0)
+    assert " units, 1 part; closed: " in found.facts()[0]
 
 
 def test_kept_proportions_are_the_solution() -> None:
