@@ -99,7 +99,8 @@ def _counted(mesh: RawMesh) -> str:
     edges, count = EdgeCount.of(mesh.faces), _counts(mesh)
     size = " × ".join(f"{extent:.4g}" for extent in np.ptp(mesh.vertices, axis=0))
     return (
-        f"{count['vertices']} vertices, {count['faces']} triangles, {size} units, {count['parts']} part{'s' if count['parts'] != 1 else ''};"
+        f"{count['vertices']} vertices, {count['faces']} triangles, {size} units,"
+        f" {count['parts']} part{'s' if count['parts'] != 1 else ''};"
         f" {'closed' if edges.closed else 'not closed'}: {edges.boundary} open, {edges.branching} branching,"
         f" {edges.misoriented} misoriented edges"
     )
