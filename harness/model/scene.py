@@ -466,8 +466,6 @@ class Scene(Shown):
         touching = radius > self.wall.distance_m
         if np.any(dx > self.wall.distance_m):
             return 0.0
-        if not np.any(touching):
-            return math.inf
         turn = np.arctan2(dz, dx)[touching] - np.arccos(self.wall.distance_m / radius[touching])
         # A clockwise turn lowers the polar angle: the point meets the wall where r cos(angle) = distance.
         return float(np.min(turn[turn >= 0.0], initial=math.inf))

@@ -146,6 +146,18 @@ def test_of_runs_that_state_no_error_no_other_is_asked(root: Path, monkeypatch: 
     assert with_reasons(runs, scores, TakenAway(scene))["pair"].verdict is scores["pair"].verdict
 
 
+def test_of_a_scene_that_the_plane_leaves_nothing_out_of_no_other_run_is_asked(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stated = {"numerical_uncertainty_rad": 2.5e-4, "slip_uncertainty_m": 1e-4}
+    scene, still = load_scene(root / "scenes" / "paestum_block.toml"), rest(1.0)
+    apart = replace(still, theta_rad=0.02 * still.t_s)
+    runs = {"pymunk": run_of(still, "pymunk", **stated), "pybullet": run_of(apart, "pybullet", **stated)}
+    monkeypatch.delattr(left_out, "simulate")
+    scores = {"pair": compare(runs["pymunk"], runs["pybullet"])}
+    assert with_reasons(runs, scores, TakenAway(scene))["pair"].verdict is Verdict.MODEL
+
+
 @pytest.mark.parametrize(("late_s", "verdict"), [(0.5, Verdict.PLANE), (0.0, Verdict.MODEL)])
 def test_a_cause_is_judged_where_the_difference_first_stands(
     late_s: float, verdict: Verdict, root: Path, monkeypatch: pytest.MonkeyPatch

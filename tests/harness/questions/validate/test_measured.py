@@ -200,6 +200,10 @@ def test_ratios_are_held_against_the_model_and_an_imposed_one(tmp_path: Path) ->
     # Each block by the other's mean: 0.87 − 0.69 either way.
     assert imposed[2] == pytest.approx(math.sqrt(0.18**2 + scatter**2 / 2))
     assert [row[6] for row in groups.rows] == [pytest.approx(0.01), pytest.approx(-0.02)]
+    assert [row[4] for row in groups.rows] == [pytest.approx(0.01 * math.sqrt(2)), pytest.approx(0.02 * math.sqrt(2))]
+    assert [row[7] for row in groups.rows] == [pytest.approx(scatter / math.sqrt(2))] * 2
+    once = validate_measured(ratios(tmp_path, rows[:3]), tmp_path / "once", quiet=True).tables[1]
+    assert [row[4] for row in once.rows] == [pytest.approx(0.01 * math.sqrt(2)), None], "one trial has no spread"
     page = write_report(tmp_path / "out").read_text(encoding="utf-8")
     assert "By block" in page
     assert "<td>4</td>" in page, "a count has no decimals"
