@@ -594,7 +594,7 @@ def test_a_lean_to_the_front_is_told_on_both_pages(source: RunSource) -> None:
     text = spoken(of_run(leaning))
     assert ENGLISH("run.leans", degrees=degrees, share="75", balance=balance) in text
     assert ENGLISH("reach.aside") in text
-    assert any(ENGLISH("reach.of", degrees=f"{balance}°") in each.svg for each in pictures(of_run(leaning))), "the gauge's"
+    assert any(ENGLISH("reach.of", degrees=f"{balance}°") in each.svg for each in pictures(of_run(leaning)))
     assert ENGLISH("plan.seen") not in text, "no line is dashed where it keeps within its outline"
     statue = source.scene.statue
     assert balance_share(runs[name], still[name].theta_rad, statue.slenderness_rad) == share

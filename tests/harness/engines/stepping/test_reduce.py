@@ -138,7 +138,7 @@ def test_the_wall_is_touched_where_its_rotation_says() -> None:
     run = reduce_trajectory(on, standing(0.4 * TIMES, np.full_like(TIMES, 0.4)), REPORT)
     assert run.outcome is Outcome.TOUCHES_WALL
     assert run.validity["wall_touch_time_s"] == pytest.approx(limit / 0.4, abs=1.1e-3)
-    assert replace(on, wall=Wall("right", 5.0)).wall_rotation_rad == math.inf, "no point of the silhouette reaches so far"
+    assert replace(on, wall=Wall("right", 5.0)).wall_rotation_rad == math.inf, "nothing reaches so far"
 
 
 def test_a_statue_at_rest_is_carried_by_its_weight() -> None:
