@@ -150,7 +150,8 @@ def _validity(scene: Scene, solution: Solution) -> dict[str, object]:
         "energy_gained_j": solution.energy_gained_j,
         "energy_lost_j": solution.energy_lost_j,
     }
-    if solution.outcome.value == "touches_wall":
+    # Of a wall that is yet to be touched at the run's end the time is not known.
+    if solution.outcome.value == "touches_wall" and solution.peak_time_s is not None:
         values["wall_touch_time_s"] = solution.end_s
     if limits is None:
         return values

@@ -154,7 +154,7 @@ def _record(row: Mapping[str, Any], settings: Any) -> Plain:
     validity = {name: row[name] for name in OF_VALIDITY}
     if row["on_pedestal"]:
         validity |= {name: row[name] for name in TIPPING}
-    if row["outcome"] == Outcome.TOUCHES_WALL.value:
+    if row["outcome"] == Outcome.TOUCHES_WALL.value and row["peak_time_s"] is not None:
         validity["wall_touch_time_s"] = row["end_s"]
     return {
         "engine": twoblock.TwoBlock.name,

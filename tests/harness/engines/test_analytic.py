@@ -116,6 +116,15 @@ def test_a_wall_ends_the_run(side: str) -> None:
     assert found.peak_theta_rad == pytest.approx(each.wall_rotation_rad, abs=1e-9)
 
 
+def test_a_wall_that_is_reached_after_the_end_has_no_time() -> None:
+    """The energy at the end of the run tells that the statue will touch it, not when."""
+    each = scene(PAESTUM, theta_rad=0.05, theta_rate_rad_s=0.9, wall=Wall("right", 0.55), duration_s=2.0)
+    touched_s = run(each).validity["wall_touch_time_s"]
+    short = run(replace(each, duration_s=0.5 * touched_s))
+    assert short.outcome is Outcome.TOUCHES_WALL
+    assert "wall_touch_time_s" not in short.validity
+
+
 def test_a_run_that_is_known_up_to_its_wall_is_known_to_its_end() -> None:
     """Runs of other tolerances touch it some 1e-8 s earlier or later: no part of the history lies between."""
     shaken = replace(paestum(0.429, 3.0, pedestal=False, duration_s=10.0), wall=Wall("right", 0.6))
