@@ -6,7 +6,7 @@ from __future__ import annotations
 import os
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from harness.input import paths
 from harness.input.mesh_statue import MARBLE_KG_M3, findings_of, mesh_mistake, steps_of
@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from meshes.inspection import Inspection
 
 
+MOST: Final = {"density": 1e5, "mass": 1e9, "contact-tolerance": 0.1}
+"""The greatest of each that a scene takes."""
+
+
 def inspect(file: Path, known: ScanOptions) -> Inspection:
     """Inspect a scan; raises `InputError` where it cannot be prepared."""
     from meshes import MeshError
@@ -30,6 +34,10 @@ def inspect(file: Path, known: ScanOptions) -> Inspection:
 
     if known.density_kg_m3 is not None and known.mass_kg is not None:
         raise InputError(Mistake("--density", "", "a density or a weighed mass", "both", "give one of them"))
+    given = {"density": known.density_kg_m3, "mass": known.mass_kg, "contact-tolerance": known.contact_tolerance_m}
+    for name, value in given.items():
+        if value is not None and not 0.0 < value <= MOST[name]:
+            raise InputError(Mistake(f"--{name}", "", f"more than 0 and at most {MOST[name]:g}", f"{value:g}"))
     density = known.density_kg_m3
     if density is None and known.mass_kg is None:
         density = MARBLE_KG_M3

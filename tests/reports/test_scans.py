@@ -61,6 +61,21 @@ def test_a_weighed_mass_sets_the_density(scan: Path) -> None:
     assert found.solid.density_kg_m3 == pytest.approx(2700.0 * 800.0 / MARBLE_MASS_KG, rel=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("option", "known"),
+    [
+        ("--density", {"density_kg_m3": 0.0}),
+        ("--mass", {"mass_kg": -5.0}),
+        ("--contact-tolerance", {"contact_tolerance_m": 0.5}),
+        ("--contact-tolerance", {"contact_tolerance_m": math.nan}),
+    ],
+)
+def test_what_no_scene_takes_is_a_mistake_of_its_option(scan: Path, option: str, known: dict[str, float]) -> None:
+    with pytest.raises(InputError) as error:
+        inspect(scan, ScanOptions(unit="m", up="z", **known))  # type: ignore[arg-type]
+    assert [mistake.where for mistake in error.value.mistakes] == [option]
+
+
 def test_prepare_writes_the_mesh_and_its_account(scan: Path, tmp_path: Path) -> None:
     found, account = prepare(scan, tmp_path / "made" / "statue.ply", ScanOptions(unit="m", up="z"))
     assert (tmp_path / "made" / "statue.ply").is_file()
