@@ -82,9 +82,8 @@ def answer_of(
 def _reached(horizon: HorizonRecord) -> set[str]:
     """What becomes of the statue in perturbed runs of one model."""
     reached = {outcome_family(end) for end in horizon.outcomes if end not in NOT_FOLLOWED}
-    return (
-        reached - {Outcome.UNDECIDED.value} if "overturned" in reached else reached
-    )  # it still falls as the scene ends
+    # What is undecided beside a fall still falls as the scene ends.
+    return reached - {Outcome.UNDECIDED.value} if "overturned" in reached else reached
 
 
 def counted(runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, Scores]:
