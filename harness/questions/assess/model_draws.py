@@ -414,7 +414,7 @@ def _sweep_of(scene: Scene, key: str, values: Array) -> dict[str, Array] | None:
 SPACE: Final = "spatial"
 MOST_STEPS: Final = 300_000
 """Steps of all runs together after which no draws are begun: some"""
-SPACE_S: Final = 3.0
+SPACE_S: Final = 6.0
 """seconds of one core, and"""
 RUN_STEPS: Final = 20_000
 """steps after which one run is given up: what stands or falls in a record of a minute takes a thousand at the median."""
