@@ -99,7 +99,7 @@ def _off_line_rad(run: Run) -> float:
 
 @pytest.mark.parametrize(("name", "axes"), [("pybullet", "along"), ("pybullet:plain", "fixed")])
 def test_what_slides_askew_is_held_to_other_axes(name: str, axes: str) -> None:
-    on, engine = shaken_across(paestum(0.3, 2.0, mu=0.1, duration_s=0.5)), load(name)
+    on, engine = shaken_across(paestum(0.3, 2.0, mu=0.1, duration_s=0.35)), load(name)
     settings = engine.settings_for_dt(on, 1e-3)
     runs = [engine.simulate(on, each, RunOptions()) for each in (settings, engine.sensitivity_settings(on, settings))]
     apart_m = apart(*runs, "slip_m")
