@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.input.motions.readers import read_file, read_record
+from harness.input.motions.readers import geonet, read_file, read_record
 from harness.input.motions.recordfile import ChannelOrientation
 from harness.input.motions.text import NUMERIC
 from harness.model.errors import InputError
@@ -358,3 +358,9 @@ def test_a_text_without_commas_is_not_told_to_have_decimal_ones(tmp_path: Path) 
         with pytest.raises(InputError) as error:
             read_file(path, unit="g")
         assert error.value.mistakes[0].advice == "the file is damaged"
+
+
+@pytest.mark.parametrize(("unit", "theirs"), [("mm/s/s", True), ("gal", False)])
+def test_without_its_first_line_a_file_of_geonet_is_known_by_its_unit_too(unit: str, theirs: bool) -> None:
+    lines = [*["-"] * 12, "Component S90E", f"Accelerations in {unit}", "-", "-"]
+    assert geonet.recognises("\n".join(lines)) is theirs
