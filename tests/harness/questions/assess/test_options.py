@@ -91,8 +91,8 @@ def test_swept_draws_of_an_option_are_those_of_each_scene_changed() -> None:
     scene = load_scene(SCENES / "paestum_block.toml", ["duration_s=3.0"])
     inputs = uncertain_inputs(scene)
     by_scene = [*inputs, Uncertain("pedestal.height_m", "uniform", 0.2, 1e-9)]
-    values = draw(inputs, 30, seed=1)
-    single = {**values, "pedestal.height_m": np.full(30, 0.2)}
+    values = draw(inputs, 12, seed=1)
+    single = {**values, "pedestal.height_m": np.full(12, 0.2)}
     options = made.options_of(scene)[0]
     asked = in_plane(scene, options, inputs, values), in_plane(scene, options, by_scene, single)
     for option in options:
@@ -280,7 +280,7 @@ def test_the_scene_as_it_is_has_one_probability() -> None:
     across = BaseExcitation(x=Pulse("one_sine", 0.3 * 9.81, 0.4), y=Pulse("one_sine", 0.65 * 9.81, 0.4))
     in_space = replace(scene(rectangle(0.2, 1.0, depth_m=0.3), mu_statue=0.7, duration_s=2.0), base_excitation=across)
     for given, name in ((paestum(0.429, 3.0, duration_s=3.0), "analytic"), (in_space, "spatial")):
-        record = assess(given, ["analytic"], draws=100).record
+        record = assess(given, ["analytic"], draws=40).record
         whole, row = record.answers[name], record.options.as_it_is
         assert 0.0 < whole.probability_overturned < 1.0
         assert (row.probability_overturned, row.draws) == (whole.probability_overturned, whole.draws)
