@@ -151,6 +151,12 @@ def test_a_value_at_the_end_of_its_list_is_told(inset_m: float, warned: bool) ->
     assert [(each.value, each.at_end) for each in fitted(trials, found).inputs] == [(inset_m, warned)]
 
 
+def test_of_two_values_none_is_told_to_be_an_end() -> None:
+    trials = [trial(f"a{k}", True, inset_m=(0.0, 0.01)) for k in range(3)]
+    found = choose(trials, says(lambda each, inputs: inputs.inset_m == 0.01), 0)
+    assert [(each.value, each.at_end) for each in fitted(trials, found).inputs] == [(0.01, False)]
+
+
 def test_the_scatter_is_as_wide_as_makes_the_tests_likeliest() -> None:
     """Narrow draws tell nothing, of wide ones seven in eight end as the test did."""
     trials = [trial(f"a{k}", k % 2 == 0) for k in range(40)]
