@@ -62,7 +62,7 @@ class Body(NamedTuple):
 
 
 def body_of(problem: Problem, accuracy_rad: float) -> Body:
-    """Encode a problem for runs of that accuracy; its motion is left out."""
+    """Encode a problem for runs of that accuracy, which no energy ends; its motion is left out."""
     first = Options(accuracy_rad=accuracy_rad, dt_s=None, events=False, skip_energy=False)
     cap_s = 0.5 * longest_step_s(problem.block, problem.gravity_m_s2)
     finer = replace(first, accuracy_rad=accuracy_rad * SECOND_RUN_SHARE, step_cap_s=cap_s, validity=False)

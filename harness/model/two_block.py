@@ -103,6 +103,6 @@ def keywords(scene: Scene) -> CommonKeywords:
         "gravity_m_s2": scene.gravity_m_s2,
         "wall": wall_of(scene),
         "overturn_rad": OVERTURN_RAD,
-        # A run that its energy ends does not say what leaves the model's domain later (so, too, in `analytic.sweep.body_of`).
+        # A run that its energy ends does not say what leaves the model's domain later.
         "skip_energy": False,
     }

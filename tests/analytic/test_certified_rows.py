@@ -47,7 +47,7 @@ def test_rows_are_certified_as_single_runs() -> None:
     rows = certify_rows(bodies, np.arange(CASES), [motions for _, motions, _ in cases], ACCURACY_RAD)
     warned = 0
     for k, (block, motions, keywords) in enumerate(cases):
-        given: CommonKeywords = {**keywords, "dt_s": None}
+        given: CommonKeywords = {**keywords, "dt_s": None, "skip_energy": False}
         single = certify(block, *motions, accuracy_rad=ACCURACY_RAD, base_accuracy_rad=ACCURACY_RAD, **given)
         row = rows.certified(k)
         stated = rows.uncertainty_rad[k], rows.slip_uncertainty_m[k], rows.reliable_until_s[k]
