@@ -69,6 +69,19 @@ def test_what_is_the_statue_s_own_is_kept_when_told(bodies: dict[str, RawMesh]) 
         scans.inspect(Path("any.ply"), ScanOptions(cut_beyond="north"))
 
 
+def test_a_cut_through_vertices_is_closed_like_any_other() -> None:
+    """A drum of 48 sides cut where a column of its vertices stands, as a file in single precision has it."""
+    angles = np.arange(48) * np.pi / 24.0
+    ring = 0.2 * np.column_stack([np.cos(angles), np.sin(angles)])
+    vertices, faces = loft(np.stack([np.column_stack([ring, np.full(48, height)]) for height in (0.0, 1.2)]))
+    drum = RawMesh(vertices.astype(np.float32).astype(np.float64), faces, "drum")
+    through, beside = (
+        prepare_mesh(drum, Wanted(unit="m", up="z", cut_beyond=(0.0, distance_m))).solid(density_kg_m3=1.0).mass_kg
+        for distance_m in (0.1, 0.1 + 1e-5)
+    )
+    assert through == pytest.approx(beside, rel=CUT_VOLUME_REL)
+
+
 def test_a_statue_alone_raises_no_alarm(statue: Solid) -> None:
     vertices, faces = np.array(statue.vertices_m), np.array(statue.faces)
     for angle in (0.0, 0.3, 1.1):
