@@ -18,7 +18,7 @@ from harness.model.history import Outcome
 from harness.model.scene import BaseExcitation, Initial, Pedestal
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.assess import Assessment
-from harness.records.run import balance_share, has_answer
+from harness.records.run import HorizonRecord, balance_share, has_answer
 from harness.records.scores import Verdict
 from harness.records.study import SupportRecord
 from reports.drawing.display_mesh import silhouette_m
@@ -492,6 +492,14 @@ def test_what_follows_a_fall_is_no_doubt_of_the_distances(source: RunSource) -> 
         record = replace(source.record, runs=ends, horizons=None)
         text = spoken(of_run(replace(source, record=record)))
         assert (ENGLISH("run.inexact", time="2") in text) is said
+
+
+def test_rocking_is_called_sensitive_only_where_its_horizon_ends_before_the_run(source: RunSource) -> None:
+    whole_s = source.scene.duration_s
+    for until_s, said in ((0.5 * whole_s, True), (whole_s, False)):
+        horizon = HorizonRecord(0.01, whole_s, (1e-6,), (until_s,), None, (Outcome.STANDS,), 0, until_s)
+        text = spoken(of_run(replace(source, record=replace(source.record, horizons={"analytic": horizon}))))
+        assert (ENGLISH("run.unpredictable", time=ENGLISH.short(until_s, 2)) in text) is said
 
 
 @pytest.mark.parametrize(
