@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -10,9 +11,11 @@ from harness.model.finding import Severity
 from harness.questions.assess.answer import answer_of, findings_of
 from harness.questions.assess.assessment import assess
 from harness.records.assess import Assessment, AssessRecord, Index, ProbabilityDifference
+from reports.blocks import Table
 from reports.messages import ENGLISH
-from reports.pages.assess_page import assess_verdict
+from reports.pages.assess_page import assess_verdict, blocks
 from reports.text.wording import tone_of_probability, worse_tone
+from tests.reports.page_parts import cell_text, every
 from tests.scenes_for_tests import paestum
 
 
@@ -88,6 +91,13 @@ def test_answer_and_findings_name_what_helps_what_room_it_needs_and_what_decides
     near = replace(record, indices={**inputs, "motion.scale": Index(0.1, 0.09, 0.71)})
     (decides,) = (each for each in findings_of(near) if each.code == "decisive_input")
     assert decides.values["equal"] == ["motion.scale"]
+
+
+def test_every_option_that_was_compared_stands_in_a_table(shaken: AssessRecord, tmp_path: Path) -> None:
+    names = {ENGLISH.word(each.name) for each in shaken.options.options}
+    for record, there in ((shaken, names), (replace(shaken, options=None), set())):
+        tables = every(blocks(tmp_path, record, ENGLISH), Table)
+        assert names & {cell_text(row[0]) for each in tables for row in each.rows} == there
 
 
 @pytest.mark.parametrize(("p", "high", "colour"), [(0.01, 0.02, "agree"), (0.3, 0.32, "differ"), (0.9, 0.95, "failed")])
