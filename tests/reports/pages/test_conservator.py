@@ -588,7 +588,7 @@ def test_a_statue_that_slides_on_its_support_is_not_said_to_keep_still(
     assert max(floor_plan(source, ["pymunk"]).room_m.values()) == pytest.approx(slid_m, abs=SAMPLED_M)
 
 
-def test_a_lean_to_the_front_is_told_on_both_pages(source: RunSource) -> None:
+def test_a_lean_to_the_front_is_told_on_both_pages(source: RunSource, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a model in space its largest lean in any direction counts, against the angle at which it balances there."""
     name = next(iter(source.histories))
     lean_rad, share = 0.9 * source.scene.statue.slenderness_rad(1), 0.75
@@ -599,7 +599,13 @@ def test_a_lean_to_the_front_is_told_on_both_pages(source: RunSource) -> None:
     leaning = replace(source, record=replace(source.record, runs=runs, assessment=None), histories=still)
     degrees = ENGLISH.digits(math.degrees(lean_rad), 2)
     balance = ENGLISH.digits(math.degrees(lean_rad / share), 2)
+    drawn, whole = [], conservator.reach_svg
+    monkeypatch.setattr(conservator, "reach_svg", lambda *given: drawn.append(given) or whole(*given))
     text = spoken(of_run(leaning))
+    side = min((1, -1), key=source.scene.statue.slenderness_rad)
+    assert drawn[0][2] == [side * source.scene.statue.slenderness_rad(side)], (
+        "in the plane it balances on its weaker side"
+    )
     assert ENGLISH("run.leans", degrees=degrees, share="75", balance=balance) in text
     assert ENGLISH("reach.aside") in text
     assert any(ENGLISH("reach.of", degrees=f"{balance}°") in each.svg for each in pictures(of_run(leaning)))
