@@ -279,3 +279,10 @@ def test_a_unit_against_the_header_that_is_skipped_is_refused(tmp_path: Path) ->
         read_file(path, unit="g", layout=Layout(skip_lines=1, time_column=1))
     assert [(each.key, each.got) for each in error.value.mistakes] == [("N (m/s2)", "g")]
     assert read_file(path, unit="m/s2", layout=Layout(skip_lines=1, time_column=1)).unit == "m/s2"
+
+
+def test_a_single_column_of_decimal_commas_is_one_number_a_line(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    path.write_text("\n".join(f"0,{k:02d}" for k in range(20)))
+    (channel,) = read_file(path, unit="g", layout=Layout(dt_s=0.01)).channels
+    np.testing.assert_allclose(channel.accel_m_s2, 0.01 * G_M_S2 * np.arange(20))
