@@ -336,6 +336,7 @@ def test_the_baseline_is_fitted_on_its_share_or_on_the_others() -> None:
     apart = score_baseline(trials[::2], trials[1::2], shaking)
     assert apart.threshold_m_s == pytest.approx(0.6)
     assert apart.outcomes.accuracy.value == 1.0
+    assert {row.accuracy.value for row in apart.by_intensity if row.tests} == {1.0}
     alone = score_baseline([], trials, shaking)
     assert "all tests but" in alone.fitted_on
     # Left out, the weakest that fell leaves a threshold halfway between 0.59 and 0.8, just below its 0.7.
