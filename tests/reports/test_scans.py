@@ -20,6 +20,7 @@ from reports.cli.scans import MARBLE_KG_M3, inspect, new, prepare
 from reports.messages import ENGLISH
 from reports.terminal import scan_lines
 from tests.doubles import codes
+from tests.harness.input.motions import writers
 from tests.meshes import toadstool
 from tests.scenes_for_tests import rectangle
 from tests.scenes_for_tests import scene as scene_of
@@ -209,6 +210,13 @@ def test_new_takes_a_record_that_no_reader_knows(scan: Path, tmp_path: Path) -> 
     around = SupportOptions(motion_unit="g")
     scene = load_scene(new(scan, text, tmp_path / "any.toml", ScanOptions(unit="m", up="z"), around, layout)[0])
     assert scene.base_excitation.x.peak_m_s2 == pytest.approx(0.1 * STANDARD_GRAVITY_M_S2, rel=1e-3)
+
+
+@pytest.mark.parametrize("offset_m_s2", [0.0, 0.02])
+def test_new_offers_what_cures_a_record_that_drifts(scan: Path, tmp_path: Path, offset_m_s2: float) -> None:
+    record = writers.at2(tmp_path / "a.AT2", writers.wave(2000) + offset_m_s2, 0.01, "090")
+    made = new(scan, record, tmp_path / "any.toml", ScanOptions(unit="m", up="z"))[0]
+    assert ("integrated, the record drifts" in made.read_text(encoding="utf-8")) is (offset_m_s2 > 0.0)
 
 
 @pytest.mark.parametrize(
