@@ -26,7 +26,7 @@ from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
 from tests.measures.seeded_scenes import random_scene
 
-SCENES: Final = 300
+SCENES: Final = 420
 FIRST_SEED: Final = 770_000
 """Seeds from here on were used for nothing else."""
 DRAWS: Final = 4000
@@ -35,6 +35,8 @@ FACTORS: Final = tuple(float(value) for value in np.geomspace(0.25, 8.0, 101))
 """Strengths among which the one is sought at which the nominal run begins to fall: 3.5 % apart."""
 SPREAD: Final = 0.2
 """Logarithmic spread of the factor on that strength: twice the assumed uncertainty of a strength, so that all bins are filled."""
+LEFT: Final = 0.05
+"""Share of the draws that the model may leave undecided (its statue slides, say) for its probability to be one."""
 OBSERVER: Final = "pymunk:plain"
 MODULE: Final = "tests.measures.calibration"
 
@@ -46,6 +48,7 @@ class CalibrationRow(SeededRow):
     seed: int
     engine: str
     probability: float
+    undecided: float
     fell: bool | None
 
     @property
@@ -67,22 +70,29 @@ def row_of(seed: int, engine: str) -> CalibrationRow:
     """One scene: what the model says of its draws, what the engine does in one more."""
     scene = shaken(seed)
     inputs = uncertain_inputs(scene)
-    probability = model_draws(scene, draw(inputs, DRAWS, seed)).probability
+    told = model_draws(scene, draw(inputs, DRAWS, seed))
+    undecided = 1.0 - float(told.decided.mean())
     # A draw of its own: another seed than those behind the probability.
     true = varied(scene, row(draw(inputs, 1, seed + FIRST_SEED), 0))
     overturned = overturns(DrawnRun(engine, true)).record["overturned"]
-    return CalibrationRow(seed, engine, probability, None if overturned is None else bool(overturned))
+    fell = None if overturned is None else bool(overturned)
+    return CalibrationRow(seed, engine, told.probability, undecided, fell)
+
+
+def judged(rows: Sequence[CalibrationRow]) -> list[CalibrationRow]:
+    """The scenes of which the model has a probability and the engine an outcome."""
+    return [item for item in rows if item.fell is not None and item.undecided <= LEFT]
 
 
 def diagram(rows: Sequence[CalibrationRow]) -> list[ReliabilityBin]:
-    """The reliability diagram of the scenes that the engine decided."""
-    known = [item for item in rows if item.fell is not None]
+    """The reliability diagram of the scenes that model and engine decided."""
+    known = judged(rows)
     return reliability([item.probability for item in known], [bool(item.fell) for item in known])
 
 
 def text(rows: Sequence[CalibrationRow]) -> str:
     """The table in Markdown, and a sentence on every bin together."""
-    known = [item for item in rows if item.fell is not None]
+    known = judged(rows)
     bins = diagram(rows)
     heads = ["P said", "scenes", "mean P", f"share that {FELL}", "band of true ones, 95 %", "within"]
     lines = [
@@ -98,7 +108,9 @@ def text(rows: Sequence[CalibrationRow]) -> str:
     ]
     seeds = [item.seed for item in rows]
     score = brier([item.probability for item in known], [bool(item.fell) for item in known])
-    first = f"Seeds {min(seeds)} to {max(seeds)}, observed by `{rows[0].engine}`, which decided {len(known)} of {len(rows)}:"
+    left = sum(item.undecided > LEFT for item in rows)
+    told = f"{len(known)} of {len(rows)}; of {left} the model leaves more than {100.0 * LEFT:g} % of the draws undecided"
+    first = f"Seeds {min(seeds)} to {max(seeds)}, observed by `{rows[0].engine}`; judged are {told}:"
     last = f"{sum(item.holds for item in bins)} of {len(bins)} bins lie within their band. Brier's score {score:.3f}."
     return f"{first}\n\n{table(heads, lines)}\n\n{last}"
 
