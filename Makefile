@@ -40,7 +40,8 @@ report: $(STAMP) ## run the main job and say where the report is
 test: $(STAMP) ## pass the tests
 	@# Compiled once here, not once in each of the processes below.
 	@$(COMPILE_PLANE) & plane=$$!; $(COMPILE_SPACE) && wait $$plane
-	@$(PY) -m pytest -q -n auto --dist worksteal -m "not measures"
+	@# Half as many processes again as cores: browsers, kills and limits are waited for, a sixth of the time.
+	@$(PY) -m pytest -q -n $$($(PY) -c "import os; print((os.cpu_count() or 1) * 3 // 2)") --dist worksteal -m "not measures"
 
 fast: $(STAMP) ## pass the fast tests: no engine runs but single steps, under a minute
 	@$(PY) -m pytest -q -m fast $$(cat tests/fast.txt)

@@ -109,7 +109,9 @@ def text(rows: Sequence[CalibrationRow]) -> str:
     seeds = [item.seed for item in rows]
     score = brier([item.probability for item in known], [bool(item.fell) for item in known])
     left = sum(item.undecided > LEFT for item in rows)
-    told = f"{len(known)} of {len(rows)}; of {left} the model leaves more than {100.0 * LEFT:g} % of the draws undecided"
+    told = (
+        f"{len(known)} of {len(rows)}; of {left} the model leaves more than {100.0 * LEFT:g} % of the draws undecided"
+    )
     first = f"Seeds {min(seeds)} to {max(seeds)}, observed by `{rows[0].engine}`; judged are {told}:"
     last = f"{sum(item.holds for item in bins)} of {len(bins)} bins lie within their band. Brier's score {score:.3f}."
     return f"{first}\n\n{table(heads, lines)}\n\n{last}"
