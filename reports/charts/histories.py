@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from harness.questions.scene.answer import STILL_RAD
 from harness.records.scene import StatueRecord
 from reports.charts import Json
 from reports.charts.figure import (
@@ -233,7 +234,8 @@ def _views(source: RunSource) -> Json:
 
 
 def _padded(low: float, high: float) -> list[float]:
-    margin = 0.08 * (high - low) or 0.01
+    # What is at rest is drawn so, not as the rounding that moves it.
+    margin = 0.08 * (high - low) if high - low > STILL_RAD else 0.01
     return [low - margin, high + margin]
 
 

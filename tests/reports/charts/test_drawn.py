@@ -57,6 +57,16 @@ def test_the_words_at_a_balance_point_have_room(source: RunSource) -> None:
     assert high - right_rad > 0.05 * (high - low)
 
 
+def test_rounding_of_a_statue_at_rest_is_no_rotation_to_be_seen(source: RunSource) -> None:
+    """A chart of ± 1e-10 rad filled its height, and its axis was of sixteen digits."""
+    still = {
+        name: replace(each, theta_rad=1e-10 * each.theta_rad / np.abs(each.theta_rad).max())
+        for name, each in source.histories.items()
+    }
+    low, high = histories_figure(replace(source, histories=still))["usermeta"]["views"]["near"]
+    assert [-low, high] == pytest.approx([0.01, 0.01], rel=0.01)
+
+
 def points(drawn: str) -> np.ndarray[Any, Any]:
     """The points of the one curve."""
     path = re.search(rf'd="M([^"]+)" stroke="{COLOUR}"', drawn.split("mark-line", 1)[1])
