@@ -136,7 +136,7 @@ def _frames(source: RunSource, solid: str, window_s: tuple[float, float], chart:
             shade = np.round(bright * (0.35 + 0.65 * np.clip(normals[order] @ SUN, 0.0, 1.0))).astype(int)
             for points, grey in zip(place(posed[k])[corners[order]], shade, strict=True):
                 draw.polygon(points.ravel().tolist(), fill=STONES[grey])
-        label = f"{t:5.2f} s   {solid}: {theta_rad[k]:+.3f} rad"
+        label = f"{t:5.2f} s   {solid}: {round(float(theta_rad[k]), 3) + 0.0:+.3f} rad"
         if ghost is not None:
             draw.polygon(place(other[k]).ravel().tolist(), outline=look(ghost, list(source.runs)).colour)
             label += f"   outline: {ghost}"
