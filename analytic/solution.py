@@ -172,6 +172,11 @@ def _event(given: tuple[Any, ...]) -> Event:
     return Event(time_s, KINDS[kind], pivot if pivot >= 0 else None, *rest)
 
 
+def peak_is_ahead(energy_endings: Any, peak_time_s: Any, end_s: Any) -> Any:
+    """Whether the largest rotation is yet to come at a run's end, as its energy tells: of numbers, or of arrays of them (n,)."""
+    return (energy_endings > 0) & (peak_time_s == end_s)
+
+
 @final
 @dataclass(frozen=True, eq=False)
 class Solution:
@@ -235,7 +240,7 @@ class Solution:
     @property
     def peak_time_s(self) -> float | None:
         """When it was; None where it is yet to come, as the energy at the run's end tells."""
-        ahead = self.counts.energy_endings > 0 and self.results.peak_time_s == self.end_s
+        ahead = peak_is_ahead(self.counts.energy_endings, self.results.peak_time_s, self.end_s)
         return None if ahead else self.results.peak_time_s
 
     @property

@@ -216,7 +216,7 @@ def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
         peak = "–"
     elif lean_rad < STILL_RAD:
         peak = "0°"
-    elif number(run.validity, "left_domain_s", math.inf) < (run.end_s if run.peak_time_s is None else run.peak_time_s):
+    elif number(run.validity, "left_domain_s", math.inf) < run.peaks_until_s:
         peak = f"({peak})"
     known = "–"
     if run.numerical_uncertainty_rad is not None and run.reliable_until_s is not None:

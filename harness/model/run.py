@@ -214,6 +214,11 @@ class Run(RunRow, Shown):
         return len(self.impact_times_s) or int(self.work.get("impacts", 0))
 
     @property
+    def peaks_until_s(self) -> float:
+        """When its rotation was largest; its end where that is yet to come."""
+        return self.end_s if self.peak_time_s is None else self.peak_time_s
+
+    @property
     def bounded_until_s(self) -> float:
         """Until when its stated numerical errors hold; to its end where none is stated, or but rounding is left."""
         until_s = self.end_s if self.reliable_until_s is None else self.reliable_until_s

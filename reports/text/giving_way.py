@@ -15,7 +15,7 @@ from harness.model.finding import Finding, info
 from harness.records.run import falls
 from harness.records.scene import PushRecord, SceneRecord
 from harness.records.study import StudyRecord, SupportRecord
-from harness.records.trust import Saved
+from harness.records.trust import Saved, knows_most
 from harness.statics.standstill import tipping_of_pedestal
 from meshes.footprint import reach_m
 from reports.blocks import Chart
@@ -63,7 +63,7 @@ def pedestal_effect(
         return None
     shape = section(record.scene)
     counted = {name: _saved(cases, name) for name in models}
-    model = max(models, key=lambda name: counted[name].total)
+    model = knows_most(counted, models[0]) or models[0]
     told = info("pedestal_saves", model=model, **vars(counted[model]))
     if pace is None:
         return told, []

@@ -153,7 +153,7 @@ def _lean(scene: Scene, known: Mapping[str, Run]) -> dict[str, Any]:
     for name, until_s in known_until_s(known).items():
         run = known[name]
         theta_rad = np.array([run.peak_theta_rad]) if run.history is None else run.history.theta_rad
-        if (run.end_s if run.peak_time_s is None else run.peak_time_s) > until_s:
+        if run.peaks_until_s > until_s:
             theta_rad = np.zeros(1) if run.history is None else run.history.until(until_s).theta_rad
             run = replace(run, peak_theta_rad=float(np.abs(theta_rad).max()), validity={})
         peaks.append(peak_lean_rad(run))

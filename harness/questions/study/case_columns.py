@@ -9,7 +9,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.solution import LEFT_BY, OUTCOMES
+from analytic.solution import LEFT_BY, OUTCOMES, peak_is_ahead
 from analytic.sweep import CertifiedRows, certify_rows
 from harness.engines import analytic as twoblock
 from harness.engines.base import RELIABLE_RAD
@@ -86,8 +86,7 @@ def _numbers(rows: CertifiedRows, slenderness_rad: NDArray[np.float64], pedestal
     states, results, counts = rows.first.states, rows.first.results, rows.first.counts
     signed = results["peak_theta_rad"]
     peak = np.abs(signed)
-    # Of a peak that the energy at the run's end tells the time is not known.
-    ahead = (counts["energy_endings"] > 0) & (results["peak_time_s"] == states["time_s"])
+    ahead = peak_is_ahead(counts["energy_endings"], results["peak_time_s"], states["time_s"])
     falls = np.isin(states["outcome"], [k for k, item in enumerate(OUTCOMES) if Outcome(item.value).overturned])
     columns: Columns = {name: np.full(peak.size, value) for name, value in NUMBERS.items()}
     columns |= {

@@ -55,6 +55,7 @@ from harness.records.trust import (
     TrustMap,
     TrustRecord,
     TrustSummary,
+    knows_most,
 )
 from harness.runs.execute import Campaign
 from harness.runs.progress import LESS_STORED, duration_words, progress
@@ -496,12 +497,6 @@ def falls(cell: TrustCell, name: str) -> bool | None:
     return None if end not in ("overturned", "stands") else end == "overturned"
 
 
-def _knows_most(saved: Mapping[str, Saved]) -> str | None:
-    """The model that knows what becomes of the statue under most conditions, of several the analytic one: on a pedestal that tips
-    it knows next to nothing."""
-    return max(saved, key=lambda name: (saved[name].total, name == MODEL), default=None)
-
-
 def answer_of(plane: Plane, names: Sequence[str], maps: Sequence[TrustMap], saved: Mapping[str, Saved]) -> Answer:
     """The headline: up to which strength the model holds, whether space was asked of a scan, the shares of the plane,
     and what the pedestal saves.
@@ -520,7 +515,7 @@ def answer_of(plane: Plane, names: Sequence[str], maps: Sequence[TrustMap], save
         told.append(info("trust_shares", where=where, shares=shares, **over, **every_hz))
     planar = all(engines.load(name).capabilities.dimensions == PLANAR for name in names)
     alone = [caution("trust_in_plane")] if planar and not plane.scene.planar else []
-    first = _knows_most(saved)
+    first = knows_most(saved, MODEL)
     pedestal = [] if first is None else [info("pedestal_saves", model=first, **vars(saved[first]))]
     return Answer("refuted" if refuted else "trust_map", [*refuted[:1], *held, *alone, *pedestal, *told])
 
@@ -530,7 +525,7 @@ def findings_of(
 ) -> list[Finding]:
     """What the maps rest on, why models left their domain or the plane is not enough, and what the pedestal saves by engines."""
     some = summary.whole if summary.whole < summary.asked else None
-    checks, first = {"checked": summary.checked, "changed": summary.changed, "seed": seed}, _knows_most(saved)
+    checks, first = {"checked": summary.checked, "changed": summary.changed, "seed": seed}, knows_most(saved, MODEL)
     found = [
         info("trust_asked", points=summary.points, asked=summary.asked, some=some),
         caution("trust_checked", **checks) if summary.changed else info("trust_checked", **checks),
