@@ -47,15 +47,16 @@ class Assessment:
 
 
 def worst(answers: Mapping[str, Assessment]) -> str:
-    """The model by which a fall is the most probable, a draw without an end taken for one: a few sampled draws widen an interval,
-    and make no fall. Of equal ones the one that knows all of the shaking, then that of the higher limit.
+    """The model by which a fall is the most probable, of those that know all of the shaking where one of them tells: a draw without
+    an end is taken for one, a few sampled draws widen an interval and make no fall. Of equal ones that of the higher limit.
     """
 
-    def probable(name: str) -> tuple[float, bool, float]:
+    def probable(name: str) -> tuple[float, float]:
         item = answers[name]
-        return item.probability_overturned + item.undecided, not item.plane_only, item.high
+        return item.probability_overturned + item.undecided, item.high
 
-    return max(answers, key=probable)
+    whole = [name for name, item in answers.items() if item.tells and not item.plane_only]
+    return max(whole or answers, key=probable)
 
 
 @dataclass(frozen=True)

@@ -459,9 +459,9 @@ def test_shaking_that_the_plane_leaves_out_is_told_only_of_a_number_without_it(s
     for answers, said in (
         ({"analytic": plane}, (True, True)),
         ({"analytic": plane, "spatial": space}, (False, False)),
-        # Of equal shares that of the model that knows all of the shaking is told, whatever their limits.
-        ({"analytic": replace(plane, high=0.02), "spatial": space}, (False, False)),
-        ({"analytic": replace(plane, probability_overturned=0.005), "spatial": space}, (True, False)),
+        # That of the model that knows all of the shaking is told where it tells, whatever the other's.
+        ({"analytic": replace(plane, probability_overturned=0.005), "spatial": space}, (False, False)),
+        ({"analytic": plane, "spatial": replace(space, undecided=0.9, high=0.91)}, (False, False)),
     ):
         text = spoken(of_run(replace(source, record=replace(source.record, assessment=answers))))
         assert (missing in text, how in text) == said

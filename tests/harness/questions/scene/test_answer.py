@@ -197,11 +197,20 @@ def test_a_probability_of_a_run_is_about_and_undecided_draws_widen_it() -> None:
     assert said["probability_open"].values["planar"] == ["in_plane"]
 
 
-def test_the_probability_told_is_of_the_model_by_which_more_draws_fall_not_of_the_wider_interval() -> None:
+def test_the_probability_told_is_of_the_model_that_knows_all_of_the_shaking_where_it_tells() -> None:
     few = Assessment(0.0, 0.0, 0.073, 0.9, 10_000, 10_000, plane_only=True, left_domain=0.88, sampler="b", sampled=22)
     space = Assessment(0.052, 0.038, 0.0705, 0.9, 519, 519)
-    for planar, model in ((few, "spatial"), (replace(few, undecided=0.06, high=0.13), "analytic")):
-        _, said = told(run("a"), run("b"), assessment={"analytic": planar, "spatial": space})
+    more, open_ = replace(few, probability_overturned=0.96, high=0.97), replace(space, undecided=0.9, high=0.98)
+    whole = replace(few, plane_only=False)
+    for planar, exact, model in (
+        (few, space, "spatial"),
+        (more, space, "spatial"),
+        (more, open_, "analytic"),
+        # Where both know all of it: of the one by which more draws fall, not of the wider interval.
+        (whole, space, "spatial"),
+        (replace(whole, undecided=0.06, high=0.13), space, "analytic"),
+    ):
+        _, said = told(run("a"), run("b"), assessment={"analytic": planar, "spatial": exact})
         assert {each.values["model"] for code, each in said.items() if code.startswith("probability")} == {model}
 
 
