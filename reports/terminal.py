@@ -83,12 +83,12 @@ def _block(shown: Table | None) -> list[str]:
 
 def _study_rows(record: StudyRecord, verbose: bool) -> list[str]:
     """How many runs of each model ended how."""
-    from reports.text.wording import family
+    from reports.text.wording import told_family
 
     ends: dict[str, Counter[str]] = {}
     for row in record.rows:
         if row.run is not None:
-            kind = "other" if outside_domain(row.run) else family(row.run.outcome)
+            kind = told_family(row.run)
             ends.setdefault(row.model, Counter())[kind] += 1
     kinds = list(dict.fromkeys(kind for count in ends.values() for kind in count))
     cells = [[model, str(count.total()), *(str(count[kind]) for kind in kinds)] for model, count in ends.items()]

@@ -47,7 +47,7 @@ class Assessment:
 
 
 def worst(answers: Mapping[str, Assessment]) -> str:
-    """The model by which a fall is the most probable, of those that know all of the shaking where one of them tells: a draw without
+    """The model by which a fall is the most probable, of those that know all of the shaking where one tells: a draw without
     an end is taken for one, a few sampled draws widen an interval and make no fall. Of equal ones that of the higher limit.
     """
 

@@ -40,7 +40,7 @@ from reports.charts.figure import (
     upwards,
 )
 from reports.messages import ENGLISH, Language
-from reports.text.wording import Condition, family, symbol
+from reports.text.wording import Condition, told_family, told_symbol
 
 COLOURS: Final = {
     "none": "#ffffff", "stands": "#bfe0ee", "other": "#b9bec6", "wall": "#E69F00", "overturns": "#c8562d", "failed": "#000000",
@@ -129,9 +129,9 @@ def _grid(
     codes = np.full((len(y[1]), len(x[1])), "none", dtype=object)
     tips = np.full(codes.shape, say("text.not_sent"), dtype=object)
     for place, runs in samples.items():
-        most, count = Counter(run.outcome for run in runs).most_common(1)[0]
-        codes[place] = family(most)
-        words, peak = symbol(most, say)[1], max(float(run.peak_theta_rad) for run in runs)
+        ends = Counter((told_family(run), told_symbol(run, say)[1]) for run in runs)
+        (codes[place], words), count = ends.most_common(1)[0]
+        peak = max(float(run.peak_theta_rad) for run in runs)
         key = "chart.peak" if len(runs) == 1 else "chart.in_some"
         tips[place] = say(key, what=words, peak=f"{peak:.3f}", count=count, total=len(runs))
     known = {place: str(codes[place]) for place in samples}

@@ -41,7 +41,7 @@ from reports.charts.map_figures import LEAST, grouped, map_axes, number_map, num
 from reports.drawing.effects_figures import RoseCurve, rose_of
 from reports.drawing.shapes import Picture
 from reports.messages import ENGLISH, Language
-from reports.text.wording import Condition, runs_of, symbol
+from reports.text.wording import Condition, runs_of, told_symbol
 
 # Maps of numbers: how far the statue rotates and its pedestal slides over what varies, and where the pedestal would tip.
 
@@ -154,7 +154,7 @@ def _curves(models: Sequence[str], members: Sequence[Condition], key: str, say: 
     parts: list[Json] = [
         {
             "name": model, "x": [float(item.varied[key]) for item, _ in runs],
-            "outcome": [symbol(run.outcome, say)[1] for _, run in runs],
+            "outcome": [told_symbol(run, say)[1] for _, run in runs],
             "theta": [abs(run.peak_theta_rad) if run.outcome == "stands" else None for _, run in runs],
             "slip": [1e3 * run.peak_slip_m if run.outcome == "stands" else None for _, run in runs],
         }

@@ -18,7 +18,7 @@ from harness.model.scene import base_shift_m
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import MOSTLY, Assessment, worst
 from harness.records.effects3d import EffectsRecord
-from harness.records.run import RunRecord, outside_domain, own_moves, peak_slip_m, tips_s, unconfirmed
+from harness.records.run import RunRecord, own_moves, peak_slip_m, tips_s, unconfirmed
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import StudyRecord, StudyRow, SupportRecord, Value
 from harness.statics.standstill import tipping_of_pedestal
@@ -49,6 +49,7 @@ from reports.text.wording import (
     prediction_s,
     runs_of,
     tilt_rad,
+    told_family,
     tone,
     tone_of_study,
     varying_keys,
@@ -627,8 +628,7 @@ def _borne(cases: Sequence[Condition], key: str) -> float | None:
     """The strongest level of the shaking up to which the statue stood in every situation and every model; None without one."""
     ends: dict[float, set[str]] = {}
     for item in cases:
-        runs = [row.run for row in item.answers.values() if row.run is not None]
-        answered = {"other" if outside_domain(run) else family(run.outcome) for run in runs}
+        answered = {told_family(row.run) for row in item.answers.values() if row.run is not None}
         ends.setdefault(abs(float(item.varied[key])), set()).update(answered)
     safe = itertools.takewhile(lambda level: ends[level] == {"stands"}, sorted(level for level in ends if ends[level]))
     return max(safe, default=None)
@@ -752,7 +752,7 @@ def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list
 
 def _severity(row: StudyRow) -> int:
     """Place of what a row says among `SEVERE`; nothing computed is the least."""
-    return -1 if row.run is None else SEVERE.index(family(row.run.outcome))
+    return -1 if row.run is None else SEVERE.index(told_family(row.run))
 
 
 def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> list[Block]:

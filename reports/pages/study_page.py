@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
+from harness.records.run import outside_domain
 from harness.records.study import StudyRecord, StudyRow
 from reports.blocks import (
     Block,
@@ -49,6 +50,8 @@ from reports.text.wording import (
     runs_of,
     symbol,
     symbols,
+    told_family,
+    told_symbol,
     tone_of_study,
     varying_keys,
 )
@@ -153,7 +156,7 @@ def study_charts(
 def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], say: Language) -> Verdict:
     """The record's answer; no green without a probability."""
     keys = [key for key in record.vary if key in varying_keys(cases)]
-    ends = [family(run.outcome) for model in models for _, run in runs_of(cases, model)]
+    ends = [told_family(run) for model in models for _, run in runs_of(cases, model)]
     tone = tone_of_study(ends) if code(record) == "overturning" else "differ"
     return verdict(record, tone, [say.say(each) for each in best_designs(models, cases, map_axes(cases, keys))])
 
@@ -165,7 +168,7 @@ def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str
         by_variant: dict[str, set[str]] = {}
         for model in models:
             run = item.run(model)
-            if run is not None:
+            if run is not None and not outside_domain(run):
                 kind = family(run.outcome)
                 end = kind if kind == "overturns" else symbol(run.outcome, say)[1]
                 by_variant.setdefault(model.partition(" (")[2], set()).add(end)
@@ -181,7 +184,7 @@ def _answer(row: StudyRow | None, say: Language) -> Cell:
         sign, words = symbols(say)[-1]
         return Cell("", "o-none", words if row is None else say.word(str(row.reason)), sign, words)
     run = row.run
-    sign, words = symbol(run.outcome, say)
+    sign, words = told_symbol(run, say)
     stood = run.outcome == "stands" and run.peak_theta_rad is not None
     told = {
         "peak": abs(run.peak_theta_rad) if stood else None,
@@ -189,4 +192,4 @@ def _answer(row: StudyRow | None, say: Language) -> Cell:
         "error": run.numerical_uncertainty_rad,
     }
     known = [say(f"text.tip_{name}", value=say.digits(value, 4)) for name, value in told.items() if value is not None]
-    return Cell("", f"o-{family(run.outcome)}", "; ".join([words, *known]), sign, words)
+    return Cell("", f"o-{told_family(run)}", "; ".join([words, *known]), sign, words)

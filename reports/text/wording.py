@@ -12,11 +12,11 @@ import numpy as np
 
 from harness.model.finding import Finding, info
 from harness.model.history import History, Outcome
-from harness.model.run import Intervention, Run, number
+from harness.model.run import Intervention, Run, RunRow, number
 from harness.model.scene import base_shift_m
 from harness.records.assess import Assessment
 from harness.records.base import Table
-from harness.records.run import SLIDES_M, RunRecord, peak_slip_m
+from harness.records.run import SLIDES_M, RunRecord, outside_domain, peak_slip_m
 from harness.records.scores import AfterHorizon, Scores
 from harness.records.study import CaseRun, StudyRow, Value
 from reports.blocks import Chip, Text, Verdict, code, verdict, words
@@ -90,9 +90,20 @@ def family(outcome: str) -> str:
     return FAMILY.get(outcome, "other")
 
 
+def told_family(run: RunRow) -> str:
+    """The class of what a run tells of the statue: nothing outside its model's domain."""
+    return "other" if outside_domain(run) else family(run.outcome)
+
+
 def symbol(outcome: str, say: Language) -> tuple[str, str]:
     """Sign and words of an outcome, of any failure the same."""
     return (SIGNS[outcome], say(f"short.{outcome}")) if outcome in SIGNS else ("✕", say("text.map_failed"))
+
+
+def told_symbol(run: RunRow, say: Language) -> tuple[str, str]:
+    """Sign and words of a run's outcome, in brackets outside its model's domain."""
+    sign, words = symbol(run.outcome, say)
+    return (f"({sign})", f"({words})") if outside_domain(run) else (sign, words)
 
 
 def symbols(say: Language) -> list[tuple[str, str]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -28,14 +29,17 @@ from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import SetScores, ValidationRecord
 from reports.blocks import Cell, Chart, Facts, Group, Table, Text, Verdict, verdict
 from reports.charts.curve_figures import on_front, precision_figure, scaling_figure
+from reports.charts.map_figures import map_figures
 from reports.charts.study_figures import fragility_figure, rose_picture
 from reports.messages import ENGLISH
 from reports.pages import conservator
 from reports.pages.page import page_blocks, write_report
 from reports.pages.stress_page import explanations, measured
-from reports.text.wording import conditions
+from reports.pages.study_page import matrix
+from reports.text.wording import Condition, conditions
 from tests.reports import invented_records, invented_study
 from tests.reports.charts.parts import part
+from tests.reports.invented_study import case_row, case_run
 from tests.reports.page_parts import every, lines, rows
 from tests.reports.pages.test_run_page import without_data
 from tests.reports.svg_parts import elements
@@ -86,6 +90,23 @@ def test_the_matrix_marks_where_models_of_a_variant_differ(tmp_path: Path, recor
     assert len(found.rows) == 60
     keys = [[cell for cell in row[:4] if isinstance(cell, Cell)] for row in found.rows]
     assert {tuple(cell.text for cell in row[2:]) for row in keys if row[0].style == "differs"} == {("2", "none")}
+
+
+def test_outside_its_domain_a_run_is_in_brackets_and_differs_from_none() -> None:
+    tips = {"left_domain_s": 0.1, "left_domain_by": "pedestal_tips"}
+    answers = {"analytic (own)": case_run(validity=tips), "pymunk (own)": case_run("overturned_left")}
+    rows = {name: case_row(name.split()[0], run) for name, run in answers.items()}
+    case = Condition({"motion.x.amplitude_g": 0.3}, rows)
+    ((varied, left, _),) = matrix(list(rows), [case], ["motion.x.amplitude_g"], ENGLISH).rows
+    assert isinstance(varied, Cell)
+    assert isinstance(left, Cell)
+    assert (varied.style, left.style) == ("", "o-other")
+    assert left.sign.startswith("(")
+    keys = ["motion.x.amplitude_g", "motion.x.frequency_hz"]
+    grid = itertools.product((0.3, 0.4, 0.5), (1.0, 2.0, 3.0))
+    places = [Condition(dict(zip(keys, place, strict=True)), rows) for place in grid]
+    figures = map_figures(list(rows), places, keys)
+    assert set(part(dict(figures)["analytic (own)"], "cells")["kind"]) == {ENGLISH("text.map_other")}
 
 
 def test_a_map_shows_what_was_not_asked(written: Callable[[str], Path], record_of: Callable[[str], Any]) -> None:

@@ -13,6 +13,7 @@ from harness.comparison.statistics.distributions import RESAMPLES, compare_distr
 from harness.comparison.statistics.outcomes import Prediction, score_outcomes
 from harness.model.history import History, Outcome, pair
 from harness.questions.study.case_blocks import KeyedRow
+from harness.records.run import has_answer
 from harness.records.scores import Verdict
 from harness.records.study import CaseRun
 from harness.records.validation import SetScores
@@ -47,16 +48,17 @@ def _score(
 ) -> SetScores:
     both = [(case[name], case[reference]) for case in cases if name in case and reference in case]
     judged = [_judged(a, b, history) for a, b in both]
+    told = [(a, b) for (a, _), (b, _) in both if has_answer(a) and has_answer(b)]
     peaks = None
-    if len(both) >= LEAST_VALUES:
-        sides = [[_peak_rad(run) for run, _ in side] for side in zip(*both, strict=True)]
-        peaks = compare_distributions(*sides, paired=True, resamples=RESAMPLES if len(both) <= MANY else RESAMPLES // 5)
-    rocked = [[_peak_rad(run) for run, _ in pair] for pair in both if all(_rocks(run) for run, _ in pair)]
+    if len(told) >= LEAST_VALUES:
+        sides = [[_peak_rad(run) for run in side] for side in zip(*told, strict=True)]
+        peaks = compare_distributions(*sides, paired=True, resamples=RESAMPLES if len(told) <= MANY else RESAMPLES // 5)
+    rocked = [[_peak_rad(run) for run in pair] for pair in told if all(map(_rocks, pair))]
     log_peaks = compare_logarithms(*zip(*rocked, strict=True)) if len(rocked) >= LEAST_VALUES else None
     return SetScores(
         reference=reference,
-        cases=len(both),
-        same=sum(a.outcome.same_as(b.outcome) for (a, _), (b, _) in both),
+        cases=len(told),
+        same=sum(a.outcome.same_as(b.outcome) for a, b in told),
         outcomes=score_outcomes([case for case, _ in judged]),
         verdicts=shares([verdict for _, verdict in judged]),
         flips=sum(case.within_uncertainty for case, _ in judged),
@@ -86,4 +88,5 @@ def _judged(a: Answered, b: Answered, history: Callable[[str], History | None]) 
     verdict, evidence, _ = judge(*sides, both)
     flips = evidence.outcome_flips_within_uncertainty, evidence.side_flips_within_uncertainty
     times = first.no_return_time_s, second.no_return_time_s
-    return Prediction(first.outcome, second.outcome, *flips, times), verdict
+    predicted, observed = (run.outcome if has_answer(run) else Outcome.UNDECIDED for run in (first, second))
+    return Prediction(predicted, observed, *flips, times), verdict

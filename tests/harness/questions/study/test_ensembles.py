@@ -112,3 +112,24 @@ def test_a_model_that_left_its_domain_is_not_blamed() -> None:
     found = score_sets(rows, history={"analytic0": short, "pymunk0": history}.get)["pymunk"]
     assert found.verdicts[Verdict.DOMAIN.value] == 1.0
     assert found.outcomes.undecided == 1
+
+
+def test_a_run_outside_its_domain_has_no_outcome_to_compare() -> None:
+    """Held upright, a pedestal that tips has the model's statue stand: neither the same as an engine's outcome nor another."""
+    tips: dict[str, Any] = {"validity": {"left_domain_s": 1.0, "left_domain_by": "pedestal_tips"}}
+    falls: dict[str, Any] = {"outcome": Outcome.OVERTURNED_LEFT, "no_return_time_s": 0.5, "peak_theta_rad": 1.5}
+    history = doubles.rocking()
+    rows = []
+    for number in range(2 * CASES):
+        # Of those that tip half would be the same by chance; one falls before its pedestal tips.
+        model = {} if number < CASES else tips | (falls if number == CASES else {})
+        engine = falls if CASES <= number < 2 * CASES - 4 else {}
+        rows += [row(number, "analytic", history, **model), row(number, "pymunk", history, **engine)]
+    found = score_sets(rows)["pymunk"]
+    assert (found.same, found.cases) == (CASES + 1, CASES + 1)
+    assert found.outcomes.undecided == CASES - 1
+    assert sum(sum(each.values()) for each in found.outcomes.confusion.values()) == CASES + 1
+    assert found.outcomes.accuracy is not None
+    assert found.outcomes.accuracy.value == 1.0
+    assert found.peaks is not None
+    assert found.peaks.area.value == 0.0
