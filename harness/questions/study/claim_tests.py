@@ -54,6 +54,7 @@ class ClaimRun:
     overturned: bool
     stands: bool
     no_return_s: float
+    no_return_error_s: float
     slip_m: float
     end_s: float
     last_impact_s: float | None
@@ -75,17 +76,23 @@ class ClaimRun:
 
 
 def answer(run: CaseRun, varied: Mapping[str, Value]) -> ClaimRun:
-    """A row of a study as the tests of claims read it."""
+    """A row of a study as the tests of claims read it.
+
+    The error of a fall is a shift in time, largest in rotation at its end, where it is fastest: its bound over the mean rate.
+    """
     no_return_s = run.no_return_time_s if run.outcome.overturned else None
+    error_rad, end_s = run.numerical_uncertainty_rad or 0.0, run.end_s or 0.0
+    fall_s = 0.0 if no_return_s is None else (run.overturn_time_s or end_s) - no_return_s
     return ClaimRun(
         varied={key: value for key, value in varied.items() if key != "variant"},
         peak_rad=abs(run.peak_theta_rad),
-        error_rad=run.numerical_uncertainty_rad or 0.0,
+        error_rad=error_rad,
         overturned=run.outcome.overturned,
         stands=run.outcome is Outcome.STANDS,
         no_return_s=math.inf if no_return_s is None else no_return_s,
+        no_return_error_s=error_rad * fall_s / abs(run.peak_theta_rad) if fall_s else 0.0,
         slip_m=run.peak_slip_m,
-        end_s=run.end_s or 0.0,
+        end_s=end_s,
         last_impact_s=run.last_impact_s,
         impact_loss_j=run.impact_loss_j,
     )
@@ -112,6 +119,11 @@ def _more(one: ClaimRun, other: ClaimRun) -> float:
     return difference_rad if abs(difference_rad) > one.error_rad + other.error_rad else 0.0
 
 
+def _sooner(one: ClaimRun, other: ClaimRun) -> bool:
+    """Whether one is past its point of no return before another, by more than the stated errors of both make."""
+    return other.no_return_s - one.no_return_s > one.no_return_error_s + other.no_return_error_s
+
+
 def _rocks(one: ClaimRun, other: ClaimRun) -> bool:
     """Whether either statue rocks: two at rest are no comparison."""
     return max(one.peak_rad, other.peak_rad) >= ROCKS_RAD
@@ -119,7 +131,7 @@ def _rocks(one: ClaimRun, other: ClaimRun) -> bool:
 
 def rotates_more(answers: Sequence[ClaimRun]) -> Counted:
     low = [(f, p) for f, p in _pairs(answers) if f.frequency_hz <= LOW_HZ and _rocks(f, p)]
-    held = sum(f.no_return_s <= p.no_return_s if f.overturned or p.overturned else _more(f, p) > 0.0 for f, p in low)
+    held = sum(_sooner(f, p) if f.overturned or p.overturned else _more(f, p) > 0.0 for f, p in low)
     both = sum(f.overturned and p.overturned for f, p in low)
     return held, len(low), info("evidence_i", held=held, cases=len(low), limit_hz=LOW_HZ, both=both)
 
@@ -227,7 +239,7 @@ def weakest_plane(answers: Sequence[ClaimRun]) -> Counted:
 
 def _is_worse(first: ClaimRun, other: ClaimRun) -> bool:
     if first.overturned or other.overturned:
-        return first.no_return_s <= other.no_return_s
+        return not _sooner(other, first)
     return _more(other, first) <= 0.0
 
 

@@ -158,6 +158,27 @@ def test_what_numerical_error_may_make_is_no_more_and_no_less() -> None:
     assert (trembles["i"].cases, trembles["iii"].held, trembles["iv"].held) == (0, 0, 8)
 
 
+def test_falls_that_numerical_error_may_part_are_sooner_for_neither() -> None:
+    """An error of 1e-3 rad at 1.5 rad in a second is one of 0.67 ms in each fall."""
+
+    def fall(pedestal: bool, fell_s: float, azimuth: float = 0.0) -> StudyRow:
+        found = row(2.0, pedestal, 1.5, fell_s=fell_s, **{"statue.mesh.azimuth_deg": azimuth})
+        return with_run(found, overturn_time_s=fell_s + 1.0, numerical_uncertainty_rad=1e-3)
+
+    for apart_s, sooner in ((-0.001, 0), (0.0, 0), (0.001, 0), (0.0015, 1)):
+        assert verdicts([fall(False, 1.0), fall(True, 1.0 + apart_s)])["i"].held == sooner
+        (plane,) = claims.judge([fall(False, 1.0), fall(False, 1.0 - apart_s, 60.0)], 0.70, "planes")
+        assert plane.held == 1 - sooner
+
+
+def test_a_run_outside_its_domain_answers_no_claim() -> None:
+    """Held upright, a pedestal that tips has its statue stand."""
+    tips = {"left_domain_s": 0.1, "left_domain_by": "pedestal_tips"}
+    held = with_run(row(1.5, True, 0.1), validity=tips)
+    found = verdicts([row(1.5, False, 1.5, fell_s=1.0), held])
+    assert [found[name].cases for name in ("i", "ii", "iv", "v", "ix")] == [0] * 5
+
+
 @pytest.mark.parametrize("end", [Outcome.UNDECIDED, Outcome.TOUCHES_WALL])
 def test_a_run_without_an_end_was_not_kept_from_falling(end: Outcome) -> None:
     """Nor did it fall."""
