@@ -491,9 +491,9 @@ def saved_by(names: Sequence[str], maps: Sequence[TrustMap]) -> dict[str, Saved]
 
 
 def falls(cell: TrustCell, name: str) -> bool | None:
-    """Whether the statue falls by one model; as by the analytic one where outcomes are confirmed; None where it is not known."""
+    """Whether the statue falls by one model's own run, or by the limits of rest; None where it is not known."""
     ends = cell["outcomes"]
-    end = ends.get(name) or (ends.get(MODEL) if cell["class"] in HELD else None)
+    end = ends.get(name if cell["basis"] != "rest" else MODEL)
     return None if end not in ("overturned", "stands") else end == "overturned"
 
 

@@ -403,11 +403,15 @@ def test_what_a_pedestal_saves_is_told_by_the_model_that_knows_it_of_most_points
         assert [each.values["model"] for each in told] == [first]
 
 
-def test_an_outcome_that_is_confirmed_is_every_model_s() -> None:
-    cell: Any = {"class": "outcome_confirmed", "outcomes": {"analytic": "overturned"}}
-    assert falls(cell, "pymunk") is True
-    assert falls({**cell, "class": "probability"}, "pymunk") is None
-    assert falls({**cell, "outcomes": {"analytic": "overturned", "pymunk": "undecided"}}, "pymunk") is None
+def test_a_model_s_outcome_is_that_of_its_own_run_or_of_rest() -> None:
+    cell: Any = {"class": "outcome_confirmed", "basis": "between", "outcomes": {"analytic": "overturned"}}
+    assert falls(cell, "analytic") is True
+    assert falls(cell, "pymunk") is None, "what its neighbours say was counted as a condition"
+    for end, known in (("overturned", True), ("stands", False), ("undecided", None)):
+        assert (
+            falls({**cell, "basis": "runs", "outcomes": {"analytic": "overturned", "pymunk": end}}, "pymunk") is known
+        )
+    assert falls({**cell, "basis": "rest", "outcomes": {"analytic": "stands"}}, "pymunk") is False
 
 
 def test_the_map_s_picture_has_a_colour_and_a_name_for_each_class(small: Path, tmp_path: Path) -> None:
