@@ -250,7 +250,9 @@ FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
         f"{say.word(name)}: {n} {say.word('of')} {of}" for name, (n, of) in value.items()
     ),
     "interval": lambda say, value: f"{say.digits(value[0])} ({say.range([*map(say.digits, value[1:])])})",
-    "changes": lambda say, value: say.listed(f"{say.word(key)} {_points(say, each)}" for key, each in value.items()),
+    "changes": lambda say, value: say.listed(
+        f"{say.word(key)} {say.range([_points(say, end) for end in ends])}" for key, ends in value.items()
+    ),
     "key": _named_key,
     "classes": _classes,
     "hz": lambda say, value: f"{say.digits(value, 3)}\u00a0Hz",

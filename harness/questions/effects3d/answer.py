@@ -89,15 +89,15 @@ def _solid_pairs(record: EffectsRecord) -> Iterator[Finding]:
 
 
 def _effects(record: EffectsRecord) -> Iterator[Finding]:
-    """The medians' sizes by group, beside the range of what a survey does not know."""
+    """The least and largest change of each by direction, beside the range of what a survey does not know."""
     mine = [item for item in record.effects if item.engine == record.solid_engine and item.median is not None]
     unknown = [change.relative for item in mine if item.group == "uncertainty" for change in item.changes]
     if unknown:
         low, high = (float(np.quantile(unknown, q)) for q in UNKNOWN)
         yield info("survey_effect", low=low, high=high, model=record.solid_engine)
-    shown = {item.condition: item.median for item in mine if item.group != "uncertainty"}
+    shown = {item.condition: [item.least, item.largest] for item in mine if item.group != "uncertainty"}
     if shown:
-        yield info("other_effects", medians=shown)
+        yield info("other_effects", ranges=shown)
 
 
 def _leaving(record: EffectsRecord) -> Iterator[Finding]:

@@ -29,7 +29,7 @@ SAMPLES = {
     "factors": {"0.05": [1.02, 1.1, None]}, "key": "contact.floor", "points": 0.012, "of_points": 0.012,
     "classes": {"confirmed": 0.3, "refuted": 0.01}, "hz": 2.5,
     "counts": {"statue_tips": 3}, "parts": {"rocking": [2, 5]}, "interval": [1.0, 0.9, 1.1],
-    "changes": {"planed flat": -0.03}, "rate": [0.8, 0.7, 0.9], "speeds": [0.3, 0.4],
+    "changes": {"planed flat": [-0.057, 0.05]}, "rate": [0.8, 0.7, 0.9], "speeds": [0.3, 0.4],
     "pairs": {"pymunk": "stands"}, "settings": {"pedestal.mass_kg": 250.0}, "side": "left",
 }  # fmt: skip
 """A value of each format."""

@@ -66,6 +66,13 @@ def test_the_verdict_counts_where_the_planar_model_is_too_safe(tmp_path: Path, r
     assert (verdict(repaired).tone, verdict(record).tone) == ("agree", "differ")
 
 
+def test_changes_that_are_opposite_in_two_directions_are_told_as_such(record: EffectsRecord) -> None:
+    opposite = replace(record.effects[0], group="inertia", median=-0.0035, least=-0.057, largest=0.05)
+    assert told(replace(record, effects=[opposite]))["other_effects"] == {
+        "ranges": {opposite.condition: [-0.057, 0.05]}
+    }
+
+
 def told(record: EffectsRecord) -> dict[str, Mapping[str, Any]]:
     """The values of all that a record says, by code."""
     return {each.code: each.values for each in (*answer_of(record).findings, *findings_of(record))}
