@@ -68,13 +68,13 @@ def assess(
     out: Out = None,
 ) -> None:
     """Compute the overturning probability by each model from the uncertain inputs of the scene."""
-    from reports.cli import assessments
+    from reports.cli import studies
 
     folder = folder_of(out, scene, "-assess")
-    record = assessments.run(
+    record = studies.assess(
         scene, folder, asked, sampling, no_options=no_options, options=options,
         csv=csv, jobs=jobs, resume=resume, dask=dask, quiet=saying.silent,
-        scanned=assessments.Scanned(motion_file, known, around, text), say=ENGLISH.say,
+        scanned=studies.Scanned(motion_file, known, around, text), say=ENGLISH.say,
     )  # fmt: skip
     say_record(record, folder, saying)
 

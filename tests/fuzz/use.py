@@ -70,7 +70,7 @@ MOST_GROWN_MIB: Final = 1024.0
 FEW: Final = 2
 """Cases of a study and tests of a table that are run."""
 ASSESSED: Final = ("-e", "analytic", "--draws", "12", "--set", f"duration_s={RUN_S}")
-POOLS: Final = ("reports.cli.assessments", "harness.questions.validate.validation_run")
+POOLS: Final = ("reports.cli.studies", "harness.questions.validate.validation_run")
 """Modules that start worker processes: here each task is run in this one, where its traceback is seen."""
 
 

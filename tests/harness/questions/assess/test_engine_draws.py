@@ -24,7 +24,7 @@ from harness.runs.progress import LESS_STORED
 from harness.runs.runner import InlinePool
 from harness.runs.store import Store
 from harness.runs.task import TaskResult
-from reports.cli import assessments
+from reports.cli import studies
 from reports.cli.options import EngineOptions, Sampling, ScanOptions, SupportOptions
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import paestum
@@ -149,7 +149,7 @@ SAMPLING = Sampling(draws=100, seed=0, half_width=0.05, most_runs=30)
 
 def test_draws_are_written_with_every_outcome(tmp_path: Path) -> None:
     asked, folder = EngineOptions(["pymunk"], ["duration_s=1.0"]), tmp_path / "out"
-    record = assessments.run(SCENE, folder, asked, SAMPLING, no_options=True, csv=True, jobs=1, quiet=True)
+    record = studies.assess(SCENE, folder, asked, SAMPLING, no_options=True, csv=True, jobs=1, quiet=True)
     assert record.options is None
     assert record.files is not None
     assert "draws.csv" in record.files
@@ -176,7 +176,7 @@ def test_draws_are_written_with_every_outcome(tmp_path: Path) -> None:
         run = simulate(base.replace(given), "analytic")
         assert run.peak_slip_m == pytest.approx(float(row["analytic_peak_slip_m"]), rel=1e-5)
     # With the store of the first, a second call runs nothing, and takes away what it is not asked for.
-    again = assessments.run(SCENE, folder, asked, SAMPLING, no_options=True, jobs=1, resume=True, quiet=True)
+    again = studies.assess(SCENE, folder, asked, SAMPLING, no_options=True, jobs=1, resume=True, quiet=True)
     assert again.runs.computed == 0
     assert not (folder / "draws.csv").exists()
 
@@ -193,7 +193,7 @@ def test_wrong_options_of_the_command_are_told_and_leave_nothing(
     ]
     for more in (*wrong, {"options": tmp_path / "none.toml"}, {"dask": "tcp://127.0.0.1:1"}):
         with pytest.raises(InputError):
-            assessments.run(SCENE, folder, asked, SAMPLING, quiet=True, **more)
+            studies.assess(SCENE, folder, asked, SAMPLING, quiet=True, **more)
     assert not folder.exists()
 
 
@@ -203,20 +203,20 @@ def test_a_scan_and_a_record_are_assessed_and_their_scene_is_kept(tmp_path: Path
     box = trimesh.creation.box((0.3, 0.5, 1.4))
     box.export(scan)
     motion.write_text("t_s,x [m/s2]\n" + "".join(f"{0.02 * k:.2f},{(-3.0) ** (k % 2)}\n" for k in range(60)))
-    scanned = assessments.Scanned(motion, ScanOptions(unit="m", up="z"), SupportOptions(friction=0.5))
+    scanned = studies.Scanned(motion, ScanOptions(unit="m", up="z"), SupportOptions(friction=0.5))
     asked, more = EngineOptions(["analytic"]), {"no_options": True, "quiet": True}
-    record = assessments.run(scan, folder, asked, SAMPLING, scanned=scanned, **more)
-    again = assessments.run(folder / "scene.toml", tmp_path / "again", asked, SAMPLING, **more)
+    record = studies.assess(scan, folder, asked, SAMPLING, scanned=scanned, **more)
+    again = studies.assess(folder / "scene.toml", tmp_path / "again", asked, SAMPLING, **more)
     assert record.assessment == again.assessment
     assert {"scene.toml", "scene_statue.ply"} <= set(record.files or ())
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "again", "block.ply", "quake.csv"]
     wrong = [
-        (scan, assessments.Scanned()),
+        (scan, studies.Scanned()),
         (SCENE, scanned),
-        (SCENE, assessments.Scanned(known=ScanOptions(height_m=2.0))),
+        (SCENE, studies.Scanned(known=ScanOptions(height_m=2.0))),
     ]
     for path, given in wrong:
         with pytest.raises(InputError, match="--motion"):
-            assessments.run(path, tmp_path / "none", asked, SAMPLING, scanned=given, **more)
+            studies.assess(path, tmp_path / "none", asked, SAMPLING, scanned=given, **more)
     with pytest.raises(InputError, match="another folder"):
-        assessments.run(folder / "scene.toml", folder, asked, SAMPLING, **more)
+        studies.assess(folder / "scene.toml", folder, asked, SAMPLING, **more)
