@@ -176,7 +176,7 @@ RUN: Final = (
     b"--set contact.restitution=0.90 --set 'statue.mass_kg=650.0' --language it\n"
 )
 OF_ASSESS: Final = (
-    b"--seed 3 --half-width 0.10 --most-runs 40 --set contact.restitution=0.90\n"
+    b"-e pymunk --seed 3 --half-width 0.10 --most-runs 40 --set contact.restitution=0.90\n"
     b"--set statue.mass_kg=650.0 --no-options\n"
 )
 DESCRIBED: Final = b"--skip-lines 2 --time-column 1\n--columns 2:N,3:E --unit gal\n"

@@ -40,7 +40,7 @@ engines = ["analytic"]
 ASKED = {
     "run block.toml": "-e analytic --accuracy 1e-05 --no-skip mirror --no-skip quiet_end --no-assess",
     "compare a.csv b.csv": "--uncertainty 0.0 --measured-uncertainty 0.002 --input-uncertainty 0.001 --slip-uncertainty 0.1",
-    "assess block.toml": "-e analytic --draws 20 --half-width 0.1 --most-runs 40 --seed 3 --no-options",
+    "assess block.toml": "-e pymunk --draws 20 --half-width 0.1 --most-runs 40 --seed 3 --no-options",
     "study study.toml": "--large",
 }
 

@@ -108,15 +108,19 @@ class Source(UserTable):
         """How the numbers of a text stand that no reader knows."""
         return Layout(self.dt_s, self.skip_lines, self.columns, self.time_column)
 
+    @property
+    def factors(self) -> list[str]:
+        """The keys that make it stronger or weaker."""
+        given = {"scale": self.scale != 1.0, "pga_g": self.pga_g is not None, "pgv_m_s": self.pgv_m_s is not None}
+        return [name for name, there in given.items() if there]
+
     @model_validator(mode="after")
     def _consistent(self) -> Source:
         if self.column is not None and self.azimuth_deg is not None:
             wanted = "no azimuth beside column: a channel as recorded, or both horizontals turned"
             raise Contradiction("azimuth_deg", wanted, f"{self.azimuth_deg:g}")
-        given = {"scale": self.scale != 1.0, "pga_g": self.pga_g is not None, "pgv_m_s": self.pgv_m_s is not None}
-        factors = [name for name, there in given.items() if there]
-        if len(factors) > 1:
-            raise Contradiction(factors[-1], "one factor: scale, pga_g or pgv_m_s", " and ".join(factors))
+        if len(self.factors) > 1:
+            raise Contradiction(self.factors[-1], "one factor: scale, pga_g or pgv_m_s", " and ".join(self.factors))
         if self.scale == 0.0:
             raise Contradiction("scale", 'a factor other than 0 (kind = "rest" is no shaking)', "0")
         if self.window_s is not None and not 0.0 <= self.window_s[0] < self.window_s[1]:
@@ -216,6 +220,10 @@ class SpectrumSpec(Target, _Filtered):
             raise Contradiction(
                 key, "no such key beside a record: it is of artificial motions", str(getattr(self, key))
             )
+        elif self.record.factors:
+            key = self.record.factors[0]
+            wanted = "no factor: the target gives the strength (sign = -1 mirrors)"
+            raise Contradiction(f"record.{key}", wanted, str(getattr(self.record, key)))
         return self
 
 

@@ -157,6 +157,10 @@ def assess(
     names = engines.asked(names, engines.DEFAULT_ENGINES)
     for name in names:
         engines.load(name)
+    for given, limit, usual in (("half_width", half_width, HALF_WIDTH), ("most_runs", most_runs, MOST_RUNS)):
+        if names == [MODEL] and limit != usual:
+            wanted = f"another engine beside {MODEL}: it is of its runs"
+            raise InputError(Mistake("assess", given, wanted, f"{limit:g}"))
     inputs = _inputs(scene)
     on_progress(f"{MODEL}: {counted(draws, 'draw')}")
     values = draws_of(scene, inputs, draws, seed)

@@ -204,6 +204,13 @@ def test_scaling_to_a_spectrum_is_one_factor(data_dir: Path) -> None:
     assert abs(off.mean()) <= 1e-9
 
 
+@pytest.mark.parametrize(("key", "value"), [("pga_g", 0.3), ("pgv_m_s", 0.3), ("scale", -1.0)])
+def test_a_factor_on_a_record_that_is_scaled_to_a_spectrum_is_refused(key: str, value: float) -> None:
+    record = {"file": "record.csv", key: value}
+    with pytest.raises(ValidationError, match=f"record.{key}"):
+        ADAPTER.validate_python({"kind": "spectrum", **LIFE_SAFETY, "record": record})
+
+
 def test_what_cannot_be_matched_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compatible, "MISFIT", 0.001)
     monkeypatch.setattr(compatible, "_PASSES", 1)

@@ -75,6 +75,12 @@ def test_numbers_of_no_draws_are_refused_by_name(wrong: dict[str, Any]) -> None:
         assess(paestum(0.3, 2.0), ["analytic"], **wrong)
 
 
+@pytest.mark.parametrize("given", [{"half_width": 0.1}, {"most_runs": 30}])
+def test_what_is_of_engine_runs_is_refused_without_any(given: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match=next(iter(given))):
+        assess(paestum(0.3, 2.0), "analytic", draws=20, more_options=None, **given)
+
+
 def test_a_scene_that_knows_everything_has_no_probability() -> None:
     assert assess_models(scene(PAESTUM, theta_rad=0.04, duration_s=1.0)) == {}
 

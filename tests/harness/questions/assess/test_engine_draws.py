@@ -144,6 +144,7 @@ def test_a_run_that_touches_the_wall_neither_stands_nor_falls() -> None:
 
 
 SCENE = Path(__file__).parents[4] / "scenes" / "paestum_block.toml"
+DRAWN = Sampling(draws=100)
 SAMPLING = Sampling(draws=100, seed=0, half_width=0.05, most_runs=30)
 
 
@@ -193,7 +194,7 @@ def test_wrong_options_of_the_command_are_told_and_leave_nothing(
     ]
     for more in (*wrong, {"options": tmp_path / "none.toml"}, {"dask": "tcp://127.0.0.1:1"}):
         with pytest.raises(InputError):
-            studies.assess(SCENE, folder, asked, SAMPLING, quiet=True, **more)
+            studies.assess(SCENE, folder, asked, DRAWN, quiet=True, **more)
     assert not folder.exists()
 
 
@@ -205,8 +206,8 @@ def test_a_scan_and_a_record_are_assessed_and_their_scene_is_kept(tmp_path: Path
     motion.write_text("t_s,x [m/s2]\n" + "".join(f"{0.02 * k:.2f},{(-3.0) ** (k % 2)}\n" for k in range(60)))
     scanned = studies.Scanned(motion, ScanOptions(unit="m", up="z"), SupportOptions(friction=0.5))
     asked, more = EngineOptions(["analytic"]), {"no_options": True, "quiet": True}
-    record = studies.assess(scan, folder, asked, SAMPLING, scanned=scanned, **more)
-    again = studies.assess(folder / "scene.toml", tmp_path / "again", asked, SAMPLING, **more)
+    record = studies.assess(scan, folder, asked, DRAWN, scanned=scanned, **more)
+    again = studies.assess(folder / "scene.toml", tmp_path / "again", asked, DRAWN, **more)
     assert record.assessment == again.assessment
     assert {"scene.toml", "scene_statue.ply"} <= set(record.files or ())
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "again", "block.ply", "quake.csv"]
@@ -217,6 +218,6 @@ def test_a_scan_and_a_record_are_assessed_and_their_scene_is_kept(tmp_path: Path
     ]
     for path, given in wrong:
         with pytest.raises(InputError, match="--motion"):
-            studies.assess(path, tmp_path / "none", asked, SAMPLING, scanned=given, **more)
+            studies.assess(path, tmp_path / "none", asked, DRAWN, scanned=given, **more)
     with pytest.raises(InputError, match="another folder"):
-        studies.assess(folder / "scene.toml", folder, asked, SAMPLING, **more)
+        studies.assess(folder / "scene.toml", folder, asked, DRAWN, **more)
