@@ -49,8 +49,12 @@ class Reader(Protocol):
 
 _READERS: Final[tuple[Reader, ...]] = (geonet, knet, smc, volume1, v2, cosmos, esm, at2, nsmn, unam, cwb)
 _ALIKE = 0.5  # share of two file names' letters (without the ending) that agree at their ends, for files of one record
-_LAST_TWO = re.compile(r"\.([^\s.]*)\s+\S*\.([^\s.]*)\Z")
-"""The decimals of a file's last two numbers, where nothing follows: networks write the same count in all."""
+_NUMBERS = re.compile(r"[\s0-9.,;|:+\-eEdD]+")
+_WORD = re.compile(r"\S+")
+_DECIMALS = re.compile(r"[.,]([^.,\s]*)\s*$")
+_UNIFORM: Final = 64
+"""So many lines whose last numbers have as many decimals, or end in one column, have a format: of a thousand texts whose noughts
+at the end are left out one has such lines by chance."""
 _ENDINGS: Final = {"K-NET": r"\.(EW|NS|UD)", "KiK-net": r"\.(EW|NS|UD)[12]", "USC V1": r"\.[a-z]\d[a-z]"}
 """Endings by which these networks tell the files of one record apart."""
 _NO_RECORD = re.compile(r"RESPONSE AND FOURIER AMPLITUDE SPECTRA|RESPONSE SPECTR", re.IGNORECASE)
@@ -67,7 +71,9 @@ def read_file(path: Path, *, unit: str | None = None, layout: Layout | None = No
         return seed.read(raw, where, unit=named)
     text = text_of(raw, where)
     if layout is not None and layout.given:
-        return table.read(text, where, unit=named, layout=layout)
+        described = table.read(text, where, unit=named, layout=layout)
+        _check_end(text, where)
+        return described
     if record := _of_a_network(text, where):
         if named is not None and named != record.unit:
             wanted = f"the unit of a {record.format} file, {record.unit}"
@@ -78,7 +84,9 @@ def read_file(path: Path, *, unit: str | None = None, layout: Layout | None = No
         raise mistake(where, "", "an accelerogram", f"a file of spectra ({spectra.group()})", advice)
     try:
         if csv.recognises(text) or csv.names_times(text):
-            return csv.read(text, where, unit=named)
+            named_columns = csv.read(text, where, unit=named)
+            _check_end(text, where)
+            return named_columns
         names = ", ".join(FORMATS)
         first = next((line.strip() for line in text.splitlines() if line.strip()), "blank lines alone")
         raise mistake(where, "", f"one of {names}", repr(first[:60]), "columns of numbers with t_s also do")
@@ -108,11 +116,20 @@ def _of_a_network(text: str, where: str) -> RecordFile | None:
 
 
 def _check_end(text: str, where: str) -> None:
-    """Raise InputError where a file ends within its last number: no end of a line, and fewer digits than in the number before."""
-    ends = _LAST_TWO.search(text, max(len(text) - 100, 0))
-    if ends and len(ends[2]) < len(ends[1]):
-        got = repr(text.split()[-1])
-        raise mistake(where, f"line {len(text.splitlines())}", "a last number as long as the one before", got, CUT_OFF)
+    """Raise InputError where a file ends within its last number: no end of a line, and fewer decimals than all lines above have,
+    or an end left of the column of characters in which their numbers at its place end.
+    """
+    *above, last = text.splitlines()[-_UNIFORM - 1 :]
+    if text[-1:].isspace() or len(above) < _UNIFORM or not all(map(_NUMBERS.fullmatch, (*above, last))):
+        return
+    decimals = [len(match[1]) if (match := _DECIMALS.search(line)) else 0 for line in (*above, last)]
+    place = len(last.split())
+    padded = all(line[0] == " " and len(line.split()) >= place for line in above)
+    ends = [[word.end() for word in _WORD.finditer(line)][place - 1] for line in (*above, last)] if padded else [0]
+    for *others, own in (decimals, ends):
+        if own < min(others, default=0) == max(others, default=0):
+            wanted = "a last number as long as in the lines above"
+            raise mistake(where, f"line {len(text.splitlines())}", wanted, repr(last.split()[-1]), CUT_OFF)
 
 
 def _versions(text: str) -> Iterator[tuple[str, tuple[Finding, ...]]]:

@@ -129,6 +129,34 @@ def test_a_file_that_ends_within_its_last_number_is_refused(tmp_path: Path, lost
             read_record(path)
 
 
+@pytest.mark.parametrize("lost", [1, 2, 3])
+def test_counts_in_columns_and_even_decimals_tell_that_the_last_number_was_cut(
+    data_dir: Path, tmp_path: Path, lost: int
+) -> None:
+    counts = data_dir / "records" / "originals" / "AOM0011801241951.NS"
+    whole = {
+        "a.NS": counts.read_text().rstrip(),
+        "a.csv": "t_s,a_ms2\n" + "\n".join(f"{0.01 * k:.2f},{value:.4f}" for k, value in enumerate(wave(200))),
+        "b.csv": "t_s;a_ms2\n" + "\n".join(f"{k / 100:.2f};{a:.4f}".replace(".", ",") for k, a in enumerate(wave(200))),
+    }
+    for name, text in whole.items():
+        path = tmp_path / name
+        path.write_text(text)
+        read_record(path)
+        path.write_text(text[:-lost])
+        with pytest.raises(InputError, match="cut off"):
+            read_record(path)
+        path.unlink()
+
+
+@pytest.mark.parametrize("last", ["0.5", "-0.25", "10"])
+def test_a_last_number_of_fewer_digits_is_read_where_others_have_as_few(tmp_path: Path, last: str) -> None:
+    values = [f"{value:.4g}" for value in wave(200)[:-1]]
+    path = tmp_path / "a.csv"
+    path.write_text("t_s,a_ms2\n" + "\n".join(f"{0.01 * k:.2f},{value}" for k, value in enumerate([*values, last])))
+    assert read_record(path).channels[0].accel_m_s2[-1] == float(last)
+
+
 def test_a_cut_gzip_and_binary_data_are_refused(tmp_path: Path) -> None:
     whole = gzip.compress(writers.at2(tmp_path / "a.AT2", wave(), 0.01, "UP").read_bytes())
     (tmp_path / "cut.gz").write_bytes(whole[: len(whole) // 2])
