@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from harness.questions.assess.assessment import assess
     from harness.questions.scene.scene_run import run_scene
     from harness.questions.study.sweep import sweep
-    from harness.records.kinds import read_result
+    from harness.records.result_folder import read_result
     from harness.records.run import RunRecord
     from harness.records.scores import Scores, Verdict
     from harness.records.study import StudyRecord
@@ -53,7 +53,7 @@ _NAMES: Final = {
     "harness.model.run": "Run RunOptions",
     "harness.model.scene": "Scene",
     "harness.questions.assess.assessment": "assess",
-    "harness.records.kinds": "read_result",
+    "harness.records.result_folder": "read_result",
     "harness.records.run": "RunRecord",
     "harness.records.scores": "Scores Verdict",
     "harness.records.study": "StudyRecord",

@@ -15,8 +15,7 @@ from harness.model.errors import InputError, Mistake
 from harness.model.history import History, Outcome, history_file
 from harness.model.run import Run
 from harness.records.base import REWRITE, Record
-from harness.records.kinds import read_result
-from harness.records.result_folder import RECORD, as_written
+from harness.records.result_folder import RECORD, as_written, read_result
 from harness.records.run import RunRecord, has_answer, known_until_s
 from harness.records.scene import SceneRecord
 

@@ -11,8 +11,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from harness.comparison.scores import events, pointwise
-from harness.comparison.scores.events import after_horizon
-from harness.comparison.scores.matched import RockingInertia, event_scores, numerical_uncertainty
+from harness.comparison.scores.events import RockingInertia, after_horizon, event_scores, numerical_uncertainty
 from harness.comparison.scores.pointwise import Measured, Peak, comparison_error
 from harness.comparison.scores.pointwise import rate as rate_by_iso
 from harness.comparison.side import Side, side_of

@@ -10,13 +10,14 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import Final, TypeVar
 
 from harness.model.errors import InputError, Mistake
 from harness.model.files import FRESH, NO_ROOM, checksum, is_own, is_sealed
-from harness.model.run import write_json
-from harness.records.base import Plain, Record, as_file
+from harness.model.run import SCHEMA_VERSION, write_json
+from harness.records.base import REWRITE, Plain, Record, as_file, validated
 
 R = TypeVar("R", bound=Record)
 RECORD: Final = "result.json"
@@ -231,3 +232,37 @@ def write_whole(folder: Path, record: R, write: Callable[[Path], None] = lambda 
     finally:
         shutil.rmtree(fresh, ignore_errors=True)
     return complete
+
+
+# Reading: which class is the record of each kind.
+
+
+def class_of(kind: str) -> type[Record]:
+    """The class of a kind's record."""
+    module = import_module(KINDS[kind])
+    return next(
+        each for each in vars(module).values() if isinstance(each, type) and getattr(each, "kind", None) == kind
+    )
+
+
+def read_result(folder: Path | str) -> Record:
+    """The record of a result folder. Raises `InputError` when it is absent, damaged, or of another schema.
+
+    >>> record = harness.read_result("out/paestum_floor")
+    """
+    path = Path(folder) / RECORD
+    if not path.is_file():
+        advice = "run `rockcheck run SCENE --out DIR` first"
+        raise InputError(Mistake(str(folder), "", f"a result folder with {RECORD}", "none there", advice))
+    try:
+        text = path.read_bytes()
+        record = json.loads(text.decode("utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise InputError(Mistake(str(path), "", "a readable JSON record", str(error))) from error
+    if not isinstance(record, dict) or record.get("schema_version") != SCHEMA_VERSION:
+        got = record.get("schema_version") if isinstance(record, dict) else type(record).__name__
+        raise InputError(Mistake(str(path), "schema_version", str(SCHEMA_VERSION), repr(got), REWRITE))
+    kind = record.get("kind")
+    if not isinstance(kind, str) or kind not in KINDS:
+        raise InputError(Mistake(str(path), "kind", f"one of {', '.join(KINDS)}", repr(kind)))
+    return validated(class_of(kind), text, path)

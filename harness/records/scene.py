@@ -7,17 +7,16 @@ from dataclasses import dataclass, field
 from typing import Annotated, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.input.mistakes import Contradiction
+from harness.model.history import Array
 from harness.model.run import OMITTED, to_plain
 from harness.model.scene import Contact, Form, Initial, Pedestal, Scene, Wall
 from harness.records.base import Positive, Table, same_fields
 from harness.statics.standstill import Cause, peak_within_m_s2, push_of
 
-Array = NDArray[np.float64]
 Point = tuple[float, float]
 Point3 = tuple[float, float, float]
 Axis = Literal["x", "y", "z"]

@@ -239,8 +239,7 @@ def schema(
 ) -> None:
     """Print the JSON Schema of a kind of `result.json`."""
     from harness.records.base import schema_of
-    from harness.records.kinds import class_of
-    from harness.records.result_folder import KINDS
+    from harness.records.result_folder import KINDS, class_of
 
     if kind not in KINDS:
         wanted = f"one of {', '.join(KINDS)}"

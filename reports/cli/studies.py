@@ -30,8 +30,7 @@ from harness.questions.study import estimate
 from harness.questions.study.cases import base_of
 from harness.questions.study.file import load_study
 from harness.questions.study.study_record import export_csv, export_parquet, study_record
-from harness.questions.study.study_run import run_study, study_name
-from harness.questions.study.witnessed import witness_study
+from harness.questions.study.study_run import run_study, study_name, witness_study
 from harness.records.assess import AssessRecord
 from harness.records.base import Record, option_words
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, read_own, write_whole

@@ -17,7 +17,7 @@ from harness.model.errors import InputError, Mistake
 from harness.model.files import check_own, writing
 from harness.records.base import Record
 from harness.records.effects3d import EffectsRecord
-from harness.records.kinds import read_result
+from harness.records.result_folder import read_result
 from harness.records.run import RunRecord
 from harness.records.study import StudyRecord
 from reports.blocks import Chart, walk

@@ -30,8 +30,7 @@ from reports.blocks import (
     words,
 )
 from reports.charts.curve_figures import fragility_by_factor
-from reports.drawing.conservator_pictures import plan_svg
-from reports.drawing.floor_plan import probable_plan
+from reports.drawing.pictures import plan_svg, probable_plan
 from reports.messages import Language, probability_text
 from reports.pages.run_page import as_run
 from reports.text.wording import tone_of_answers

@@ -25,9 +25,8 @@ from harness.statics.standstill import tipping_of_pedestal
 from reports.blocks import Block, Drawing, Section, Text, Verdict
 from reports.charts.drawn import still
 from reports.charts.figure import localised
-from reports.drawing.conservator_pictures import order_svg, plan_svg, push_svg, reach_svg
-from reports.drawing.floor_plan import Plan, floor_plan
 from reports.drawing.kinematics import Array, section
+from reports.drawing.pictures import Plan, floor_plan, order_svg, plan_svg, push_svg, reach_svg
 from reports.messages import ENGLISH, Language, probability_text
 from reports.source import RunSource, run_source, source_of
 from reports.text.giving_way import (

@@ -24,7 +24,7 @@ from reports.blocks import (
 )
 from reports.charts.figure import look
 from reports.drawing.effects_figures import changes, curves, directions, rose
-from reports.drawing.floor_plan import scene_svg
+from reports.drawing.pictures import scene_svg
 from reports.messages import Language
 from reports.pages.run_page import chip, replay
 from reports.source import run_source

@@ -12,8 +12,7 @@ from markupsafe import Markup
 from harness.model.errors import InputError, Mistake, printable
 from harness.model.files import write_text
 from harness.records.base import REWRITE, Record
-from harness.records.kinds import read_result
-from harness.records.result_folder import RECORD
+from harness.records.result_folder import RECORD, read_result
 from reports.blocks import SHOWN_POINTS, Block, Replay, Section, walk
 from reports.charts.drawn import told_apart
 from reports.charts.figure import dark_css

@@ -32,7 +32,7 @@ from reports.blocks import (
 )
 from reports.charts.figure import look
 from reports.charts.histories import histories_figure
-from reports.drawing.floor_plan import scene_svg
+from reports.drawing.pictures import scene_svg
 from reports.drawing.replay import default_model, replay_payload
 from reports.messages import Language
 from reports.messages.numbers import angle, given, unit

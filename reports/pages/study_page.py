@@ -40,7 +40,7 @@ from reports.charts.study_figures import (
     panels_figure,
     rose_picture,
 )
-from reports.drawing.floor_plan import scene_svg
+from reports.drawing.pictures import scene_svg
 from reports.messages import Language
 from reports.text.giving_way import pedestal_effect
 from reports.text.wording import (

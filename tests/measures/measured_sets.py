@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from harness.questions.validate.kinds import validate_measured
+from harness.questions.validate.validation_run import validate_measured
 from harness.records.validation import MeasuredRecord
 from reports.messages import ENGLISH
 from reports.pages.measured_page import measured_table

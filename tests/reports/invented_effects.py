@@ -9,9 +9,8 @@ from typing import Literal
 import harness
 from harness.model.history import Outcome
 from harness.model.run import machine, versions, write_json
-from harness.questions.effects3d.answer import answer_of, findings_of
 from harness.questions.effects3d.search import turned
-from harness.questions.effects3d.study import effects, static_rose
+from harness.questions.effects3d.study import answer_of, effects, findings_of, static_rose
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.base import as_file
 from harness.records.effects3d import (

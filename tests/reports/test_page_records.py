@@ -23,7 +23,7 @@ from harness.records.bench import KnownFailure, Measure, PartRow, ScalingRow
 from harness.records.bench import StabilityCell as Found
 from harness.records.bench import answer_of as stress_answer
 from harness.records.bench import findings_of as stress_findings
-from harness.records.kinds import read_result
+from harness.records.result_folder import read_result
 from harness.records.scores import Interval
 from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import SetScores, ValidationRecord

@@ -16,7 +16,7 @@ from harness.model.errors import InputError
 from harness.model.run import PatternName, write_json
 from harness.records.base import Record, as_file
 from harness.records.bench import StressRecord
-from harness.records.kinds import read_result
+from harness.records.result_folder import read_result
 from harness.records.run import RunRecord
 from harness.records.study import StudyRecord
 from reports.blocks import Chart, walk

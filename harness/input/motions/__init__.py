@@ -11,7 +11,7 @@ import numpy as np
 
 from analytic.excitation import Excitation, Harmonic, Pulse, ZeroExcitation
 from harness.input.mistakes import Contradiction
-from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Series
+from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Series, mistake
 from harness.input.motions.spec import (
     Component,
     HarmonicSpec,
@@ -22,7 +22,6 @@ from harness.input.motions.spec import (
     SamplesSpec,
     SpectrumSpec,
 )
-from harness.input.motions.text import mistake
 from harness.model.finding import Finding, info
 
 if TYPE_CHECKING:

@@ -16,9 +16,9 @@ from harness.input.motions.recordfile import (
     RecordFile,
     Series,
     displacement_m,
+    mistake,
     velocity_m_s,
 )
-from harness.input.motions.text import mistake
 from harness.model.finding import Finding, caution, info
 
 LARGEST_PEAK_G: Final = 10.0

@@ -21,10 +21,10 @@ from harness.input.motions.recordfile import (
     Series,
     at_rest,
     ends,
+    mistake,
 )
 from harness.input.motions.spec import Oscillator
 from harness.input.motions.spectra import arias_share, peak_velocity_m_s
-from harness.input.motions.text import mistake
 from harness.model.finding import Finding, caution, info
 
 # The building's filter: the acceleration of a floor from that of the ground, by one or several oscillators.

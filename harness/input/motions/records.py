@@ -13,9 +13,8 @@ from harness.input import paths
 from harness.input.mistakes import Contradiction
 from harness.input.motions import process
 from harness.input.motions.readers import read_record
-from harness.input.motions.recordfile import Channel, Floats, RecordFile, Series, parse_orientation
+from harness.input.motions.recordfile import Channel, Floats, RecordFile, Series, mistake, parse_orientation
 from harness.input.motions.spec import Source
-from harness.input.motions.text import mistake
 from harness.model.finding import Finding, info
 
 ROUNDING: Final = 1e-12

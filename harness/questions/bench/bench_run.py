@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any, Final
 
 from harness.model.finding import Answer, caution
-from harness.questions.bench import findings, precision, scaling, skips
+from harness.questions.bench import precision, scaling, skips
 from harness.questions.bench.precision import NOBODY, TARGET_RAD
 from harness.questions.bench.standard_scenes import standard_set
 from harness.records.bench import BenchRecord, PrecisionRow, ScalingRow, SkipRow, of_parts
@@ -44,19 +44,19 @@ def assembled(rows: Mapping[str, Sequence[Any]], head: Mapping[str, Any]) -> Ben
         clock=CLOCK,
         rows=timed,
         absent=absent,
-        choice=findings.choice(timed, TARGET_RAD),
+        choice=precision.choice(timed, TARGET_RAD),
         skips=[*together, *alone],
         scaling=[*rows["scaling"], *rows["workers"]],
         **head,
     )
     found = [
-        *findings.takes(made.choice, TARGET_RAD),
+        *precision.takes(made.choice, TARGET_RAD),
         *skips.together_findings(together),
         *skips.alone_findings(alone),
         *scaling.findings(made.scaling),
         *of_parts(made.parts, absent),
     ]
-    met = findings.speeds(timed, TARGET_RAD) or [caution("no_engine_timed")]
+    met = precision.speeds(timed, TARGET_RAD) or [caution("no_engine_timed")]
     answer = Answer("met" if any(each.code == "meets_target" for each in met) else "not_met", met)
     return replace(made, answer=answer, findings=found)
 

@@ -19,7 +19,7 @@ from harness.questions.study.case_blocks import in_columns
 from harness.questions.study.case_selection import COARSEST, REFERENCE, map_axes
 from harness.questions.study.cases import BaseScene, Case, expand
 from harness.questions.study.file import StudyFile
-from harness.questions.study.witnessed import SHARE
+from harness.questions.study.study_run import SHARE
 from harness.runs.progress import counted, duration_words
 from harness.runs.task import scene_key
 

@@ -14,8 +14,7 @@ from harness.model.errors import InputError
 from harness.model.run import write_json
 from harness.questions.scene.scene_run import Result, run_scene, write_result
 from harness.records.base import as_file, plain, schema_of, validated
-from harness.records.kinds import class_of
-from harness.records.result_folder import KINDS
+from harness.records.result_folder import KINDS, class_of
 from harness.records.run import RunRecord
 from reports.cli import app
 from tests.scenes_for_tests import paestum

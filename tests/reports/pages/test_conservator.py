@@ -22,8 +22,8 @@ from harness.records.run import HorizonRecord, balance_share, has_answer
 from harness.records.scores import Verdict
 from harness.records.study import SupportRecord
 from reports.drawing.display_mesh import silhouette_m
-from reports.drawing.floor_plan import floor_plan
 from reports.drawing.kinematics import section
+from reports.drawing.pictures import floor_plan
 from reports.messages import ENGLISH
 from reports.pages import conservator
 from reports.pages.conservator import of_run, of_study

@@ -13,7 +13,7 @@ import pytest
 
 from harness.model.history import Outcome
 from harness.model.run import write_json
-from harness.questions.effects3d.answer import answer_of, findings_of
+from harness.questions.effects3d.study import answer_of, findings_of
 from harness.records.base import as_file
 from harness.records.effects3d import EffectsRecord
 from reports.blocks import verdict

@@ -21,7 +21,7 @@ from harness.model.run import write_json
 from harness.model.scene import Pedestal
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.base import plain
-from harness.records.kinds import read_result
+from harness.records.result_folder import read_result
 from harness.records.run import HorizonRecord
 from reports.drawing.display_mesh import MOST_FACES, read_mesh
 from reports.messages import ENGLISH

@@ -30,8 +30,16 @@ from harness.input.motions.readers import (
     v2,
     volume1,
 )
-from harness.input.motions.recordfile import FORMATS, UNIT_NAMES, Layout, RecordFile, unit_named
-from harness.input.motions.text import CUT_OFF, mistake, text_of
+from harness.input.motions.recordfile import (
+    CUT_OFF,
+    FORMATS,
+    UNIT_NAMES,
+    Layout,
+    RecordFile,
+    mistake,
+    text_of,
+    unit_named,
+)
 from harness.input.text_file import read_bytes
 from harness.model.errors import InputError
 from harness.model.finding import Finding, caution, info, weighed

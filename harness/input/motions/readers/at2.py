@@ -4,8 +4,15 @@ from __future__ import annotations
 
 import re
 
-from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import first_of, free_format, header_count, header_number, mistake
+from harness.input.motions.recordfile import (
+    Channel,
+    RecordFile,
+    first_of,
+    free_format,
+    header_count,
+    header_number,
+    mistake,
+)
 from harness.model.finding import caution
 
 _NAMED = re.compile(

@@ -8,14 +8,18 @@ from typing import Final
 import numpy as np
 
 from harness.input.motions.recordfile import (
+    CUT_OFF,
     Channel,
     ChannelOrientation,
     Floats,
+    Header,
     RecordFile,
+    fixed_width,
+    fortran_format,
+    mistake,
     parse_orientation,
     unit_named,
 )
-from harness.input.motions.text import CUT_OFF, Header, fixed_width, fortran_format, mistake
 from harness.model.finding import Finding, caution, info
 
 _HEADER = re.compile(

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from harness.input.motions.check import refuse_fillers
 from harness.input.motions.process import clock_of
 from harness.input.motions.readers.table import LABEL, NO_COMPONENT, SECONDS, heading, is_unit, likely_unit
-from harness.input.motions.recordfile import UNIT_NAMES, Channel, RecordFile
-from harness.input.motions.text import mistake
+from harness.input.motions.recordfile import UNIT_NAMES, Channel, RecordFile, mistake
 from harness.input.text_file import decimals, is_decimal, numbers_at_once
 from harness.model.finding import info
 

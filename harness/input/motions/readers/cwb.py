@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 
 from harness.input.motions.process import clock_of
-from harness.input.motions.recordfile import Channel, RecordFile, parse_orientation
-from harness.input.motions.text import Header, columns, mistake
+from harness.input.motions.recordfile import Channel, Header, RecordFile, columns, mistake, parse_orientation
 
 
 def recognises(text: str) -> bool:

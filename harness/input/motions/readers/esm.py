@@ -6,8 +6,7 @@ import re
 from datetime import datetime
 from typing import Final
 
-from harness.input.motions.recordfile import UNITS_M_S2, Channel, RecordFile
-from harness.input.motions.text import Header, free_format, mistake
+from harness.input.motions.recordfile import UNITS_M_S2, Channel, Header, RecordFile, free_format, mistake
 
 _KEY = re.compile(r"^\s*([A-Z][A-Z0-9_/^() ]*):(.*)$", re.IGNORECASE)
 _EPOCH: Final = datetime(1970, 1, 1)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import re
 
-from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import NUMERIC, Header, check_rows, fixed_width, mistake
+from harness.input.motions.recordfile import NUMERIC, Channel, Header, RecordFile, check_rows, fixed_width, mistake
 from harness.model.finding import caution
 
 _FIRST = re.compile(r"\s*(un)?corrected accelerogram\b.*\bGNS", re.IGNORECASE)

@@ -5,8 +5,17 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, UNITS_M_S2, Channel, ChannelOrientation, RecordFile
-from harness.input.motions.text import Header, free_format, header_number, mistake
+from harness.input.motions.recordfile import (
+    STANDARD_GRAVITY_M_S2,
+    UNITS_M_S2,
+    Channel,
+    ChannelOrientation,
+    Header,
+    RecordFile,
+    free_format,
+    header_number,
+    mistake,
+)
 from harness.model.finding import info
 
 _SCALE = re.compile(r"([0-9.]+)\s*\(gal\)\s*/\s*([0-9.]+)", re.IGNORECASE)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import re
 
-from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import Header, columns, mistake
+from harness.input.motions.recordfile import Channel, Header, RecordFile, columns, mistake
 
 _NAMES = re.compile(r"^\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s*$", re.IGNORECASE)
 

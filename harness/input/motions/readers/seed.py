@@ -7,8 +7,14 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.input.motions.recordfile import UNIT_NAMES, Channel, ChannelOrientation, RecordFile, parse_orientation
-from harness.input.motions.text import mistake
+from harness.input.motions.recordfile import (
+    UNIT_NAMES,
+    Channel,
+    ChannelOrientation,
+    RecordFile,
+    mistake,
+    parse_orientation,
+)
 
 _SAC_VERSION, _SAC_HEADER = slice(304, 308), 632
 _SAC_VERSIONS: Final = tuple((v).to_bytes(4, order) for v in (6, 7) for order in ("little", "big"))

@@ -8,8 +8,16 @@ from typing import Final
 import numpy as np
 
 from harness.input.motions.process import clock_of
-from harness.input.motions.recordfile import Channel, ChannelOrientation, Floats, RecordFile, parse_orientation
-from harness.input.motions.text import Header, fixed_width, mistake
+from harness.input.motions.recordfile import (
+    Channel,
+    ChannelOrientation,
+    Floats,
+    Header,
+    RecordFile,
+    fixed_width,
+    mistake,
+    parse_orientation,
+)
 from harness.model.finding import Finding, caution
 
 _KIND = re.compile(r"\s*([1-6])\s.*(ACCELEROGRAM|VELOCITY|DISPLACEMENT|SPECTR)", re.IGNORECASE)

@@ -22,10 +22,11 @@ from harness.input.motions.recordfile import (
     Floats,
     Layout,
     RecordFile,
+    free_format,
+    mistake,
     parse_orientation,
     unit_named,
 )
-from harness.input.motions.text import free_format, mistake
 from harness.input.text_file import fortran, numbers_at_once
 from harness.model.errors import InputError
 from harness.model.finding import Finding

@@ -4,8 +4,16 @@ from __future__ import annotations
 
 import re
 
-from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import Header, fixed_width, fortran_format, header_count, header_number, mistake
+from harness.input.motions.recordfile import (
+    Channel,
+    Header,
+    RecordFile,
+    fixed_width,
+    fortran_format,
+    header_count,
+    header_number,
+    mistake,
+)
 from harness.input.text_file import fortran
 
 

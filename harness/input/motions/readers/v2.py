@@ -7,16 +7,18 @@ import re
 import numpy as np
 
 from harness.input.motions.check import STATED_PEAK_TOLERANCE
-from harness.input.motions.recordfile import Channel, RecordFile, unit_named
-from harness.input.motions.text import (
+from harness.input.motions.recordfile import (
     CUT_OFF,
+    Channel,
     Header,
+    RecordFile,
     check_rows,
     fixed_width,
     fortran_format,
     header_count,
     header_number,
     mistake,
+    unit_named,
 )
 
 _FLOAT = r"([-+.\deEdD]+)"

@@ -13,17 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.input.motions.process import clock_of
-from harness.input.motions.recordfile import Channel, ChannelOrientation, RecordFile, parse_orientation
-from harness.input.motions.text import (
+from harness.input.motions.recordfile import (
     NOT_NUMBERS,
     NUMERIC,
+    Channel,
+    ChannelOrientation,
     Header,
+    RecordFile,
     first_of,
     fixed_width,
     fortran_format,
     free_format,
     header_number,
     mistake,
+    parse_orientation,
 )
 from harness.model.finding import Finding, caution
 

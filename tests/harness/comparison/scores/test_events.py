@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness.accuracy.simulation import simulate
-from harness.comparison.scores import events, matched
+from harness.comparison.scores import events
 from harness.model.scene import Statue
 from tests import doubles
 from tests.budgets_compare import ENERGY_SHARE, ENGINE_SHARE, IMPACT_S, PEAK_RAD, SMALL_SHARE, UPLIFT_S
@@ -51,7 +51,7 @@ def test_chatter_below_the_threshold_is_rest() -> None:
 
 
 def test_energy_share_lost_is_one_minus_the_ratio_squared() -> None:
-    lost = matched.share_lost(events.excursions(doubles.rocking(ratio=0.9)), None)
+    lost = events.share_lost(events.excursions(doubles.rocking(ratio=0.9)), None)
     # The last arc's landing ends in rest: all is lost.
     assert lost[:-1] == pytest.approx(1.0 - 0.81, abs=ENERGY_SHARE)
     assert lost[-1] == pytest.approx(1.0, abs=ENERGY_SHARE)
@@ -63,7 +63,7 @@ def test_a_sample_inside_the_impact_leaves_its_energy_alone() -> None:
     beside = np.searchsorted(clean.t_s, [end for _, end, _, _ in ARCS[:-1]], side="right")
     rate = clean.theta_rate_rad_s.copy()
     rate[beside] = 0.5 * (rate[beside - 1] + rate[beside])
-    lost = matched.share_lost(events.excursions(replace(clean, theta_rate_rad_s=rate)), None)
+    lost = events.share_lost(events.excursions(replace(clean, theta_rate_rad_s=rate)), None)
     assert lost[:-1] == pytest.approx(1.0 - 0.81, abs=ENERGY_SHARE)
 
 
@@ -71,12 +71,12 @@ def test_a_sample_inside_the_impact_leaves_its_energy_alone() -> None:
 def test_every_impact_of_every_engine_takes_the_share_of_angular_momentum(engine: str, dt_s: float | None) -> None:
     """With the floor held the share is 1 − J_c²/(J_l J_r) on either side (docs/model.md, section 3), whatever the rate."""
     shaken = paestum(0.429, 3.0, pedestal=False, duration_s=2.2)
-    inertia, statue = matched.RockingInertia.of(shaken.statue), shaken.statue
+    inertia, statue = events.RockingInertia.of(shaken.statue), shaken.statue
     across = statue.centroid_height_m**2 - statue.corner_left_m * statue.corner_right_m
     crossed = statue.inertia_kg_m2 + statue.mass_kg * across
     run = simulate(shaken, engine, dt_s=dt_s)
     assert run.history is not None
-    lost = matched.share_lost(events.excursions(run.history), inertia)
+    lost = events.share_lost(events.excursions(run.history), inertia)
     assert np.isfinite(lost).sum() >= 4
     known = 1.0 - crossed**2 / (inertia.left_kg_m2 * inertia.right_kg_m2)
     assert lost[np.isfinite(lost)] == pytest.approx(known, abs=ENGINE_SHARE)
@@ -85,13 +85,13 @@ def test_every_impact_of_every_engine_takes_the_share_of_angular_momentum(engine
 def test_impacts_too_small_to_be_seen_leave_the_share_of_those_that_are() -> None:
     """At 8 Hz an excursion of 4e-6 rad comes between two impacts: read as one, they won a quarter of the energy."""
     shaken = paestum(0.12, 8.0, pedestal=False, duration_s=3.0)
-    inertia, statue = matched.RockingInertia.of(shaken.statue), shaken.statue
+    inertia, statue = events.RockingInertia.of(shaken.statue), shaken.statue
     across = statue.centroid_height_m**2 - statue.corner_left_m * statue.corner_right_m
     known = 1.0 - (statue.inertia_kg_m2 + statue.mass_kg * across) ** 2 / (inertia.left_kg_m2 * inertia.right_kg_m2)
     history = simulate(shaken, "analytic").history
     assert history is not None
     found = events.excursions(history)
-    lost = matched.share_lost(found, inertia)
+    lost = events.share_lost(found, inertia)
     assert (found.side.size, int(found.landed.sum())) == (27, 26)
     assert lost[np.isfinite(lost)] == pytest.approx(known, abs=SMALL_SHARE)
 
@@ -102,7 +102,7 @@ def test_rates_that_too_few_samples_tell_give_no_share() -> None:
     theta = clean.theta_rad.copy()
     first = np.searchsorted(clean.t_s, ARCS[0][1], side="right")
     theta[first + 2 : first + 6] = 0.5 * events.UPLIFT_RAD * np.sign(theta[first - 1])
-    lost = matched.share_lost(events.excursions(replace(clean, theta_rad=theta)), None)
+    lost = events.share_lost(events.excursions(replace(clean, theta_rad=theta)), None)
     assert np.isnan(lost[0])
 
 
@@ -128,14 +128,14 @@ def test_energy_of_an_unsymmetric_statue_counts_each_corner_s_inertia() -> None:
         footprint_m=np.zeros((4, 3)),
         inertia_tensor_kg_m2=np.eye(3),
     )
-    inertia = matched.RockingInertia.of(statue)
+    inertia = events.RockingInertia.of(statue)
     right = 152.4 + 707.0 * (0.774**2 + 0.0682**2)
     left = 152.4 + 707.0 * (0.774**2 + 0.3585**2)
     found = events.excursions(doubles.rocking(ratio=0.9))
-    share = matched.share_lost(found, inertia)
+    share = events.share_lost(found, inertia)
     omega = ARCS[0][3]
     assert share[0] == pytest.approx(1.0 - left * 0.81 / right, abs=ENERGY_SHARE)
-    assert matched.lost_j(found, inertia)[0] == pytest.approx(0.5 * right * omega**2 - 0.5 * left * (0.9 * omega) ** 2)
+    assert events.lost_j(found, inertia)[0] == pytest.approx(0.5 * right * omega**2 - 0.5 * left * (0.9 * omega) ** 2)
 
 
 def test_shifted_impacts_match_with_their_shift() -> None:
@@ -166,7 +166,7 @@ def test_an_excursion_that_does_not_land_has_no_impact() -> None:
     history = doubles.truncated(doubles.rocking(), 0.7)
     found = events.excursions(history)
     assert found.landed.tolist() == [False]
-    assert np.isnan(matched.share_lost(found, None)[0])
+    assert np.isnan(events.share_lost(found, None)[0])
 
 
 def test_the_peak_of_each_excursion_is_signed() -> None:

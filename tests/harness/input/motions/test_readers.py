@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from harness.input.motions.readers import FORMATS, read_record
-from harness.input.motions.recordfile import ChannelOrientation, parse_orientation
+from harness.input.motions.recordfile import ChannelOrientation, fixed_width, free_format, parse_orientation
 from harness.input.motions.records import aligned, channel_named, turned
-from harness.input.motions.text import fixed_width, free_format
 from harness.model.errors import InputError
 from tests.budgets_motions import SAME_MOTION, WRITTEN_DIGITS_G
 from tests.doubles import codes

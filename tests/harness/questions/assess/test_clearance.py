@@ -26,7 +26,7 @@ from harness.questions.assess.clearance import (
 from harness.questions.assess.model_draws import draw, model_draws, uncertain_inputs
 from harness.records.assess import ClearanceByModel, ClearanceRecord
 from harness.runs.runner import InlinePool
-from reports.drawing.floor_plan import probable_plan
+from reports.drawing.pictures import probable_plan
 from tests import budgets_assess as budget
 from tests.engines_for_tests import ready
 from tests.scenes_for_tests import paestum, rectangle, scene

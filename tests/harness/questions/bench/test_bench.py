@@ -16,7 +16,7 @@ from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import EngineFailure
 from harness.model.history import History
 from harness.model.run import SKIPS, RunOptions
-from harness.questions.bench import findings, precision, scaling, skips
+from harness.questions.bench import precision, scaling, skips
 from harness.questions.bench.bench_run import BENCH
 from harness.questions.bench.cost import cost, costs, largest_child_mb
 from harness.questions.bench.standard_scenes import COLUMN, Standard, resolved, scene_of, standard_set
@@ -47,7 +47,7 @@ ROWS = [
 
 
 def test_the_choice_is_compared_with_the_fixed_level_that_meets_every_scene() -> None:
-    found = findings.choice(ROWS, 1e-3)[0]
+    found = precision.choice(ROWS, 1e-3)[0]
     assert found.fixed_s == pytest.approx(0.2)
     assert found.share == pytest.approx(0.202 / 0.2)
     assert found.worst_times == pytest.approx(2.0)
@@ -57,27 +57,27 @@ def test_the_choice_is_compared_with_the_fixed_level_that_meets_every_scene() ->
 def test_a_level_is_known_by_its_place() -> None:
     other = [replace(item, label=f"{item.label}, {item.scene}") for item in ROWS if item.group == "level"]
     asked = [item for item in ROWS if item.group != "level"]
-    assert findings.choice([*other, *asked], 1e-3) == findings.choice(ROWS, 1e-3)
+    assert precision.choice([*other, *asked], 1e-3) == precision.choice(ROWS, 1e-3)
 
 
 def test_no_fixed_level_is_said() -> None:
     worse = [replace(item, error_rad=1.0) if item.scene == "hard" else item for item in ROWS]
-    found = findings.choice(worse, 1e-3)[0]
+    found = precision.choice(worse, 1e-3)[0]
     assert found.fixed_s is None
     assert found.worst_scene == "easy"
     assert found.met == 1
 
 
 def test_the_slowest_scene_of_the_fastest_level_that_meets_the_target() -> None:
-    assert findings.fastest(ROWS, 1e-3) == {"pymunk": (pytest.approx(10.0), "hard")}
-    assert findings.fastest(ROWS, 1e-6)["pymunk"][0] == 0.0
+    assert precision.fastest(ROWS, 1e-3) == {"pymunk": (pytest.approx(10.0), "hard")}
+    assert precision.fastest(ROWS, 1e-6)["pymunk"][0] == 0.0
 
 
 def test_findings_follow_the_rows() -> None:
-    (met,) = findings.speeds(ROWS, 1e-3)
+    (met,) = precision.speeds(ROWS, 1e-3)
     assert (met.code, met.values["scene"], met.values["factor"]) == ("meets_target", "hard", pytest.approx(10.0))
-    assert [each.code for each in findings.speeds(ROWS, 1e-6)] == ["misses_target"]
-    (takes,) = findings.takes(findings.choice(ROWS, 1e-3), 1e-3)
+    assert [each.code for each in precision.speeds(ROWS, 1e-6)] == ["misses_target"]
+    (takes,) = precision.takes(precision.choice(ROWS, 1e-3), 1e-3)
     assert (takes.engine, takes.values["met"], takes.values["worst_scene"]) == ("pymunk", 2, "easy")
     together = SkipRow("all together", "pymunk", 6, 1.0, 1.5)
     (gain,) = skips.together_findings([together])

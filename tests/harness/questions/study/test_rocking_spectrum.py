@@ -17,7 +17,7 @@ from harness.comparison.statistics.distributions import wilson
 from harness.input.tables import read_model
 from harness.model.errors import InputError
 from harness.questions.study.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of, run_file
-from harness.records.kinds import read_result
+from harness.records.result_folder import read_result
 from harness.records.study import RockingSpectrumRecord
 from harness.runs.execute import silent
 from harness.runs.runner import LocalPool

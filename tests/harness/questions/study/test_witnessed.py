@@ -15,9 +15,9 @@ from harness.accuracy.simulation import simulate
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.questions.scene import witness
-from harness.questions.study import witnessed
-from harness.questions.study.witnessed import drawn
-from harness.records.kinds import read_result
+from harness.questions.study import study_run
+from harness.questions.study.study_run import drawn
+from harness.records.result_folder import read_result
 from harness.records.study import StudyRecord
 from harness.runs.runner import InlinePool
 from harness.runs.store import Store
@@ -60,7 +60,7 @@ def test_a_study_holds_a_tenth_of_its_scenes_against_plain_engines_once(
     def nothing_is_computed(*values: Any, **named: Any) -> Run:
         raise AssertionError("a witness was computed again")
 
-    monkeypatch.setattr(witnessed, "simulate", nothing_is_computed)
+    monkeypatch.setattr(study_run, "simulate", nothing_is_computed)
     again = ran(tmp_path, witness=True, resume=True).witness
     assert again.counts == seen.counts
 
@@ -106,7 +106,7 @@ def test_a_heavier_impact_in_the_study_s_engine_is_told(tmp_path: Path, monkeypa
         statue = replace(scene.statue, inertia_kg_m2=inertia, inertia_tensor_kg_m2=tensor)
         return simulate(replace(scene, statue=statue), name, **named)
 
-    monkeypatch.setattr(witnessed, "simulate", heavy)
+    monkeypatch.setattr(study_run, "simulate", heavy)
     monkeypatch.setattr(witness, "BUDGET", 60.0)
     text = CONTACT.replace("pymunk = 1e-2", "pymunk = 1e-3").replace("start = 0.2", "start = 0.5")
     seen = ran(tmp_path, text, witness=True).witness

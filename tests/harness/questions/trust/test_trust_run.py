@@ -38,7 +38,7 @@ from harness.questions.trust.trust_run import (
     falls,
     findings_of,
 )
-from harness.records.kinds import read_result
+from harness.records.result_folder import read_result
 from harness.records.scores import Interval
 from harness.records.trust import CLASSES, CONTOURS, Rotation, Saved, TrustRecord, TrustSummary
 from harness.runs.progress import duration_words

@@ -29,8 +29,8 @@ from harness.questions.validate.drops import (
 )
 from harness.questions.validate.impact_ratios import read_ratios, repeats_sd
 from harness.questions.validate.jobs import parse_model
-from harness.questions.validate.kinds import kind_of, validate_measured
 from harness.questions.validate.measured_set import by_name
+from harness.questions.validate.validation_run import kind_of, validate_measured
 from harness.runs.runner import InlinePool
 from reports.messages import ENGLISH
 from reports.pages.page import write_report

@@ -19,7 +19,6 @@ from harness.model.errors import InputError
 from harness.model.history import History
 from harness.model.scene import Pose, Scene
 from harness.questions.validate.jobs import parse_model
-from harness.questions.validate.kinds import validate_measured
 from harness.questions.validate.tosses import (
     AFTER_IMPACT,
     COLUMNS,
@@ -35,6 +34,7 @@ from harness.questions.validate.tosses import (
     scene_of,
     scored,
 )
+from harness.questions.validate.validation_run import validate_measured
 from reports.pages.page import write_report
 from reports.terminal import LINES, record_lines
 from tests import budgets_spatial_reference as budget
