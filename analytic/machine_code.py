@@ -195,8 +195,11 @@ class Entry:
 
     def __call__(self, *words: int) -> None:
         """Run it."""
-        call = self._call or self._loaded()
-        call(*words)
+        self.loaded()(*words)
+
+    def loaded(self) -> Callable[..., None]:
+        """The function; compiled first where it is not kept, which whoever times a call does before."""
+        return self._call or self._loaded()
 
     def _loaded(self) -> Callable[..., None]:
         with _LOCK:  # many threads may come first

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from typing import Any
 
 import pytest
 
+import analytic.solver
 import analytic.spatial
 from analytic.excitation import Harmonic, Pulse
+from analytic.machine_code import Entry
 from analytic.spatial import Certified, Problem, solver
 from analytic.spatial import Outcome as Paradox
 from harness import engines
@@ -96,3 +99,20 @@ def test_a_run_whose_error_nobody_asks_for_is_made_once(monkeypatch: pytest.Monk
     assert run.numerical_uncertainty_rad is run.slip_uncertainty_m is run.reliable_until_s is None
     assert run.impact_times_s == stated.impact_times_s
     assert run.work == {**stated.work, "ambiguous_states": 0}
+
+
+@pytest.mark.parametrize(("name", "compiled"), [("analytic", analytic.solver.run), ("spatial", solver.run_rows)])
+def test_compiling_is_no_part_of_a_runs_time(name: str, compiled: Entry, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is compiled once after an upgrade, for up to a minute, was told as the time that the first run takes."""
+    there: list[bool] = []
+
+    def clock() -> float:
+        there.append(compiled._call is not None)
+        return 0.0
+
+    monkeypatch.setattr(compiled, "_call", None)
+    monkeypatch.setattr(time, "perf_counter", clock)
+    model, given = engines.load(name), scene(rectangle(0.2, 1.0), duration_s=0.1, theta_rad=0.01)
+    model.simulate(given, model.refinement_levels(given)[0], RunOptions())
+    assert there
+    assert all(there)
