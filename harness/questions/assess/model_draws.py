@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, ZeroExcitation
+from harness import engines
 from harness.engines import analytic as twoblock
 from harness.engines import stands_alone
 from harness.input.uncertain import assumption
 from harness.model.errors import InputError, Mistake
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene, Uncertain, written
 
 if TYPE_CHECKING:
@@ -420,6 +422,8 @@ RUN_STEPS: Final = 20_000
 """steps after which one run is given up: what stands or falls in a record of a minute takes a thousand at the median."""
 RUN_COST: Final = 20
 """Steps for which one run is counted at least: what never leaves the floor costs the setting up alone."""
+OWN_COST: Final = 5
+"""Times a draw's steps what those of a run of its own take, with its history and what follows from that."""
 BATCH: Final = 16
 """Draws before the first look at the steps; later batches take at most a quarter of what is left."""
 
@@ -451,15 +455,25 @@ def space_draws(
         try:
             columns = {key: column[runs : runs + batch] for key, column in values.items()}
             outcomes, steps = _batch(scene, columns, change)
+            # Where the end finds it between its balance and the floor, a run of its own tells by energy what follows.
+            for k in np.flatnonzero((outcomes == "undecided") & (steps < RUN_STEPS)).tolist():
+                run = _in_space(change(varied(scene, row(columns, k))))
+                outcomes[k], steps[k] = run.outcome, steps[k] + OWN_COST * run.steps
         except AnalyticInputError:  # a base the exact body does not take
             return None
         runs, left = runs + outcomes.size, left - int(np.maximum(steps, RUN_COST).sum())
         batch = max(BATCH, left * runs // (4 * (most_steps - left)))
         parts.append(outcomes)
     ends = np.concatenate(parts)
-    fell, unknown = ends == "overturned", np.full(ends.size, np.nan)
+    fell, unknown = np.char.startswith(ends.astype(str), "overturned"), np.full(ends.size, np.nan)
     # A run that was given up, or left the exact body's domain, is not decided.
     return ModelDraws(fell | (ends == "stands"), fell, unknown, unknown, *np.zeros((2, ends.size), dtype=bool))
+
+
+def _in_space(scene: Scene) -> Run:
+    """The exact body's run of one scene for its outcome, with the local error of a draw's."""
+    engine = engines.load(SPACE)
+    return engine.simulate(scene, engine.refinement_levels(scene)[0], RunOptions(history=False, stated=False))
 
 
 def _batch(

@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 
 from analytic import Pulse
+from harness.accuracy.simulation import simulate
 from harness.input.scene_file import load_scene
+from harness.model.history import Outcome
 from harness.model.scene import BaseExcitation, Scene
 from harness.questions.assess.assessment import assess
-from harness.questions.assess.model_draws import ModelDraws, draw, space_draws, uncertain_inputs
+from harness.questions.assess.model_draws import ModelDraws, draw, row, space_draws, uncertain_inputs, varied
 from harness.questions.assess.options import AS_IT_IS, OptionDraws, difference_of, options_of
 from harness.records.assess import TURNED
-from tests.scenes_for_tests import block, scene
+from tests.scenes_for_tests import block, rectangle, scene
 
 DRAWS = 24
 
@@ -66,6 +68,18 @@ def test_a_turned_statue_is_one_whose_shaking_is_turned(kind: str, tmp_path: Pat
     assert ends.overturned.tolist() == expected.overturned.tolist()
     assert 0.0 < ends.probability < 1.0, "the draws should be of both kinds"
     assert ends.overturned.tolist() != as_it_is.overturned.tolist()
+
+
+def test_a_draw_that_ends_in_its_fall_ends_as_a_run_of_its_own_says() -> None:
+    """Cut off in mid-fall no draw had an end, though every run tells what follows."""
+    push = Pulse("rectangular", 0.8 * 9.81, 0.5)
+    cut_off = scene(rectangle(0.4, 1.4, depth_m=0.3), mu_statue=0.6, duration_s=0.6)
+    shaken = replace(cut_off, base_excitation=BaseExcitation(y=push))
+    values = draw(uncertain_inputs(shaken), DRAWS, seed=4)
+    ends = space_draws(shaken, values)
+    assert ends is not None
+    assert ends.overturned.all()
+    assert simulate(varied(shaken, row(values, 0)), "spatial").outcome is Outcome.OVERTURNED_FRONT
 
 
 def test_options_and_fragility_of_a_scene_in_space_are_the_exact_bodys() -> None:
