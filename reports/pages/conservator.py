@@ -292,7 +292,12 @@ def _falls(item: Assessment, say: Language) -> str:
     wide = item.high - item.low > WIDE or not told
     sure = "rarely" if item.high < NEXT_TO_NONE else "mostly" if item.low > 1.0 - NEXT_TO_NONE else ""
     sure = "rarely_in_plane" if sure == "rarely" and item.plane_only else sure
-    return say(f"chance.{sure or ('between' if wide else 'falls')}", share=share, low=low, high=high)
+    return say(
+        f"chance.{sure or ('up_to' if share == '0' else 'between' if wide else 'falls')}",
+        share=share,
+        low=low,
+        high=high,
+    )
 
 
 def _share(value: float, say: Language) -> str:

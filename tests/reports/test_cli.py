@@ -443,7 +443,10 @@ def test_what_an_ended_run_had_finished_is_written(
     outcomes = {name: run["outcome"] for name, run in record["runs"].items()}
     assert outcomes == {"analytic": "stands", "pymunk": "crashed"}
     assert record["runs"]["pymunk"]["message"] == scene_run.ENDED
-    assert write_report(folder).is_file()
+    page = write_report(folder, "it").read_text()
+    assert scene_run.ENDED not in page, "an Italian page had English in it"
+    last = re.findall(r"<td[^>]*>([^<]*)</td>\s*</tr>", page[page.index('id="outcomes"') : page.index('id="notes"')])
+    assert set(last[1:]) == {"–"}, "a run that never began had a largest rotation of nought"
 
 
 def test_asked_to_end_a_command_is_interrupted(capsys: pytest.CaptureFixture[str]) -> None:

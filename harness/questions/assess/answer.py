@@ -140,9 +140,10 @@ def reserve(item: FragilityRecord, alone: str = "") -> Finding:
         kind = "open"
     values = {
         "factors": factors,
-        "most": None if factors else item.factor[-1],
+        "most": None if factors or soonest[FIRST] else item.factor[-1],
         "soonest": None if factors else soonest[FIRST],
         "undecided": max(item.undecided, default=0.0),
+        "model": item.model,
     }
     if alone and item.model == MODEL:
         return caution("reserve", kind=alone, **values)

@@ -442,7 +442,7 @@ def test_draws_that_strike_the_wall_are_no_open_answer(source: RunSource) -> Non
 def test_next_to_none_and_next_to_all_have_no_digits(source: RunSource) -> None:
     for p, low, high, undecided, key, values in (
         (0.0, 0.0, 0.00027, 0.0, "rarely", ()),
-        (0.0, 0.0, 0.02, 0.02, "between", (0, 0, 2)),
+        (0.0, 0.0, 0.02, 0.02, "up_to", (0, 0, 2)),
         (0.9983, 0.9975, 0.9989, 0.0, "mostly", ()),
         (0.434, 0.426, 0.441, 0.0, "falls", (43,)),
         (0.4, 0.3, 0.5, 0.0, "between", (40, 30, 50)),
