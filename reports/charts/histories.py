@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from harness.model.history import Array
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.scene import StatueRecord
 from reports.charts import Json
@@ -37,8 +38,6 @@ from reports.source import RunSource, run_event_s
 from reports.text.wording import horizon_s, prediction_s
 
 # Samples as a page carries them: fewer for the screen with every peak kept, packed as differences of multiples of a step.
-
-Array = NDArray[np.float64]
 
 DISPLAYED_SAMPLES: Final = 12_000
 """Most samples of one curve on a page: a 10 s history at 1 ms stays whole, and four curves stay under 0.5 MB."""

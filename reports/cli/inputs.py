@@ -149,7 +149,6 @@ def motion_inspect(
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
     from harness.model.finding import texted
     from harness.model.run import write_json
-    from harness.records.inspection import inspection_record
     from harness.records.result_folder import INSPECTED, check_folder, listing
     from reports.export.figures import printed, write_picture
     from reports.export.motion_figure import WIDE, motion_picture
@@ -161,7 +160,7 @@ def motion_inspect(
     inspected = _inspected(file, unit, axis, text)
     folder.mkdir(parents=True, exist_ok=True)
     write_picture(printed(motion_picture(inspected), WIDE), picture, dpi=150)
-    shown = inspection_record(inspected, ENGLISH.say)
+    shown = inspected.record(ENGLISH.say)
     write_json(record, {**shown, "files": listing([picture])})
     lines = motion_lines(inspected, texted(inspected.findings, ENGLISH.say), verbose=saying.verbose)
     saying.say(shown, "\n".join([*lines, printable(f"picture: {picture}")]))

@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from markupsafe import Markup
 
+from harness.model.history import Array
 from harness.model.scene import rotations
 from harness.records.effects3d import BASELINE, EffectsRecord
 from reports.charts import Json
@@ -30,9 +31,9 @@ from reports.charts.figure import (
     named,
     span,
 )
-from reports.drawing.display_mesh import Faces, read_mesh
+from reports.drawing.kinematics import Faces, read_mesh
 from reports.drawing.scan_picture import directions_picture
-from reports.drawing.shapes import Array, Picture, disc, path, plane, rings, text
+from reports.drawing.shapes import Picture, disc, path, plane, rings, text
 from reports.messages import ENGLISH, Language
 from reports.source import RunSource
 

@@ -14,15 +14,21 @@ import numpy as np
 from jinja2 import Template
 from markupsafe import Markup
 
-from harness.model.history import History
+from harness.model.history import Array, History
 from harness.model.scene import SOLID_COLUMNS, base_shift_m
 from harness.records.assess import ClearanceRecord
 from harness.records.scene import MotionRecord, SceneRecord
 from meshes.footprint import lower_chain
 from reports.charts.figure import FLOOR_COLOUR, HAIRLINE, INK, MUTED, PEDESTAL_COLOUR
 from reports.charts.histories import shown_samples
-from reports.drawing.display_mesh import read_mesh, silhouette_m
-from reports.drawing.kinematics import Array, pedestal_sides_m, posed_in_space_m, section, wall_m
+from reports.drawing.kinematics import (
+    pedestal_sides_m,
+    posed_in_space_m,
+    read_mesh,
+    section,
+    silhouette_m,
+    wall_m,
+)
 from reports.drawing.shapes import Picture, box, disc, path, plane, rings, text
 from reports.messages import Language
 from reports.pages.assets import environment

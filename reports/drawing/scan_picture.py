@@ -6,10 +6,11 @@ from typing import Final
 
 import numpy as np
 
+from harness.model.history import Array
 from meshes.footprint import slenderness_rose_rad, weakest_azimuth_deg
 from meshes.solid import Solid
 from reports.charts.figure import MUTED
-from reports.drawing.display_mesh import Array, Faces, decimated, eye_axes, facing
+from reports.drawing.kinematics import Faces, decimated, eye_axes, facing
 from reports.drawing.shapes import Picture, path, plane, text
 from reports.messages import ENGLISH, Language
 

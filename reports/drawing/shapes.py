@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 from markupsafe import Markup
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from harness.model.history import Array
 
 
 def element(name: str, attributes: Mapping[str, str], inside: str = "") -> str:

@@ -9,25 +9,30 @@ from pathlib import Path as File
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.model.errors import InputError, Mistake
 from harness.model.files import check_own, writing
-from harness.model.history import History
+from harness.model.history import Array, History
 from harness.records.scene import SceneRecord
 from reports.charts.drawn import svg
 from reports.charts.figure import HAIRLINE, INK, MUTED, across, axis, figure, look, marks, named
 from reports.charts.histories import histories_figure
-from reports.drawing.display_mesh import display_mesh, eye_axes, facing, silhouette_m
-from reports.drawing.kinematics import posed_in_space_m, posed_pedestal_m, poses, section
-from reports.drawing.replay import default_model
+from reports.drawing.kinematics import (
+    display_mesh,
+    eye_axes,
+    facing,
+    posed_in_space_m,
+    posed_pedestal_m,
+    poses,
+    section,
+    silhouette_m,
+)
 from reports.drawing.shapes import plane
+from reports.pages.run_page import default_model
 from reports.source import RunSource, run_source
 
 if TYPE_CHECKING:
     from PIL.Image import Image
-
-Array = NDArray[np.float64]
 
 FRAMES_PER_S: Final = 20
 LONGEST_S: Final = 12.0

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.model.history import Outcome
+from harness.model.history import Array, Outcome
 from harness.model.run import number
 from harness.model.scene import base_shift_m
 from harness.questions.scene.answer import STILL_RAD
@@ -25,7 +25,7 @@ from harness.statics.standstill import tipping_of_pedestal
 from reports.blocks import Block, Drawing, Section, Text, Verdict
 from reports.charts.drawn import still
 from reports.charts.figure import localised
-from reports.drawing.kinematics import Array, section
+from reports.drawing.kinematics import section
 from reports.drawing.pictures import Plan, floor_plan, order_svg, plan_svg, push_svg, reach_svg
 from reports.messages import ENGLISH, Language, probability_text
 from reports.source import RunSource, run_source, source_of

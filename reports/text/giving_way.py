@@ -12,6 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.finding import Finding, info
+from harness.model.history import Array
 from harness.records.run import falls
 from harness.records.scene import PushRecord, SceneRecord
 from harness.records.study import StudyRecord, SupportRecord
@@ -33,7 +34,7 @@ from reports.charts.figure import (
     points,
     upwards,
 )
-from reports.drawing.kinematics import Array, section
+from reports.drawing.kinematics import section
 from reports.messages import ENGLISH, Language
 from reports.text.wording import Condition, runs_of
 

@@ -47,7 +47,6 @@ from harness.questions.validate import scenes as test_scenes
 from harness.questions.validate.drops import read_drops
 from harness.questions.validate.table import read_table
 from harness.questions.validate.tosses import read_tosses
-from harness.records.inspection import inspection_record
 from harness.records.result_folder import write_whole
 from harness.runs.execute import Campaign
 from harness.runs.progress import ProgressMessages, progress
@@ -155,7 +154,7 @@ def trust(path: Path) -> None:
 
 def motion(path: Path) -> None:
     """Read, and write what `rockcheck motion inspect` tells."""
-    found = inspection_record(inspect_file(path), ENGLISH.say)
+    found = inspect_file(path).record(ENGLISH.say)
     (path.parent / WRITTEN).mkdir()
     write_json(path.parent / WRITTEN / "motion.json", found)
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -15,7 +15,8 @@ from harness.input.motions.readers import read_record
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Floats, Layout, Series
 from harness.input.motions.records import aligned
 from harness.input.motions.spectra import DesignSpectrum, Measures, measures
-from harness.model.finding import Finding, info
+from harness.model.finding import Finding, Say, info, texted
+from harness.model.run import SCHEMA_VERSION, to_plain
 
 DAMPING: Final = 0.05
 PERIODS_S: Final = np.geomspace(0.03, 4.0, 80)
@@ -69,6 +70,40 @@ class MotionInspection:
             for name, unit, key, form in _ROWS
         ]
         return [head, size, *rows]
+
+    def record(self, say: Say) -> dict[str, Any]:
+        """All but the histories as plain values, the findings and what was done said by `say`.
+
+        Of each channel its samples, what was done to it, its measures and its pseudo-acceleration spectrum; of a design spectrum
+        that the motion was to follow its value at the same periods.
+        """
+        target, findings = self.target, texted(self.findings, say)
+        traces = [
+            {
+                "name": trace.name,
+                "direction": trace.direction,
+                "dt_s": trace.series.dt_s,
+                "samples": trace.series.accel_m_s2.size,
+                "done": [say(step) for step in trace.series.done],
+                "measures": trace.measures,
+                "spectrum_m_s2": trace.spectrum_m_s2,
+            }
+            for trace in self.traces
+        ]
+        values: dict[str, Any] = to_plain(
+            {
+                "schema_version": SCHEMA_VERSION,
+                "title": self.title,
+                "source": self.source,
+                "damping": DAMPING if target is None else target.damping,
+                "periods_s": PERIODS_S,
+                "traces": traces,
+                "target": target and {**asdict(target), "spectrum_m_s2": target.accel_m_s2(PERIODS_S)},
+                "warnings": [each.text for each in findings],
+                "findings": findings,
+            }
+        )
+        return values
 
 
 def inspect_file(

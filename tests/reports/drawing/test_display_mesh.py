@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from reports.drawing.display_mesh import display_mesh
-from reports.drawing.kinematics import StatueSection
+from reports.drawing.kinematics import StatueSection, display_mesh
 
 BLOCK = StatueSection(np.array([[-0.3, 0.0], [0.1, 0.0], [0.1, 1.4], [-0.3, 1.4]]), 0.3, 0.1)
 

@@ -21,8 +21,7 @@ from harness.records.assess import Assessment
 from harness.records.run import HorizonRecord, balance_share, has_answer
 from harness.records.scores import Verdict
 from harness.records.study import SupportRecord
-from reports.drawing.display_mesh import silhouette_m
-from reports.drawing.kinematics import section
+from reports.drawing.kinematics import section, silhouette_m
 from reports.drawing.pictures import floor_plan
 from reports.messages import ENGLISH
 from reports.pages import conservator

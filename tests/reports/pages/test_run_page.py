@@ -23,7 +23,7 @@ from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.base import plain
 from harness.records.result_folder import read_result
 from harness.records.run import HorizonRecord
-from reports.drawing.display_mesh import MOST_FACES, read_mesh
+from reports.drawing.kinematics import MOST_FACES, read_mesh
 from reports.messages import ENGLISH
 from reports.pages.conservator import of_run
 from reports.pages.page import write_report

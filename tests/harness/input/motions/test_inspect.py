@@ -15,7 +15,6 @@ from harness.input.motions import SceneMotion
 from harness.input.motions.inspect import PERIODS_S, inspect_component, inspect_file
 from harness.input.motions.spec import Component, Target
 from harness.input.motions.spectra import design_spectrum
-from harness.records.inspection import inspection_record
 from reports.export.figures import printed
 from reports.export.motion_figure import WIDE, build_up_figure, histories_figure, motion_picture, spectrum_figure
 from reports.messages import ENGLISH
@@ -26,7 +25,7 @@ ADAPTER: TypeAdapter[Any] = TypeAdapter(Component)
 
 def test_a_file_is_shown_with_its_peaks_units_and_findings(data_dir: Path) -> None:
     found = inspect_file(data_dir / "records" / "20161113_110259_WTMC_20.V2A.gz")
-    record = json.loads(json.dumps(inspection_record(found, ENGLISH.say)))
+    record = json.loads(json.dumps(found.record(ENGLISH.say)))
     assert [trace["name"] for trace in record["traces"]] == ["N28W", "S62W", "Up"]
     assert [round(trace["measures"]["pga_g"], 3) for trace in record["traces"]] == [0.992, 0.812, 1.838]
     assert record["source"]["unit"] == "mm/s2"
@@ -75,7 +74,7 @@ def test_components_without_a_file(keys: dict[str, Any]) -> None:
     assert columns
     assert all(np.all(np.isfinite(values)) for values in columns)
     assert printed(motion_picture(found), WIDE).startswith("<?xml")
-    json.dumps(inspection_record(found, ENGLISH.say))
+    json.dumps(found.record(ENGLISH.say))
 
 
 @pytest.mark.parametrize(
