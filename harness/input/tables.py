@@ -23,6 +23,7 @@ Density = Annotated[float, Field(ge=1e-3, le=1e5)]
 Mass = Annotated[float, Field(ge=1e-9, le=1e9)]
 Inertia = Annotated[float, Field(ge=1e-18, le=1e18)]
 Length = Annotated[float, Field(ge=1e-6, le=1e4)]
+Tolerance = Annotated[float, Field(gt=0.0, le=0.1)]
 Friction = Annotated[float, Field(ge=0.0, le=1e3)]
 Place = Annotated[float, Field(ge=-1e4, le=1e4)]
 Speed = Annotated[float, Field(ge=-1e3, le=1e3)]
@@ -76,7 +77,7 @@ class MeshTable(UserTable):
     up: Literal["x", "y", "z", "-x", "-y", "-z"] = "z"
     azimuth_deg: float = 0.0
     density_kg_m3: Density | None = None
-    contact_tolerance_m: Annotated[float, Field(gt=0.0, le=0.1)] = 1e-3
+    contact_tolerance_m: Tolerance = 1e-3
     inner: InnerTable | None = None
     use_survey: Annotated[
         tuple[Literal["centroid_height_m", "inertia_kg_m2"], ...], BeforeValidator(list_to_tuple)

@@ -6,10 +6,11 @@ from __future__ import annotations
 import os
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from harness.input import paths
 from harness.input.mesh_statue import MARBLE_KG_M3, findings_of, mesh_mistake, steps_of
+from harness.input.mistakes import wanted_of
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.files import check_own, checksum, write_text, writing
@@ -22,22 +23,28 @@ if TYPE_CHECKING:
     from meshes.inspection import Inspection
 
 
-MOST: Final = {"density": 1e5, "mass": 1e9, "contact-tolerance": 0.1}
-"""The greatest of each that a scene takes."""
-
-
 def inspect(file: Path, known: ScanOptions) -> Inspection:
     """Inspect a scan; raises `InputError` where it cannot be prepared."""
+    from pydantic import TypeAdapter, ValidationError
+
+    from harness.input.tables import Density, Mass, Tolerance
     from meshes import MeshError
     from meshes.inspection import inspect as inspected
     from meshes.prepare import Wanted
 
     if known.density_kg_m3 is not None and known.mass_kg is not None:
         raise InputError(Mistake("--density", "", "a density or a weighed mass", "both", "give one of them"))
-    given = {"density": known.density_kg_m3, "mass": known.mass_kg, "contact-tolerance": known.contact_tolerance_m}
-    for name, value in given.items():
-        if value is not None and not 0.0 < value <= MOST[name]:
-            raise InputError(Mistake(f"--{name}", "", f"more than 0 and at most {MOST[name]:g}", f"{value:g}"))
+    for name, taken, value in (
+        ("density", Density, known.density_kg_m3),
+        ("mass", Mass, known.mass_kg),
+        ("contact-tolerance", Tolerance, known.contact_tolerance_m),
+    ):
+        if value is None:
+            continue
+        try:
+            TypeAdapter[float](taken).validate_python(value)
+        except ValidationError as error:
+            raise InputError(Mistake(f"--{name}", "", wanted_of(error.errors()[0]), f"{value:g}")) from None
     density = known.density_kg_m3
     if density is None and known.mass_kg is None:
         density = MARBLE_KG_M3

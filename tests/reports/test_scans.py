@@ -66,6 +66,8 @@ def test_a_weighed_mass_sets_the_density(scan: Path) -> None:
     ("option", "known"),
     [
         ("--density", {"density_kg_m3": 0.0}),
+        ("--density", {"density_kg_m3": 1e-5}),
+        ("--density", {"density_kg_m3": math.nan}),
         ("--mass", {"mass_kg": -5.0}),
         ("--contact-tolerance", {"contact_tolerance_m": 0.5}),
         ("--contact-tolerance", {"contact_tolerance_m": math.nan}),
