@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from harness.model.scene import Scene
     from harness.questions.assess.assessment import assess
     from harness.questions.scene.scene_run import run_scene
-    from harness.questions.study.sweep import sweep
+    from harness.questions.study.study_run import sweep
     from harness.records.result_folder import read_result
     from harness.records.run import RunRecord
     from harness.records.scores import Scores, Verdict
@@ -61,7 +61,7 @@ _NAMES: Final = {
     "harness.runs.execute": "execute",
     "harness.runs.task": "RunRequest",
     "harness.model.run_set": "RunSet",
-    "harness.questions.study.sweep": "sweep",
+    "harness.questions.study.study_run": "sweep",
 }
 """The public names by their modules."""
 _HOMES: Final = {name: module for module, names in _NAMES.items() for name in names.split()}
