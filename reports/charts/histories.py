@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from harness.model.history import Array
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.scene import StatueRecord
+from harness.statics.standstill import STILL_M
 from reports.charts import Json
 from reports.charts.figure import (
     HEIGHT,
@@ -128,7 +129,9 @@ def histories_figure(source: RunSource, say: Language = ENGLISH) -> Json:
     if data["patterns"]:
         rows.append((_strip(data["patterns"], say), 8 + 22 * len(data["patterns"]), None))
     curves = named(looks, legend=False)
-    if source.scene.pedestal is not None:
+    if source.scene.pedestal is not None and any(
+        np.abs(each.slip_m).max() > STILL_M for each in source.histories.values()
+    ):
         rows.append(_curves(say("chart.slip_u"), 130, curves, reading("histories", "slip", say("word.slip"), "mm", 3)))
     if any("across" in part for part in data["histories"]):
         turned = reading("histories", "across", say("chart.out_of_plane"), "rad", 4)

@@ -10,8 +10,10 @@ import numpy as np
 from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.fragility import fit
 from harness.model.finding import Finding, info
+from harness.questions.scene.answer import STILL_RAD
 from harness.records.run import falls
 from harness.records.study import CaseRun, Panel
+from harness.statics.standstill import STILL_M
 from reports.charts import Json
 from reports.charts.drawn import BETWEEN
 from reports.charts.figure import (
@@ -62,11 +64,11 @@ def design_figures(
         return []
     figures = []
     for model in models if len(conditions) <= MOST_PLACES else ():
-        peak = _value_map(model, conditions, axes, _standing_peak, "rad", say, marked=False)
+        peak = _value_map(model, conditions, axes, _standing_peak, "rad", STILL_RAD, say, marked=False)
         if peak is not None:
             figures.append((say("chart.map_peak", model=model), peak))
     for model in models:
-        slip = _value_map(model, conditions, axes, lambda run: 1000.0 * run.peak_slip_m, "mm", say)
+        slip = _value_map(model, conditions, axes, lambda run: 1000.0 * run.peak_slip_m, "mm", 1e3 * STILL_M, say)
         if slip is not None:
             figures.append((say("chart.map_slip", model=model), slip))
     return figures
@@ -111,14 +113,15 @@ def _value_map(
     axes: tuple[str, str],
     value_of: Callable[[CaseRun], float],
     unit: str,
+    least: float,
     say: Language,
     marked: bool = True,
 ) -> Json | None:
-    """A heatmap of one number of each run; None where it is nought everywhere."""
+    """A heatmap of one number of each run; None where it is nought, or rounding, everywhere."""
     x, y = ((say.label(key), sorted({item.number(key) for item in conditions})) for key in axes)
     there = {tuple(item.number(key) for key in axes): run for item, run in runs_of(conditions, model)}
     values = np.array([[value_of(there[at, up]) if (at, up) in there else np.nan for at in x[1]] for up in y[1]])
-    if not np.nanmax(values, initial=0.0) > 0.0:
+    if not np.nanmax(values, initial=0.0) > least:
         return None
     crosses = marks("point", "tipping", shape="cross", angle=45, size=36, filled=True, color=INK)
     tipping = [columns("x y", [place for place, run in there.items() if _tips(run)])]
@@ -162,8 +165,8 @@ def _curves(models: Sequence[str], members: Sequence[Condition], key: str, say: 
     ]  # fmt: skip
     outcomes = list(dict.fromkeys(words for part in parts for words in part["outcome"]))
     rows = [(names("outcome", outcomes[::-1], grid=True), 40 + 26 * len(outcomes))]
-    for column, height in (("theta", 180), ("slip", 140)):
-        if any(value for part in parts for value in part[column]):
+    for column, height, least in (("theta", 180, STILL_RAD), ("slip", 140, 1e3 * STILL_M)):
+        if any((value or 0.0) > least for part in parts for value in part[column]):
             rows.append((axis(column, say(f"chart.{column}"), scale={"zero": True}), height))
     joined = all(len(set(part["x"])) == len(part["x"]) for part in parts)  # no line through draws of one place
     drawn = [(points("runs", looks, y, k == 0, joined), height) for k, (y, height) in enumerate(rows)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from reports.charts import Json
 from reports.charts.map_figures import map_axes
-from reports.charts.study_figures import curve_figures
+from reports.charts.study_figures import curve_figures, design_figures
 from reports.text.wording import Condition
 from tests.reports.charts.parts import part
 from tests.reports.invented_study import case_row, case_run
@@ -34,6 +34,15 @@ def test_one_axis_has_outcome_rotation_and_slip() -> None:
     assert runs["theta"] == [0.2, 0.3, None], "of a statue that falls no rotation is told"
     assert runs["slip"] == [2.0, 3.0, None]
     assert {each["orient"] for each in lines(figure)} == {"vertical"}, "from left to right, over an axis of names too"
+
+
+def test_rounding_of_a_statue_at_rest_is_no_curve_and_no_map() -> None:
+    """Charts of 3e-10 rad and 1e-6 mm filled their height, with axes of eleven decimals."""
+    still = case_row("analytic", case_run("stands", 3e-10, peak_slip_m=1e-9))
+    cases = [Condition({KEY: value, OTHER: other}, {MODEL: still}) for value in (1, 2, 3) for other in (1, 2, 3)]
+    ((_, figure),) = curve_figures([MODEL], cases[::3], [KEY])
+    assert len(figure["vconcat"]) == 1
+    assert design_figures([MODEL], cases, (OTHER, KEY)) == []
 
 
 def test_draws_of_one_place_are_joined_by_no_line() -> None:

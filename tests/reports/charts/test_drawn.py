@@ -65,6 +65,9 @@ def test_rounding_of_a_statue_at_rest_is_no_rotation_to_be_seen(source: RunSourc
     }
     low, high = histories_figure(replace(source, histories=still))["usermeta"]["views"]["near"]
     assert [-low, high] == pytest.approx([0.01, 0.01], rel=0.01)
+    stuck = {name: replace(each, slip_m=1e-9 * np.abs(each.slip_m)) for name, each in source.histories.items()}
+    rows_, fewer = (len(histories_figure(each)["vconcat"]) for each in (source, replace(source, histories=stuck)))
+    assert fewer == rows_ - 1, "the slip of a pedestal at rest"
 
 
 def points(drawn: str) -> np.ndarray[Any, Any]:
