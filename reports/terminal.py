@@ -278,7 +278,9 @@ def _owner(finding: Finding) -> str:
 def motion_lines(found: MotionInspection, findings: Sequence[Finding], *, verbose: bool = False) -> list[str]:
     """A motion: where it came from, its measures, what to beware of (`findings` with their sentences)."""
     source = printable("; ".join(f"{key}: {said}" for key, said in found.source.items() if said))
-    rows = table([[printable(cell) for cell in row] for row in found.table()])
+    head, *measured = found.table()
+    named = [["", *head], *([*ENGLISH.named(key), *values] for key, *values in measured)]
+    rows = table([[printable(cell) for cell in row] for row in named])
     return [source if verbose else _cut(source), *rows, *found_lines(findings, len(rows) + 2, verbose=verbose)]
 
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from harness.records.bench import (
+    TOGETHER,
     BenchRecord,
     LevelChoice,
     PrecisionRow,
@@ -32,7 +34,8 @@ from reports.messages import Language
 
 def blocks(_folder: Path, record: BenchRecord, say: Language) -> list[Block]:
     """The blocks of a bench's page."""
-    rows, scenes = record.rows, list(dict.fromkeys(row.scene for row in record.rows))
+    rows = [replace(row, scene=say.word(row.scene)) for row in record.rows]
+    scenes = list(dict.fromkeys(row.scene for row in rows))
     work = [
         Chart(f"work-{k}", each, precision_figure(each, rows, record.target_rad, say)) for k, each in enumerate(scenes)
     ]
@@ -67,7 +70,8 @@ def _choices(say: Language, items: Sequence[LevelChoice], target_rad: float) -> 
 
 def _skip(row: SkipRow, say: Language) -> dict[str, object]:
     """One skip's times, and what changed by it."""
-    name = row.skip.replace("_", " ") + (f", {row.engine}" if row.engine != "*" else "")
+    name = say.word(row.skip) if row.skip == TOGETHER else say(f"skip.{row.skip}")
+    name += f", {row.engine}" if row.engine != "*" else ""
     if row.failed:
         return {"skip": name, **dict.fromkeys(("scenes", "on_s", "off_s", "gain")), "result": row.failed}
     parts = ["; ".join(row.changed) or say("text.same")]

@@ -94,9 +94,10 @@ def _render(
     say: Language,
     scripts: Sequence[str] = (),
 ) -> str:
-    # A validation has no title of its own.
+    # These have no title of their own.
     tests = getattr(record, "tests", None) if record.kind == "validation" else None
-    title = record.title if tests is None else say("text.title_validation", count=tests)
+    title = say.word(record.title) if record.kind in ("bench", "stress") else record.title
+    title = title if tests is None else say("text.title_validation", count=tests)
     live = {"chart_library": chart_library()} if scripts else {}
     page = environment().get_template("page.html.j2").render(
         live, title=printable(title), kind=kind, blocks=blocks, links=links, say=say,

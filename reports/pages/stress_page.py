@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -31,14 +32,15 @@ SIGNS: Final = {"stable": "●", "inaccurate": "◐", "drifting": "↗", "diverg
 
 def blocks(_folder: Path, record: StressRecord, say: Language) -> list[Block]:
     """The blocks of a stress run's page."""
-    engines = list(dict.fromkeys(cell.engine for cell in record.cells))
+    cells = [replace(cell, difficulty=say.word(cell.difficulty)) for cell in record.cells]
+    engines = list(dict.fromkeys(cell.engine for cell in cells))
     tried = list(dict.fromkeys(name for scene in record.scenes for name in scene.got))
     scenes = Table(
         say("table.hard"), [say("label.scene"), say("label.wanted"), *tried, say("label.checked")],
         [_scene(scene, tried, say) for scene in record.scenes], "claims",
     )  # fmt: skip
     signs = Legend([(sign, say(f"text.{name}")) for name, sign in SIGNS.items()], say("text.signs"))
-    maps = [block for engine in engines for block in _map(engine, record.cells, say)]
+    maps = [block for engine in engines for block in _map(engine, cells, say)]
     return [
         verdict(record),
         *section(say, "notes", *notes(say, record.findings)),
@@ -72,7 +74,10 @@ def _scene(scene: HardRow, engines: Sequence[str], say: Language) -> list[str | 
         ])])
         for name, each in scene.known.items()
     ]  # fmt: skip
-    row: list[str | Cell] = [Cell(scene.name, below=scene.note, folds=known), say.word(scene.wanted)]
+    row: list[str | Cell] = [
+        Cell(say.word(scene.name), below=say.word(scene.note), folds=known),
+        say.word(scene.wanted),
+    ]
     for name in engines:
         if name not in scene.got:
             row.append(Cell("–"))

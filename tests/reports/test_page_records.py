@@ -19,7 +19,7 @@ from harness.model.run import write_json
 from harness.questions.study.study_record import answer_of, findings_of
 from harness.questions.validate.validation_run import answer_of as validation_answer
 from harness.records.base import as_file, plain
-from harness.records.bench import KnownFailure, Measure, PartRow, ScalingRow
+from harness.records.bench import TOGETHER, BenchRecord, KnownFailure, Measure, PartRow, ScalingRow, StressRecord
 from harness.records.bench import StabilityCell as Found
 from harness.records.bench import answer_of as stress_answer
 from harness.records.bench import findings_of as stress_findings
@@ -31,7 +31,7 @@ from reports.blocks import Cell, Chart, Facts, Group, Table, Text, Verdict, verd
 from reports.charts.curve_figures import on_front, precision_figure, scaling_figure
 from reports.charts.map_figures import map_figures
 from reports.charts.study_figures import fragility_figure, rose_picture
-from reports.messages import ENGLISH
+from reports.messages import ENGLISH, language
 from reports.pages import conservator
 from reports.pages.page import page_blocks, write_report
 from reports.pages.stress_page import explanations, measured
@@ -299,7 +299,10 @@ def test_settings_of_one_engine_look_different() -> None:
 def test_a_bench_shows_what_skips_gain_and_what_the_target_takes(tmp_path: Path) -> None:
     found = page_blocks(tmp_path, invented_records.bench())
     skips = rows(found, ENGLISH("table.skips"))
-    assert [row[0] for row in skips] == ["all together, analytic", "quiet end, pymunk", "quiet start, pymunk"]
+    names = [TOGETHER, ENGLISH("skip.quiet_end"), ENGLISH("skip.quiet_start")]
+    assert [row[0] for row in skips] == [
+        f"{name}, {engine}" for name, engine in zip(names, ("analytic", "pymunk", "pymunk"), strict=True)
+    ]
     texts = ["the same", "stands, without overturned_left, 1·10⁻⁷ rad apart", "no record here"]
     assert [row[-1] for row in skips] == texts
     choice = rows(found, ENGLISH("table.target", target="0.001"))
@@ -385,3 +388,24 @@ def test_the_conservators_page_counts_as_the_terminal_does(tmp_path: Path, recor
     said = conservator.blocks(tmp_path, replace(given, scores={"pymunk": scores}))
     told = [line for each in every(said, Text) for line in each.lines]
     assert ENGLISH("study.agree", count="Two", same=1201, total=1234) in told
+
+
+def test_no_name_of_a_scene_or_a_skip_stands_in_english_on_an_italian_page(tmp_path: Path) -> None:
+    stressed = invented_records.stress()
+    hard = replace(stressed.scenes[0], note="a table that moves away at 0.1 g for 48 s, below every limit of rest")
+    cells = [replace(cell, difficulty="at rest") for cell in stressed.cells]
+    stressed = replace(stressed, title=StressRecord.title, scenes=[hard], cells=cells)
+    timed = invented_records.bench()
+    rows = [replace(row, scene="free rocking") for row in timed.rows]
+    timed = replace(timed, title=BenchRecord.title, rows=rows)
+    italian = language("it")
+    for folder, record, words in (
+        ("stress", stressed, (stressed.title, hard.name, hard.note, "at rest")),
+        ("bench", timed, (timed.title, "free rocking", TOGETHER)),
+    ):
+        (tmp_path / folder).mkdir()
+        write_json(tmp_path / folder / "result.json", as_file(record))
+        page = unescape(without_data(write_report(tmp_path / folder, "it").read_text(encoding="utf-8")))
+        for word in words:
+            assert italian.word(word) in page
+            assert f">{word}<" not in page

@@ -26,18 +26,18 @@ _FINE_STEP_S = 0.005
 _SAMPLES_PER_PULSE = 400
 _SAMPLES_PER_PERIOD = 400
 _MOST_SAMPLES = 1_000_000
-_ROWS: Final = (
-    ("PGA", "g", "pga_g", "{:.4f}"),
-    ("PGV", "m/s", "pgv_m_s", "{:.4f}"),
-    ("PGD", "m", "pgd_m", "{:.4f}"),
-    ("PGV/PGA", "s", "pgv_to_pga_s", "{:.4f}"),
-    ("Arias intensity", "m/s", "arias_m_s", "{:.3f}"),
-    ("duration 5-95 %", "s", "significant_5_95_s", "{:.2f}"),
-    ("duration 5-75 %", "s", "significant_5_75_s", "{:.2f}"),
-    ("above 0.05 g", "s", "bracketed_s", "{:.2f}"),
-    ("velocity at the end", "m/s", "end_velocity_m_s", "{:.2e}"),
-    ("displacement at the end", "m", "end_displacement_m", "{:.2e}"),
-)
+_ROWS: Final = {
+    "pga_g": "{:.4f}",
+    "pgv_m_s": "{:.4f}",
+    "pgd_m": "{:.4f}",
+    "pgv_to_pga_s": "{:.4f}",
+    "arias_m_s": "{:.3f}",
+    "significant_5_95_s": "{:.2f}",
+    "significant_5_75_s": "{:.2f}",
+    "bracketed_s": "{:.2f}",
+    "end_velocity_m_s": "{:.2e}",
+    "end_displacement_m": "{:.2e}",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,14 +62,11 @@ class MotionInspection:
     target: DesignSpectrum | None = None
 
     def table(self) -> list[tuple[str, ...]]:
-        """Rows of text: a header, then name, unit and a value for every trace."""
-        head = ("", "", *(f"{trace.name} ({trace.direction})" for trace in self.traces))
-        size = ("samples", "", *(f"{t.series.accel_m_s2.size} at {t.series.dt_s:g} s" for t in self.traces))
-        rows = [
-            (name, unit, *(form.format(getattr(trace.measures, key)) for trace in self.traces))
-            for name, unit, key, form in _ROWS
-        ]
-        return [head, size, *rows]
+        """Rows of text: a header, then by name, which ends in its unit, a value for every trace."""
+        head = ("", *(f"{trace.name} ({trace.direction})" for trace in self.traces))
+        sizes = ("samples", *(f"{t.series.accel_m_s2.size} × {t.series.dt_s:g} s" for t in self.traces))
+        rows = [(key, *(form.format(getattr(t.measures, key)) for t in self.traces)) for key, form in _ROWS.items()]
+        return [head, sizes, *rows]
 
     def record(self, say: Say) -> dict[str, Any]:
         """All but the histories as plain values, the findings and what was done said by `say`.
@@ -111,9 +108,8 @@ def inspect_file(
 ) -> MotionInspection:
     """The record in `path` as it is, with its sister files' channels; InputError where it cannot be read."""
     record = read_record(path, unit=unit, layout=layout)
-    tested = "tried on originals" if record.tested else "untested on originals"
     # A path may be long: in a line that is cut off the unit stands before it.
-    source = {"unit": record.unit, "format": f"{record.format} (reader {tested})", "file": str(path)}
+    source = {"unit": record.unit, "format": record.format, "file": str(path)}
     source |= {key: " ".join(said.split()) for key, said in record.facts.items()}
     series = aligned(record)
     traces = tuple(

@@ -161,12 +161,12 @@ def costing(row: PrecisionRow, spent: Cost, simulated_s: float) -> PrecisionRow:
 
 
 def _label(settings: Settings | Mapping[str, object]) -> str:
-    """A level in words."""
+    """A level by its numbers."""
     plain = settings.as_dict() if isinstance(settings, Settings) else settings
     if "accuracy_rad" in plain:
-        return f"aimed at {plain['accuracy_rad']:g} rad"
+        return f"{plain['accuracy_rad']:g} rad"
     parts = [f"{1e3 * number(plain, 'dt_s'):g} ms"]
-    parts += [f"{plain['iterations']} iterations"] if "iterations" in plain else []
+    parts += [f"{plain['iterations']} it."] if "iterations" in plain else []
     return ", ".join(parts)
 
 

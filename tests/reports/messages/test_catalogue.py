@@ -14,6 +14,10 @@ from harness.model.finding import Answer, Finding, caution, changes_answer, info
 from harness.model.history import Outcome
 from harness.model.run import SKIPS
 from harness.questions.assess.options import PAIRS
+from harness.questions.bench.standard_scenes import standard_set
+from harness.questions.bench.stress.catalogue import catalogue
+from harness.questions.bench.stress.stability import difficulties
+from harness.records.bench import TOGETHER, BenchRecord, StressRecord
 from harness.records.scores import Verdict
 from reports.messages import COUNTED, ENGLISH, FIELD, FORMATS, LANGUAGES, OPTIONAL, agreed, language
 
@@ -253,3 +257,13 @@ def test_an_italian_article_follows_its_number(share: float, said: str) -> None:
     assert f"da una spinta {said} % del peso" in say("push.statue_slides", pushes=say.percent(share))
     worst = {"bounded": True, "azimuth_deg": 0.0, "planar_g": 0.3, "solid_g": 0.2, "sides_deg": [], "never": 0}
     assert f"È insicuro {said}\u00a0% verso" in say.say(info("plane_worst", error=share, **worst))
+
+
+def test_scenes_that_are_measured_by_have_names_in_every_language() -> None:
+    """On an Italian page they stood in English."""
+    names = [each.name for each in (*standard_set(), *catalogue(), *difficulties())]
+    names += [each.note for each in catalogue() if each.note] + [BenchRecord.title, StressRecord.title, TOGETHER]
+    for code in LANGUAGES:
+        assert [name for name in names if f"word.{name}" not in language(code).strings] == []
+    italian = language("it")
+    assert italian.word("free rocking") != "free rocking"
