@@ -119,7 +119,7 @@ class Solution:
 
     The quaternion (w, x, y, z) turns the body's frame into the table's. Residuals are
     relative: of the balance of energy to m g times the body's radius, of momentum and of the cones to what the impact exchanged.
-    least_friction is the largest over the steps of the least coefficient that sticking needed (0 if nothing stuck).
+    least_friction is the largest over the steps of the least coefficient that sticking needed, where it slid the static one.
     """
 
     t_s: Floats

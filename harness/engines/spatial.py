@@ -222,8 +222,17 @@ def trajectory_of(scene: Scene, solution: Solution) -> Trajectory:
         gravity_xz_m_s2=frame.apparent_gravity(scene, t_s)[:, [0, 2]],
         statue_xz_m=solution.position_m[:, [0, 2]],
         statue_rate_m_s=solution.velocity_m_s[:, [0, 2]],
-        extra=statue_columns(scene.statue, turn, solution.position_m),
+        extra={**statue_columns(scene.statue, turn, solution.position_m), "energy_j": _energy_j(scene, solution)},
     )
+
+
+def _energy_j(scene: Scene, solution: Solution) -> Array:
+    """Energy (n,) of all its motions in the table's frame, J, its height counted from the start."""
+    statue, spin = scene.statue, solution.angular_velocity_rad_s
+    turning = np.einsum("ti,ij,tj->t", spin, statue.inertia_tensor_kg_m2, spin)
+    moving = np.sum(solution.velocity_m_s**2, axis=1)
+    rise = solution.position_m[:, 2] - solution.position_m[0, 2]
+    return np.asarray(0.5 * turning + statue.mass_kg * (0.5 * moving + scene.gravity_m_s2 * rise))
 
 
 def _findings(certified: Certified, unfinished: Sequence[tuple[float, Solution]]) -> list[Finding]:
@@ -283,6 +292,7 @@ def _run(
 ) -> Run:
     solution = certified.solution
     plain: dict[str, object] = own.as_dict()
+    clear_m = solution.gap_m.min(axis=1)
     report = Report(
         engine=Spatial.name,
         settings=plain,
@@ -295,7 +305,11 @@ def _run(
             "statue_friction_needed": solution.least_friction,
             "energy_residual": solution.energy_residual,
             "momentum_residual": solution.momentum_residual,
-            "energy_lost_at_impacts_j": solution.energy_lost_at_impacts_j,
+            # What is told of a contact engine's run is of its motion in the plane.
+            "statue_flight_m": max(float(clear_m.max()), 0.0),
+            "penetration_m": max(-float(clear_m.min()), 0.0),
+            "energy_gained_j": None,
+            "lost_in_impacts_j": solution.energy_lost_at_impacts_j,
             "energy_lost_by_sliding_j": solution.energy_lost_by_sliding_j,
         },
         work={

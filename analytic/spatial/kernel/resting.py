@@ -8,7 +8,7 @@ from typing import Final
 from analytic.kernel.codes import NONE, RECTANGULAR, SAMPLED
 from analytic.kernel.compiler import jit
 from analytic.spatial.kernel import codes
-from analytic.spatial.kernel.contact import UNLIMITED, edge_friction
+from analytic.spatial.kernel.contact import UNLIMITED, edge_friction, normal, tangent
 from analytic.spatial.kernel.rates import contact_forces
 from analytic.spatial.kernel.records import Memory, Run
 from analytic.spatial.kernel.rest import edge_distance, thrust
@@ -23,16 +23,21 @@ TWO_PI: Final = 2.0 * math.pi
 
 @jit
 def needed(s: Run, m: Memory) -> None:
-    """Keep the largest of the least friction that sticking needs."""
+    """Keep the largest of the least friction that sticking needs; what slides needs all that there is."""
+    least = s.friction_static
     if s.mode == codes.FLAT_REST:
         # All feet stick together: the resultant of field and weight is what friction must hold.
         g = field(s, m, s.time_s)
         least = math.sqrt(g[0] * g[0] + g[1] * g[1]) / -g[2] if g[2] < 0.0 else math.inf
-    elif s.mode == codes.EDGE_STICK:
+    elif s.mode == codes.EDGE_STICK or s.mode == codes.VERTEX_STICK:
         rows = axes(m.y)
         contact_forces(s, m, m.y, rows, field(s, m, s.time_s))
-        least = edge_friction(m, rows, s.a, s.b)
-    else:
+        if s.mode == codes.EDGE_STICK:
+            least = edge_friction(m, rows, s.a, s.b)
+        else:
+            pushed = normal(m, rows, s.a)
+            least = tangent(m, rows, s.a) / pushed if pushed > 0.0 else 0.0
+    elif s.mode == codes.FLIGHT:
         return
     s.least_friction = max(s.least_friction, least)
 
@@ -109,6 +114,9 @@ def hold(s: Run, m: Memory) -> None:
             at = _dip(s, m, start, high)
             if rest_margin(s, m, at) < 0.0:
                 until, found = _rest_event(s, m, start, at), True
+        if s.keep_events and not found:
+            s.time_s = high
+            needed(s, m)
         start, low, last, before = low, high, before, now
     m.y1[:] = m.y
     if s.output_step_s > 0.0:

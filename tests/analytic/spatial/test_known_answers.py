@@ -115,6 +115,29 @@ def test_the_least_friction_on_its_edge(time_s: float, printed: float) -> None:
     assert any(event.kind is spatial.EventKind.SLIP_ONSET for event in slipped.events)
 
 
+def test_the_friction_that_a_body_at_rest_needs_is_that_of_the_motion_s_peak() -> None:
+    shaken = analytic.Harmonic(0.1 * GRAVITY, 1.0)
+    run = spatial.simulate(SPECIFIED, shaken, duration_s=2.0, friction_static=0.5)
+    assert run.least_friction == pytest.approx(0.1, rel=budget.FRICTION_REL)
+
+
+def test_the_friction_that_one_vertex_needs_is_that_of_the_force_on_it() -> None:
+    """Turning about one vertex the body's own acceleration gives the force, by differences of its velocity."""
+    turn = (math.cos(0.05), 0.6 * math.sin(0.05), 0.8 * math.sin(0.05), 0.0)
+    run = spatial.simulate(SPECIFIED, duration_s=0.2, friction_static=math.inf, quaternion_wxyz=turn)
+    assert run.intervals[-1].mode is Mode.VERTEX_STICK
+    force = np.gradient(run.velocity_m_s, run.t_s, axis=0)[1:-1] + np.array([0.0, 0.0, GRAVITY])
+    needed = (np.hypot(force[:, 0], force[:, 1]) / force[:, 2]).max()
+    assert run.least_friction == pytest.approx(needed, rel=budget.FRICTION_REL)
+
+
+def test_what_slides_needs_all_the_friction_that_there_is() -> None:
+    jump = analytic.Pulse("rectangular", GRAVITY, 0.1)
+    run = spatial.simulate(slender(1.0), jump, duration_s=0.1, friction_static=0.3, friction_kinetic=0.2)
+    assert run.intervals[0].mode is Mode.FLAT_SLIDE
+    assert run.least_friction == pytest.approx(0.3, rel=budget.CLOSED_FORM)
+
+
 @pytest.mark.parametrize(
     ("amplitude_g", "printed"), [(1.0 / 3.0 + 1e-9, 0.3333), (0.5, 0.3735), (1.0, 0.4783), (2.0, 0.6364)]
 )
