@@ -72,3 +72,7 @@ BASE_M: Final = 1e-5
 LEAST_OF_LINES = {"line": 2.3, "horizon": 1.7}
 """Contrast of a thin line of a trust map with what it runs over: lines have dashes of their own, and a key; half of what a text
 needs. That of the horizon ends where nothing is confirmed; it is weakest over red, which no map has shown yet."""
+
+DRAWN_SHARE: Final = 1e-3
+"""Of a curve's range, how far what is drawn may lie from its samples: a third of a pixel of a row of 320. The page leaves out
+what lies within a quarter of this of its lines."""

@@ -51,6 +51,21 @@ rockcheck.live = (chart) => {
   return box;
 };
 
+/* Of samples as few as keep every column, joined by lines, within this share of its range: less than a pixel is high. */
+const NEAR = 2.5e-4;
+const bent = (chosen, along, columns) => {
+  const near = columns.map((values) => { const shown = chosen.map((n) => values[n]); return NEAR * (Math.max(...shown) - Math.min(...shown)); });
+  const kept = [chosen[0]], free = columns.map(() => [-Infinity, Infinity]);
+  let slopes = free, last = chosen[0];
+  for (const n of chosen.slice(1)) {
+    const slope = (values, error) => (values[n] - values[kept.at(-1)] + error) / (along[n] - along[kept.at(-1)]);
+    if (!columns.every((values, k) => slope(values, 0) >= slopes[k][0] && slope(values, 0) <= slopes[k][1])) { kept.push(last); slopes = free; }
+    slopes = columns.map((values, k) => [Math.max(slopes[k][0], slope(values, -near[k])), Math.min(slopes[k][1], slope(values, near[k]))]);
+    last = n;
+  }
+  return [...kept, last];
+};
+
 /* Of the samples of a curve those within a stretch, and one more at each end: of every bin the first and each column's extremes. */
 const samplesOf = (along, columns, [low, high], bins) => {
   const before = along.findIndex((value) => value >= low), after = along.findIndex((value) => value > high);
@@ -65,7 +80,7 @@ const samplesOf = (along, columns, [low, high], bins) => {
       chosen.add(least).add(most);
     }
   }
-  return [...chosen.add(to - 1)].sort((a, b) => a - b);
+  return bent([...chosen.add(to - 1)].sort((a, b) => a - b), along, columns);
 };
 
 /* Rows of a chart's data, which come as columns (charts/drawn.py); typed arrays are the samples of curves. */

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from reports.messages import ENGLISH
-from tests.budgets_reports import FRAME_MS
+from tests.budgets_reports import DRAWN_SHARE, FRAME_MS
 
 pytestmark = pytest.mark.browser
 
@@ -173,6 +174,25 @@ def test_the_histories_zoom_by_mouse_and_by_button(visit: Callable[[str, str], V
     shown = page.evaluate("rockcheck.charts.histories.view.data('histories').map((row) => row.t)")
     low, high = domain
     assert sum(low <= t <= high for t in shown) >= len(shown) - 6, "of each model one more sample at each end"
+
+
+def test_as_few_samples_are_drawn_as_keep_every_curve(visit: Callable[[str, str], Visit]) -> None:
+    """Zooms take as long as they draw samples: of those of a stretch that all have room half lie on straight lines."""
+    page = visit("run", "desk").page
+    low, high = 2.0, 2.3
+    rows, models = page.evaluate(
+        "async (stretch) => { const {zoom, view, spec} = rockcheck.charts.histories; await zoom({X: stretch}); "
+        "return [view.data('histories'), spec.datasets.histories.map("
+        "(each) => ({name: each.name, t: [...each.t], theta: [...each.theta]}))]; }",
+        [low, high],
+    )
+    for model in models:
+        t_s, theta_rad = np.array(model["t"]), np.array(model["theta"])
+        there = (t_s >= low) & (t_s <= high)
+        shown = [(row["t"], row["theta"]) for row in rows if row["name"] == model["name"]]
+        assert len(shown) < 0.5 * there.sum()
+        off = np.interp(t_s[there], *np.transpose(shown)) - theta_rad[there]
+        assert np.abs(off).max() < DRAWN_SHARE * np.ptp(theta_rad[there])
 
 
 def test_a_click_sets_the_replay_and_the_pointer_is_told_what_stands_there(visit: Callable[[str, str], Visit]) -> None:
