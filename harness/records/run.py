@@ -136,6 +136,11 @@ def left_early(run: RunRow) -> bool:
     return number(run.validity, "left_domain_s", math.inf) < decided_s
 
 
+def in_domain(run: RunRow) -> bool:
+    """Whether a run tells what becomes of the statue, and its model knew all until that was decided: what is compared."""
+    return has_answer(run) and not left_early(run)
+
+
 def outcome_family(outcome: Outcome) -> str:
     """What happens to the statue: falls to different sides are one outcome."""
     return "overturned" if outcome.overturned else outcome.value

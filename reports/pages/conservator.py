@@ -18,9 +18,9 @@ from harness.model.scene import base_shift_m
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import MOSTLY, Assessment, worst
 from harness.records.effects3d import EffectsRecord
-from harness.records.run import RunRecord, own_moves, peak_slip_m, tips_s, unconfirmed
+from harness.records.run import RunRecord, outside_domain, own_moves, peak_slip_m, tips_s, unconfirmed
 from harness.records.scene import MotionRecord, SceneRecord
-from harness.records.study import StudyRecord, StudyRow, SupportRecord, Value
+from harness.records.study import CaseRun, StudyRecord, StudyRow, SupportRecord, Value
 from harness.statics.standstill import tipping_of_pedestal
 from reports.blocks import Block, Drawing, Section, Text, Verdict
 from reports.charts.drawn import still
@@ -48,7 +48,6 @@ from reports.text.wording import (
     prediction_s,
     runs_of,
     tilt_rad,
-    told_family,
     tone,
     tone_of_study,
     varying_keys,
@@ -632,7 +631,7 @@ def _borne(cases: Sequence[Condition], key: str) -> float | None:
     """The strongest level of the shaking up to which the statue stood in every situation and every model; None without one."""
     ends: dict[float, set[str]] = {}
     for item in cases:
-        answered = {told_family(row.run) for row in item.answers.values() if row.run is not None}
+        answered = {_told(row.run) for row in item.answers.values() if row.run is not None}
         ends.setdefault(abs(float(item.varied[key])), set()).update(answered)
     safe = itertools.takewhile(lambda level: ends[level] == {"stands"}, sorted(level for level in ends if ends[level]))
     return max(safe, default=None)
@@ -754,9 +753,14 @@ def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list
     return [Drawing(still(localised(figure, say), WIDTH), words, heading=say("map.heading"))]
 
 
+def _told(run: CaseRun) -> str:
+    """The class of a run's outcome; none of a model that cannot tell it."""
+    return "other" if outside_domain(run) else family(run.outcome)
+
+
 def _severity(row: StudyRow) -> int:
     """Place of what a row says among `SEVERE`; nothing computed is the least."""
-    return -1 if row.run is None else SEVERE.index(told_family(row.run))
+    return -1 if row.run is None else SEVERE.index(_told(row.run))
 
 
 def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> list[Block]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from harness.records.run import outside_domain
+from harness.records.run import in_domain
 from harness.records.study import StudyRecord, StudyRow
 from reports.blocks import (
     Block,
@@ -168,7 +168,7 @@ def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str
         by_variant: dict[str, set[str]] = {}
         for model in models:
             run = item.run(model)
-            if run is not None and not outside_domain(run):
+            if run is not None and in_domain(run):
                 kind = family(run.outcome)
                 end = kind if kind == "overturns" else symbol(run.outcome, say)[1]
                 by_variant.setdefault(model.partition(" (")[2], set()).add(end)

@@ -16,7 +16,7 @@ from harness.model.run import Intervention, Run, RunRow, number
 from harness.model.scene import base_shift_m
 from harness.records.assess import Assessment
 from harness.records.base import Table
-from harness.records.run import SLIDES_M, RunRecord, outside_domain, peak_slip_m
+from harness.records.run import SLIDES_M, UNKNOWN, RunRecord, left_early, peak_slip_m
 from harness.records.scores import AfterHorizon, Scores
 from harness.records.study import CaseRun, StudyRow, Value
 from reports.blocks import Chip, Text, Verdict, code, verdict, words
@@ -90,9 +90,14 @@ def family(outcome: str) -> str:
     return FAMILY.get(outcome, "other")
 
 
+def doubted(run: RunRow) -> bool:
+    """Whether a run has an end that is told outside its model's domain."""
+    return left_early(run) and run.outcome not in UNKNOWN
+
+
 def told_family(run: RunRow) -> str:
     """The class of what a run tells of the statue: nothing outside its model's domain."""
-    return "other" if outside_domain(run) else family(run.outcome)
+    return "other" if doubted(run) else family(run.outcome)
 
 
 def symbol(outcome: str, say: Language) -> tuple[str, str]:
@@ -103,7 +108,7 @@ def symbol(outcome: str, say: Language) -> tuple[str, str]:
 def told_symbol(run: RunRow, say: Language) -> tuple[str, str]:
     """Sign and words of a run's outcome, in brackets outside its model's domain."""
     sign, words = symbol(run.outcome, say)
-    return (f"({sign})", f"({words})") if outside_domain(run) else (sign, words)
+    return (f"({sign})", f"({words})") if doubted(run) else (sign, words)
 
 
 def symbols(say: Language) -> list[tuple[str, str]]:

@@ -16,7 +16,7 @@ from harness.engines.stepping.loop import IMPOSED_LABEL
 from harness.model.history import History
 from harness.questions.study import claim_tests as tests
 from harness.questions.study.claim_tests import ClaimRun, Test
-from harness.records.run import has_answer
+from harness.records.run import in_domain
 from harness.records.study import ClaimAnswer, ClaimVerdict, StudyRow
 
 HOLDS: Final[ClaimAnswer] = "holds"
@@ -47,7 +47,7 @@ def judge(rows: Iterable[StudyRow], top_m: float, asked: str = "paper") -> list[
     models: dict[tuple[str, str], list[ClaimRun]] = {}
     imposed_variants = set()
     for row in rows:
-        if row.run is not None and has_answer(row.run):
+        if row.run is not None and in_domain(row.run):
             variant = str(row.varied["variant"])
             models.setdefault((row.engine, variant), []).append(tests.answer(row.run, row.varied))
             if IMPOSED_LABEL in row.run.labels:

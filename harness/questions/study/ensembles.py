@@ -13,7 +13,7 @@ from harness.comparison.statistics.distributions import RESAMPLES, compare_distr
 from harness.comparison.statistics.outcomes import Prediction, score_outcomes
 from harness.model.history import History, Outcome, pair
 from harness.questions.study.case_blocks import KeyedRow
-from harness.records.run import has_answer
+from harness.records.run import in_domain
 from harness.records.scores import Verdict
 from harness.records.study import CaseRun
 from harness.records.validation import SetScores
@@ -48,7 +48,7 @@ def _score(
 ) -> SetScores:
     both = [(case[name], case[reference]) for case in cases if name in case and reference in case]
     judged = [_judged(a, b, history) for a, b in both]
-    told = [(a, b) for (a, _), (b, _) in both if has_answer(a) and has_answer(b)]
+    told = [(a, b) for (a, _), (b, _) in both if in_domain(a) and in_domain(b)]
     peaks = None
     if len(told) >= LEAST_VALUES:
         sides = [[_peak_rad(run) for run in side] for side in zip(*told, strict=True)]
@@ -88,5 +88,5 @@ def _judged(a: Answered, b: Answered, history: Callable[[str], History | None]) 
     verdict, evidence, _ = judge(*sides, both)
     flips = evidence.outcome_flips_within_uncertainty, evidence.side_flips_within_uncertainty
     times = first.no_return_time_s, second.no_return_time_s
-    predicted, observed = (run.outcome if has_answer(run) else Outcome.UNDECIDED for run in (first, second))
+    predicted, observed = (run.outcome if in_domain(run) else Outcome.UNDECIDED for run in (first, second))
     return Prediction(predicted, observed, *flips, times), verdict

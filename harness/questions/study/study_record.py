@@ -30,7 +30,7 @@ from harness.questions.study.ensembles import score_sets
 from harness.questions.study.file import StudyFile
 from harness.questions.study.study_run import Summary, study_name
 from harness.records.base import same_fields
-from harness.records.run import PLAIN, falls
+from harness.records.run import PLAIN, in_domain
 from harness.records.scene import SceneRecord
 from harness.records.study import (
     CaseRun,
@@ -89,7 +89,7 @@ def _falls(rows: Sequence[StudyRow]) -> list[Finding]:
     runs: dict[str, list[bool | None]] = {}
     for row in rows:
         if row.run is not None:
-            runs.setdefault(row.model, []).append(falls(row.run))
+            runs.setdefault(row.model, []).append(row.run.outcome.fell if in_domain(row.run) else None)
     return [
         info("overturns_in", falls=fell.count(True), cases=len(fell), open=fell.count(None) or None, model=model)
         for model, fell in runs.items()

@@ -171,9 +171,10 @@ def test_falls_that_numerical_error_may_part_are_sooner_for_neither() -> None:
         assert plane.held == 1 - sooner
 
 
-def test_a_run_outside_its_domain_answers_no_claim() -> None:
+@pytest.mark.parametrize("cause", ["pedestal_tips", "statue_slides"])
+def test_a_run_outside_its_domain_answers_no_claim(cause: str) -> None:
     """Held upright, a pedestal that tips has its statue stand."""
-    tips = {"left_domain_s": 0.1, "left_domain_by": "pedestal_tips"}
+    tips = {"left_domain_s": 0.1, "left_domain_by": cause}
     held = with_run(row(1.5, True, 0.1), validity=tips)
     found = verdicts([row(1.5, False, 1.5, fell_s=1.0), held])
     assert [found[name].cases for name in ("i", "ii", "iv", "v", "ix")] == [0] * 5

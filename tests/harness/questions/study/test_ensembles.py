@@ -11,6 +11,7 @@ from harness.model.history import History, Outcome
 from harness.model.run import to_plain
 from harness.questions.study.case_blocks import KeyedRow
 from harness.questions.study.ensembles import score_sets
+from harness.questions.study.study_record import _falls as falls_in
 from harness.records.scores import Verdict
 from harness.records.study import CaseRun
 from tests import doubles
@@ -114,9 +115,10 @@ def test_a_model_that_left_its_domain_is_not_blamed() -> None:
     assert found.outcomes.undecided == 1
 
 
-def test_a_run_outside_its_domain_has_no_outcome_to_compare() -> None:
+@pytest.mark.parametrize("cause", ["pedestal_tips", "statue_slides"])
+def test_a_run_outside_its_domain_has_no_outcome_to_compare(cause: str) -> None:
     """Held upright, a pedestal that tips has the model's statue stand: neither the same as an engine's outcome nor another."""
-    tips: dict[str, Any] = {"validity": {"left_domain_s": 1.0, "left_domain_by": "pedestal_tips"}}
+    tips: dict[str, Any] = {"validity": {"left_domain_s": 1.0, "left_domain_by": cause}}
     falls: dict[str, Any] = {"outcome": Outcome.OVERTURNED_LEFT, "no_return_time_s": 0.5, "peak_theta_rad": 1.5}
     history = doubles.rocking()
     rows = []
@@ -133,3 +135,11 @@ def test_a_run_outside_its_domain_has_no_outcome_to_compare() -> None:
     assert found.outcomes.accuracy.value == 1.0
     assert found.peaks is not None
     assert found.peaks.area.value == 0.0
+
+
+def test_a_fall_outside_its_domain_is_none_that_a_study_counts() -> None:
+    slides: dict[str, Any] = {"validity": {"left_domain_s": 0.5, "left_domain_by": "statue_slides"}}
+    falls: dict[str, Any] = {"outcome": Outcome.OVERTURNED_LEFT, "no_return_time_s": 1.0}
+    fields = (falls, falls | slides, slides, {})
+    (told,) = falls_in([row(k, "analytic", doubles.rocking(), **each) for k, each in enumerate(fields)])
+    assert (told.values["falls"], told.values["cases"], told.values["open"]) == (1, 4, 2)
