@@ -20,7 +20,6 @@ from harness.records.scores import Interval, Scores, Verdict
 from harness.statics.standstill import STILL_M
 from reports.blocks import Table
 from reports.messages import ENGLISH
-from reports.messages.numbers import digits, length
 
 if TYPE_CHECKING:
     from harness.input.motions.inspect import MotionInspection
@@ -111,7 +110,7 @@ def _validation_rows(record: ValidationRecord, verbose: bool) -> list[str]:
     cells.append(["PGV threshold", rate(bare.outcomes.accuracy), "–", *_chances(bare)])
     if ceiling is not None:
         best = f"{ENGLISH.percent(ceiling.best_accuracy)} at most"
-        cells.append(["best by repeats", best, best, digits(ceiling.best_brier), "–"])
+        cells.append(["best by repeats", best, best, ENGLISH.digits(ceiling.best_brier), "–"])
     heading = ["model", "right", "right by P ≥ 1/2", "Brier score", "area under the curve"]
     shown = cells if verbose or len(cells) <= MODEL_LINES else [*cells[: MODEL_LINES - 1], cells[-1]]
     room = LINES - LAST_LINES - SHORT_ANSWER_LINES - len(shown) - 4
@@ -132,7 +131,7 @@ def _body_rows(record: ValidationRecord, most: int | None) -> list[str]:
 
 def _chances(item: ModelRecord | BaselineRecord) -> list[str]:
     area = item.probability.area
-    return [digits(item.probability.brier), digits(None if area is None else area.value)]
+    return [ENGLISH.digits(item.probability.brier), ENGLISH.digits(None if area is None else area.value)]
 
 
 def rate(item: Interval | None) -> str:
@@ -198,7 +197,7 @@ def _first(heading: Sequence[Sequence[str]], rows: Sequence[Sequence[str]], most
 
 
 def _clock(seconds: float) -> str:
-    return f"{digits(seconds, 2)} s" if seconds >= 1e-3 else f"{digits(1e3 * seconds, 2)} ms"
+    return f"{ENGLISH.digits(seconds, 2)} s" if seconds >= 1e-3 else f"{ENGLISH.digits(1e3 * seconds, 2)} ms"
 
 
 def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
@@ -207,11 +206,11 @@ def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
     if run.outcome.failed:
         return [outcome, "–", "–", "–", _clock(run.wall_s)]
     if run.no_return_time_s is not None:
-        outcome += f" at {digits(run.no_return_time_s, 3)} s"
+        outcome += f" at {ENGLISH.digits(run.no_return_time_s, 3)} s"
     if outside_domain(run):
         outcome = f"({outcome})"
     lean_rad = peak_lean_rad(run)
-    peak = f"{digits(math.degrees(lean_rad), 3)}° {digits(lean_rad, 3)} rad"
+    peak = f"{ENGLISH.digits(math.degrees(lean_rad), 3)}° {ENGLISH.digits(lean_rad, 3)} rad"
     if run.outcome.overturned:
         peak = "–"
     elif lean_rad < STILL_RAD:
@@ -221,9 +220,9 @@ def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
     known = "–"
     if run.numerical_uncertainty_rad is not None and run.reliable_until_s is not None:
         until = min(run.reliable_until_s, run.end_s)
-        known = f"{run.numerical_uncertainty_rad:.0e} rad to {digits(until, 3)} s"
+        known = f"{run.numerical_uncertainty_rad:.0e} rad to {ENGLISH.digits(until, 3)} s"
     slip_m = standing(run, "statue_slip_m") if scene.pedestal is None else peak_slip_m(run)
-    slip = "–" if slip_m is None else length(slip_m if slip_m > STILL_M else 0.0).replace("\u00a0", " ")
+    slip = "–" if slip_m is None else ENGLISH.length(slip_m if slip_m > STILL_M else 0.0).replace("\u00a0", " ")
     if outside_domain(run) and slip_m is not None:
         slip = f"({slip})"
     return [outcome, peak, slip, known, _clock(run.wall_s)]
@@ -247,7 +246,7 @@ def _when(scores: Scores) -> str:
     apart = seen.left_domain_s if scores.verdict is Verdict.DOMAIN and seen.exceeded_s is None else seen.exceeded_s
     since = "until" if scores.verdict in (Verdict.HORIZON, Verdict.UNBOUNDED) else "from"
     times = [time for time in (apart, None if seen.aside else seen.horizon_s) if time is not None]
-    return f"{since} {digits(min(times), 3)} s" if times else ""
+    return f"{since} {ENGLISH.digits(min(times), 3)} s" if times else ""
 
 
 def beware_lines(findings: Sequence[Finding], total: int, room: int) -> list[str]:

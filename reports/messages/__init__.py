@@ -1,4 +1,5 @@
-"""Every sentence, in one file for each language, and numbers as that language writes them.
+"""Every sentence, in one file for each language, and numbers as people read them in it: units always, three digits, no false
+zeros.
 
 A finding's sentence stands under `finding.CODE`: a text, or a table of texts of which the value named by its `by` chooses one.
 `{until_s:s}` is a value in a format of `FORMATS`; what stands in square brackets is left out where one of its values is empty.
@@ -17,7 +18,6 @@ from typing import Any, Final
 
 from harness.model.errors import InputError, Mistake, printable
 from harness.model.finding import Finding
-from reports.messages import numbers
 
 FOLDER: Final = Path(__file__).parent
 LANGUAGES: Final = tuple(sorted(file.stem for file in FOLDER.glob("*.toml")))
@@ -31,6 +31,28 @@ SOON_S: Final = 1e-6
 """A sooner instant is the beginning: its digits are rounding's."""
 PLACE: Final = re.compile(rf"(?:\b(\w+) )?{FIELD.pattern}")
 """A value's place with the word before it, of the catalogue too: an article that follows the number."""
+
+ROUNDING: Final = 1e-15
+"""Rounding of numbers near one: a size below it is none."""
+SMALLEST_SHARE: Final = 5e-7
+"""A smaller share is told as none: its digits are rounding's."""
+RAISED: Final = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+UNITS = {
+    "m_s2": "m/s²",
+    "m_s": "m/s",
+    "rad_s": "rad/s",
+    "kg_m2": "kg m²",
+    "kg_m3": "kg/m³",
+    "rad": "rad",
+    "kg": "kg",
+    "hz": "Hz",
+    "deg": "°",
+    "s": "s",
+    "m": "m",
+    "g": "g",
+    "j": "J",
+    "n": "N",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,21 +121,50 @@ class Language:
         """The text of a number as this language writes it."""
         return text.replace(".", self.strings["decimal"])
 
-    def length(self, value_m: float) -> str:
-        """A length, as `numbers.length`."""
-        return self.written(numbers.length(value_m))
-
-    def digits(self, value: float, count: int = 3) -> str:
-        """A number, as `numbers.digits`."""
-        return self.written(numbers.digits(value, count))
+    def digits(self, value: float | None, count: int = 3) -> str:
+        """A number to `count` significant digits, in plain form between 0.001 and 100 000; an en dash for None."""
+        if value is None or not math.isfinite(value):
+            return "–"
+        size = abs(value)
+        if size < ROUNDING:
+            return "0"
+        if size < 1e-3 or size >= 1e5:
+            mantissa, exponent = f"{value:.{count - 1}e}".split("e")
+            mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+            return self.written(f"{mantissa}·10{str(int(exponent)).translate(RAISED)}".replace("-", "−"))
+        places = max(0, count - 1 - int(f"{size:e}".partition("e")[2]))
+        return self.written(f"{value:.{places}f}".replace("-", "−"))
 
     def short(self, value: float, count: int = 4) -> str:
-        """A number, as `numbers.short`."""
-        return self.written(numbers.short(value, count))
+        """A number as given: no zeros at its end."""
+        text, point = self.digits(value, count), self.strings["decimal"]
+        return text.rstrip("0").rstrip(point) if point in text and "·" not in text else text
+
+    def unit(self, value: float | None, name: str, count: int = 3) -> str:
+        """A number with its unit, a no-break space between."""
+        return self.digits(value, count) if value is None else f"{self.digits(value, count)}\u00a0{name}"
+
+    def given(self, value: float, name: str) -> str:
+        """A given number, as short as it was given, with its unit."""
+        return f"{self.short(value)}\u00a0{name}"
+
+    def length(self, value_m: float, count: int = 3) -> str:
+        """A length in the unit in which a person would say it: m, cm or mm."""
+        size = abs(value_m)
+        if size < 5e-7:
+            return "0\u00a0mm"
+        value, name = (value_m, "m") if size >= 1.0 else (100.0 * value_m, "cm")
+        if size < 0.01:
+            value, name = 1000.0 * value_m, "mm"
+        return f"{self.short(value, count - (size < 0.1))}\u00a0{name}"
+
+    def angle(self, value_rad: float) -> str:
+        """A rotation in rad with degrees beside it."""
+        return f"{self.unit(value_rad, 'rad')} ({self.digits(math.degrees(value_rad), 2)}°)"
 
     def percent(self, share: float, count: int = 2) -> str:
-        """A share, as `numbers.percent`."""
-        return self.written(numbers.percent(share, count))
+        """A push as a share of the statue's weight."""
+        return f"{self.short(100.0 * share if abs(share) >= SMALLEST_SHARE else 0.0, count)} %"
 
     def label(self, key: str) -> str:
         """What a value of a record is called, and its unit (`motion.x.amplitude_g` → `amplitude [g]`)."""
@@ -124,7 +175,7 @@ class Language:
         """What a value is called, and its unit, apart: of a scene's dotted key its last part, with its table where both have a
         name of their own."""
         *table, last = key.split(".")
-        words, unit = numbers.split_unit(last)
+        words, unit = split_unit(last)
         whole = "_".join([*table[-1:], last])
         return self.strings.get(f"label.{whole}", self.strings.get(f"label.{last}", words)), unit
 
@@ -133,11 +184,12 @@ class Language:
         if isinstance(value, bool | str):
             return self.word(str(value))
         if isinstance(value, list | tuple) and any(isinstance(each, str) for each in value):
-            return numbers.plain([self.word(str(each)) for each in value])
+            return as_filed([self.word(str(each)) for each in value])
         if isinstance(value, list | tuple):
             return self.row([self.plain(each, count) for each in value[:12]], len(value))
-        # A part of a scene stands as its file has it.
-        return numbers.plain(value, count) if isinstance(value, Mapping) else self.written(numbers.plain(value, count))
+        if isinstance(value, Mapping):
+            return as_filed(value)
+        return self.digits(value, count) if value is None or isinstance(value, float) else self.written(str(value))
 
     def row(self, texts: Sequence[str], size: int = 0) -> str:
         """Values one after another, parted by what no number of the language holds; of `size` in all the first alone."""
@@ -159,6 +211,31 @@ class Language:
         """`a`, `a and b`, `a, b and c`."""
         names = list(items)
         return "".join(names) if len(names) < 2 else f"{', '.join(names[:-1])} {self.strings['and']} {names[-1]}"
+
+
+def split_unit(key: str) -> tuple[str, str]:
+    """A record's key as words and unit: `peak_theta_rad` → (`peak theta`, `rad`)."""
+    for ending, name in UNITS.items():
+        if key.lower().endswith(f"_{ending}"):
+            return key[: -len(ending) - 1].replace("_", " "), name
+    return key.replace("_", " "), ""
+
+
+def as_filed(value: Any) -> str:
+    """A part of a scene, as its file has it."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, Mapping):
+        return ", ".join(_filed(key, item) for key, item in value.items())
+    if isinstance(value, (list, tuple)):
+        shown = [as_filed(item) for item in value[:12]]
+        return (", ".join(shown) or "–") + (f", … ({len(value)})" if len(value) > 12 else "")
+    return ENGLISH.digits(value, 4) if value is None or isinstance(value, float) else str(value)
+
+
+def _filed(key: str, value: Any) -> str:
+    words, name = split_unit(key)
+    return f"{words} {ENGLISH.given(value, name) if name and isinstance(value, float) else as_filed(value)}"
 
 
 def agreed(template: str, values: Mapping[str, object]) -> str:

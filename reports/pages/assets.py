@@ -21,7 +21,6 @@ from meshes import text_cache
 from reports.charts import Json
 from reports.charts.drawn import packed_data, still
 from reports.charts.figure import CONFIG, localised
-from reports.messages.numbers import given, length, unit
 
 TEMPLATES: Final = Path(__file__).resolve().parents[1] / "templates"
 VIEWER_OWN_CODE: Final = "var camera,controls,scene,renderer,tracklight;"
@@ -108,9 +107,8 @@ def environment() -> Environment:
         lstrip_blocks=True,
         finalize=_shown,
     )
-    templates.filters |= {each.__name__: each for each in (given, localised, packed_chart, packed_json, still, unit)}
+    templates.filters |= {each.__name__: each for each in (localised, packed_chart, packed_json, still)}
     templates.filters |= {
-        "metres": length,
         "bound": lambda text: text.replace(" %", "\u00a0%"),
         "kind": lambda block: type(block).__name__.lower(),
     }

@@ -39,7 +39,6 @@ from reports.charts.histories import histories_figure, packed_array
 from reports.drawing import kinematics
 from reports.drawing.pictures import scene_svg
 from reports.messages import Language
-from reports.messages.numbers import angle, given, unit
 from reports.pages.assets import packed_json, three_js
 from reports.source import RunSource, run_event_s, source_of
 from reports.text.wording import fall_times, limit_rows, plan_lines, run_verdict, score_rows
@@ -91,18 +90,18 @@ def _scene(source: RunSource, say: Language) -> Group:
     posed = pose and (pose.position_m, pose.quaternion_wxyz, pose.velocity_m_s, pose.angular_velocity_rad_s)
     pairs = {
         "statue": say(
-            "text.statue", mass=say.written(given(statue.mass_kg, "kg")), height=say.length(statue.height_m),
+            "text.statue", mass=say.given(statue.mass_kg, "kg"), height=say.length(statue.height_m),
             depth=say.length(statue.depth_m),
         ),
         "centroid": say("text.above_base", height=say.length(statue.centroid_height_m)),
-        "inertia": say("text.about_centroid", inertia=say.written(unit(statue.inertia_kg_m2, "kg m²", 4))),
+        "inertia": say("text.about_centroid", inertia=say.unit(statue.inertia_kg_m2, "kg m²", 4)),
         "balances_at": say(
-            "text.balances", left=say.written(angle(statue.slenderness_left_rad)),
-            right=say.written(angle(statue.slenderness_right_rad)),
+            "text.balances", left=say.angle(statue.slenderness_left_rad),
+            right=say.angle(statue.slenderness_right_rad),
         ),
         "mesh": say("text.no_mesh") if statue.mesh is None else say("text.faces", count=statue.mesh.faces),
         "stone": say("text.no_pedestal") if stone is None else say(
-            "text.pedestal", mass=say.written(given(stone.mass_kg, "kg")), width=say.length(stone.width_m),
+            "text.pedestal", mass=say.given(stone.mass_kg, "kg"), width=say.length(stone.width_m),
             depth=say.length(stone.depth_m), height=say.length(stone.height_m),
         ),
         "floor_friction": stone and f"μₛ {say.short(contact.floor_static)}, μₖ {say.short(contact.floor_kinetic)}",
@@ -111,8 +110,8 @@ def _scene(source: RunSource, say: Language) -> Group:
             "text.prescribed", ratio=say.short(contact.restitution)
         ),
         "wall": wall and say("text.wall", side=say(f"side.{wall.side}"), distance=say.length(wall.distance_m)),
-        "start": (start.theta_rad or start.theta_rate_rad_s or None) and f"{say.written(unit(start.theta_rad, 'rad'))}, "
-        f"{say.written(unit(start.theta_rate_rad_s, 'rad/s'))}",
+        "start": (start.theta_rad or start.theta_rate_rad_s or None) and f"{say.unit(start.theta_rad, 'rad')}, "
+        f"{say.unit(start.theta_rate_rad_s, 'rad/s')}",
         "start_pose": posed and "; ".join(
             f"({say.row([*map(say.short, values)])}) {name}"
             for values, name in zip(posed, ("m", "(w, x, y, z)", "m/s", "rad/s"), strict=True)
@@ -120,7 +119,7 @@ def _scene(source: RunSource, say: Language) -> Group:
     }  # fmt: skip
     pushes = {
         f"floor_{axis}": say(
-            "text.floor", peak=say.written(unit(motion.peak_m_s2(axis) / scene.gravity_m_s2, "g")),
+            "text.floor", peak=say.unit(motion.peak_m_s2(axis) / scene.gravity_m_s2, "g"),
             words=say.plain(asked[axis]) if isinstance(asked, dict) and axis in asked else motion.words(axis),
         )
         for axis in motion.accel_m_s2

@@ -22,7 +22,6 @@ from harness.records.study import CaseRun, StudyRow, Value
 from reports.blocks import Chip, Text, Verdict, code, verdict, words
 from reports.drawing.kinematics import section
 from reports.messages import ENGLISH, Language
-from reports.messages.numbers import digits
 from reports.source import RunSource
 
 # A study's rows arranged for tables and pictures: conditions down, models across.
@@ -252,7 +251,7 @@ def scores_text(pair: str, scores: Scores) -> str:
     lines = [f"{pair.replace('_vs_', ' against ')}:", *(f"  {ENGLISH.say(each)}" for each in scores.findings)]
     rows = [(words, _short(cells[0])) for words, _, cells in score_rows({pair: scores})]
     if scores.iso is not None:
-        rows.append((ENGLISH.label("iso"), digits(scores.iso.overall, 4)))
+        rows.append((ENGLISH.label("iso"), ENGLISH.digits(scores.iso.overall, 4)))
     width = max((len(words) for words, _ in rows), default=0)
     return "\n".join([*lines, *(f"  {words:{width}}  {cell}" for words, cell in rows)])
 

@@ -6,6 +6,8 @@ from typing import Final
 
 import numpy as np
 
+from tests.harness.input.motions.writers import rows
+
 DT_S: Final = 0.02
 SAMPLES: Final = 40
 
@@ -15,11 +17,6 @@ def wave(peak: float, phase: float = 0.0) -> list[float]:
     share = np.linspace(0.0, 1.0, SAMPLES)
     values = np.sin(np.pi * share) * np.sin(2.0 * np.pi * 3.0 * share + phase)
     return [float(value) for value in peak * values / np.max(np.abs(values))]
-
-
-def _rows(values: list[float], per_line: int, form: str) -> list[str]:
-    parts = [form.format(value) for value in values]
-    return ["".join(parts[i : i + per_line]) for i in range(0, len(parts), per_line)]
 
 
 def _joined(lines: list[str]) -> bytes:
@@ -34,7 +31,7 @@ def at2() -> bytes:
         "ACCELERATION TIME SERIES IN UNITS OF G",
         f"NPTS= {SAMPLES:6d}, DT= {DT_S:8.4f} SEC,",
     ]
-    return _joined([*head, *_rows(wave(0.3), 5, "{:15.7E}")])
+    return _joined([*head, *rows(wave(0.3), 5, "{:15.7E}")])
 
 
 def v2() -> bytes:
@@ -57,7 +54,7 @@ def v2() -> bytes:
         lines += head
         for what, unit in units.items():
             lines.append(f"{SAMPLES:5d} POINTS OF {what} DATA EQUALLY SPACED AT  {DT_S:.3f} SEC.  (UNITS: {unit})")
-            lines += _rows(values, 8, "{:10.3f}")
+            lines += rows(values, 8, "{:10.3f}")
         lines.append(f"/&  ----------  End of data for channel {number} ----------")
     return _joined(lines)
 
@@ -77,7 +74,7 @@ def v2a() -> bytes:
             "Velocity:      peak -1016.55 mm/s   at  46.58 sec", "Displacement:  peak  234.852 mm     at  46.36 sec",
         ]  # fmt: skip
         lines += ["".join(f"{0:8d}" for _ in range(10))] * 4 + ["".join(f"{0.0:8.2f}" for _ in range(10))] * 6
-        lines += _rows(values, 10, "{:8.1f}") * 3
+        lines += rows(values, 10, "{:8.1f}") * 3
     return _joined(lines)
 
 
@@ -98,7 +95,7 @@ def smc() -> bytes:
         "*",
     ]
     numbers = ["".join(f"{v:10d}" for v in ints[i : i + 8]) for i in range(0, 48, 8)]
-    return _joined([*head, *numbers, *_rows(reals, 5, "{:15.7E}"), "| a comment", *_rows(values, 8, "{:10.3f}")])
+    return _joined([*head, *numbers, *rows(reals, 5, "{:15.7E}"), "| a comment", *rows(values, 8, "{:10.3f}")])
 
 
 def cosmos() -> bytes:
@@ -111,10 +108,10 @@ def cosmos() -> bytes:
         lines.append(" 100 Integer-header values follow on  10 lines, Format= (10I8)")
         lines += ["".join(f"{v:8d}" for v in ints[i : i + 10]) for i in range(0, 100, 10)]
         lines.append(" 100 Real-header values follow on  20 lines, Format= (5F15.6)")
-        lines += _rows(reals, 5, "{:15.6f}")
+        lines += rows(reals, 5, "{:15.6f}")
         lines += ['   1 Comment line(s) follow, each starting with a "|":', "| nothing"]
         lines.append(f"{SAMPLES:8d} acceleration pts, approx    1 secs, units=cm/s^2 (04),Format=(8F10.5)")
-        lines += [*_rows(wave(90.0, 0.4 * number), 8, "{:10.5f}"), f"End-of-data for Chan {number} acceleration"]
+        lines += [*rows(wave(90.0, 0.4 * number), 8, "{:10.5f}"), f"End-of-data for Chan {number} acceleration"]
     return _joined(lines)
 
 
@@ -129,7 +126,7 @@ def esm() -> bytes:
         "TIME_PGA_S": f"{DT_S * values.index(peak):.6f}", "DATA_TYPE": "ACCELERATION",
     }  # fmt: skip
     head = [f"{key}: {value}" for key, value in known.items()]
-    return _joined([*head, *(f"USER{i}: " for i in range(64 - len(known))), *_rows(values, 1, "{:.6f}")])
+    return _joined([*head, *(f"USER{i}: " for i in range(64 - len(known))), *rows(values, 1, "{:.6f}")])
 
 
 FORMATS: Final = {

@@ -42,19 +42,19 @@ def test_a_quiet_rim_is_left_alone() -> None:
     assert fitted.noise_m == 0.0
 
 
+TURN = 2.0 * np.pi * np.arange(240) / 240
+ROUND = 0.3 * np.column_stack([np.cos(TURN), np.sin(TURN)])
+
+
 def test_a_smooth_round_base_stays_round() -> None:
-    turn = 2.0 * np.pi * np.arange(240) / 240
-    rim = 0.3 * np.column_stack([np.cos(turn), np.sin(turn)])
-    fitted = fit_outline(rim)
+    fitted = fit_outline(ROUND)
     np.testing.assert_allclose(np.linalg.norm(fitted.points_m, axis=1), 0.3, atol=NOISE_M)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_a_noisy_round_base_keeps_its_size(seed: int) -> None:
     random = np.random.default_rng(seed)
-    turn = 2.0 * np.pi * np.arange(240) / 240
-    rim = 0.3 * np.column_stack([np.cos(turn), np.sin(turn)])
-    fitted = fit_outline(rim + random.normal(0.0, NOISE_M, rim.shape))
+    fitted = fit_outline(ROUND + random.normal(0.0, NOISE_M, ROUND.shape))
     radius = np.linalg.norm(fitted.points_m, axis=1)
     assert radius.mean() == pytest.approx(0.3, abs=NOISE_M)
     assert np.abs(radius - 0.3).max() < 5.0 * NOISE_M

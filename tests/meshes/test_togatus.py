@@ -75,15 +75,19 @@ def test_nothing_but_the_base_touches(statue: Solid, side: float) -> None:
     assert height.min() > 0.0
 
 
+def assert_same(read: Solid, statue: Solid) -> None:
+    assert read.mass_kg == pytest.approx(statue.mass_kg, rel=1e-6)
+    assert read.inertia_planar_kg_m2 == pytest.approx(statue.inertia_planar_kg_m2, rel=1e-6)
+    assert read.corner_right_m == pytest.approx(statue.corner_right_m, rel=1e-5)
+
+
 @pytest.mark.parametrize("suffix", ["ply", "obj", "stl", "glb"])
 def test_written_and_read_again(statue: Solid, tmp_path: Path, suffix: str) -> None:
     """Every format keeps the solid: STL, GLB and PLY round to float32 (6e-8 relative), OBJ prints 8 decimals."""
     file = tmp_path / f"statue.{suffix}"
     togatus.write(file)
     again = load_solid(file, unit="m", density_kg_m3=togatus.DENSITY_KG_M3)
-    assert again.mass_kg == pytest.approx(statue.mass_kg, rel=1e-6)
-    assert again.inertia_planar_kg_m2 == pytest.approx(statue.inertia_planar_kg_m2, rel=1e-6)
-    assert again.corner_right_m == pytest.approx(statue.corner_right_m, rel=1e-5)
+    assert_same(again, statue)
 
 
 def test_fallen_it_lies_beyond_the_limit_of_overturning(statue: Solid) -> None:
@@ -102,6 +106,4 @@ def test_fallen_it_lies_beyond_the_limit_of_overturning(statue: Solid) -> None:
 def test_the_scenes_mesh_is_this_statue(statue: Solid, root: Path) -> None:
     """PLY keeps float32: 6e-8 of a metre and a half."""
     written = load_solid(root / "scenes" / "togatus.ply", unit="m", density_kg_m3=togatus.DENSITY_KG_M3)
-    assert written.mass_kg == pytest.approx(statue.mass_kg, rel=1e-6)
-    assert written.inertia_planar_kg_m2 == pytest.approx(statue.inertia_planar_kg_m2, rel=1e-6)
-    assert written.corner_right_m == pytest.approx(statue.corner_right_m, rel=1e-5)
+    assert_same(written, statue)

@@ -101,27 +101,28 @@ def test_what_is_no_record_is_told_by_its_file(tmp_path: Path, capsys: pytest.Ca
     assert f"{tmp_path / 'result.json'}: " in capsys.readouterr().err
 
 
+def changed(whole: Path, into: Path, **keys: object) -> Path:
+    """A copy of a result whose record says something else."""
+    folder = into / "out"
+    shutil.copytree(whole, folder)
+    record = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+    (folder / "result.json").write_text(json.dumps(record | keys), encoding="utf-8")
+    return folder
+
+
 @pytest.mark.parametrize(
     "damage", [{"code": "no_such"}, {"code": "error_not_bounded", "values": {"until_s": "x", "end_s": 1.0}}]
 )
 def test_a_finding_that_makes_no_sentence_is_damage(
     tmp_path: Path, whole: Path, capsys: pytest.CaptureFixture[str], damage: dict[str, Any]
 ) -> None:
-    folder = tmp_path / "out"
-    shutil.copytree(whole, folder)
-    record = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-    record["findings"] = [{"severity": "info", "engine": "", "values": {}, "text": "", **damage}]
-    (folder / "result.json").write_text(json.dumps(record), encoding="utf-8")
+    folder = changed(whole, tmp_path, findings=[{"severity": "info", "engine": "", "values": {}, "text": "", **damage}])
     assert guarded(lambda: app(["report", str(folder)], standalone_mode=False)) == WRONG_INPUT
     assert f"{folder / 'result.json'}: findings" in capsys.readouterr().err
 
 
 def test_an_answer_of_no_sentence_is_headed_by_its_title(tmp_path: Path, whole: Path) -> None:
-    folder = tmp_path / "out"
-    shutil.copytree(whole, folder)
-    record = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-    record["answer"] = {"code": "one_model", "findings": [], "text": ""}
-    (folder / "result.json").write_text(json.dumps(record), encoding="utf-8")
+    folder = changed(whole, tmp_path, answer={"code": "one_model", "findings": [], "text": ""})
     assert write_report(folder) == folder / "report.html"
 
 

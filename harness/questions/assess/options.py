@@ -108,7 +108,7 @@ def _before_wall(scene: Scene) -> bool:
 def _of_pedestal(scene: Scene) -> list[Option]:
     own = scene.contact
     static = own.floor_static
-    pairs = [pair for pair in PAIRS if static == 0.0 or abs(pair.static / static - 1.0) > SAME_FRICTION]
+    pairs = [name for name, (new, *_) in PAIRS.items() if static == 0.0 or abs(new / static - 1.0) > SAME_FRICTION]
     return [
         Option(FLOOR, lambda given: replace(given, pedestal=None)),
         *(_with_friction(pair, own) for pair in pairs),
@@ -117,18 +117,19 @@ def _of_pedestal(scene: Scene) -> list[Option]:
     ]
 
 
-def _with_friction(pair: MaterialPair, own: Contact) -> Option:
-    higher = "more" if pair.static > own.floor_static else "less"
-    values: dict[str, float | str] = {"static": pair.static, "kinetic": pair.kinetic, "pair": pair.name}
+def _with_friction(pair: str, own: Contact) -> Option:
+    new_static, new_kinetic, source = PAIRS[pair]
+    higher = "more" if new_static > own.floor_static else "less"
+    values: dict[str, float | str] = {"static": new_static, "kinetic": new_kinetic, "pair": pair}
 
     def change(scene: Scene) -> Scene:
         # What is drawn of the friction as it is moves the new friction by the same factor.
         drawn = scene.contact
-        static = pair.static * (drawn.floor_static / own.floor_static if own.floor_static > 0.0 else 1.0)
-        kinetic = pair.kinetic * (drawn.floor_kinetic / own.floor_kinetic if own.floor_kinetic > 0.0 else 1.0)
+        static = new_static * (drawn.floor_static / own.floor_static if own.floor_static > 0.0 else 1.0)
+        kinetic = new_kinetic * (drawn.floor_kinetic / own.floor_kinetic if own.floor_kinetic > 0.0 else 1.0)
         return replace(scene, contact=drawn.with_floor(static, kinetic))
 
-    return Option(f"{higher}_friction_{pair.name}", change, values, pair.source)
+    return Option(f"{higher}_friction_{pair}", change, values, source)
 
 
 def _pedestal(scene: Scene, mass: float, width: float = 1.0) -> Scene:
@@ -202,28 +203,19 @@ def _users(name: str, values: Mapping[str, object], path: Path, scene: Scene) ->
     return Option(name, lambda _: other, {"set": ", ".join(sets)}, path.name, user=True)
 
 
-@dataclass(frozen=True)
-class MaterialPair:
-    """Two materials: the static and kinetic coefficients used, and who published their range, which the catalogues tell."""
-
-    name: str
-    static: float
-    kinetic: float
-    source: str
-
-
-PAIRS: Final = (
-    MaterialPair("ptfe", 0.04, 0.04, "Engineering ToolBox, Friction and friction coefficients"),
-    MaterialPair("smooth_stone", 0.4, 0.3, "Monaco et al., Procedia Structural Integrity 29 (2020) 134-141"),
-    MaterialPair("rough_stone", 0.75, 0.75, "Statics of drystone walls, stonewalls.ch"),
-    MaterialPair(
-        "rubber",
-        1.0,
-        0.8,
+PAIRS: Final = {
+    "ptfe": (0.04, 0.04, "Engineering ToolBox, Friction and friction coefficients"),
+    "smooth_stone": (0.4, 0.3, "Monaco et al., Procedia Structural Integrity 29 (2020) 134-141"),
+    "rough_stone": (0.75, 0.75, "Statics of drystone walls, stonewalls.ch"),
+    "rubber": (
+        1.0, 0.8,
         "Serway and Beichner, Physics for Scientists and Engineers, 5th ed., Table 5.2; ranges: hypertextbook.com/facts/2006",
     ),
-)
-"""A pair's coefficients differ from one surface to the next by a third and more: measure before building."""
+}  # fmt: skip
+"""Two materials: the static and kinetic coefficients used, and who published their range, which the catalogues tell.
+
+They differ from one surface to the next by a third and more: measure before building.
+"""
 
 
 # Options set against the scene as it is, by one model with common random numbers.

@@ -200,20 +200,12 @@ JUDGED: Final = "analytic"
 """Its answers are held against the plain engines, too: they cost nothing."""
 
 
-@dataclass(frozen=True)
-class Witnessed:
-    """One scene of a study and the accuracy of each engine whose answer is judged: everything that a worker needs."""
-
-    base: BaseScene
-    setting: tuple[tuple[str, Value], ...]
-    accuracy_rad: Mapping[str, float]
-
-
-def witness_scene(asked: Witnessed) -> TaskResult:
-    """Run the engines again, with their histories, and what the plain ones say of them; by plain engine."""
+def witness_scene(asked: tuple[BaseScene, Mapping[str, Value], Mapping[str, float]]) -> TaskResult:
+    """Run the engines again, with their histories, to these accuracies, and what the plain ones say of them; by plain engine."""
     begin = time.perf_counter()
-    scene = asked.base.scene(dict(asked.setting))
-    runs = {name: simulate(scene, name, accuracy_rad=target) for name, target in asked.accuracy_rad.items()}
+    base, setting, accuracy_rad = asked
+    scene = base.scene(setting)
+    runs = {name: simulate(scene, name, accuracy_rad=target) for name, target in accuracy_rad.items()}
     plain = {name: to_plain(item) for name, item in witnesses(scene, runs, RunOptions()).items()}
     return TaskResult(KIND, plain, time.perf_counter() - begin)
 
@@ -236,7 +228,7 @@ def witness_study(
     tasks = {}
     for number in chosen:
         targets = {name: study.asked_rad.get(name, DEFAULT_ACCURACY_RAD) for name in judged[number]}
-        asked = Witnessed(base, tuple(settings[number].items()), targets)
+        asked = base, settings[number], targets
         tasks[number] = Task(key_of(KIND, judged[number], versions()), witness_scene, asked, KIND)
     records = Campaign(store, pool, on_progress).ask(list(tasks.values()))
     said = {

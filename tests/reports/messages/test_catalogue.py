@@ -125,7 +125,7 @@ def test_every_assumed_width_and_pair_of_materials_has_its_source() -> None:
         assert {f"assumed.{item.name}" for item in ASSUMPTIONS} == {
             key for key in strings if key.startswith("assumed.")
         }
-        assert {f"published.{pair.name}" for pair in PAIRS} == {key for key in strings if key.startswith("published.")}
+        assert {f"published.{pair}" for pair in PAIRS} == {key for key in strings if key.startswith("published.")}
 
 
 def test_a_number_is_written_as_the_language_writes_it() -> None:

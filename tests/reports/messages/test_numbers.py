@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from reports.messages import ENGLISH, language
-from reports.messages.numbers import digits, length, plain
 from reports.pages.run_page import toml_text
 
 
@@ -28,7 +27,7 @@ from reports.pages.run_page import toml_text
     ],
 )
 def test_digits(value: float | None, text: str) -> None:
-    assert digits(value) == text
+    assert ENGLISH.digits(value) == text
 
 
 @pytest.mark.parametrize(
@@ -36,7 +35,7 @@ def test_digits(value: float | None, text: str) -> None:
     [(1.46, "1.46 m"), (0.7, "70 cm"), (0.3585, "35.9 cm"), (0.0682, "6.8 cm"), (0.0012, "1.2 mm"), (1e-9, "0 mm")],
 )
 def test_lengths(value_m: float, text: str) -> None:
-    assert length(value_m) == text.replace(" ", "\u00a0")
+    assert ENGLISH.length(value_m) == text.replace(" ", "\u00a0")
 
 
 def test_lists_and_ranges() -> None:
@@ -56,9 +55,9 @@ def test_keys_become_headings() -> None:
 
 
 def test_any_value_of_a_record_fits_a_cell() -> None:
-    assert plain(True) == "yes"
-    assert plain([0.1] * 20).endswith("… (20)")
-    assert plain({"kind": "harmonic", "frequency_hz": 3.0}) == "kind harmonic, frequency 3\u00a0Hz"
+    assert ENGLISH.plain({"kept": True}) == "kept yes"
+    assert ENGLISH.plain([0.1] * 20).endswith("… (20)")
+    assert ENGLISH.plain({"kind": "harmonic", "frequency_hz": 3.0}) == "kind harmonic, frequency 3\u00a0Hz"
 
 
 def test_toml_reads_back_as_given() -> None:

@@ -221,17 +221,21 @@ def test_cosmos_of_today(tmp_path: Path) -> None:
     assert upright.orientation == UP
 
 
+def refused(path: Path, there: str, changed: str, match: str) -> None:
+    """A file with other words in the place of some is refused, and why."""
+    text = path.read_text()
+    assert there in text
+    path.write_text(text.replace(there, changed))
+    with pytest.raises(InputError, match=match):
+        read_file(path)
+
+
 def test_what_holds_no_accelerations_is_said_to(tmp_path: Path) -> None:
-    velocity = BUILDERS["AT2"](tmp_path)
-    velocity.write_text(
-        velocity.read_text().replace("ACCELERATION TIME SERIES IN UNITS OF G", "VELOCITY TIME SERIES IN UNITS OF CM/S")
-    )
-    with pytest.raises(InputError, match=r"line 3: wanted an acceleration in units of g, got 'VELOCITY .* VT2 and DT2"):
-        read_file(velocity)
-    smc = BUILDERS["SMC"](tmp_path)
-    smc.write_text(smc.read_text().replace("2 CORRECTED ACCELEROGRAM", "3 VELOCITY"))
-    with pytest.raises(InputError, match=r"line 1: wanted 1 UNCORRECTED or 2 CORRECTED ACCELEROGRAM"):
-        read_file(smc)
+    of_accelerations, of_velocities = "ACCELERATION TIME SERIES IN UNITS OF G", "VELOCITY TIME SERIES IN UNITS OF CM/S"
+    said = r"line 3: wanted an acceleration in units of g, got 'VELOCITY .* VT2 and DT2"
+    refused(BUILDERS["AT2"](tmp_path), of_accelerations, of_velocities, said)
+    said = r"line 1: wanted 1 UNCORRECTED or 2 CORRECTED ACCELEROGRAM"
+    refused(BUILDERS["SMC"](tmp_path), "2 CORRECTED ACCELEROGRAM", "3 VELOCITY", said)
     spectra = tmp_path / "a.V3"
     spectra.write_text("RESPONSE AND FOURIER AMPLITUDE SPECTRA   CHAN 1\n1 2 3\n")
     with pytest.raises(InputError, match=r"a file of spectra .* take the record's own file"):
@@ -261,20 +265,14 @@ def test_a_zip_of_several_files_names_them(tmp_path: Path) -> None:
 
 def test_a_damaged_width_or_time_asks_for_no_endless_memory(tmp_path: Path) -> None:
     """What mutated files found (fail: MemoryError, a warning of numpy's): a width of eleven digits, one row, a time of 1e12 s."""
-    unam = BUILDERS["UNAM"](tmp_path)
-    unam.write_text(unam.read_text().replace("3F10.4", "3F99999999999.4"))
-    with pytest.raises(InputError, match=r"wanted a Fortran format such as"):
-        read_file(unam)
+    refused(BUILDERS["UNAM"](tmp_path), "3F10.4", "3F99999999999.4", "wanted a Fortran format such as")
     table = tmp_path / "a.csv"
     table.write_text(
         "t_s,a_N_g\n" + "".join(f"{t},0.1\n" for t in (0, 1e-9, 3e-9, 1e-8, 1.2e-8)) + "4e-8,0.2\n1e-7,0.2\n"
     )
     with pytest.raises(InputError, match=r"a gap of|steps that make at most"):
         read_file(table)
-    film = BUILDERS["USC V1"](tmp_path)
-    film.write_text(film.read_text().replace("  3.990", "99999999999.990"))
-    with pytest.raises(InputError, match=r"steps that make at most|increasing times"):
-        read_file(film)
+    refused(BUILDERS["USC V1"](tmp_path), "  3.990", "99999999999.990", r"steps that make at most|increasing times")
     cwb = BUILDERS["CWB"](tmp_path)
     lines = cwb.read_text().splitlines()
     cwb.write_text("\n".join(lines[: next(i for i, line in enumerate(lines) if line[:1] == " ") + 1]))
@@ -301,9 +299,7 @@ def test_usc_s_second_volume_has_its_unit_on_the_line_or_in_the_peak(tmp_path: P
         path.write_text(path.read_text().replace("CM/SEC/SEC AT", "G AT"))
         with pytest.raises(InputError, match=r"10 g|unit of their peak"):
             read_record(path)
-        path.write_text(path.read_text().replace("PEAK ACC", "PEAK POT"))
-        with pytest.raises(InputError, match="accelerations in cm/sec/sec or g"):
-            read_file(path)
+        refused(path, "PEAK ACC", "PEAK POT", "accelerations in cm/sec/sec or g")
 
 
 def test_nuls_that_fill_lines_or_the_last_block_are_no_text(tmp_path: Path) -> None:

@@ -11,11 +11,12 @@ from harness import engines
 from harness.accuracy.simulation import simulate
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
-from harness.model.run import RunOptions
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.scene import floor_impact, witness
 from harness.questions.scene.floor_impact import decided_by
 from harness.questions.scene.witness import BUDGET, CHECK_TIMES, TARGET_RAD, findings_of, witnesses
+from harness.records.run import Witness
 from tests import doubles
 from tests.doubles import codes
 from tests.measures.random_scenes import GENERATORS
@@ -28,6 +29,12 @@ NAMES = ("analytic", "pymunk")
 @pytest.fixture(scope="module")
 def pedestal() -> Scene:
     return load_scene(SCENES / "paestum_pedestal.toml")
+
+
+def witnessed(scene: Scene) -> tuple[Run, Witness]:
+    """A run of pymunk, and what its unmodified engine says of it."""
+    run = simulate(scene, "pymunk")
+    return run, witnesses(scene, {"pymunk": run}, RunOptions())["pymunk:plain"]
 
 
 def test_model_and_engine_are_confirmed_until_an_instant_within_what_the_run_bounds() -> None:
@@ -45,21 +52,18 @@ def test_model_and_engine_are_confirmed_until_an_instant_within_what_the_run_bou
 def test_the_reason_why_no_further_is_the_one_that_came_first() -> None:
     """A witness whose own error grows before its steps are used up: it was computed further, and says so little."""
     scene = load_scene(SCENES / "free_rocking.toml")
-    run = simulate(scene, "pymunk")
-    seen = witnesses(scene, {"pymunk": run}, RunOptions())["pymunk:plain"]
+    run, seen = witnessed(scene)
     assert seen.until_s < run.bounded_until_s
     assert [(each.code, each.values["from_s"]) for each in seen.reasons] == [("witness_not_bounded", seen.until_s)]
 
 
 def test_a_witness_costs_no_more_than_its_budget(pedestal: Scene) -> None:
-    run = simulate(pedestal, "pymunk")
-    seen = witnesses(pedestal, {"pymunk": run}, RunOptions())["pymunk:plain"]
+    run, seen = witnessed(pedestal)
     allowed = BUDGET * run.work["steps_of_all_runs"] / engines.load("pymunk:plain").step_cost(pedestal)
     # A step that only the end of a run makes whole is one more in each of the two.
     assert seen.steps <= (1.0 + CHECK_TIMES) * allowed + 3
     one = load_scene(SCENES / "paestum_pedestal.toml", ["contact.floor_static=0.15"])
-    run = simulate(one, "pymunk")
-    seen = witnesses(one, {"pymunk": run}, RunOptions())["pymunk:plain"]
+    run, seen = witnessed(one)
     assert seen.agrees
     allowed = BUDGET * run.work["steps_of_all_runs"] / engines.load("pymunk:plain").step_cost(one)
     assert seen.steps <= allowed + 2, "nothing parts, and nothing is run again"
@@ -158,8 +162,7 @@ def test_an_engine_that_bounds_nothing_has_no_witness(pedestal: Scene) -> None:
 
 def test_what_a_plain_engine_cannot_compute_is_its_reason() -> None:
     imposed = load_scene(SCENES / "paestum_pedestal.toml", ["contact.restitution=0.7"])
-    run = simulate(imposed, "pymunk")
-    seen = witnesses(imposed, {"pymunk": run}, RunOptions())["pymunk:plain"]
+    _, seen = witnessed(imposed)
     assert seen.agrees is None
     assert codes(seen.reasons) == ["witness_failed"]
 
