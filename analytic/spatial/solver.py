@@ -311,7 +311,9 @@ def certify(
     moved = np.stack([first.position_m[:size] - other.position_m[:size] for other in others])
     differences = turned, np.linalg.norm(moved, axis=2)
     said = within(first.t_s, min(each.end_s for each in (first, *others)), differences, (accuracy, accuracy))
-    return Certified(first, *said, all(other.outcome is first.outcome for other in others), complete)
+    # A check that was given up ended in no other way: it did not end.
+    sure = all(other.gave_up or other.outcome is first.outcome for other in others)
+    return Certified(first, *said, sure, complete)
 
 
 def attitude_difference_rad(a: Solution, b: Solution, size: int) -> Floats:

@@ -84,6 +84,15 @@ def test_the_certificate_covers_a_coarser_run() -> None:
     assert 0.0 < error <= coarse.uncertainty_rad + fine.uncertainty_rad
 
 
+def test_a_check_that_is_given_up_has_no_other_outcome() -> None:
+    problem = spatial.Problem(BODY, 0.6, 1.0, None, analytic.Pulse("one_sine", 0.5 * GRAVITY, 0.5))
+    work = spatial.solve(problem, tolerance=1e-8).work
+    found = spatial.certify(problem, tolerance=1e-8, dt_out_s=0.01, most_steps=work.steps + work.rejected + 1)
+    assert not found.solution.gave_up
+    assert not found.complete
+    assert found.outcome_is_sure
+
+
 def test_a_wobbling_body_comes_to_rest() -> None:
     tilt = 0.05
     body = spatial.Body.block(50.0, 0.4, 0.5, 0.5)
