@@ -275,7 +275,7 @@ def _write_draws(scene: Scene, assessed: assessment.Assessed, path: Path) -> Non
     }
     for name, answers in assessed.fell.items():
         fell = (answers.get(k) for k in columns["draw"])
-        columns[f"{name}_overturned"] = ["" if item is None else int(item) for item in fell]
+        columns[f"{name}_overturned"] = [int(item) if isinstance(item, bool) else "" for item in fell]
     _write_csv(path, columns, zip(*columns.values(), strict=True))
 
 

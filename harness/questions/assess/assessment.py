@@ -32,7 +32,7 @@ from harness.questions.assess.by_model import (
     sampled,
 )
 from harness.questions.assess.clearance import of_engine, of_model, of_space, rest_outline_m
-from harness.questions.assess.engine_draws import EngineRuns, estimate, strata_of
+from harness.questions.assess.engine_draws import End, EngineRuns, estimate, strata_of
 from harness.questions.assess.model_draws import (
     SPACE,
     Array,
@@ -96,7 +96,7 @@ class Assessed(Shown):
     record: AssessRecord
     values: Mapping[str, Array]
     model: ModelDraws
-    fell: Mapping[str, Mapping[int, bool | None]]
+    fell: Mapping[str, Mapping[int, End]]
 
     def facts(self) -> dict[str, str]:
         """Title, and by engine how probable a fall is, with its interval."""
@@ -185,7 +185,7 @@ def assess(
             space = space_draws(scene, values, SPACE_STEPS)
         already = (MODEL,) if space is None else (MODEL, SPACE)
         answers, room = dict[str, Assessment | NotAssessed](), dict[str, ClearanceByModel]()
-        fell: dict[str, Mapping[int, bool | None]] = {}
+        fell: dict[str, Mapping[int, End]] = {}
         for name in (name for name in names if name not in already):
             if (reason := engines.load(name).missing()) is not None:
                 answers[name] = NotAssessed(reason)

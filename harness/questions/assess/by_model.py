@@ -18,7 +18,7 @@ from harness import engines
 from harness.comparison.statistics.distributions import wilson
 from harness.model.history import Outcome
 from harness.model.scene import Scene
-from harness.questions.assess.engine_draws import LEVEL, jeffreys, run_of
+from harness.questions.assess.engine_draws import LEVEL, End, jeffreys, run_of
 from harness.questions.assess.model_draws import (
     SPACE,
     SPACE_S,
@@ -46,8 +46,6 @@ motion of 10 s at 4 ms."""
 SAMPLE_S: Final = 2.0
 """What they take of the processor, s, as a forecast tells it."""
 MOST_SAMPLED: Final = 60
-End = bool | Outcome | None
-"""How an engine's run of a draw ended: whether the statue falls, `TOUCHES_WALL`, None without an answer."""
 NONE_SAMPLED: Final[Mapping[int, End]] = {}
 TRIAL_SHARE: Final = 0.01
 """Of the draws are timed before all of them are run."""

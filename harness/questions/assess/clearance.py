@@ -62,12 +62,14 @@ def of_model(scene: Scene, values: Mapping[str, Array], draws: ModelDraws) -> Cl
     return clearance(reached, np.ones(len(reached)), decided.size, int((~decided).sum()))
 
 
-def of_engine(strata: Ints, fell: Mapping[int, bool | None], reached_m: Mapping[int, Array]) -> ClearanceByModel:
+def of_engine(
+    strata: Ints, fell: Mapping[int, bool | Outcome | None], reached_m: Mapping[int, Array]
+) -> ClearanceByModel:
     """The clearance by the runs of an engine, by number of the draw: each stands for its share of the stratum (n,) that it was
     drawn from."""
-    decided = strata[[number for number, each in fell.items() if each is not None]]
+    decided = strata[[number for number, each in fell.items() if isinstance(each, bool)]]
     each = np.bincount(strata, minlength=3) / np.maximum(np.bincount(decided, minlength=3), 1)
-    undecided = sum(each is None for each in fell.values())
+    undecided = len(fell) - decided.size
     return clearance(list(reached_m.values()), each[strata[list(reached_m)]], len(fell), undecided)
 
 

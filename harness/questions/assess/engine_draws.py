@@ -20,6 +20,7 @@ import numpy as np
 from harness import engines
 from harness.accuracy.refinement import first_level
 from harness.engines.base import Engine, EngineFailure
+from harness.model.history import Outcome
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.assess.clearance import Ints, reach_m
@@ -39,8 +40,10 @@ BATCH: Final = 16
 LEVEL: Final = 0.90
 """Level of every interval: what decides about a statue is asked to ± 0.05 at 90 %."""
 
-Runs = Callable[[Sequence[int]], Sequence[bool | None]]
-"""From numbers of draws to whether the engine's statue overturned in each; None where the run failed."""
+End = bool | Outcome | None
+"""How an engine's run of a draw ended: whether the statue falls, `TOUCHES_WALL`, None without an answer."""
+Runs = Callable[[Sequence[int]], Sequence[End]]
+"""From numbers of draws to how the engine's runs of them ended."""
 
 
 def strata_of(model: ModelDraws) -> Ints:
@@ -83,14 +86,15 @@ class _Tally:
 
     def __init__(self, weights: Array) -> None:
         self._weights, self.runs = weights, 0
-        self._decided, self._fell, self._open = np.zeros((3, weights.size))
+        self._decided, self._fell, self._open, self._walls = np.zeros((4, weights.size))
 
     def add(self, run: Runs, picks: Sequence[tuple[int, int]]) -> None:
         """Run the engine on these draws and count."""
         for (h, _), fell in zip(picks, run([draw for _, draw in picks]), strict=True):
             self.runs += 1
-            if fell is None:
+            if not isinstance(fell, bool):
                 self._open[h] += 1
+                self._walls[h] += fell is Outcome.TOUCHES_WALL
             else:
                 self._decided[h] += 1
                 self._fell[h] += fell
@@ -117,15 +121,17 @@ class _Tally:
         Its interval is that of Σ w p_h from those of each p_h (Jeffreys), arms added as squares (Zou, Huang and Zhang 2009).
         """
         known = self._decided > 0.0
+        runs = np.maximum(self._open + self._decided, 1.0)
+        undecided, wall = (float(self._weights @ (each / runs)) for each in (self._open, self._walls))
         if not known.any():
-            return Assessment(math.nan, 0.0, 1.0, LEVEL, draws, self.runs, 1.0)
-        undecided = float(self._weights @ (self._open / np.maximum(self._open + self._decided, 1.0)))
+            return Assessment(math.nan, 0.0, 1.0, LEVEL, draws, self.runs, 1.0, touches_wall=wall)
         share, low, high = np.array([jeffreys(*each) for each in zip(self._fell, self._decided, strict=True)]).T
         p = float(np.sum((self._weights * share)[known]) / np.sum(self._weights[known]))
         middle = float(self._weights @ share)
         below, above = (math.hypot(*(self._weights * arms)) for arms in (share - low, high - share))
         least, most = max(middle - below, 0.0) * (1.0 - undecided), min(middle + above, 1.0)
-        return Assessment(p, min(least, p), max(most + undecided * (1.0 - most), p), LEVEL, draws, self.runs, undecided)
+        high = max(most + undecided * (1.0 - most), p)
+        return Assessment(p, min(least, p), high, LEVEL, draws, self.runs, undecided, touches_wall=wall)
 
 
 # The engine's runs: each a keyed task of one campaign, so that a killed assessment goes on.
@@ -143,8 +149,8 @@ class DrawnRun:
 
 
 class EngineRuns:
-    """Whether one engine's statue overturns, by number of the draw: `fell` keeps what was asked, None where it came to no end;
-    `reach_m` how far it went on the plan in each run that stands (`harness.questions.assess.clearance.reach_m`).
+    """How one engine's runs end, by number of the draw: `fell` keeps what was asked; `reach_m` how far it went on the plan in
+    each run that stands (`harness.questions.assess.clearance.reach_m`).
     """
 
     def __init__(
@@ -158,16 +164,17 @@ class EngineRuns:
         self._scene, self._name, self._values = scene, name, values
         self._campaign, self._on_progress = campaign, on_progress
         self._engine = engines.load(name)
-        self.fell: dict[int, bool | None] = {}
+        self.fell: dict[int, End] = {}
         self.reach_m: dict[int, Array] = {}
 
-    def __call__(self, numbers: Sequence[int]) -> list[bool | None]:
+    def __call__(self, numbers: Sequence[int]) -> list[End]:
         tasks = {number: self._task(number) for number in numbers}
         for number, found in zip(tasks, self._campaign.ask(list(tasks.values())), strict=True):
             # A worker that died leaves nothing: the run counts as failed, and is tried anew when the assessment is.
             record = found or {"overturned": None}
             overturned = record["overturned"]
-            self.fell[number] = None if overturned is None else bool(overturned)
+            wall = Outcome.TOUCHES_WALL if record.get("touches_wall") else None
+            self.fell[number] = wall if overturned is None else bool(overturned)
             if overturned is False:
                 self.reach_m[number] = np.array(record["reach_m"])
         self._on_progress(f"{self._name}: {len(self.fell)} runs")
@@ -196,4 +203,6 @@ def overturns(drawn: DrawnRun) -> TaskResult:
     if run is not None and fell is False and (history := run.history) is not None:
         reached = reach_m(drawn.scene, history.theta_rad, history.slip_m, history.extra).tolist()
     seconds, failed = time.perf_counter() - begin, run is None or run.outcome.failed
-    return TaskResult(OUTCOME, {"overturned": fell, "reach_m": reached}, seconds, inside_s=seconds, failed=failed)
+    touches = run is not None and run.outcome is Outcome.TOUCHES_WALL
+    ended = {"overturned": fell, "reach_m": reached, "touches_wall": touches}
+    return TaskResult(OUTCOME, ended, seconds, inside_s=seconds, failed=failed)

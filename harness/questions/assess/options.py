@@ -20,8 +20,8 @@ from harness.input.scene_file import check_wall
 from harness.input.tables import read_model
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Contact, Scene, Uncertain, scan_azimuth_deg, written
-from harness.questions.assess.by_model import MODEL, NONE_SAMPLED, End, Outside, probability_of, sampled
-from harness.questions.assess.engine_draws import LEVEL
+from harness.questions.assess.by_model import MODEL, NONE_SAMPLED, Outside, probability_of, sampled
+from harness.questions.assess.engine_draws import LEVEL, End
 from harness.questions.assess.model_draws import (
     KINETIC,
     LEAST_SHARE,

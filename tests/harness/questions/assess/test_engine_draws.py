@@ -15,6 +15,7 @@ import trimesh
 from harness.accuracy.simulation import simulate
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
+from harness.model.history import Outcome
 from harness.model.scene import Wall
 from harness.questions.assess.assessment import assess
 from harness.questions.assess.engine_draws import DrawnRun, estimate, overturns
@@ -135,10 +136,19 @@ def test_a_killed_assessment_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert record.runs.wanted - record.runs.computed == 9
 
 
+def test_draws_of_an_engine_that_touch_the_wall_are_told_as_such() -> None:
+    """Of the draws near a fall half touch the wall, a quarter come to no end."""
+    overturned, near = np.repeat([True, False], [40, 60]), np.repeat([0.0, 0.9], [40, 60])
+    model = ModelDraws(np.ones(100, dtype=bool), overturned, near, near, *np.zeros((2, 100), dtype=bool))
+    ends = [True] * 40 + [Outcome.TOUCHES_WALL, Outcome.TOUCHES_WALL, None, False] * 15
+    found = estimate(model, lambda numbers: [ends[k] for k in numbers], half_width=1e-3, most_runs=100)
+    assert (found.engine_runs, found.undecided, found.touches_wall) == (100, pytest.approx(0.45), pytest.approx(0.3))
+
+
 def test_a_run_that_touches_the_wall_neither_stands_nor_falls() -> None:
     shaken = paestum(0.334, 3.0, duration_s=1.0)
     answer = overturns(DrawnRun("pymunk", replace(shaken, wall=Wall("right", 0.001))))
-    assert answer.record == {"overturned": None, "reach_m": None}
+    assert answer.record == {"overturned": None, "reach_m": None, "touches_wall": True}
     assert not answer.failed
     assert overturns(DrawnRun("pymunk", shaken)).record["overturned"] is False
 
