@@ -15,7 +15,7 @@ import numpy as np
 
 from harness.input.mistakes import MOST_MISTAKES
 from harness.input.text_file import decimals, decoded, is_decimal, read_bytes
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, refuse
 from harness.model.history import COLUMNS, Array, History, hermite
 
 REQUIRED: Final = ("t_s", "theta_rad")
@@ -193,8 +193,7 @@ def _meant(path: Path, names: Sequence[str]) -> list[tuple[str, float]]:
             others = [other for other, (canonical, _) in UNITS.items() if canonical == name]
             advice = "name the columns in the first line, commas, semicolons or tabs between them"
             mistakes.append(Mistake(str(path), "header", f"a column {name} (or {', '.join(others)})", got, advice))
-    if mistakes:
-        raise InputError(mistakes)
+    refuse(mistakes)
     return meant
 
 

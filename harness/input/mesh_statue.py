@@ -15,13 +15,11 @@ import numpy as np
 from harness.input import paths
 from harness.input.tables import MeshTable, StatueTable
 from harness.model.errors import InputError, Mistake
-from harness.model.finding import Finding, Say, Shown, caution, info, new_axes
+from harness.model.finding import Axes, Finding, Say, Shown, caution, info, new_axes
 from harness.model.history import Array
 from harness.model.scene import Statue
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from meshes import MeshError, Solid
     from meshes.mesh import Doubt, Faces, RawMesh
     from meshes.processing_log import ProcessingLog

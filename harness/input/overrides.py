@@ -11,7 +11,7 @@ from typing import Final, cast
 
 from pydantic import JsonValue
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, refuse
 
 # TOML as a user hands it in: no more of it than memory should be given, and no number that TOML does not have.
 
@@ -96,8 +96,7 @@ def override(content: dict[str, JsonValue], items: Iterable[Replacement]) -> dic
             keys[put(content, place, key, value)] = place
         except InputError as error:
             mistakes += error.mistakes
-    if mistakes:
-        raise InputError(mistakes)
+    refuse(mistakes)
     return keys
 
 

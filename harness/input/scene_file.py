@@ -21,7 +21,7 @@ from harness.input.mesh_statue import statue_from_mesh
 from harness.input.overrides import Overrides, plain, replacements
 from harness.input.tables import ContactTable, InitialTable, ModelTable, PedestalTable, SceneFile, StatueTable
 from harness.input.uncertain import uncertain_inputs
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, refuse
 from harness.model.finding import Finding, caution, info
 from harness.model.history import Array
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
@@ -220,8 +220,7 @@ def check_wall(scene: Scene, path: Path) -> None:
     if pedestal is not None and not (gap_m := wall.pedestal_gap_m(block, pedestal)) > 0.0:
         least = f"more than {distance - gap_m:.6g} beside a pedestal that reaches as far from the statue's base"
         mistakes.append(Mistake(str(path), key, least, f"{distance:g}"))
-    if mistakes:
-        raise InputError(mistakes)
+    refuse(mistakes)
 
 
 def _initial(table: InitialTable, statue: Statue, path: Path) -> Initial:
@@ -322,8 +321,7 @@ def _statue(table: StatueTable, path: Path, found: list[Finding]) -> Statue:
             f"at most {mass * largest**2:.4g} (radius of gyration {largest:.4g} m: {LARGEST_GYRATION:g} times its size)"
         )
         mistakes.append(Mistake(str(path), "statue.inertia_kg_m2", wanted, f"{inertia:g}"))
-    if mistakes:
-        raise InputError(mistakes)
+    refuse(mistakes)
     section = np.array([[-left, 0.0], [right, 0.0], [right, height], [-left, height]])
     half = 0.5 * depth
     footprint = np.array([[-left, -half, 0.0], [right, -half, 0.0], [right, half, 0.0], [-left, half, 0.0]])

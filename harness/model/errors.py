@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -73,3 +73,9 @@ class InputError(ValueError):
 
     def __str__(self) -> str:
         return "\n".join(map(str, self.mistakes))
+
+
+def refuse(mistakes: Collection[Mistake]) -> None:
+    """Raise `InputError` of all these mistakes, where there is one."""
+    if mistakes:
+        raise InputError(mistakes)

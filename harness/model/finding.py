@@ -12,14 +12,17 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from html import escape
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from harness.model.errors import InputError, Mistake
 
 if TYPE_CHECKING:
+    import matplotlib.axes
     import pandas
     import xarray
-    from matplotlib.axes import Axes
+
+Axes: TypeAlias = "matplotlib.axes.Axes"
+"""Of a library that a drawing alone loads."""
 
 
 class Severity(StrEnum):

@@ -8,18 +8,15 @@ from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.model.errors import InputError, Mistake
-from harness.model.finding import Shown, new_axes
+from harness.model.finding import Axes, Shown, new_axes
 
 Array = NDArray[np.float64]
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 # Two histories brought onto one time grid, so that they can be subtracted.

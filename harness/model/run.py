@@ -12,16 +12,12 @@ from enum import Enum
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, NamedTuple
+from typing import Any, ClassVar, Final, Literal, NamedTuple
 
 from harness.model.errors import InputError, Mistake
 from harness.model.files import write_text
-from harness.model.finding import Finding, Shown
+from harness.model.finding import Axes, Finding, Shown
 from harness.model.history import History, Outcome
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 # What is asked of a run, what it may leave out, and what an engine is able to do.
 

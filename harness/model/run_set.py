@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.model.errors import InputError, Mistake
-from harness.model.finding import Shown, library, new_axes
+from harness.model.finding import Axes, Shown, library, new_axes
 from harness.model.history import History, Outcome
 from harness.model.run import NUMBERS
 
 if TYPE_CHECKING:
     import pyarrow
-    from matplotlib.axes import Axes
 
 Column = NDArray[Any]
 

@@ -16,12 +16,11 @@ from numpy.typing import ArrayLike
 from analytic.block import OVERTURN_RAD as OVERTURN_RAD
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from harness.model.errors import InputError, Mistake
-from harness.model.finding import Finding, Shown, new_axes
+from harness.model.finding import Axes, Finding, Shown, new_axes
 from harness.model.history import Array
 from harness.model.run import OMITTED
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from pydantic import JsonValue
 
     from meshes import Solid

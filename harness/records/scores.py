@@ -6,16 +6,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Final, Literal
 
-from harness.model.finding import Finding, Say, Shown, new_axes, texted
+from harness.model.finding import Axes, Finding, Say, Shown, new_axes, texted
 from harness.model.history import Outcome
 from harness.model.run import OMITTED
 from harness.records.base import Record
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 # The record of two histories from files, compared; both lie beside it in the contract's units.
 

@@ -7,22 +7,18 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 from pydantic import JsonValue
 
-from harness.model.finding import Finding, Say, Severity, Shown
+from harness.model.finding import Axes, Finding, Say, Severity, Shown
 from harness.model.history import Outcome
 from harness.model.run import OMITTED, RUN_FIELDS, RunRow, to_plain
 from harness.model.run_set import Column, RunSet, answered, column_of
 from harness.records.base import Plain, Record, plain
 from harness.records.scene import SceneRecord
 from harness.records.validation import SetScores
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 # What a study keeps beside its record: the file of all rows, and columns.
 

@@ -16,7 +16,7 @@ from harness.model.history import Array
 from harness.model.run import SKIPS, Capabilities, RunOptions
 from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Statue
 from harness.statics.standstill import instants_s, tipping_of_pedestal
-from meshes.footprint import margin_m, outward_sides
+from meshes.footprint import footprint, margin_m, outward_sides
 
 # Other bodies made of a statue and its pedestal: both as one, its base widened, another side before the shaking.
 
@@ -217,7 +217,6 @@ def first_motion_s(scene: Scene) -> float:
 def resting_polygon_m(statue: Statue) -> Array | None:
     """The polygon (k, 2), counter-clockwise, of the lowest vertices, which the statue rests on; None where it tilts off it."""
     from meshes import MeshError
-    from meshes.footprint import footprint
 
     polygon = statue.feet_m
     if statue.solid is not None or np.ptp(polygon[:, 2]) > LEVEL_M:

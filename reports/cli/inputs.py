@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.model.errors import InputError, Mistake, printable
+from harness.model.finding import texted, weighed
 from reports.cli.app import app, command
 from reports.cli.options import OutputOptions, ScanOptions, SupportOptions, TextLayout, folder_of
 from reports.messages import ENGLISH
@@ -112,7 +113,6 @@ def new(
     ] = None,
 ) -> None:
     """Write a first, commented scene from a scan and a record; it runs as it is."""
-    from harness.model.finding import texted, weighed
     from harness.model.run import to_plain
     from reports.cli.scans import new as write_scene
     from reports.terminal import found_lines
@@ -147,7 +147,6 @@ def motion_inspect(
     out: Annotated[Path | None, typer.Option("--out", help="Folder of picture and record. Default: out/NAME.")] = None,
 ) -> None:
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
-    from harness.model.finding import texted
     from harness.model.run import write_json
     from harness.records.result_folder import INSPECTED, check_folder, listing
     from reports.export.figures import printed, write_picture

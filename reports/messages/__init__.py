@@ -243,17 +243,9 @@ def agreed(template: str, values: Mapping[str, object]) -> str:
     return COUNTED.sub(lambda part: part[2] if str(values.get(part[1])) == "1" else part[3], template)
 
 
-def _grouped(say: Language, groups: Mapping[str, Sequence[str]]) -> str:
-    return "; ".join(f"{say.word(end)} ({say.listed(names)})" for end, names in groups.items())
-
-
 def _angles(say: Language, values_rad: Sequence[float]) -> str:
     degrees = say.range([say.digits(math.degrees(value), 3) for value in values_rad])
     return f"{degrees}° ({say.range([say.digits(value, 3) for value in values_rad])}\u00a0rad)"
-
-
-def _classes(say: Language, shares: Mapping[str, float]) -> str:
-    return "; ".join(f"{say.percent(share)} {say.word(kind)}" for kind, share in shares.items())
 
 
 def _shares(say: Language, shares: Mapping[str, float]) -> str:
@@ -312,7 +304,7 @@ FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
     "names": lambda say, value: say.listed(map(say.word, value)),
     "directions": lambda say, value: say.listed(f"{say.short(each)}°" for each in value),
     "vector": lambda say, value: say.row([say.short(part, 3) for part in value]),
-    "groups": _grouped,
+    "groups": lambda say, value: "; ".join(f"{say.word(end)} ({say.listed(names)})" for end, names in value.items()),
     "choices": lambda say, value: "; ".join(f"{say.word(name)}: {say.word(end)}" for name, end in value.items()),
     "without": _shares,
     "change": _change,
@@ -331,7 +323,7 @@ FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
         f"{say.word(key)} {say.range([_points(say, end) for end in ends])}" for key, ends in value.items()
     ),
     "key": _named_key,
-    "classes": _classes,
+    "classes": lambda say, value: "; ".join(f"{say.percent(share)} {say.word(kind)}" for kind, share in value.items()),
     "hz": lambda say, value: f"{say.digits(value, 3)}\u00a0Hz",
     "points": _points,
     "of_points": lambda say, share: _points(say, abs(share)).removeprefix("+"),

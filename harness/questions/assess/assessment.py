@@ -10,7 +10,7 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from harness import engines
 from harness.accuracy.forecast import START_S, Range, first_settings, moving_s, timed_step_s
 from harness.model.errors import InputError, Mistake
-from harness.model.finding import Shown, new_axes
+from harness.model.finding import Axes, Shown, new_axes
 from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain, must_be_scene
 from harness.questions.assess.answer import answer_of, findings_of
@@ -68,9 +68,6 @@ from harness.runs.execute import Campaign
 from harness.runs.progress import LESS_STORED, counted, forecast_words
 from harness.runs.runner import LocalPool, Pool
 from harness.runs.store import Store
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 HALF_WIDTH: Final = 0.05
 """Half width to which a contact engine's probability is asked, at `LEVEL`."""

@@ -8,10 +8,11 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import JsonValue, ValidationError
 
 from analytic.excitation import Harmonic, ZeroExcitation
 from harness import engines
@@ -21,10 +22,6 @@ from harness.input.uncertain import assumption
 from harness.model.errors import InputError, Mistake
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene, Uncertain, written
-
-if TYPE_CHECKING:
-    from pydantic import JsonValue
-
 
 # What a scene does not know, and seeded draws of it.
 
@@ -214,7 +211,6 @@ def reread(scene: Scene, values: Mapping[str, object], place: str) -> Scene:
 
     `place` is where a mistake is: raises `InputError` for values that make no scene, and for a scene made in Python.
     """
-    from pydantic import ValidationError
 
     from harness.input.mistakes import mistakes_of
     from harness.input.overrides import put

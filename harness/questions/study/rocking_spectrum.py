@@ -25,7 +25,7 @@ from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
 from harness.input.motions.spec import RecordSpec, Source
 from harness.input.tables import read_model
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, refuse
 from harness.model.finding import Answer, Say, info
 from harness.model.history import Array
 from harness.model.run import machine, versions
@@ -113,8 +113,7 @@ def motions_of(spectrum: SpectrumFile, path: Path) -> list[Excitation]:
             excitations.append(prepare(SceneMotion(component, path.parent, str(path), f"motion.{number}")).excitation)
         except InputError as error:
             mistakes += error.mistakes
-    if mistakes:
-        raise InputError(mistakes)
+    refuse(mistakes)
     return excitations
 
 

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from analytic.closed_form import rectangle_ratio
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import Mistake, refuse
 from harness.model.finding import Answer, caution, info
 from harness.model.history import Array
 from harness.questions.validate.measured_set import MeasuredSet, Rows, Told, read_groups
@@ -57,8 +57,7 @@ def read_ratios(path: Path) -> list[BlockTrials]:
             groups.append(BlockTrials(name, float(sizes[0, 1] / sizes[0, 0]), ratios))
     if not mistakes and (len(groups) < 2 or max(group.measured.size for group in groups) < 2):
         mistakes.append(Mistake(str(path), "", "two groups, and a repeated trial", f"{len(groups)} groups"))
-    if mistakes:
-        raise InputError(mistakes)
+    refuse(mistakes)
     return groups
 
 

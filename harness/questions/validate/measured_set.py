@@ -15,7 +15,7 @@ from harness import engines
 from harness.accuracy.simulation import RunTarget
 from harness.input.scene_file import load_scene
 from harness.input.text_file import decimals, decoded, read_bytes
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, refuse
 from harness.model.finding import Answer, Finding
 from harness.model.history import Array
 from harness.model.scene import BaseExcitation, Contact, Initial, Pose, Scene
@@ -106,8 +106,7 @@ def read_groups(path: Path, columns: Sequence[str]) -> list[tuple[str, Array]]:
         rows.append((name.strip(), values))
     if not rows and not mistakes:
         raise InputError(Mistake(str(path), "", "at least one line of numbers", "none"))
-    if mistakes:
-        raise InputError(mistakes)
+    refuse(mistakes)
     groups = [(name, np.array([values for _, values in same])) for name, same in groupby(rows, lambda row: row[0])]
     names = [name for name, _ in groups]
     if again := [name for name in names if names.count(name) > 1]:

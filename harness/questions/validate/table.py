@@ -14,7 +14,7 @@ from typing import Any, Final
 from harness.comparison.statistics.outcomes import FELL
 from harness.input import paths
 from harness.input.text_file import decimal, decoded, read_bytes
-from harness.model.errors import InputError, Mistake, nearest
+from harness.model.errors import InputError, Mistake, nearest, refuse
 from harness.model.history import Outcome
 
 COLUMNS: Final[Mapping[str, str]] = {
@@ -158,15 +158,13 @@ def read_table(path: Path) -> list[Trial]:
         raise InputError(Mistake(str(path), "", "a header line and at least one test", f"{len(lines)} lines"))
     names = [name.strip() for name in lines[0]]
     mistakes = _header(path, names)
-    if mistakes:
-        raise InputError(mistakes)
+    refuse(mistakes)
     tests: list[Trial] = []
     for number, cells in enumerate(lines[1:], 1):
         row = _Row(path, number, names, cells, mark, mistakes)
         tests.append(row.trial())
     mistakes += _set_of_tests(path, tests)
-    if mistakes:
-        raise InputError(mistakes)
+    refuse(mistakes)
     return tests
 
 

@@ -22,7 +22,7 @@ from analytic import spatial
 from analytic.block import rotation_matrices
 from harness import engines
 from harness.accuracy.simulation import simulate_with
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, refuse
 from harness.model.finding import Answer, Finding, caution, info
 from harness.model.history import Array, History
 from harness.model.scene import Contact, Pose, Scene, Statue, rotations
@@ -83,8 +83,7 @@ def read_tosses(path: Path, body: Statue, gravity_m_s2: float) -> tuple[list[Tos
     for name, table in groups:
         if (wrong := _wrong(table)) is not None:
             mistakes.append(Mistake(str(path), f"toss {name}", *wrong))
-    if mistakes:
-        raise InputError(mistakes)
+    refuse(mistakes)
     clock = clock_of([table for _, table in groups], body, gravity_m_s2)
     stretch = 1.0 if clock is None else clock.stated_hz / clock.rate_hz
     scale = np.array([stretch, *[1.0] * len(PLACE), *[1.0 / stretch] * len(RATES)])

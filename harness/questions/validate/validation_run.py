@@ -18,7 +18,7 @@ from harness.comparison.scores.pointwise import Measured
 from harness.input.history_file import read_history
 from harness.input.paths import read_files
 from harness.model import run as record
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, refuse
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
 from harness.questions.validate import drops, impact_ratios, tosses
 from harness.questions.validate.fit import Answers, FittedInputs, choose, planned
@@ -357,8 +357,7 @@ def kind_of(table: Path, **options: object) -> str:
     ]
     if "body" in taken and options.get("body") is None:
         mistakes.append(Mistake("--body", "", f"the scene whose statue was thrown in {table}", "nothing"))
-    if mistakes:
-        raise InputError(mistakes)
+    refuse(mistakes)
     return kind
 
 

@@ -1,6 +1,6 @@
 """The readers of record files: the format is recognised by its content.
 
-To add a format: one file beside this one with recognises(text) and read(text, where), its place in _READERS, the strictest
+To add a format: one file beside this one with recognises(text) and read(lines, where), its place in _READERS, the strictest
 first, and its name in FORMATS (`recordfile.py`).
 """
 
@@ -51,8 +51,8 @@ class Reader(Protocol):
     def recognises(self, text: str) -> bool:
         """Whether `text` is of this format, damaged or not."""
 
-    def read(self, text: str, where: str) -> RecordFile:
-        """Its channels; InputError where it is damaged."""
+    def read(self, lines: list[str], where: str) -> RecordFile:
+        """The channels of its lines; InputError where it is damaged."""
 
 
 _READERS: Final[tuple[Reader, ...]] = (geonet, knet, smc, volume1, v2, cosmos, esm, at2, nsmn, unam, cwb)
@@ -110,7 +110,7 @@ def _of_a_network(text: str, where: str) -> RecordFile | None:
         if reader is None:
             continue
         try:
-            record = reader.read(version, where)
+            record = reader.read(version.splitlines(), where)
             _check_end(text, where)
         except InputError as error:
             # The same reader's first refusal counts the file's own lines.

@@ -37,9 +37,8 @@ def _points(line: str) -> tuple[str, str] | None:
     return (match.group(1), match.group(2)) if match else None
 
 
-def read(text: str, where: str) -> RecordFile:
+def read(lines: list[str], where: str) -> RecordFile:
     """The one channel of an AT2 file; InputError where values are missing or are no accelerations in g."""
-    lines = text.splitlines()
     points = _points(lines[3])
     if points is None:
         raise mistake(where, "line 4", "NPTS= …, DT= … with a positive step", repr(lines[3].strip()))

@@ -47,9 +47,8 @@ def recognises(text: str) -> bool:
     return re.search(r"(Integer|Real)-header values follow on", text[:20000], re.IGNORECASE) is not None
 
 
-def read(text: str, where: str) -> RecordFile:
+def read(lines: list[str], where: str) -> RecordFile:
     """All acceleration channels of a COSMOS file; InputError where a block is incomplete."""
-    lines = text.splitlines()
     channels: list[Channel] = []
     found: list[Finding] = []
     numbers: dict[str, Floats] = {}

@@ -14,9 +14,8 @@ def recognises(text: str) -> bool:
     return "#stationcode" in head and ("#datasequence" in head or "#amplitudeunit" in head)
 
 
-def read(text: str, where: str) -> RecordFile:
+def read(lines: list[str], where: str) -> RecordFile:
     """All channels; InputError where the header or a column is incomplete."""
-    lines = text.splitlines()
     first = next((i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")), len(lines))
     head = Header(lines[:first], where)
     unit = head.unit(r"^#\s*AmplitudeUnit:\s*([^\s,]+?)\.?(?:\s|$)", "'#AmplitudeUnit:' and gal")

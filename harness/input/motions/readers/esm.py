@@ -23,9 +23,8 @@ def recognises(text: str) -> bool:
     )
 
 
-def read(text: str, where: str) -> RecordFile:
+def read(lines: list[str], where: str) -> RecordFile:
     """The one channel of an ESM file; InputError where keys or values are missing."""
-    lines = text.splitlines()
     first = next((i for i, line in enumerate(lines) if line.strip() and not _KEY.match(line)), len(lines))
     head = Header(lines[:first], where)
     kind = _words(head, "DATA_TYPE") or "ACCELERATION"

@@ -19,9 +19,8 @@ def recognises(text: str) -> bool:
     return len(head) == _TEXT_LINES and head[12].startswith("Component") and "mm/s/s" in head[13]
 
 
-def read(text: str, where: str) -> RecordFile:
+def read(lines: list[str], where: str) -> RecordFile:
     """All channels of a V1A or V2A file; InputError where values are missing."""
-    lines = text.splitlines()
     name = "GeoNet V1A" if lines[0].lower().lstrip().startswith("un") else "GeoNet V2A"
     channels: list[Channel] = []
     start = 0

@@ -35,9 +35,8 @@ def recognises(text: str) -> bool:
     return head.lstrip().startswith("origin time") and ("scale factor" in head or "station code" in head)
 
 
-def read(text: str, where: str) -> RecordFile:
+def read(lines: list[str], where: str) -> RecordFile:
     """The one component of a K-NET or KiK-net file, its mean taken off as NIED does for its peak; InputError where incomplete."""
-    lines = text.splitlines()
     first = next((i + 1 for i, line in enumerate(lines) if line.lower().startswith("memo")), _HEADER_LINES)
     head = Header(lines[:first], where)
     dt_s = 1.0 / head.number(r"^Sampling Freq\D*([0-9.]+)", "'Sampling Freq(Hz)' and the rate")

@@ -14,9 +14,8 @@ def recognises(text: str) -> bool:
     return "STRONG GROUND MOTION RECORDS OF T" in text[:200].upper()
 
 
-def read(text: str, where: str) -> RecordFile:
+def read(lines: list[str], where: str) -> RecordFile:
     """The three channels; InputError where the header or a column is incomplete."""
-    lines = text.splitlines()
     named = next((i for i, line in enumerate(lines) if _NAMES.match(line)), None)
     if named is None:
         raise mistake(where, "", "a line that names the columns, 'N-S E-W U-D'", "none", "the file is damaged")

@@ -35,9 +35,8 @@ def recognises(text: str) -> bool:
     return len(lines) == 2 and bool(_KIND.match(lines[0])) and lines[1].startswith("*")
 
 
-def read(text: str, where: str) -> RecordFile:
+def read(lines: list[str], where: str) -> RecordFile:
     """The one channel of an SMC file; InputError where it holds no accelerations, or header or values are incomplete."""
-    lines = text.splitlines()
     kind = lines[0].split()[0]
     if kind not in ("1", "2"):
         got, advice = repr(lines[0].strip()), "take the file whose first line says ACCELEROGRAM"

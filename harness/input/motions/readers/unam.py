@@ -22,9 +22,8 @@ def recognises(text: str) -> bool:
     return "ARCHIVO ESTANDAR DE ACELERACI" in text[:4000].upper()
 
 
-def read(text: str, where: str) -> RecordFile:
+def read(lines: list[str], where: str) -> RecordFile:
     """All channels; InputError where the header or a column is incomplete."""
-    lines = text.splitlines()
     rules = [i for i, line in enumerate(lines) if re.match(r"\s*-{5,}\+", line)]
     if len(rules) < 2:
         raise mistake(

@@ -38,9 +38,8 @@ def recognises(text: str) -> bool:
     return "CORRECTED ACCELEROGRAM" in text[:200].upper()
 
 
-def read(text: str, where: str) -> RecordFile:
+def read(lines: list[str], where: str) -> RecordFile:
     """All channels of a CSMIP V2 file; InputError where values are missing or the unit is unknown."""
-    lines = text.splitlines()
     blocks = [(i, block) for i, line in enumerate(lines) if (block := _BLOCK.match(line))]
     if not blocks:
         wanted = "a line such as '3251 points of accel data equally spaced at .020 sec, in cm/sec2'"

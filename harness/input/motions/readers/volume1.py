@@ -49,9 +49,8 @@ def recognises(text: str) -> bool:
     return _FIRST.match(text) is not None
 
 
-def read(text: str, where: str) -> RecordFile:
+def read(lines: list[str], where: str) -> RecordFile:
     """All channels of a volume 1 file; InputError where a header or values are missing."""
-    lines = text.splitlines()
     starts = [i for i, line in enumerate(lines) if _FIRST.match(line)]
     channels = [
         _channel(lines, start, end, where) for start, end in zip(starts, [*starts[1:], len(lines)], strict=True)
