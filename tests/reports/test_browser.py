@@ -99,6 +99,7 @@ def test_long_tables_are_folded_on_a_telephone_and_open_at_a_desk(visit: Callabl
     assert not phone.locator("#outcomes table").is_visible()
     phone.locator("nav a[href='#outcomes']").click()
     assert phone.locator("#outcomes table").is_visible()
+    assert phone.locator("#outcomes caption").bounding_box()["width"] < SIZES["phone"]["width"]
     assert phone.evaluate(closed) == folds - 1
     phone.locator("#outcomes .fold > summary").click()
     assert phone.evaluate(closed) == folds

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from html import unescape
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -16,6 +17,7 @@ from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.outcomes import score_outcomes
 from harness.model.finding import Answer, caution, info
 from harness.model.run import write_json
+from harness.questions.study.ensembles import score_sets
 from harness.questions.study.study_record import answer_of, findings_of
 from harness.questions.validate.validation_run import answer_of as validation_answer
 from harness.records.base import as_file, plain
@@ -82,6 +84,14 @@ def test_the_headline_follows_the_claims(record_of: Callable[[str], Any]) -> Non
     record = replace(record, headline=dict.fromkeys(record.headline or (), "holds"))
     told = answer_of(record)
     assert (told.code, told.findings[0].values) == ("claims", {"groups": {"holds": [*(record.headline or ())]}})
+
+
+def test_a_study_says_what_happens_before_how_often_its_models_agree(record_of: Callable[[str], Any]) -> None:
+    found = record_of("map")
+    keyed: Any = [SimpleNamespace(**vars(row), key="") for row in found.rows]
+    record = replace(found, scores=score_sets(keyed))
+    said = [(each.code, each.values["model"]) for each in answer_of(record).findings[:2]]
+    assert said == [("overturns_in", "analytic (own)"), ("same_outcome", "pymunk")]
 
 
 def test_the_matrix_marks_where_models_of_a_variant_differ(tmp_path: Path, record_of: Callable[[str], Any]) -> None:

@@ -47,7 +47,7 @@ from harness.records.study import (
 )
 from harness.runs.store import PlannedRow, Store
 
-# What a study says: the claims where it judges any, else how often the models agree, else how often the statue overturns.
+# What a study says: the claims where it judges any, else how often the statue overturns; how often the models agree.
 
 MOST_FINDINGS: Final = 30
 """Kinds of findings of runs that a study keeps, the most frequent ones."""
@@ -65,7 +65,7 @@ def answer_of(record: StudyRecord) -> Answer:
     for claim, verdict in (record.headline or {}).items():
         claimed.setdefault(verdict, []).append(claim)
     found = [info("claims", groups=claimed)] if claimed else []
-    found += pairs or _falls(record.rows)
+    found += [*_falls(record.rows)[: 1 if pairs else None], *pairs]
     done = vars(record.summary)
     return Answer(code, [*found, info("study_done", **done, alike=record.summary.wanted - record.summary.distinct)])
 

@@ -56,6 +56,10 @@ def test_the_answer_comes_first_and_what_follows_is_whole(page: Page, code: str)
         assert found.rows, "a table of nothing is not shown"
         assert {len(row) for row in found.rows} == {len(found.heads)}, found.caption
         assert all(isinstance(cell_text(cell), str) for row in found.rows for cell in row)
+        code_names = [
+            text for row in found.rows for cell in row if re.fullmatch(r"[a-z]+(_[a-z]+)+", text := cell_text(cell))
+        ]
+        assert not code_names, "a name of the code where words belong"
     charts = [each.name for each in every(blocks, Chart)]
     assert len(set(charts)) == len(charts)
 

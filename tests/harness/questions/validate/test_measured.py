@@ -32,7 +32,7 @@ from harness.questions.validate.jobs import parse_model
 from harness.questions.validate.measured_set import by_name
 from harness.questions.validate.validation_run import kind_of, validate_measured
 from harness.runs.runner import InlinePool
-from reports.messages import ENGLISH
+from reports.messages import ENGLISH, LANGUAGES, language
 from reports.pages.page import write_report
 from reports.terminal import COLUMNS as WIDTH
 from reports.terminal import LINES, record_lines
@@ -170,6 +170,7 @@ def test_a_set_of_drops_is_scored_and_told(tmp_path: Path, root: Path, square: S
     record = validate_measured(table, tmp_path / "out", body=body, say=ENGLISH.say, **asked)  # type: ignore[arg-type]
     models, every = record.tables
     assert [row[0] for row in models.rows] == ["spatial", "all_drops", "first_face"]
+    assert not any("_" in language(code).word(str(row[0])) for row in models.rows for code in LANGUAGES)
     assert len(every.rows) == 8 - round(8 / 3)
     scores = [row[every.columns.index("log_score")] for row in every.rows]
     assert np.mean(scores) == pytest.approx(models.rows[0][1])

@@ -35,6 +35,7 @@ from harness.questions.validate.tosses import (
     scored,
 )
 from harness.questions.validate.validation_run import validate_measured
+from reports.messages import language
 from reports.pages.page import write_report
 from reports.terminal import LINES, record_lines
 from tests import budgets_spatial_reference as budget
@@ -189,6 +190,8 @@ def test_the_coefficient_that_threw_them_is_found_again(tmp_path: Path, root: Pa
     assert len(tosses.rows) == 2
     frames = dict(zip(poses.columns, poses.rows[0], strict=True))
     assert frames["at_s"] == "all_frames"
+    shown = (frames["at_s"], whole["fitted_on"], velocities["fitted_on"], drake["fitted_on"])
+    assert not any(language("it").word(str(name)) == name for name in shown), "a name of the code, or English"
     assert frames["place_median_m"] < budget.THROWN_AGAIN_M  # type: ignore[operator]
     tried = {tuple(row[1:5]): row[5] for row in losses.rows}
     bounced = {key[3]: missed for key, missed in tried.items() if key[:2] == ("trajectory", "restitution")}
