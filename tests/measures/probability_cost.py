@@ -24,8 +24,8 @@ from harness.questions.study.rocking_spectrum import RING_DOWN_S, SpectrumFile, 
 from reports.messages import probability_text
 from tests.harness.questions.assess.measure_own_runs import own_runs, scene_of_runs
 from tests.measures.pages import renew, table
+from tests.scenes_for_tests import SCENES
 
-SCENES: Final = Path(__file__).parents[2] / "scenes"
 MODULE: Final = "tests.measures.probability_cost"
 RECORD_S: Final = 60.0
 RECORD_SCALE: Final = 1.5

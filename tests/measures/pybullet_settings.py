@@ -15,7 +15,6 @@ from typing import Any, Final
 
 import numpy as np
 import pybullet
-from numpy.typing import NDArray
 
 from harness.engines import load
 from harness.engines.pybullet import pose, run_phases, shapes
@@ -27,14 +26,13 @@ from harness.engines.stepping.loop import Watch, integrate
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import Stepper, StepState
-from harness.model.history import History
+from harness.model.history import Array, History
 from harness.model.run import RunOptions
 from harness.model.scene import Pedestal, Scene
 from tests.measures.contact_engines import PAPER, paper_scene
 from tests.measures.pages import renew_tables
 from tests.measures.pages import table as page_table
 
-Array = NDArray[np.float64]
 Build = Callable[[World, Scene, pose.Setup], None]
 Cells = list[str]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,9 +17,8 @@ from harness.model.scene import BaseExcitation, Pedestal, Wall
 from harness.questions.bench.standard_scenes import standard_set
 from tests import budgets_bullet as budget
 from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, WHOLE, apart, bullet, exact, worst
-from tests.scenes_for_tests import GRAVITY_M_S2, paestum, rectangle, scene
+from tests.scenes_for_tests import GRAVITY_M_S2, SCENES, paestum, rectangle, scene
 
-SCENES = Path(__file__).parents[4] / "scenes"
 CASES = [(0.429, 3.0), (0.334, 3.0), (0.429, 2.0), (0.334, 2.0)]
 
 

@@ -8,7 +8,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from analytic.closed_form import rolling_cylinder
 from analytic.excitation import Harmonic
@@ -26,8 +25,6 @@ from tests import doubles
 from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, apart, bullet
 from tests.meshes import togatus
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, scene
-
-Array = NDArray[np.float64]
 
 
 @cache

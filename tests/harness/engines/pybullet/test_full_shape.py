@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from analytic.excitation import Harmonic
@@ -22,7 +21,7 @@ from harness.engines.pybullet.shapes import HULL_INSET_M, MARGIN_M
 from harness.engines.pybullet.world import World
 from harness.input.mesh_statue import statue_of
 from harness.input.scene_file import load_scene
-from harness.model.history import Outcome
+from harness.model.history import Array, Outcome
 from harness.model.run import SKIPS, RunOptions
 from harness.model.scene import Pedestal, Scene, Statue, Wall
 from meshes import decomposition, load_solid
@@ -34,7 +33,6 @@ from tests.meshes import toadstool
 from tests.meshes.shapes import prism
 from tests.scenes_for_tests import scene
 
-Array = NDArray[np.float64]
 FULL = RunOptions(skips=frozenset(SKIPS) - {"base_only"})
 BESIDE_M = 0.05
 """A contact nearer to the corner's line is the corner's own."""

@@ -25,11 +25,10 @@ from tests import budgets_bullet as budget
 from tests.harness.engines.pybullet.cases import WHOLE, apart, bullet, exact
 from tests.measures.contact_engines import paper_scene
 from tests.measures.seeded_scenes import random_scene
-from tests.scenes_for_tests import GRAVITY_M_S2, paestum, rectangle, scene
+from tests.scenes_for_tests import GRAVITY_M_S2, SCENES, paestum, rectangle, scene
 
 pytest.importorskip("pybullet")
 
-SCENES = Path(__file__).parents[4] / "scenes"
 HALF = RunOptions()
 COARSEST_S = 4e-3
 

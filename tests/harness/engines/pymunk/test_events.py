@@ -18,10 +18,9 @@ from harness.questions.bench.standard_scenes import PEDESTAL, TWO
 from harness.questions.study.cases import BaseScene
 from tests import budgets_engines as budget
 from tests.measures.seeded_scenes import random_scene
-from tests.scenes_for_tests import paestum, rectangle, scene
+from tests.scenes_for_tests import SCENES, paestum, rectangle, scene
 
 ENGINE, MODEL = Munk2D(), TwoBlock()
-SCENES = Path(__file__).parents[4] / "scenes"
 
 
 def run(on: Scene, dt_s: float) -> Run:

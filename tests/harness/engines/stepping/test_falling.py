@@ -7,20 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from analytic.excitation import Harmonic
 from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.frame import statue_columns
 from harness.engines.stepping.reduce import Report, reduce_trajectory
-from harness.model.history import Outcome
+from harness.model.history import Array, Outcome
 from harness.model.run import Run
 from harness.model.scene import BaseExcitation, Pedestal, Scene, Statue, Wall
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import rectangle, scene
 
-Array = NDArray[np.float64]
 T_S: Array = np.arange(2001) * 1e-3
 REPORT = Report(engine="test", settings={}, steps=0, wall_s=0.0, resolution_rad=1e-5, stuck_below_m_s=1e-5)
 BLOCK = rectangle(0.4, 1.2)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -13,9 +12,8 @@ from harness.input.scene_file import load_scene
 from harness.model.scene import Scene
 from harness.records.scores import ROBUST
 from tests.engines_for_tests import ready
-from tests.scenes_for_tests import paestum
+from tests.scenes_for_tests import SCENES, paestum
 
-SCENES = Path(__file__).parents[4] / "scenes"
 SHIPPED = [(0.356, 4.0), (0.367072, 2.5), (0.367102, 2.5)]
 """Amplitudes, g, at which the model's force at 5.38 Hz comes to 0.998 to 0.99999 of static friction's, and how long to run, s."""
 BLOCK = [0.337537, 0.356409, 0.356437]

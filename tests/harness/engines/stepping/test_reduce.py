@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, Pulse
 from harness.engines import load
@@ -18,15 +16,13 @@ from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.frame import statue_columns
 from harness.engines.stepping.reduce import Report, last_outward, reduce_trajectory, rocking
 from harness.input.scene_file import load_scene
-from harness.model.history import Outcome
+from harness.model.history import Array, Outcome
 from harness.model.run import Run, RunOptions
 from harness.model.scene import OVERTURN_RAD, BaseExcitation, Scene, Wall
 from tests import budgets_engines as budget
 from tests.measures.seeded_scenes import wide_scene
-from tests.scenes_for_tests import PAESTUM, paestum, rectangle, scene
+from tests.scenes_for_tests import PAESTUM, SCENES, paestum, rectangle, scene
 
-Array = NDArray[np.float64]
-SCENES = Path(__file__).parents[4] / "scenes"
 TIMES: Array = np.arange(2001) * 1e-3
 REPORT = Report(engine="test", settings={}, steps=0, wall_s=0.0, resolution_rad=1e-5, stuck_below_m_s=1e-5)
 

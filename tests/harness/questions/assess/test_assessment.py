@@ -31,9 +31,8 @@ from reports.pages.assess_page import models_table
 from reports.text.wording import tone_of_answers, worse_tone
 from tests import budgets_assess as budget
 from tests.engines_for_tests import ready
-from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, rectangle, scene
+from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, SCENES, paestum, rectangle, scene
 
-SCENES = Path(__file__).parents[4] / "scenes"
 SINGLES = 40
 
 

@@ -27,9 +27,8 @@ from harness.questions.assess.model_draws import (
 )
 from harness.questions.assess.options import in_plane, options_of
 from tests import budgets_assess as budget
-from tests.scenes_for_tests import paestum
+from tests.scenes_for_tests import SCENES, paestum
 
-SCENES = Path(__file__).parents[4] / "scenes"
 STATED = """
 [uncertainty]
 "contact.floor" = { kind = "lognormal", cov = 0.15 }

@@ -22,9 +22,8 @@ from harness.records.assess import OptionAnswer, OptionsRecord
 from harness.records.scores import Interval
 from harness.statics.plan import as_one, sliding, turned_block
 from tests import budgets_assess as budget
-from tests.scenes_for_tests import paestum, rectangle, scene
+from tests.scenes_for_tests import SCENES, paestum, rectangle, scene
 
-SCENES = Path(__file__).parents[4] / "scenes"
 DRAWS = 400
 
 

@@ -28,9 +28,7 @@ from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.scores import Verdict
 from harness.runs import task
 from tests import doubles
-from tests.scenes_for_tests import paestum, rectangle, scene
-
-SCENES = Path(__file__).parents[4] / "scenes"
+from tests.scenes_for_tests import SCENES, paestum, rectangle, scene
 
 needs_pybullet = pytest.mark.skipif(
     engines.load("pybullet").missing() is not None, reason="pybullet is not installed here"

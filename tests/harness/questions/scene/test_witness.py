@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -20,8 +19,7 @@ from harness.records.run import Witness
 from tests import doubles
 from tests.doubles import codes
 from tests.measures.random_scenes import GENERATORS
-
-SCENES = Path(__file__).parents[4] / "scenes"
+from tests.scenes_for_tests import SCENES
 
 NAMES = ("analytic", "pymunk")
 
