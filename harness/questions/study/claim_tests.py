@@ -151,14 +151,16 @@ def fades(answers: Sequence[ClaimRun]) -> Counted:
     """(iii): the pedestal's advantage is greater in the mean at low frequencies than above."""
     low: dict[Condition, list[float]] = defaultdict(list)
     high: dict[Condition, list[float]] = defaultdict(list)
-    for f, p in _pairs(answers):
+    pairs = _pairs(answers)
+    for f, p in pairs:
         gains = low if f.frequency_hz <= LOW_HZ else high
         gains[f.without(SUPPORT, FREQUENCY)].append(_more(f, p))
-    series = [each for each in low if each in high]
+    rocking = dict.fromkeys(f.without(SUPPORT, FREQUENCY) for f, p in pairs if _rocks(f, p))
+    series = [each for each in rocking if each in low and each in high]
     if not series:
         return _untested("pairs")
     held = sum(bool(np.mean(low[each]) > np.mean(high[each])) for each in series)
-    low_rad, high_rad = (float(np.mean([*chain.from_iterable(gains.values())])) for gains in (low, high))
+    low_rad, high_rad = (float(np.mean([*chain(*(gains[each] for each in series))])) for gains in (low, high))
     values = {"low_rad": low_rad, "high_rad": high_rad, "limit_hz": LOW_HZ, "held": held, "cases": len(series)}
     return held, len(series), info("evidence_iii", **values)
 
@@ -166,9 +168,10 @@ def fades(answers: Sequence[ClaimRun]) -> Counted:
 def falls_with_frequency(answers: Sequence[ClaimRun]) -> Counted:
     falls = steps = fallen = 0
     for ordered in _series(answers, FREQUENCY):
-        steps += len(ordered) - 1
-        falls += sum(_more(after, before) <= 0.0 for before, after in pairwise(ordered))
-        fallen += sum(after.overturned and before.overturned for before, after in pairwise(ordered))
+        rocking = [pair for pair in pairwise(ordered) if _rocks(*pair)]
+        steps += len(rocking)
+        falls += sum(_more(after, before) <= 0.0 for before, after in rocking)
+        fallen += sum(after.overturned and before.overturned for before, after in rocking)
     return falls, steps, info("evidence_iv", held=falls, cases=steps, both=fallen)
 
 
