@@ -130,7 +130,7 @@ def read_mesh(path: str | Path) -> RawMesh:
         count = int((~np.isfinite(vertices).all(axis=1)).sum())
         raise MeshError(
             "finite coordinates",
-            f"NaN or infinite ones (of {count} vertices, the first is number {bad + 1})",
+            f"NaN or infinite ones ({count} of {len(vertices)} vertices, the first is number {bad + 1})",
             "remove them in the scanning software and export again",
             place=str(file),
         )

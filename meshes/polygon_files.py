@@ -67,7 +67,7 @@ def read_obj(data: bytes) -> tuple[Array, Faces]:
             face = [int(corner.partition("/")[0]) for corner in row[1:]]
             if len(face) < 3 or 0 in face or min(face) < -count:
                 raise ValueError(
-                    f"line {number}: a face of {len(face)} corners"
+                    f"line {number}: a face of {len(face)} corner{'s' * (len(face) != 1)}"
                     if len(face) < 3
                     else f"line {number}: a face with vertex {min(face, key=abs)}, where the first is 1"
                     if 0 in face

@@ -4,9 +4,9 @@ elsewhere."""
 from __future__ import annotations
 
 import os
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from harness.input import paths
 from harness.input.mesh_statue import MARBLE_KG_M3, findings_of, mesh_mistake, steps_of
@@ -139,11 +139,22 @@ def new(
             for each in load_scene(out).findings
             if each.code in ("odd_density", "odd_friction", "part_beyond_base")
         ]
-    except BaseException:
+    except BaseException as error:
         for written in (out, mesh, log):
             written.unlink(missing_ok=True)
+        if isinstance(error, InputError):
+            # The scene is gone: its numbers were given with options.
+            raise InputError(replace(each, where=_option(each.key) or each.where) for each in error.mistakes) from None
         raise
     return out, [*found, *doubted, *assumed]
+
+
+GIVEN_WITH: Final = {"contact": "--friction", "pedestal": "--pedestal", "motion.scale": "--scale"}
+"""What a table or a key of a first scene is given with."""
+
+
+def _option(key: str) -> str | None:
+    return GIVEN_WITH.get(key, GIVEN_WITH.get(key.partition(".")[0]))
 
 
 def _plane(text: str | None) -> tuple[float, float] | None:

@@ -227,8 +227,9 @@ def test_new_offers_what_cures_a_record_that_drifts(scan: Path, tmp_path: Path, 
         (SupportOptions(pedestal="250,0.6"), "--pedestal: wanted four numbers"),
         (SupportOptions(pedestal="heavy,0.6,0.8,0.2"), "--pedestal: wanted four numbers"),
         (SupportOptions(pedestal="250,0.1,0.8,0.2"), "pedestal under the whole base"),
-        (SupportOptions(friction=-0.1), "contact.statue"),
-        (SupportOptions(scale=float("nan")), "motion.scale"),
+        (SupportOptions(friction=-0.1), "^--friction: contact.statue"),
+        (SupportOptions(pedestal="-1,0.6,0.8,0.2"), "^--pedestal: pedestal.mass_kg"),
+        (SupportOptions(scale=float("nan")), "^--scale: motion.scale"),
     ],
 )
 def test_wrong_surroundings_are_told_and_leave_nothing(
