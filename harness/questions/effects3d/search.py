@@ -278,6 +278,32 @@ def first_crossing(
     return AmplitudeCrossing(None, below, None, outcome.cache_info().currsize)
 
 
+def nearest_crossing(
+    outcome_at: Outcomes, near: float, least: float, most: float, resolution: float
+) -> AmplitudeCrossing:
+    """The crossing next to `near`, by strides that double away from it; between `least` and `most`."""
+    outcome, stride = cache(outcome_at), 1.0 + 4.0 * resolution
+    above, below = None, 0.0
+    if outcome(near) is not None:
+        above = near
+        while below == 0.0 and above > least:
+            lower = max(above / stride, least)
+            stride *= stride
+            if outcome(lower) is None:
+                below = lower
+            else:
+                above = lower
+        return _halved(outcome, below, above, resolution)
+    below = near
+    while below < most:
+        higher = min(below * stride, most)
+        stride *= stride
+        if outcome(higher) is not None:
+            return _halved(outcome, below, higher, resolution)
+        below = higher
+    return AmplitudeCrossing(None, below, None, outcome.cache_info().currsize)
+
+
 def run_once(scene: Scene, engine: str, dt_s: float, *, history: bool = False) -> Run:
     """One run; contact engines at the given step, the analytic model at its default accuracy."""
     options = RunOptions(history=history)
@@ -304,8 +330,10 @@ def start_factor(scene: Scene) -> float:
     return BEGIN_SHARE * factor / (1.0 + factor * vertical * scene.base_excitation.x.peak_m_s2 / scene.gravity_m_s2)
 
 
-def find(scene: Scene, condition: str, azimuth_deg: float, engine: str, search: Search) -> Amplitude:
-    """The least overturning amplitude. Raises `InputError`."""
+def find(
+    scene: Scene, condition: str, azimuth_deg: float, engine: str, search: Search, near_g: float | None = None
+) -> Amplitude:
+    """The least overturning amplitude; with `near_g`, as every condition of a study has it, the next one. Raises `InputError`."""
     changed = changed_scene(scene, condition, azimuth_deg)
     unit, dt_s = peak_g(changed), search.dt_s * CONDITIONS[condition].step_share
     space = SpaceOutcomes(changed) if engine == EXACT else None
@@ -317,8 +345,11 @@ def find(scene: Scene, condition: str, azimuth_deg: float, engine: str, search: 
         return outcome if outcome.overturned else None
 
     least, most = min(start_factor(changed), search.most_g / unit), search.most_g / unit
-    step = STEPS.get(engine, max(STEPS.values()))
-    crossing = first_crossing(outcome_at, least, most, step, search.resolution)
+    if near_g is None:
+        step = STEPS.get(engine, max(STEPS.values()))
+        crossing = first_crossing(outcome_at, least, most, step, search.resolution)
+    else:
+        crossing = nearest_crossing(outcome_at, near_g / unit, least, most, search.resolution)
     above, below = None if crossing.above is None else crossing.above * unit, crossing.below * unit
     doubt: Doubt = "" if space is None else space.doubt(crossing.above, crossing.below)
     return Amplitude(condition, float(azimuth_deg), engine, above, below, crossing.outcome or "", crossing.runs, doubt)

@@ -17,6 +17,7 @@ from harness.questions.effects3d.search import (
     changed_scene,
     find,
     first_crossing,
+    nearest_crossing,
     peak_g,
     start_factor,
 )
@@ -44,6 +45,16 @@ def test_no_window_is_said() -> None:
     found = first_crossing(falls_in(), 0.2, 4.0, 1.2, 1e-3)
     assert found.above is None
     assert found.below == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize("near", [0.5, 0.69, 0.7, 0.75, 1.4])
+def test_the_crossing_is_followed_from_nearby(near: float) -> None:
+    found = nearest_crossing(falls_in((0.7, 9.0)), near, 0.2, 4.0, 1e-3)
+    assert found.above == pytest.approx(0.7, rel=1e-3)
+    assert found.runs <= 20
+    assert nearest_crossing(falls_in(), near, 0.2, 4.0, 1e-3).above is None
+    everything = nearest_crossing(falls_in((0.0, 9.0)), near, 0.2, 4.0, 1e-3)
+    assert everything.above == pytest.approx(0.2)
 
 
 def test_the_amplitude_found_overturns_and_the_one_below_stands(block: Scene) -> None:
