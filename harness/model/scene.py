@@ -147,9 +147,16 @@ class Statue:
         """Distance b_s of the corner on that side (+1 right, −1 left) from the centroid's vertical."""
         return self.corner_right_m if side > 0 else self.corner_left_m
 
+    @property
+    def profile_m(self) -> tuple[tuple[float, float], ...]:
+        """The base's vertices (x, z) in the rocking plane, from left to right: two corners, or those of a scan's worn base."""
+        if self.solid is None or len(self.solid.base_profile_m) <= 2:
+            return (-self.corner_left_m, 0.0), (self.corner_right_m, 0.0)
+        return tuple((float(x), float(z)) for x, z in self.solid.base_profile_m)
+
     def slenderness_rad(self, side: int) -> float:
-        """α_s = atan(b_s / h)."""
-        return math.atan(self.corner_m(side) / self.centroid_height_m)
+        """α_s = atan(b_s / h), h above that corner."""
+        return math.atan2(self.corner_m(side), self.centroid_height_m - self.profile_m[-1 if side > 0 else 0][1])
 
 
 @lru_cache(maxsize=KEPT_STATUES)

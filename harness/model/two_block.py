@@ -63,10 +63,7 @@ def base_end(statue: Statue, support: Support | None, block: Block, side: int) -
 def _block_of(statue: Statue) -> Block:
     from analytic import Block
 
-    profile: tuple[tuple[float, float], ...] = ((-statue.corner_left_m, 0.0), (statue.corner_right_m, 0.0))
-    if statue.solid is not None and len(statue.solid.base_profile_m) > 2:
-        profile = tuple((float(x), float(z)) for x, z in statue.solid.base_profile_m)
-    return Block(statue.mass_kg, statue.centroid_height_m, statue.inertia_kg_m2, profile)
+    return Block(statue.mass_kg, statue.centroid_height_m, statue.inertia_kg_m2, statue.profile_m)
 
 
 def pedestal_of(scene: Scene) -> Pedestal | None:

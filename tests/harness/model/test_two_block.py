@@ -95,6 +95,14 @@ def test_with_the_tolerance_that_is_proposed_it_is_part_of_the_base(scene_file: 
     assert result.scores["analytic_vs_pymunk"].verdict is Verdict.AGREE
 
 
+def test_a_statue_balances_over_its_outer_corner_where_that_is(scene_file: Path) -> None:
+    scene = load_scene(scene_file, [f"statue.mesh.contact_tolerance_m={PROPOSED_M}"])
+    for side in (1, -1):
+        balance_rad = scene.statue.slenderness_rad(side)
+        assert balance_rad == block_of(scene).alpha_rad(side)
+        assert balance_rad == pytest.approx(math.atan2(PLINTH_M, scene.statue.centroid_height_m - ABOVE_M), rel=1e-6)
+
+
 @pytest.mark.parametrize(("width_m", "ends"), [(0.3, False), (0.4, True)])
 def test_beside_the_pedestal_s_top_nothing_comes_down(scene_file: Path, width_m: float, ends: bool) -> None:
     pedestal = {"mass_kg": 200.0, "width_m": width_m, "depth_m": 0.5, "height_m": 0.2}
