@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from harness.input.history_file import read_history
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, refuse
 from harness.model.history import History, Outcome, history_file
 from harness.model.run import Run
 from harness.records.base import REWRITE, Record
@@ -107,9 +107,8 @@ def check_files(paths: Iterable[Path], record: Record) -> None:
         for path in paths
         if not (path.is_file() and as_written(path, record))
     }
-    if found:
-        wanted = "the file that result.json names"
-        raise InputError([Mistake(str(path), "", wanted, got, REWRITE) for path, got in found.items()])
+    wanted = "the file that result.json names"
+    refuse([Mistake(str(path), "", wanted, got, REWRITE) for path, got in found.items()])
 
 
 def event_s(histories: Iterable[History], level_rad: float, end_s: float) -> tuple[float, float]:

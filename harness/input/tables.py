@@ -16,7 +16,7 @@ from harness.input.mistakes import Contradiction, UserTable, mistakes_of
 from harness.input.motions.spec import Motion, list_to_tuple
 from harness.input.overrides import Replacement, content_of, override
 from harness.input.uncertain import Distribution, uncertain_inputs
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, refuse
 
 # Wider than any statue, and narrow enough that no product of a few of them leaves the range of floating point.
 Density = Annotated[float, Field(ge=1e-3, le=1e5)]
@@ -248,9 +248,7 @@ def checked(
     except ValidationError as error:
         missing = _absent_numbers(content.get("statue"), where)
         raise InputError([*mistakes_of(error, SceneFile, where, text, overridden), *missing]) from error
-    missing = _absent_numbers(content["statue"], where)
-    if missing:
-        raise InputError(missing)
+    refuse(_absent_numbers(content["statue"], where))
     return model, content
 
 

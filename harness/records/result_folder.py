@@ -110,7 +110,7 @@ def check_folder(
                 advice = f"{advice}; `{goes_on}` goes on with this one"
             raise InputError(Mistake("--out", "", f"a folder of this kind: {' or '.join(kinds)}", got, advice))
     sums = owned(folder)
-    foreign = [name for name in names if not _own(folder / name, sums)]
+    foreign = [name for name in names if not is_own(folder / name, sums.get(name, ()))]
     if foreign:
         got = f"{folder}, where {_some(foreign)} would be lost: not in its {RECORD}, or changed since"
         raise InputError(Mistake("--out", "", f"a folder whose files are those of its {RECORD}", got, "move them"))
@@ -140,11 +140,6 @@ def listed(path: Path) -> Sums:
     sums = files.items() if isinstance(files, Mapping) else ()
     # Nothing but a plain name: what a record says of other folders, or of itself, is not believed.
     return {name: {value} for name, value in sums if PLAIN_NAME.fullmatch(name) and isinstance(value, str)}
-
-
-def _own(path: Path, sums: Sums) -> bool:
-    """Whether a file may be replaced: it is not there, or as it was written."""
-    return is_own(path, sums.get(path.name, ()))
 
 
 def as_written(path: Path, record: Record) -> bool:
@@ -222,7 +217,7 @@ def write_whole(folder: Path, record: R, write: Callable[[Path], None] = lambda 
         for path in written:
             path.replace(folder / path.name)
         for name in {*PAGES, *before} - files.keys():
-            if _own(folder / name, before):
+            if is_own(folder / name, before.get(name, ())):
                 (folder / name).unlink(missing_ok=True)
         (folder / COMING).replace(folder / RECORD)
     except OSError as error:

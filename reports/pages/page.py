@@ -9,7 +9,7 @@ from typing import Final
 
 from markupsafe import Markup
 
-from harness.model.errors import InputError, Mistake, printable
+from harness.model.errors import InputError, Mistake, printable, refuse
 from harness.model.files import write_text
 from harness.records.base import REWRITE, Record
 from harness.records.result_folder import RECORD, read_result
@@ -58,8 +58,7 @@ def write_report(folder: Path, language_code: str = "en") -> Path:
             write_text(folder / name, text)
     if faults:
         raise faults[0]
-    if mistakes:
-        raise InputError(dict.fromkeys(mistakes))
+    refuse(dict.fromkeys(mistakes))
     return folder / REPORT_NAME
 
 

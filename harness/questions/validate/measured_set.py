@@ -124,8 +124,7 @@ def body_alone(path: Path) -> Scene:
     """The scene whose statue is thrown. Raises `InputError` for one with a pedestal or a wall, which no measured throw has."""
     base = load_scene(path)
     beside = [name for name in ("pedestal", "wall") if getattr(base, name) is not None]
-    if beside:
-        raise InputError([Mistake(str(path), name, "a body alone over the floor", "one beside it") for name in beside])
+    refuse([Mistake(str(path), name, "a body alone over the floor", "one beside it") for name in beside])
     return base
 
 
