@@ -333,7 +333,8 @@ def compare(
     inertia = None if scene is None else RockingInertia.of(scene.statue)
     scores = _scores(sides, both, peaks, excursions, inertia, until)
     if measured is not None:
-        compared, said = comparison_error(within, peaks, sides[0].open_rad, measured)
+        cut_s = within.end_s if within.end_s < both.end_s else None
+        compared, said = comparison_error(within, peaks, sides[0].open_rad, measured, cut_s)
         scores = replace(scores, comparison_error=compared, findings=[*scores.findings, said])
     return replace(
         scores,

@@ -164,12 +164,12 @@ class Measured:
 
 
 def comparison_error(
-    within: Pair, peaks: tuple[Peak, Peak], numerical_rad: float, measured: Measured
+    within: Pair, peaks: tuple[Peak, Peak], numerical_rad: float, measured: Measured, until_s: float | None = None
 ) -> tuple[ComparisonError, Finding]:
     """E of the largest rotation and over the history of a simulation (first) against a measurement, and what it says.
 
-    `numerical_rad` bounds the simulation's numerical error. ASME V&V 20-2009, section 1: u_val² = u_num² + u_input² + u_D², and
-    the model's own error lies within E ± 2 u_val.
+    `numerical_rad` bounds the simulation's numerical error; `until_s`: up to when they are compared, where that is not to the
+    end. ASME V&V 20-2009, section 1: u_val² = u_num² + u_input² + u_D², and the model's own error lies within E ± 2 u_val.
     """
     simulated, seen = (abs(each.theta_rad) for each in peaks)
     own = RECTANGLE * numerical_rad
@@ -188,6 +188,7 @@ def comparison_error(
     )
     apart = abs(found.error_rad) > COVERAGE * total
     values = {
+        "until_s": until_s,
         "error_rad": found.error_rad,
         "u_val_rad": total,
         "beyond_share": found.beyond_share,

@@ -15,6 +15,7 @@ from harness.comparison.scores.pointwise import COVERAGE, Measured
 from harness.model.errors import InputError
 from harness.model.history import History
 from reports.cli import app
+from tests import doubles
 from tests.budgets_compare import ROUNDING_REL
 
 
@@ -71,3 +72,11 @@ def test_two_files_are_compared_by_options_and_wrong_ones_are_told(tmp_path: Pat
     assert isinstance(alone.exception, InputError)
     with pytest.raises(InputError, match="--measured-uncertainty: wanted a rotation from 0"):
         harness.compare_files(*files, measured=Measured(-1.0))
+
+
+@pytest.mark.parametrize(("bounded_s", "told_s"), [(2.0, 2.0), (1e3, None)])
+def test_a_largest_rotation_of_a_part_is_told_as_one(bounded_s: float, told_s: float | None) -> None:
+    """Up to where the numerical error is bounded: what swings further comes after."""
+    run = doubles.run_of(rocking(0.12), "analytic", numerical_uncertainty_rad=1e-6, reliable_until_s=bounded_s)
+    said = compare(run, rocking(0.1), measured=Measured(5e-3)).findings[-1]
+    assert said.values["until_s"] == told_s
