@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -13,7 +12,7 @@ import numpy as np
 
 from analytic.block import GRAVITY_M_S2
 from harness.input.mesh_statue import findings_of, steps_of
-from harness.input.motions.recordfile import Channel, Layout, RecordFile
+from harness.input.motions.recordfile import Channel, RecordFile
 from harness.input.motions.records import AZIMUTH_TOLERANCE_DEG, LEAST_CROSSING_DEG, crossing_deg
 from harness.model.finding import Finding, Say, caution, info
 
@@ -31,24 +30,26 @@ Part = tuple[Sequence[str | Finding], Mapping[str, object]]
 """Comments, what is assumed among them, and the keys that stand under them."""
 
 
-@dataclass(frozen=True)
-class UserInput:
-    """What a user says beside scan and record; None is assumed, and said so."""
-
-    density_kg_m3: float | None = None
-    mass_kg: float | None = None
-    pedestal: Mapping[str, float] | None = None
-    friction: float | None = None
-    scale: float | None = None
-    motion_unit: str | None = None
-    layout: Layout | None = None
-
-
 def first_scene(
-    inspection: Inspection, scan: Path, mesh: Path, shaking: RecordFile, motion: Path, user_input: UserInput, say: Say
+    inspection: Inspection,
+    scan: Path,
+    mesh: Path,
+    shaking: RecordFile,
+    motion: Path,
+    say: Say,
+    *,
+    density_kg_m3: float | None = None,
+    mass_kg: float | None = None,
+    pedestal: Mapping[str, float] | None = None,
+    friction: float | None = None,
+    scale: float | None = None,
+    read_as: Mapping[str, object],
 ) -> tuple[str, list[Finding]]:
     """A commented scene (TOML), and what it assumes: the weakest direction towards +x, the strongest horizontal channel along x,
     the others kept.
+
+    What a user does not say beside scan and record is None: it is assumed, and said so. `read_as` are keys of a component that
+    tell how the record's file is read.
     """
     import tomli_w
 
@@ -67,9 +68,9 @@ def first_scene(
             ],
             top,
         ),
-        _statue(inspection, scan, mesh, user_input, say),
-        *_support(user_input),
-        *_motion(channels, shaking, motion, mesh.parent, user_input),
+        _statue(inspection, scan, mesh, mass_kg, say, assumed=density_kg_m3 is None and mass_kg is None),
+        *_support(pedestal, friction),
+        *_motion(channels, shaking, motion, mesh.parent, scale, read_as),
     ]
 
     def line(comment: str | Finding) -> str:
@@ -79,7 +80,8 @@ def first_scene(
     return text, [each for comments, _ in parts for each in comments if isinstance(each, Finding)]
 
 
-def _statue(inspection: Inspection, scan: Path, mesh: Path, user_input: UserInput, say: Say) -> Part:
+def _statue(inspection: Inspection, scan: Path, mesh: Path, mass_kg: float | None, say: Say, *, assumed: bool) -> Part:
+    """The scan, and its mass as weighed or by a density that may be assumed."""
     from meshes import footprint as base
     from meshes.solid import CONTACT_TOLERANCE_M
 
@@ -88,37 +90,37 @@ def _statue(inspection: Inspection, scan: Path, mesh: Path, user_input: UserInpu
         raise ValueError("a scene needs a statue that stands")
     weakest = base.weakest_azimuth_deg(solid.footprint_m)
     slender = float(base.slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, weakest)[0])
-    assumed = [info("assumed_placing", slenderness_rad=slender)]
+    told = [info("assumed_placing", slenderness_rad=slender)]
     density = f"{solid.density_kg_m3:g} kg/m³"
-    if user_input.density_kg_m3 is None and user_input.mass_kg is None:
-        assumed = [caution("assumed_density", density_kg_m3=solid.density_kg_m3), *assumed]
+    if assumed:
+        told = [caution("assumed_density", density_kg_m3=solid.density_kg_m3), *told]
     placing = {"file": mesh.name, "unit": "m", "up": "z", "azimuth_deg": round(-weakest, 2) + 0.0}
     if solid.contact_tolerance_m != CONTACT_TOLERANCE_M:
         placing["contact_tolerance_m"] = solid.contact_tolerance_m
     keys: dict[str, object] = {"mesh": placing | {"density_kg_m3": solid.density_kg_m3}}
-    if user_input.mass_kg is not None:
-        density, keys = f"from the weighed {user_input.mass_kg:g} kg", {"mass_kg": user_input.mass_kg, "mesh": placing}
+    if mass_kg is not None:
+        density, keys = f"from the weighed {mass_kg:g} kg", {"mass_kg": mass_kg, "mesh": placing}
     comments: list[str | Finding] = [
         f"Prepared from {scan.name}; what was changed stands in {mesh.with_suffix('.account.json').name}.",
         *(f"  {step}" for step in steps_of(inspection.prepared.log, say)),
         *(f"  FOUND: {say(each)}" for each in findings_of(inspection.prepared.log.found)),
         f"{solid.mass_kg:.5g} kg, {solid.height_m:.4g} m high, centroid at {solid.centroid_height_m:.4g} m;"
         f" density: {density}.",
-        *assumed,
+        *told,
     ]
     return comments, {"statue": keys}
 
 
-def _support(user_input: UserInput) -> Iterator[Part]:
+def _support(pedestal: Mapping[str, float] | None, friction: float | None) -> Iterator[Part]:
     """What the statue stands on, and the friction there."""
-    mu = STONE_ON_STONE if user_input.friction is None else user_input.friction
+    mu = STONE_ON_STONE if friction is None else friction
     comments: list[str | Finding] = [
         "The analytic model takes the statue not to slip and reports what friction that needed.",
-        caution("assumed_friction", friction=mu) if user_input.friction is None else "As given.",
+        caution("assumed_friction", friction=mu) if friction is None else "As given.",
     ]
     contact = {"statue": mu}
-    if user_input.pedestal is not None:
-        yield ["As given."], {"pedestal": dict(user_input.pedestal)}
+    if pedestal is not None:
+        yield ["As given."], {"pedestal": dict(pedestal)}
         comments.append(caution("assumed_floor_friction", friction=mu))
         contact |= {"floor_static": mu, "floor_kinetic": mu}
     yield comments, {"contact": contact}
@@ -155,7 +157,12 @@ def _across(along: Channel, other: Channel, shaking: RecordFile) -> tuple[str, d
 
 
 def _motion(
-    channels: Mapping[str, Channel], shaking: RecordFile, motion: Path, folder: Path, user_input: UserInput
+    channels: Mapping[str, Channel],
+    shaking: RecordFile,
+    motion: Path,
+    folder: Path,
+    scale: float | None,
+    read_as: Mapping[str, object],
 ) -> Iterator[Part]:
     """The components of the floor's motion, and which channels of the record make them."""
     comments: list[str | Finding] = []
@@ -167,10 +174,10 @@ def _motion(
     unknown = [c.name for c in channels.values() if c.orientation.azimuth_deg is None and not c.orientation.vertical]
     if len(shaking.channels) > 1 and unknown:
         comments.append(caution("assumed_level", channels=unknown))
-    if user_input.scale is not None:
+    if scale is not None:
         yield (
             [*comments, "As given: every component is this many times the record."],
-            {"motion": {"scale": user_input.scale}},
+            {"motion": {"scale": scale}},
         )
         comments = []
     why: Mapping[str, str | Finding] = {
@@ -179,13 +186,12 @@ def _motion(
     }
     for axis, channel in channels.items():
         file = os.path.relpath(motion.resolve(), folder.resolve())
-        said = {"unit": user_input.motion_unit, **vars(user_input.layout or Layout())}
         taken: dict[str, object] = {"column": channel.name}
         comment = why.get(axis, "")
         if axis == "y":
             comment, taken = _across(channels["x"], channel, shaking)
         keys = {"kind": "record", "file": file, **taken}
-        keys |= {key: value for key, value in said.items() if value is not None}
+        keys |= {key: value for key, value in read_as.items() if value is not None}
         peak = float(np.abs(channel.accel_m_s2).max())
         yield [*comments, comment, f"Peak {peak:.3g} m/s²."], {"motion": {axis: keys}}
         comments = []

@@ -105,7 +105,7 @@ def new(
     All of it stands in the scene as comments, in the sentences of `say`. Raises `InputError`; then no scene is written.
     """
     from harness.input.motions.readers import read_record
-    from harness.input.new_scene import UserInput, first_scene
+    from harness.input.new_scene import first_scene
     from harness.input.scene_file import load_scene
 
     if out.suffix != ".toml":
@@ -115,16 +115,8 @@ def new(
     if not paths.is_file(motion):
         raise InputError(Mistake("--motion", "", "an existing file", str(motion)))
     around = around or SupportOptions()
-    user_input = UserInput(
-        known.density_kg_m3,
-        known.mass_kg,
-        around.pedestal_keys(),
-        around.friction,
-        around.scale,
-        around.motion_unit,
-        layout,
-    )
-    shaking = read_record(motion, unit=user_input.motion_unit, layout=layout)
+    pedestal = around.pedestal_keys()
+    shaking = read_record(motion, unit=around.motion_unit, layout=layout)
     mesh = out.with_name(f"{out.stem}_statue.ply")
     for beside in (mesh, mesh.with_suffix(".account.json")):
         if os.path.lexists(beside):
@@ -132,7 +124,11 @@ def new(
     inspection, log = prepare(scan, mesh, known, say)
     found = findings_of(inspection.prepared.log.found)
     try:
-        text, assumed = first_scene(inspection, scan, mesh, shaking, motion, user_input, say)
+        text, assumed = first_scene(
+            inspection, scan, mesh, shaking, motion, say, density_kg_m3=known.density_kg_m3, mass_kg=known.mass_kg,
+            pedestal=pedestal, friction=around.friction, scale=around.scale,
+            read_as={"unit": around.motion_unit, **(vars(layout) if layout else {})},
+        )  # fmt: skip
         write_text(out, text)
         doubted = [
             each
