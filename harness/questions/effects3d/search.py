@@ -278,6 +278,10 @@ def first_crossing(
     return AmplitudeCrossing(None, below, None, outcome.cache_info().currsize)
 
 
+UNEVEN_SHARE: Final = 0.1
+"""Of the factor from which a statue lifts off a flat base: at less no fall of one on an uneven base is looked for."""
+
+
 def nearest_crossing(
     outcome_at: Outcomes, near: float, least: float, most: float, resolution: float
 ) -> AmplitudeCrossing:
@@ -349,7 +353,8 @@ def find(
         step = STEPS.get(engine, max(STEPS.values()))
         crossing = first_crossing(outcome_at, least, most, step, search.resolution)
     else:
-        crossing = nearest_crossing(outcome_at, near_g / unit, least, most, search.resolution)
+        # On an uneven base it rocks, and may fall, before a flat one would lift.
+        crossing = nearest_crossing(outcome_at, near_g / unit, UNEVEN_SHARE * least, most, search.resolution)
     above, below = None if crossing.above is None else crossing.above * unit, crossing.below * unit
     doubt: Doubt = "" if space is None else space.doubt(crossing.above, crossing.below)
     return Amplitude(condition, float(azimuth_deg), engine, above, below, crossing.outcome or "", crossing.runs, doubt)

@@ -10,6 +10,7 @@ import pytest
 
 import harness
 from harness.model.scene import Scene
+from harness.questions.effects3d import search
 from harness.questions.effects3d.search import (
     Search,
     SpaceOutcomes,
@@ -66,6 +67,18 @@ def test_the_amplitude_found_overturns_and_the_one_below_stands(block: Scene) ->
     back = find(block, BASELINE, 180.0, "analytic", SEARCH)
     assert back.peak_g == pytest.approx(row.peak_g, rel=1e-12)
     assert back.outcome == row.outcome, "half a turn takes a block into itself"
+
+
+def test_a_fall_before_a_flat_base_would_lift_is_bracketed_from_where_it_stands(
+    block: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An uneven base rocks at less: the amplitude was that from which the search began, and stood at 0 g."""
+    known = find(block, BASELINE, 0.0, "analytic", SEARCH)
+    above = 1.3 * (known.peak_g or math.nan)
+    monkeypatch.setattr(search, "start_factor", lambda scene: above / peak_g(scene))
+    found = find(block, BASELINE, 0.0, "analytic", SEARCH, 1.2 * above)
+    assert found.peak_g == pytest.approx(known.peak_g, rel=2 * SEARCH.resolution)
+    assert 0.0 < found.stands_at_g < known.peak_g
 
 
 def test_the_exact_model_asked_in_the_plane_is_the_planar_model(block: Scene) -> None:
