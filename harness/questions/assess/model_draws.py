@@ -385,6 +385,8 @@ def _sweep_of(scene: Scene, key: str, values: Array) -> dict[str, Array] | None:
     contact, base_excitation = scene.contact, scene.base_excitation
     if key in SHAPES and (scene.wall is not None or (scene.pedestal is not None and key != SHAPES[0])):
         return None
+    if scene.pedestal is None and key in (STATIC, KINETIC, "contact.floor"):
+        return {}
     if key in SWEPT:
         return {SWEPT[key]: values} if scene.statue.solid is None or not key.startswith("statue.") else None
     if key == "contact.floor":

@@ -18,7 +18,7 @@ from harness.questions.assess.answer import best_option, of_options
 from harness.questions.assess.assessment import assess
 from harness.questions.assess.model_draws import draw, draws_of, model_draws, uncertain_inputs
 from harness.questions.assess.options import PAIRS, OptionDraws, common, compare, in_plane, paired_difference
-from harness.records.assess import OptionAnswer, OptionsRecord
+from harness.records.assess import FLOOR, OptionAnswer, OptionsRecord
 from harness.records.scores import Interval
 from harness.statics.plan import as_one, sliding, turned_block
 from tests import budgets_assess as budget
@@ -112,6 +112,22 @@ def test_other_friction_is_drawn_by_the_factor_of_the_friction_as_it_is() -> Non
     each = [replace(alone, contact=alone.contact.with_floor(0.04 * by, 0.04 * by)) for by in factor]
     wanted = [model_draws(other, {}).peak_slip_m[0] for other in each]
     np.testing.assert_allclose(found.peak_slip_m, wanted, rtol=budget.ADDED)
+
+
+def test_friction_of_a_pedestal_that_is_gone_is_nothing_to_a_statue_on_the_floor() -> None:
+    """Drawn alone, the kinetic coefficient was more than the static one of no pedestal: the whole assessment ended in a crash."""
+    inputs = (
+        Uncertain("contact.floor_kinetic", "lognormal", 0.15, 0.2),
+        Uncertain("motion.scale", "lognormal", 1.0, 0.1),
+    )
+    given = replace(paestum(0.429, 3.0, duration_s=2.0), uncertainty=inputs)
+    options, _ = made.options_of(given)
+    values = draws_of(given, inputs, 20, 0)
+    (floor,) = (option for option in options if option.name == FLOOR)
+    alone = in_plane(given, [floor], inputs, values)(floor)
+    assert alone is not None
+    expected = model_draws(floor.change(given), {"motion.scale": values["motion.scale"]})
+    assert alone.model.overturned.tolist() == expected.overturned.tolist()
 
 
 def test_the_floor_s_friction_bears_a_fixed_body_not_the_joint_in_it() -> None:
