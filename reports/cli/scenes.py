@@ -140,6 +140,7 @@ def compare(
     from harness.model.finding import info
     from harness.model.run import to_plain
     from harness.records.base import option_words
+    from reports.terminal import wrapped
     from reports.text.wording import scores_text
 
     if from_inputs and measured is None:
@@ -168,6 +169,7 @@ def compare(
     for name, found in over_all.items():
         same = info("same_outcome", model=name, reference=found.reference, same=found.same, cases=found.cases)
         lines += [ENGLISH.say(each) for each in (same, *found.findings(name))]
+    lines = [row for line in "\n".join(lines).split("\n") for row in wrapped(line, len(line) + 1, "  ")]
     if out is not None:
         from reports.pages.page import write_report
 

@@ -26,6 +26,7 @@ from harness.runs.runner import InlinePool
 from reports.cli import app, studies
 from reports.cli.ending import INTERRUPTED, guarded
 from reports.pages.page import write_report
+from reports.terminal import COLUMNS
 from tests.command import rockcheck
 from tests.fuzz.originals import RATIOS
 from tests.reports.invented_run import write_invented
@@ -305,6 +306,8 @@ def test_two_histories_of_any_software_are_compared(scene: Path, tmp_path: Path)
     done = rockcheck("compare", table, table, "--json", cwd=tmp_path)
     scores = json.loads(done.stdout)["history_analytic.csv_vs_history_analytic.csv"]
     assert scores["rms_theta_rad"] == 0.0
+    told = rockcheck("compare", table, table, "--uncertainty", "1e-12", cwd=tmp_path).stdout.splitlines()
+    assert max(map(len, told)) <= COLUMNS
 
 
 def test_two_models_are_compared_over_a_suite_of_scenes(scene: Path, tmp_path: Path) -> None:
