@@ -1,4 +1,6 @@
-"""Overwrite protection: only what an own `result.json` lists there is replaced or removed, and nothing that a run reads."""
+"""A result's folder: only what an own `result.json` lists there is replaced or removed, and nothing that a run reads; its record
+is read by its kind.
+"""
 
 from __future__ import annotations
 

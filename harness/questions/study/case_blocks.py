@@ -1,4 +1,6 @@
-"""Studies of very many cases by the analytic model alone: blocks of neighbouring cases, each run in two compiled sweeps."""
+"""Studies of very many cases by the analytic model alone: blocks of neighbouring cases, each run in two compiled sweeps, and
+the columns in which their results stand.
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """Many scenes, several engines: which case is sent to which engine and why; results are cached.
 
-A plan of any size is made as it is run; what is finished is never lost.
+A plan of any size is made as it is run; what is finished is never lost. Beside it a witness of a tenth of its scenes, and one
+scene's sweep.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""One call: read the table, run what is missing, score it, write the record."""
+"""One call: read the table, run what is missing, score it, write the record; and one that scores every table of another kind."""
 
 from __future__ import annotations
 
