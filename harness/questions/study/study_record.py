@@ -24,8 +24,7 @@ from harness.questions.study import claims
 from harness.questions.study.case_blocks import KeyedRow, coarser, every_row, study_rows, table
 from harness.questions.study.case_selection import recheck
 from harness.questions.study.cases import BaseScene, base_of, expand
-from harness.questions.study.claim_tests import WALL_RAD
-from harness.questions.study.claims import energy_lost_j, last_impact_s
+from harness.questions.study.claims import WALL_RAD, energy_lost_j, last_impact_s
 from harness.questions.study.ensembles import score_sets
 from harness.questions.study.file import StudyFile
 from harness.questions.study.study_run import Summary, study_name
