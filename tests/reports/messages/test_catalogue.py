@@ -16,7 +16,7 @@ from harness.model.run import SKIPS
 from harness.questions.assess.options import PAIRS
 from harness.questions.bench.standard_scenes import standard_set
 from harness.questions.bench.stress.catalogue import catalogue
-from harness.questions.bench.stress.stability import difficulties
+from harness.questions.bench.stress.stress_run import difficulties
 from harness.records.bench import TOGETHER, BenchRecord, StressRecord
 from harness.records.scores import Verdict
 from reports.messages import COUNTED, ENGLISH, FIELD, FORMATS, LANGUAGES, OPTIONAL, agreed, language

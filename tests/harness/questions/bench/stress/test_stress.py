@@ -16,7 +16,7 @@ from harness.model.history import History, Outcome
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
-from harness.questions.bench.stress import checks, hard_scenes, stability
+from harness.questions.bench.stress import checks, hard_scenes, stress_run
 from harness.questions.bench.stress import hard_scenes as scenes
 from harness.questions.bench.stress.catalogue import catalogue, leaning
 from harness.questions.bench.stress.hard_scenes import converged
@@ -194,17 +194,17 @@ def test_creep_is_told_from_trembling(scene: Scene, exact: Run) -> None:
 
 def test_a_cell_is_judged_by_its_numbers(scene: Scene, exact: Run) -> None:
     h = exact.history
-    assert stability.judge(scene, exact, exact, False)[0] == "stable"
+    assert stress_run.judge(scene, exact, exact, False)[0] == "stable"
     wrong = replace(h, theta_rad=1.1 * h.theta_rad)
-    assert stability.judge(scene, replace(exact, history=wrong), exact, False)[0] == "inaccurate"
+    assert stress_run.judge(scene, replace(exact, history=wrong), exact, False)[0] == "inaccurate"
     gained = replace(exact, validity={"energy_gained_j": checks.barrier_j(scene)})
-    assert stability.judge(scene, gained, exact, False)[0] == "drifting"
+    assert stress_run.judge(scene, gained, exact, False)[0] == "drifting"
     sunk = replace(exact, validity={"penetration_m": 0.01})
-    assert stability.judge(scene, sunk, exact, False)[0] == "drifting"
+    assert stress_run.judge(scene, sunk, exact, False)[0] == "drifting"
     drifting = replace(exact, history=still(1e-5), end_s=10.0)
-    assert stability.judge(scene, drifting, drifting, True)[0] == "drifting"
+    assert stress_run.judge(scene, drifting, drifting, True)[0] == "drifting"
     crashed = replace(exact, outcome=Outcome.CRASHED, history=None, message="died")
-    assert stability.judge(scene, crashed, exact, False) == ("diverged", [], "died")
+    assert stress_run.judge(scene, crashed, exact, False) == ("diverged", [], "died")
 
 
 def cell(setting: str, category: str, **more: Any) -> StabilityCell:
