@@ -596,6 +596,8 @@ def _by_variant(ends: Mapping[str, Sequence[Outcome]], say: Language) -> list[st
             else say("study.more_end", end=say(f"end.{key}"), count=_between([counts[key] for counts in kinds], say))
             for key in others
         ]
+        if len(variants) == 1 and not each:
+            return []  # the headline says it
         more = say("study.more", ends=say.listed(each)) if each else ""
         falls, total = _between([counts["overturns"] for counts in kinds], say), len(answers[0])
         key = "study.by_one" if len(variants) == 1 else "study.by_variant"

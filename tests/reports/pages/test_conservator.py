@@ -346,6 +346,16 @@ def test_answers_outside_a_model_s_domain_are_told_of_a_study(record_of: Callabl
     assert "something gives way" not in spoken(of_study(replace(record, findings=[])))
 
 
+def test_what_a_headline_says_of_one_variant_is_not_said_again(record_of: Callable[[str], Any]) -> None:
+    record = record_of("map")
+    rows = [row for row in record.rows if row.run is not None and row.engine == "analytic"]
+    again = ENGLISH("study.by_one", falls="·", total=len(rows), more="").split("·")[0]
+    points = answer(of_study(replace(record, rows=rows))).points
+    assert not any(each.startswith(again) for each in points)
+    ended = replace(rows[0], run=replace(rows[0].run, outcome=Outcome.LEFT_PEDESTAL))
+    assert any(each.startswith(again) for each in answer(of_study(replace(record, rows=[ended, *rows[1:]]))).points)
+
+
 def test_a_frequency_that_is_kept_is_no_number(record_of: Callable[[str], Any]) -> None:
     record = record_of("table")
     rows = [replace(row, varied={**row.varied, "motion.x.frequency_hz": "keep"}) for row in record.rows]
