@@ -15,8 +15,9 @@ from harness.model.finding import Finding, info
 from harness.model.history import Array
 from harness.model.run import SKIPS, Capabilities, RunOptions
 from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Statue
-from harness.statics.standstill import instants_s, tipping_of_pedestal
-from meshes.footprint import footprint, margin_m, outward_sides
+from harness.statics.standstill import LEVEL_M, instants_s, rests_on_m, tipping_of_pedestal
+from harness.statics.standstill import resting_polygon_m as resting_polygon_m
+from meshes.footprint import margin_m, outward_sides
 
 # Other bodies made of a statue and its pedestal: both as one, its base widened, another side before the shaking.
 
@@ -112,8 +113,6 @@ def _rectangle(left: float, right: float, front: float, back: float) -> Array:
     return np.array([[-left, -front, 0.0], [right, -front, 0.0], [right, back, 0.0], [-left, back, 0.0]])
 
 
-LEVEL_M: Final = 1e-9
-"""Feet within this height of each other are level: what is left is rounding."""
 WINDOW: Final = 256
 """Samples looked at together: the first that moves a statue at rest mostly comes soon."""
 
@@ -121,13 +120,13 @@ WINDOW: Final = 256
 def limit_of_rest_m_s2(scene: Scene) -> float:
     """Horizontal acceleration, in whatever direction, below which nothing can move while the floor moves horizontally only.
 
-    The least of uplift, g b / h with b the distance of the base's nearest edge (of its two corners when the motion stays in the
-    plane), and, on a pedestal, slip, μ_s g (docs/model.md, section 2).
+    The least of uplift, g b / h with b the distance of the nearest edge of what it rests on (of its two ends when the motion
+    stays in the plane), and, on a pedestal, slip, μ_s g (docs/model.md, section 2).
     """
-    statue, gravity = scene.statue, scene.gravity_m_s2
-    corner = min(statue.corner_left_m, statue.corner_right_m)
+    statue, gravity, stands_on = scene.statue, scene.gravity_m_s2, rests_on_m(scene.statue)
+    corner = float(np.abs([stands_on[:, 0].min(), stands_on[:, 0].max()]).min())
     if not isinstance(scene.base_excitation.y, ZeroExcitation):
-        corner = min(corner, margin_m(statue.footprint_m))
+        corner = min(corner, margin_m(stands_on))
     uplift = gravity * corner / statue.centroid_height_m
     return min(uplift, _holding_friction(scene) * gravity)
 
@@ -212,19 +211,6 @@ def first_motion_s(scene: Scene) -> float:
     """
     limits = LimitsOfRest.of(scene) if scene.initial.still and scene.table == "frame" else None
     return 0.0 if limits is None else limits.until_s(0.0)
-
-
-def resting_polygon_m(statue: Statue) -> Array | None:
-    """The polygon (k, 2), counter-clockwise, of the lowest vertices, which the statue rests on; None where it tilts off it."""
-    from meshes import MeshError
-
-    polygon = statue.feet_m
-    if statue.solid is not None or np.ptp(polygon[:, 2]) > LEVEL_M:
-        try:
-            polygon = footprint(polygon, LEVEL_M)
-        except MeshError:  # fewer than three vertices, or all on a line
-            return None
-    return polygon[:, :2] if margin_m(polygon) > 0.0 else None
 
 
 def _on_top(polygon_m: Array, scene: Scene) -> bool:

@@ -16,8 +16,8 @@ from harness.input.motions.spec import LARGEST_G, LARGEST_SCALE
 from harness.model.finding import Finding, caution, changes_answer
 from harness.model.history import Array, Outcome
 from harness.model.run import Run
-from harness.model.scene import Pedestal, Scene, written
-from meshes.footprint import outward_sides
+from harness.model.scene import Pedestal, Scene, Statue, written
+from meshes.footprint import footprint, margin_m, outward_sides
 
 # What the floor's motion asks of a statue at rest: its strongest push, and how near that comes to moving the statue.
 
@@ -94,10 +94,35 @@ def _limits(scene: Scene) -> tuple[Cause, ...]:
     return tuple(name for name in get_args(Cause) if not name.startswith("pedestal") or scene.pedestal is not None)
 
 
+LEVEL_M: Final = 1e-9
+"""Feet within this height of each other are level: what is left is rounding."""
+
+
+def resting_polygon_m(statue: Statue, level_m: float = LEVEL_M) -> Array | None:
+    """The polygon (k, 2), counter-clockwise, of the lowest vertices, which the statue rests on; None where it tilts off it."""
+    from meshes import MeshError
+
+    polygon = statue.feet_m
+    if statue.solid is not None or np.ptp(polygon[:, 2]) > level_m:
+        try:
+            polygon = footprint(polygon, level_m)
+        except MeshError:  # fewer than three vertices, or all on a line
+            return None
+    return polygon[:, :2] if margin_m(polygon) > 0.0 else None
+
+
+def rests_on_m(statue: Statue) -> Array:
+    """The polygon (k, 2 or 3) off which a push lifts the statue: of its lowest vertices and of those that a rotation which does
+    not count brings down, else of all that touch.
+    """
+    polygon = resting_polygon_m(statue, STILL_RAD * float(np.ptp(statue.footprint_m[:, :2], axis=0).max()))
+    return statue.footprint_m if polygon is None else polygon
+
+
 def _needed(scene: Scene, level_m_s2: Array) -> dict[Cause, Array]:
     """By cause the weight on each kilogram (n,) below which the statue moves so under these pushes."""
     statue, contact = scene.statue, scene.contact
-    normals, reach = outward_sides(statue.footprint_m)
+    normals, reach = outward_sides(rests_on_m(statue))
     size = np.hypot(*level_m_s2.T)
     with np.errstate(divide="ignore", invalid="ignore"):
         needed: dict[Cause, Array] = {
