@@ -16,6 +16,7 @@ import pytest
 from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.outcomes import score_outcomes
 from harness.model.finding import Answer, caution, info
+from harness.model.history import Outcome
 from harness.model.run import write_json
 from harness.questions.study.ensembles import score_sets
 from harness.questions.study.study_record import answer_of, findings_of
@@ -92,6 +93,12 @@ def test_a_study_says_what_happens_before_how_often_its_models_agree(record_of: 
     record = replace(found, scores=score_sets(keyed))
     said = [(each.code, each.values["model"]) for each in answer_of(record).findings[:2]]
     assert said == [("overturns_in", "analytic (own)"), ("same_outcome", "pymunk")]
+    rows = [
+        replace(row, run=row.run and replace(row.run, outcome=Outcome.UNDECIDED)) if row.engine == "analytic" else row
+        for row in found.rows
+    ]
+    told = answer_of(replace(record, rows=rows)).findings[0].values
+    assert (told["model"], told["open"]) == ("pymunk (own)", None), "one that knows none of the falls told of them"
 
 
 def test_the_matrix_marks_where_models_of_a_variant_differ(tmp_path: Path, record_of: Callable[[str], Any]) -> None:

@@ -102,8 +102,8 @@ def test_falls_are_counted_in_every_variant_and_colour_the_page(study: tuple[Pat
     )
     assert expected in said.headline
     for variant, each in falls.items():
-        expected = f"“{variant}”: it falls in" if len(falls) > 1 else "It falls in"
-        assert any(f"{expected} {sum(each)} of {len(each)}" in point for point in said.points)
+        again = f"“{variant}”: it falls in {sum(each)} of {len(each)}"
+        assert any(again in point for point in said.points) is (len(falls) > 1), "of one variant the headline says it"
     assert said.tone != "agree"
     assert study_verdict(record, *conditions(record.rows), ENGLISH).tone != "agree", "it holds no probability of a fall"
 

@@ -64,7 +64,10 @@ def answer_of(record: StudyRecord) -> Answer:
     for claim, verdict in (record.headline or {}).items():
         claimed.setdefault(verdict, []).append(claim)
     found = [info("claims", groups=claimed)] if claimed else []
-    found += [*_falls(record.rows)[: 1 if pairs else None], *pairs]
+    fell = _falls(record.rows)
+    if pairs:  # of models that mostly agree the one that knows most
+        fell = [max(fell, key=lambda each: each.values["cases"] - (each.values["open"] or 0))]
+    found += [*fell, *pairs]
     done = vars(record.summary)
     return Answer(code, [*found, info("study_done", **done, alike=record.summary.wanted - record.summary.distinct)])
 
