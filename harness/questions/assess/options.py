@@ -264,7 +264,7 @@ def compare(
         on_progress(f"option {option.name}" if model == MODEL else f"option {option.name}, in space")
         found = ask(option)
         if found is None:
-            unknown[option.name] = "unknown_in_space"
+            unknown[option.name] = "reaches_wall" if model == MODEL else "unknown_in_space"
         else:
             answers.append(answer_of(option, found, own))
     return OptionsRecord(answers, own.model.overturned.size, LEVEL, DIFFERENCE_LEVEL, unknown, plane_only, model)
@@ -286,11 +286,15 @@ def in_plane(
         parts: dict[str, list[ModelDraws]] = {option.name: [] for option in slow}
         for number in range(min(SLOW_DRAWS, size)):
             drawn = varied(scene, row(values, number))
-            for option in slow:
-                parts[option.name].append(_slipping(option.change(drawn), {}, drawn, 1, option.slides))
+            for option in (option for option in slow if option.name in parts):
+                changed = option.change(drawn)
+                if _before_wall(changed):
+                    parts[option.name].append(_slipping(changed, {}, drawn, 1, option.slides))
+                else:
+                    del parts[option.name]
         return {name: joined(several) for name, several in parts.items()}
 
-    def ask(option: Option) -> OptionDraws:
+    def ask(option: Option) -> OptionDraws | None:
         other = option.change(scene)
         if option.user:
             drawn = common(inputs, values, uncertain_inputs(other), seed)
@@ -298,6 +302,8 @@ def in_plane(
             model = model_draws(other, {key: column[:first] for key, column in drawn.items()})
             return OptionDraws(model, sampled(model, lambda number: varied(other, row(drawn, number))))
         at_once = swept[option.name]
+        if at_once is None and option.name not in one_by_one():
+            return None
         model = one_by_one()[option.name] if at_once is None else _slipping(other, at_once, scene, size, option.slides)
         return OptionDraws(model, sampled(model, lambda number: option.change(varied(scene, row(values, number)))))
 

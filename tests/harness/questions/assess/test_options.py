@@ -71,6 +71,19 @@ def test_an_option_that_would_reach_the_wall_is_left_out(distance_m: float, ther
     assert (wider in {each.name for each in options}, wider in left_out) == (there, not there)
 
 
+def test_an_option_that_some_draw_would_put_into_the_wall_is_left_out() -> None:
+    """As it is it stands 3 mm before it, its place known to 10 mm: the whole assessment ended in a crash."""
+    given = load_scene(SCENES / "paestum_block.toml", ["duration_s=1.0", 'wall.side="right"', "wall.distance_m=0.24"])
+    inputs = [Uncertain("pedestal.offset_m", "uniform", 0.0, 0.01)]
+    options, left_out = made.options_of(given)
+    assert "pedestal_wider" not in left_out
+    values = draw(inputs, 8, seed=0)
+    own = OptionDraws(model_draws(given, values))
+    found = compare(options, left_out, own, in_plane(given, options, inputs, values))
+    assert found.left_out["pedestal_wider"] == "reaches_wall"
+    assert "pedestal_heavier" in [item.name for item in found.options]
+
+
 def test_draws_are_common() -> None:
     """An option that changes nothing is the scene as it is in every single draw, the others differ by what they change alone."""
     scene = paestum(0.429, 3.0, duration_s=3.0)
