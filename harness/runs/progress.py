@@ -75,11 +75,11 @@ class ProgressMessages:
             self.say(words)
 
     def compiling(self, done: int, total: int) -> None:
-        """Tell how many functions of the analytic model are compiled."""
+        """Tell how many functions of a model are compiled."""
         if self._before is None:
             self._before = self._now[0]
-            self.now("compiling the analytic model, once after an upgrade")
-        words = f"compiling the analytic model, {done} of {total} functions"
+            self.now("compiling a model, once after an upgrade")
+        words = f"compiling a model, {done} of {total} functions"
         if done == total:
             words, self._before = self._before, None
         self.later(words, self._now[1])
