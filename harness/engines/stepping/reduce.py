@@ -22,7 +22,6 @@ from harness.model.run import Intervention, Pattern, PatternName, Run
 from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Statue, rotations
 from harness.model.two_block import block_of, keywords
 from harness.statics.standstill import tipping_of_pedestal
-from meshes.footprint import outward_sides
 
 if TYPE_CHECKING:
     from analytic import Block
@@ -141,42 +140,44 @@ def _first_reach_s(t_s: Array, tilt_rad: Array) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Body:
-    """The statue about its centroid: the outward normals (k, 2) of its base's sides, their distances (k,) from the centroid's
-    vertical, and the points (n, 3) that a level support can touch; in the plane the two corners and the silhouette.
+    """The statue about its centroid: of each of its base's sides (k, 3) the normal of the plane through it and the centroid, as
+    long as the side is far from the centroid, and the points (n, 3) that a level support can touch; in the plane the two outer
+    vertices and the silhouette.
     """
 
-    outward: Array
-    distance_m: Array
+    sides_m: Array
     points_m: Array
     height_m: float
     spatial: bool
 
     @classmethod
     def of(cls, statue: Statue, motion: Trajectory) -> _Body:
-        half = 0.5 * statue.depth_m
+        half, height = 0.5 * statue.depth_m, statue.centroid_height_m
         flat = np.insert(statue.section_m, 1, 0.0, axis=1)
-        outward, distance = np.array([[1.0, 0.0], [-1.0, 0.0]]), np.array([statue.corner_m(1), statue.corner_m(-1)])
+        left_m, right_m = (height - statue.profile_m[k][1] for k in (0, -1))
+        sides = np.array([[right_m, 0.0, statue.corner_right_m], [-left_m, 0.0, statue.corner_left_m]])
         spatial = "roll_rad" in motion.extra
         if spatial:
-            outward, distance = outward_sides(statue.footprint_m)
+            corner = statue.footprint_m - [0.0, 0.0, height]
+            edge = np.roll(corner, -1, axis=0) - corner
+            sides = np.cross(corner, edge) / np.linalg.norm(edge, axis=1, keepdims=True)
             flat = np.vstack([flat + np.array([0.0, y, 0.0]) for y in (half, -half)])
             flat = flat if statue.solid is None else statue.solid.vertices_m
-        height = statue.centroid_height_m
-        return cls(outward, np.maximum(distance, 0.0), flat - [0.0, 0.0, height], height, spatial)
+        return cls(sides, flat - [0.0, 0.0, height], height, spatial)
 
     def excess_rad(self, up: Array) -> Array:
         """Tilt (n,) less the one at which the vertical through the centroid passes the base's outline."""
         level = np.hypot(up[:, 0], up[:, 1])
-        facing = -up[:, :2] @ self.outward.T
+        facing = -up[:, :2] @ self.sides_m[:, :2].T
         reach = np.full(facing.shape, np.inf)
-        np.divide(self.distance_m * level[:, None], facing, out=reach, where=facing > 0.0)
-        excess: Array = np.arctan2(level, up[:, 2]) - np.arctan2(np.min(reach, axis=1), self.height_m)
+        np.divide(np.maximum(self.sides_m[:, 2], 0.0) * level[:, None], facing, out=reach, where=facing > 0.0)
+        excess: Array = np.arctan2(level, up[:, 2]) - np.arctan(np.min(reach, axis=1))
         return excess
 
     def hill_m(self, up: Array) -> float:
         """Height of the centroid at the lowest balance point by which it can come back: over the side it left, in space any."""
-        left = self.distance_m if self.spatial else self.distance_m[-up[:2] @ self.outward.T > 0.0]
-        return math.hypot(float(np.min(left)), self.height_m)
+        left = self.sides_m if self.spatial else self.sides_m[-self.sides_m[:, :2] @ up[:2] > 0.0]
+        return float(np.linalg.norm(left, axis=1).min())
 
     def lowest_m(self, up: Array) -> float:
         """Height of the centroid over a level support in a pose."""
@@ -660,12 +661,18 @@ def _clear_m(scene: Scene, turn: Array, at: support.Corners) -> Array:
     return clear
 
 
+def _yaw_rad(turn: Array) -> Array:
+    """Turn (n,) about the vertical of rotations (n, 3, 3): what is left once the axis is brought upright the shortest way."""
+    return np.unwrap(np.arctan2(turn[:, 1, 0] - turn[:, 0, 1], turn[:, 0, 0] + turn[:, 1, 1]))
+
+
 def _set_down_m(statue: Statue, turn: Array, corner_m: Array) -> Array:
     """Where (n, 2) the middle of the base would be on its support, set down flat about the foot that is lowest."""
     foot = statue.feet_m[(turn[:, 2] @ statue.feet_m.T).argmin(axis=1)]
     place = corner_m + np.einsum("tij,tj->ti", turn, foot - np.array([statue.corner_right_m, 0.0, 0.0]))
-    yaw = np.arctan2(turn[:, 1, 0] - turn[:, 0, 1], turn[:, 0, 0] + turn[:, 1, 1])
-    x, y = statue.base_centre_m - foot[:, 0], -foot[:, 1]
+    yaw = _yaw_rad(turn)
+    middle_y_m = 0.5 * (statue.footprint_m[:, 1].min() + statue.footprint_m[:, 1].max())
+    x, y = statue.base_centre_m - foot[:, 0], middle_y_m - foot[:, 1]
     arm = np.column_stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y])
     return np.asarray(place[:, :2] + arm)
 
@@ -676,7 +683,9 @@ def _leans(scene: Scene, motion: Trajectory) -> dict[str, object]:
     """
     columns, up = motion.extra, _up(motion)
     balance = _tilt_rad(up) - _Body.of(scene.statue, motion).excess_rad(up)
-    across = np.abs(columns["out_of_plane_rad"] - columns["out_of_plane_rad"][0])
+    # A body that is thrown leans from upright.
+    first_rad = columns["out_of_plane_rad"][0] if scene.initial.pose is None else 0.0
+    across = np.abs(columns["out_of_plane_rad"] - first_rad)
     lean = np.arccos(np.clip(np.cos(motion.theta_rad) * np.cos(across), -1.0, 1.0))
     nearest = int((lean / balance).argmax())
     return {
@@ -692,6 +701,7 @@ def moves_in_space(scene: Scene, motion: Trajectory, placed: tuple[Array, Array]
     plane does not tell: leans in any direction, and how far pedestal and base turned and slid.
     """
     leans, columns, base = _leans(scene, motion), motion.extra, _set_down_m(scene.statue, *placed)
+    yaw_rad = _yaw_rad(placed[0])
     shift, pedestal_y_m = base, np.zeros_like(motion.slip_m)
     if scene.pedestal is not None:
         pedestal_y_m, yaw = columns["pedestal_y_m"], columns["pedestal_yaw_rad"]
@@ -699,7 +709,7 @@ def moves_in_space(scene: Scene, motion: Trajectory, placed: tuple[Array, Array]
         shift = np.column_stack([np.cos(yaw) * x + np.sin(yaw) * y, np.cos(yaw) * y - np.sin(yaw) * x])
     return np.hypot(*(shift - shift[0]).T), {
         **leans,
-        "yaw_rad": float(np.abs(columns["yaw_rad"] - columns["yaw_rad"][0]).max()),
+        "yaw_rad": float(np.abs(yaw_rad - yaw_rad[0]).max()),
         "pedestal_slip_m": float(np.hypot(motion.slip_m, pedestal_y_m).max()),
         "slip_across_m": float(np.abs(base[:, 1] - base[0, 1]).max()),
     }
