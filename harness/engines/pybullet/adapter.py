@@ -191,7 +191,9 @@ def _findings(scene: Scene, setup: Setup, phases: RunPhases, extra: Mapping[str,
     if not setup.rest.stable:
         found.append(caution("no_stable_face"))
     if setup.rest.lean_rad > 0.0:
-        found.append(caution("base_not_flat", lean_rad=setup.rest.lean_rad))
+        # A rotation that the scene gives is from upright in every model.
+        upright_rad = 0.0 if scene.initial.pose is None and scene.initial.theta_rad == 0.0 else None
+        found.append(caution("base_not_flat", lean_rad=setup.rest.lean_rad, others_rad=upright_rad))
     across = float(np.max(np.abs(extra["out_of_plane_rad"] - extra["out_of_plane_rad"][0])))
     if scene.planar and across > OUT_OF_PLANE_REPORTED_RAD:
         found.append(changes_answer("left_its_plane", across_rad=across))

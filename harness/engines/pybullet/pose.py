@@ -78,7 +78,7 @@ def principal(statue: Statue) -> tuple[Array, Array]:
 
 
 def start(scene: Scene, feet_m: Array, rest: Rest, axes: Array) -> Row:
-    """The statue's part of the first row: at rest on its facet, turned by the initial rotation about the lowest foot there.
+    """The statue's part of the first row: at rest on its facet, or turned from upright by the rotation that the scene gives.
 
     The lowest foot touches the support; the centroid of an upright statue stands over the origin. Where the scene gives a pose,
     that.
@@ -90,8 +90,8 @@ def start(scene: Scene, feet_m: Array, rest: Rest, axes: Array) -> Row:
         return (*pose.position_m, *quaternion(turn @ axes), *pose.velocity_m_s, *vector(turn @ spin))
     height = 0.0 if scene.pedestal is None else scene.pedestal.height_m
     centroid = np.array([0.0, 0.0, statue.centroid_height_m])
-    rested = feet_m @ rest.rotation.T
-    turned = about_y(initial.theta_rad) @ rest.rotation
+    stands = rest.rotation if initial.theta_rad == 0.0 else np.eye(3)
+    rested, turned = feet_m @ stands.T, about_y(initial.theta_rad) @ stands
     side = math.copysign(1.0, initial.theta_rad if initial.theta_rad != 0.0 else initial.theta_rate_rad_s)
     turned_feet_m = feet_m @ turned.T
     low = turned_feet_m[:, 2] - side * 1e-9 * turned_feet_m[:, 0]

@@ -111,6 +111,9 @@ def test_a_bent_base_starts_on_the_face_that_carries_it() -> None:
     still = bullet(scene(statue, duration_s=0.2), 1e-3, NOTHING_SKIPPED)
     np.testing.assert_allclose(still.history.theta_rad, math.atan(lean), atol=budget.PLANAR_RAD)
     assert "base_not_flat" in doubles.codes(still.findings)
+    # A rotation that is given is from upright, as every other model takes it.
+    given = bullet(scene(statue, theta_rad=0.02, duration_s=0.01), 1e-3, NOTHING_SKIPPED)
+    assert given.history.theta_rad[0] == pytest.approx(0.02, abs=1e-12)
 
 
 def test_rolling_on_the_rim() -> None:
