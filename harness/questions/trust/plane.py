@@ -25,7 +25,7 @@ RESOLUTION: Final = {False: 1.05, True: 1.25}
 """Ratio of neighbouring strengths, of a whole and of a coarse map: a border between classes is known to that."""
 FREQUENCIES: Final = {False: 10, True: 5}
 FARTHEST: Final = {False: 2.0, True: 3.0}
-"""Engines are asked at least once for each such factor of strength, whatever the model says."""
+"""Engines are asked at least once for each such factor of strength and frequency, whatever the model says."""
 RING_DOWN_S: Final = 5.0
 """Time after a pulse in which rocking may still decide."""
 
@@ -135,10 +135,9 @@ class Plane:
         return strength, None if frequency is None else frequency / p
 
     @property
-    def farthest(self) -> int:
-        """How many strengths may lie from one at which engines were asked to the next."""
-        low, high = self.amplitudes_g[0], self.amplitudes_g[-1]
-        return max(1, round(math.log(self.farthest_ratio) * (len(self.amplitudes_g) - 1) / math.log(high / low)))
+    def farthest(self) -> tuple[int, int]:
+        """How many frequencies and strengths may lie from one at which engines were asked to the next."""
+        return _steps(self.frequencies_hz, self.farthest_ratio), _steps(self.amplitudes_g, self.farthest_ratio)
 
 
 def to_ask(alike: Sequence[Hashable | None], found: Mapping[int, Hashable], farthest: int) -> set[int]:
@@ -177,6 +176,14 @@ def _toml(value: object) -> str:
         items = (f"{json.dumps(key) if '.' in key else key}={_toml(item)}" for key, item in value.items())
         return f"{{{','.join(items)}}}"
     return f"[{','.join(map(_toml, value))}]" if isinstance(value, list) else json.dumps(value)
+
+
+def _steps(values: Sequence[float | None], ratio: float) -> int:
+    """How many values lie within a factor."""
+    low, high = values[0], values[-1]
+    return (
+        max(1, round(math.log(ratio) * (len(values) - 1) / math.log(high / low))) if low and high and high > low else 1
+    )
 
 
 def _rounded(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[float]:

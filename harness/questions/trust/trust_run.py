@@ -10,7 +10,7 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
 from itertools import takewhile
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import Final
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from harness.model.finding import Answer, Finding, Say, caution, changes_answer,
 from harness.model.run import MOST_TIMES, machine, versions
 from harness.model.scene import Scene
 from harness.questions.scene.workload import check as check_work
+from harness.questions.study.case_selection import filled, refined
 from harness.questions.trust.plane import Plane, Point, below, to_ask
 from harness.questions.trust.point import (
     DRAWS,
@@ -141,8 +142,9 @@ class Points:
 @dataclass
 class Map:
     """What is known of the plane: the model's word everywhere, and what was found where engines ran: by those in the plane
-    (`ran`), and by all (`whole`), where one in space takes seconds for a point. Borders are halved along each frequency: of what
-    those in the plane say, and of where the one in space makes another class of it.
+    (`ran`, whose borders are halved along each frequency), and by all (`whole`), where one in space takes seconds for a point.
+
+    That one is asked as a study's adaptive map is: on a coarse grid, refined where it says another class than those in the plane.
     """
 
     plane: Plane
@@ -164,12 +166,15 @@ class Map:
 
     def unasked(self, names: tuple[str, ...]) -> set[Point]:
         """Where those engines are to be asked next."""
-        points, found = set[Point](), self._found() if names == self.quick else self._changes()
+        if names != self.quick:
+            wanted = refined(self.plane.points, self._changes(), (0, 1), self.plane.farthest)
+            return wanted.keys() - self.rest - self.whole.keys()
+        points: set[Point] = set()
         for i in range(len(self.plane.frequencies_hz)):
-            moving = [(i, j) not in self.rest for j in range(len(self.plane.amplitudes_g))]
-            said = [self.model[i, j].alike if names == self.quick else SAME for j in range(len(moving))]
-            alike = [each if moves else None for each, moves in zip(said, moving, strict=True)]
-            points |= {(i, j) for j in to_ask(alike, along(found, i), self.plane.farthest)}
+            alike = [
+                None if (i, j) in self.rest else self.model[i, j].alike for j in range(len(self.plane.amplitudes_g))
+            ]
+            points |= {(i, j) for j in to_ask(alike, self._along(i), self.plane.farthest[1])}
         return points
 
     def take(self, names: tuple[str, ...], kept: Mapping[Point, Kept | None]) -> None:
@@ -186,20 +191,19 @@ class Map:
     def words(self) -> dict[Point, tuple[TrustClass, Basis, Said]]:
         """The class of each point, what it rests on, and the run that says so, here or nearby."""
         changes = self._changes()
-        return {point: self._word(point, changes) for point in self.plane.points}
+        fill = filled(self.plane.points, changes, (0, 1), self.plane.farthest)
+        return {point: self._word(point, changes, fill.get(point, SAME)) for point in self.plane.points}
 
-    def _word(self, point: Point, changes: Mapping[Point, str]) -> tuple[TrustClass, Basis, Said]:
+    def _word(self, point: Point, changes: Mapping[Point, str], fill: str) -> tuple[TrustClass, Basis, Said]:
         """What is less known of the two counts: what those in the plane say, what an engine in space makes of it around."""
         if point in self.whole:
             return self.whole[point].kind, self._basis(point), self.whole[point]
         kind, basis, said = self._in_plane(point)
-        around = along(changes, point[0])
-        if not around or point in self.rest:
+        if fill == SAME or _doubt(fill) < _doubt(kind):
             return kind, basis, said
-        other = point[0], below(point[1], around)
-        if changes[other] == SAME or _doubt(changes[other]) < _doubt(kind):
-            return kind, basis, said
-        return self.whole[other].kind, "between", self.whole[other]
+        alike = (each for each in self.whole if changes[each] == fill)
+        nearest = self.whole[min(alike, key=lambda at: math.dist(at, point))]
+        return nearest.kind, "between", nearest
 
     def _in_plane(self, point: Point) -> tuple[TrustClass, Basis, Said]:
         """What those in the plane say."""
@@ -207,7 +211,7 @@ class Map:
             return self.ran[point].kind, self._basis(point), self.ran[point]
         if point in self.rest:
             return "nothing_moves", "rest", self.model[point]
-        other = self.ran[point[0], below(point[1], along(self.ran, point[0]))]
+        other = self.ran[point[0], below(point[1], self._along(point[0]))]
         return other.kind, "between", other
 
     def _basis(self, point: Point) -> Basis:
@@ -223,24 +227,17 @@ class Map:
                 self.changed.add(point)
                 self.rest = {each for each in self.rest if each[0] != point[0]}
 
-    def _found(self) -> dict[Point, tuple[object, ...]]:
-        """What engines in the plane found where they ran."""
-        return {point: said.found for point, said in self.ran.items()}
-
     def _changes(self) -> dict[Point, str]:
-        """Where all ran: which class they say instead of that of those in the plane."""
-        return {
+        """Where all ran: which class they say instead of that of those in the plane. At rest nobody says another."""
+        said = {
             point: all_of.kind if all_of.found != self.ran[point].found else SAME
             for point, all_of in self.whole.items()
         }
+        return dict.fromkeys(self.rest, SAME) | said
 
-
-T = TypeVar("T")
-
-
-def along(found: Mapping[Point, T], i: int) -> dict[int, T]:
-    """What was found along a frequency, by strength."""
-    return {point[1]: each for point, each in found.items() if point[0] == i}
+    def _along(self, i: int) -> dict[int, tuple[object, ...]]:
+        """What engines in the plane found along a frequency, by strength."""
+        return {point[1]: said.found for point, said in self.ran.items() if point[0] == i}
 
 
 def _doubt(kind: str) -> int:
