@@ -391,9 +391,10 @@ def explored(plane: Plane, names: tuple[str, ...], points: Points, seed: int) ->
 
 
 def _refine(found: Map, points: Points) -> None:
-    """Ask until nothing is left that may be another class: all first, as where they ran those in the plane did."""
-    for names in dict.fromkeys((found.names, found.quick)):
-        while asked := found.unasked(names):
+    """Ask until nothing is left that may be another class."""
+    tiers = dict.fromkeys((found.names, found.quick))
+    while wanted := {names: asked for names in tiers if (asked := found.unasked(names))}:
+        for names, asked in wanted.items():
             found.take(names, points.kept(found.plane, sorted(asked), names, found.horizons))
 
 
