@@ -7,8 +7,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import _lru_cache_wrapper, cache
-from typing import Annotated, Any, Final, final
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, Final, final
 
 import numpy as np
 from pydantic import Field
@@ -28,6 +28,9 @@ from meshes import MeshError, Solid
 from meshes.footprint import reach_m
 from meshes.roughening import ragged
 from meshes.survey import adjusted
+
+if TYPE_CHECKING:
+    from functools import _lru_cache_wrapper
 
 # What is changed of a scene, one thing at a time: components of the motion, base, inertia, survey, friction, time step.
 
