@@ -15,8 +15,7 @@ from harness.model.finding import Finding, info
 from harness.model.history import Array
 from harness.model.run import SKIPS, Capabilities, RunOptions
 from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Statue
-from harness.statics.standstill import LEVEL_M, instants_s, rests_on_m, tipping_of_pedestal
-from harness.statics.standstill import resting_polygon_m as resting_polygon_m
+from harness.statics.standstill import LEVEL_M, instants_s, resting_polygon_m, rests_on_m, tipping_of_pedestal
 from meshes.footprint import margin_m, outward_sides
 
 # Other bodies made of a statue and its pedestal: both as one, its base widened, another side before the shaking.

@@ -16,7 +16,8 @@ from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
 from harness.questions.study.cases import BaseScene
 from harness.questions.study.file import Value
-from harness.statics.plan import LimitsOfRest, limit_of_rest_m_s2, resting_polygon_m
+from harness.statics.plan import LimitsOfRest, limit_of_rest_m_s2
+from harness.statics.standstill import resting_polygon_m
 
 WEAKEST_G, STRONGEST_G = 0.05, 1.0
 SLOWEST_HZ, FASTEST_HZ = 0.8, 8.0
