@@ -666,14 +666,14 @@ def _yaw_rad(turn: Array) -> Array:
     return np.unwrap(np.arctan2(turn[:, 1, 0] - turn[:, 0, 1], turn[:, 0, 0] + turn[:, 1, 1]))
 
 
-def _set_down_m(statue: Statue, turn: Array, corner_m: Array) -> Array:
+def _set_down_m(statue: Statue, turn: Array, yaw_rad: Array, corner_m: Array) -> Array:
     """Where (n, 2) the middle of the base would be on its support, set down flat about the foot that is lowest."""
     foot = statue.feet_m[(turn[:, 2] @ statue.feet_m.T).argmin(axis=1)]
     place = corner_m + np.einsum("tij,tj->ti", turn, foot - np.array([statue.corner_right_m, 0.0, 0.0]))
-    yaw = _yaw_rad(turn)
     middle_y_m = 0.5 * (statue.footprint_m[:, 1].min() + statue.footprint_m[:, 1].max())
     x, y = statue.base_centre_m - foot[:, 0], middle_y_m - foot[:, 1]
-    arm = np.column_stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y])
+    cos, sin = np.cos(yaw_rad), np.sin(yaw_rad)
+    arm = np.column_stack([cos * x - sin * y, sin * x + cos * y])
     return np.asarray(place[:, :2] + arm)
 
 
@@ -700,8 +700,9 @@ def moves_in_space(scene: Scene, motion: Trajectory, placed: tuple[Array, Array]
     """How far (n,) the statue, `placed` on its support as `on_support` has it, shifted there, turned with it, and what else the
     plane does not tell: leans in any direction, and how far pedestal and base turned and slid.
     """
-    leans, columns, base = _leans(scene, motion), motion.extra, _set_down_m(scene.statue, *placed)
-    yaw_rad = _yaw_rad(placed[0])
+    (turn, corner_m), leans, columns = placed, _leans(scene, motion), motion.extra
+    yaw_rad = _yaw_rad(turn)
+    base = _set_down_m(scene.statue, turn, yaw_rad, corner_m)
     shift, pedestal_y_m = base, np.zeros_like(motion.slip_m)
     if scene.pedestal is not None:
         pedestal_y_m, yaw = columns["pedestal_y_m"], columns["pedestal_yaw_rad"]
