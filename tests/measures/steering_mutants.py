@@ -27,6 +27,7 @@ LIMIT: Final = 1.1
 ARM: Final = 0.01
 BESIDE_M: Final = 0.04
 """Distance of a wrong pivot from the vertex that stands."""
+TURNED_RAD: Final = 1e-5
 State = tuple[float, ...]
 
 
@@ -118,12 +119,35 @@ def _at_impact(first: int, last: int, share: float) -> Callable[[Any], Any]:
     return make
 
 
+def _turned_at_impact(own: Any) -> Any:
+    """A writer that turns the statue at an impact, which takes no time."""
+
+    def write(self: Any, kind: str, before: State, after: State) -> None:
+        if kind == "impact":
+            (x, y, z, w), half = after[3:7], 0.5 * TURNED_RAD
+            after = (*after[:3], x + half * z, y + half * w, z - half * x, w - half * y, *after[7:])
+        own(self, kind, before, after)
+
+    return write
+
+
 def _gravity(own: Any) -> Any:
     """A thousandth more of weight than the scene's, in the layer alone."""
 
     def mean(scene: Scene, edges_s: Any) -> Any:
         pull = own(scene, edges_s)
         pull[:, 2] -= 1e-3 * scene.gravity_m_s2
+        return pull
+
+    return mean
+
+
+def _shaken(own: Any) -> Any:
+    """A thousandth more of the floor's acceleration along x."""
+
+    def mean(scene: Scene, edges_s: Any) -> Any:
+        pull = own(scene, edges_s)
+        pull[:, 0] *= 1.001
         return pull
 
     return mean
@@ -152,6 +176,8 @@ LAYER: Final[Mapping[str, Change]] = {
         for what, columns in {"velocity": (7, 10), "rate": (10, 13), "pedestal's velocity": (20, 23)}.items()
         for share in (1.0 + ARM, 1.0 - ARM)
     },
+    "turned at an impact": {_E + "step_state:RowWriter.write": _turned_at_impact},
+    "shaking + 1 ‰": {_E + "frame:apparent_gravity": _shaken},
     "gravity + 1 ‰": {"harness.engines.stepping.frame:apparent_gravity": _gravity},
     "inertia + 1 ‰": {
         "harness.engines.pymunk.world:build": _heavier,

@@ -90,13 +90,13 @@ class Backend(Protocol):
 
 
 # Whether each body's momentum, and its turning in the plane, changed by what the engine's own contacts gave it, and by the
-# pull. At every impact, with what was written after it, and over a whole step now and then. The impulses are those that the
-# engine reports, the pull is taken from the scene: what the layer believes of either is not asked. Both engines keep this
-# balance to rounding.
+# pull. At every impact, which moves nothing, with what was written after it, and over a whole step now and then. The impulses
+# are those that the engine reports, the pull is taken from the scene: what the layer believes of either is not asked. Both
+# engines keep this balance to rounding.
 
 
-MOST_UNBALANCED: Final = 1e-4
-"""Share of all impulses that may be missing in the balance: 1e-12 is, and 1e-3 where a pull or an inertia is off by it."""
+MOST_UNBALANCED: Final = 1e-6
+"""Share of all impulses that may be missing in the balance: 1e-10 is, and 1e-3 where a pull or an inertia is off by it."""
 ROUNDED_OFF: Final = 1e-6
 """Share of a body's own momentum that counts as impulse: of a body in flight the last digits are missing."""
 SLOW_M_S: Final = 1e-3
@@ -147,7 +147,13 @@ class Balance:
             at, name = ALONE * k + 7, "pedestal" if k else "statue"
             missing = [mass * (after[at + n] - before[at + n] - pull_m_s[n]) - impulse[n] for n in range(3)]
             self._count((of, f"{name}_momentum"), math.hypot(*missing), largest, moved)
-        if of == IMPACT:
+            if of == IMPACT:
+                here, there = before[at - 7 : at], after[at - 7 : at]
+                placed_m = math.dist(here[:3], there[:3]) + self.arm_m * _chord(here[3:], there[3:])
+                self._count((of, f"{name}_place"), placed_m, 0.0, self.arm_m)
+        # What turns out of the plane has a gyroscopic torque besides.
+        aside = max(abs(row[n]) for row in (before, after) for n in (10, 12))
+        if of == IMPACT or aside <= ROUNDED_OFF * abs(before[11]):
             inertia, moment = self._inertia(before), impulses[0][1][1]
             gained = sum(each * (after[10 + n] - before[10 + n]) for n, each in enumerate(inertia))
             turned = abs(sum(each * after[10 + n] for n, each in enumerate(inertia))) + self.arm_m * (largest + moved)
@@ -177,6 +183,11 @@ class Balance:
                 raise LayerFault(f"unbalanced_{what}", **{f"{of}_missing": missing, f"{of}_whole": size})
 
 
+def _chord(here: Row, there: Row) -> float:
+    """Distance of two quaternions: one and its opposite are the same rotation."""
+    return min(math.dist(here, there), math.dist(here, [-q for q in there]))
+
+
 # The one place from which an engine's bodies are written to while a run goes on, and the account of what is written.
 
 
@@ -196,9 +207,8 @@ class RowWriter:
         for k, (mass, inertia) in enumerate(self.inertias):
             old, new = before[ALONE * k : ALONE * (k + 1)], after[ALONE * k : ALONE * (k + 1)]
             if old[:7] != new[:7]:
-                chord = min(math.dist(old[3:7], new[3:7]), math.dist(old[3:7], [-q for q in new[3:7]]))
                 moved_m += math.dist(old[0:3], new[0:3])
-                turned_rad += 4.0 * math.asin(0.5 * chord)
+                turned_rad += 4.0 * math.asin(0.5 * _chord(old[3:7], new[3:7]))
                 joules += mass * self.gravity_m_s2 * (new[2] - old[2])
             if old[7:] != new[7:]:
                 velocity_m_s += math.dist(old[7:10], new[7:10])

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from analytic.block import GRAVITY_M_S2 as G
+from analytic.excitation import Pulse
 from harness.accuracy.simulation import simulate
 from harness.engines.base import LayerFault
 from harness.model.run import RunOptions
-from harness.model.scene import Scene
+from harness.model.scene import BaseExcitation, Scene
 from tests.engines_for_tests import ready
 from tests.measures.mechanisms import changed
 from tests.measures.seeded_scenes import GENERATORS
@@ -28,6 +32,22 @@ def test_a_wrong_formula_fails_the_run(name: str, mutant: str, scene: Scene) -> 
     engine = ready(name)
     with changed(MUTANTS[name][mutant]), pytest.raises(LayerFault):
         engine.simulate(scene, engine.settings_for_dt(scene, STEP_S), RunOptions())
+
+
+@pytest.mark.parametrize("name", MUTANTS)
+@pytest.mark.parametrize("pedestal", [True, False])
+@pytest.mark.parametrize("mutant", ["gravity + 1 ‰", "inertia + 1 ‰", "shaking + 1 ‰"])
+def test_what_falls_without_an_impact_is_held_to_its_balance_too(name: str, mutant: str, pedestal: bool) -> None:
+    engine, push = ready(name), Pulse("rectangular", 0.6 * G, 2.0, 0.2)
+    falls = replace(
+        paestum(0.4, 1.0, mu=(2.0, 2.0), pedestal=pedestal, duration_s=2.0), base_excitation=BaseExcitation(push)
+    )
+    settings = engine.settings_for_dt(falls, STEP_S)
+    right = engine.simulate(falls, settings, RunOptions())
+    assert right.impacts == 0
+    assert right.outcome.overturned
+    with changed(MUTANTS[name][mutant]), pytest.raises(LayerFault):
+        engine.simulate(falls, settings, RunOptions())
 
 
 @pytest.mark.parametrize("name", [*MUTANTS, "pymunk:plain", "pybullet:plain"])
