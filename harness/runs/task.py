@@ -87,6 +87,7 @@ def relevant(scene: Scene, capabilities: Capabilities) -> Scene:
 
     Without a pedestal nothing slides on the floor; an engine's own contact knows neither the model's normal force nor, unless a
     ratio is imposed, its impact law; a planar engine sees neither the motion across the plane nor the body's third dimension.
+    Friction under the statue counts for a model that holds it too: from where on it would slide bounds its domain.
     """
     form, contact, base_excitation, statue = scene.form, scene.contact, scene.base_excitation, scene.statue
     if scene.pedestal is None:
@@ -97,8 +98,6 @@ def relevant(scene: Scene, capabilities: Capabilities) -> Scene:
         form = replace(form, friction_normal=Form().friction_normal)
         if contact.restitution is None:
             form = Form()
-    if not capabilities.statue_slips:
-        contact = replace(contact, statue=1.0)
     if capabilities.dimensions == 2:
         base_excitation = base_excitation.in_plane()
         statue = _planar(statue)

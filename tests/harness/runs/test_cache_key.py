@@ -77,6 +77,12 @@ def test_what_is_no_physics_does_not_count() -> None:
     assert scene_key(other, EVERYTHING) == scene_key(scene(), EVERYTHING)
 
 
+def test_what_bounds_a_models_domain_counts() -> None:
+    """It holds the statue on its support, and says from when on it would slide: a study gave all frictions that of the first."""
+    smooth, rough = (replace(scene(), contact=replace(scene().contact, statue=mu)) for mu in (0.05, 0.6))
+    assert scene_key(smooth, Capabilities(2)) != scene_key(rough, Capabilities(2))
+
+
 def test_no_name_of_the_code_is_in_the_key() -> None:
     assert scene_key(scene(), EVERYTHING) == KEY
     names = {kind: kind.__name__ for kind in KEYED}
