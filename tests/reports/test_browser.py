@@ -11,7 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from harness import load_scene
+from harness.questions.scene.scene_run import run_scene, write_result
 from reports.messages import ENGLISH
+from reports.pages.page import write_report
 from tests.budgets_reports import DRAWN_SHARE, FRAME_MS
 
 pytestmark = pytest.mark.browser
@@ -330,3 +333,19 @@ def test_a_page_opens_on_the_event(browser: Any, page_of: Callable[[str], Path])
     verdict = page.locator("#verdict").bounding_box()
     assert verdict["y"] + verdict["height"] <= 800, "the answer stands before the fold"
     context.close()
+
+
+def test_a_body_that_is_thrown_is_in_sight_all_along(browser: Any, tmp_path: Path) -> None:
+    """It begins at twice its height above the floor, and slides away by three times that."""
+    write_result(run_scene(load_scene("scenes/cube_toss.toml"), ["spatial"]), tmp_path)
+    page = browser.new_context(viewport=SIZES["phone"]).new_page()
+    page.goto(write_report(tmp_path).as_uri())
+    page.wait_for_selector("html[data-ready=yes]", timeout=60_000)
+    for time_s in (0.0, 0.1, 1.0):
+        seen = page.evaluate(
+            "(time) => { const {figures, camera} = rockcheck.replay, {tilt} = figures.get('spatial'); "
+            "rockcheck.setTime(time); camera.updateMatrixWorld(); return tilt.position.clone().project(camera).toArray(); }",
+            time_s,
+        )
+        assert max(map(abs, seen)) < 1.0, time_s
+    page.context.close()
