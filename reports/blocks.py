@@ -238,12 +238,18 @@ def facts(say: Language, pairs: Mapping[str, object], style: str = "narrow") -> 
     return Facts([(say.label(key), say.plain(value)) for key, value in pairs.items() if value not in (None, "")], style)
 
 
+def owned(finding: Finding) -> str:
+    """A finding's sentence after the engine that it is of, or the pair where the sentence does not name it."""
+    named = "_vs_" in finding.engine and finding.values.keys() & {"a", "model"}
+    owner = "" if named or not finding.engine else f"{finding.engine.replace('_vs_', ' – ')}: "
+    return f"{owner}{finding.text}"
+
+
 def notes(say: Language, findings: Iterable[Finding]) -> list[Block]:
     """Findings under the heading of their severity, the lightest folded away."""
     texts: dict[Severity, list[str]] = {}
     for each in weighed(findings):
-        owner = f"{each.engine}: " if each.engine and "_vs_" not in each.engine else ""
-        texts.setdefault(each.severity, []).append(f"{owner}{each.text}")
+        texts.setdefault(each.severity, []).append(owned(each))
     blocks: list[Block] = []
     for severity, lines in texts.items():
         heading = say(f"severity.{severity}")

@@ -23,6 +23,8 @@ MOVED_SHARE: Final = 0.01
 """A rotation of this share of the balance point's shows on a page."""
 MOVED_M: Final = 1e-4
 """A slip that shows on a page."""
+PEAKS: Final = ("peak_lean_rad", "peak_lean_share", "peak_over_slenderness")
+"""What a run says of its largest lean beside its history."""
 BESIDE: Final = 0.05
 LEAST_BESIDE_S: Final = 0.25
 """Room before and after an event: a share of its length, and at least the time in which an eye finds its place."""
@@ -70,6 +72,9 @@ class RunSource:
                 runs[name] = replace(runs[name], peak_slip_m=float(np.abs(slip_m).max()))
         for name, until_s in known_until_s({name: self.runs[name] for name in self.standing}).items():
             histories[name] = histories[name].until(until_s)
+            if until_s < runs[name].peaks_until_s:
+                told = {key: value for key, value in runs[name].validity.items() if key not in PEAKS}
+                runs[name] = replace(runs[name], validity=told)
         return replace(self, record=replace(self.record, runs=runs), histories=histories)
 
 

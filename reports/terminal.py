@@ -18,7 +18,7 @@ from harness.records.run import RunRecord, outside_domain, peak_lean_rad, peak_s
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval, Scores, Verdict
 from harness.statics.standstill import STILL_M
-from reports.blocks import Table
+from reports.blocks import Table, owned
 from reports.messages import ENGLISH
 
 if TYPE_CHECKING:
@@ -254,7 +254,7 @@ def beware_lines(findings: Sequence[Finding], total: int, room: int) -> list[str
     lines: list[str] = []
     shown = 0
     for each in findings:
-        said = wrapped(f"{MARK[each.severity]} {_owner(each)}{each.text}", 2, "   ")
+        said = wrapped(f"{MARK[each.severity]} {owned(each)}", 2, "   ")
         if len(lines) + len(said) > room - 1:
             break
         lines += said
@@ -265,13 +265,7 @@ def beware_lines(findings: Sequence[Finding], total: int, room: int) -> list[str
 
 def finding_lines(findings: Iterable[Finding]) -> list[str]:
     """Every finding, the heaviest first."""
-    return [
-        line for each in findings for line in wrapped(f"{MARK[each.severity]} {_owner(each)}{each.text}", LINES, "   ")
-    ]
-
-
-def _owner(finding: Finding) -> str:
-    return f"{finding.engine.replace('_vs_', ' – ')}: " if finding.engine and "_vs_" not in finding.engine else ""
+    return [line for each in findings for line in wrapped(f"{MARK[each.severity]} {owned(each)}", LINES, "   ")]
 
 
 def motion_lines(found: MotionInspection, findings: Sequence[Finding], *, verbose: bool = False) -> list[str]:

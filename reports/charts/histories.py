@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.model.history import Array
+from harness.model.run import number
 from harness.questions.scene.answer import STILL_RAD
+from harness.records.run import SLIDES_M
 from harness.records.scene import StatueRecord
 from harness.statics.standstill import STILL_M
 from reports.charts import Json
@@ -103,6 +105,10 @@ ACROSS_RAD: Final = 1e-4
 """A 3D engine's rotation across the rocking plane below this does not show beside the rotation in it."""
 MOST_STRETCHES: Final = 1500
 """Most stretches of motion pattern drawn per model; shorter ones than a pixel are drawn as their longest neighbour."""
+BARE: Final = {"rocking": "rocking_bare"}
+"""A statue without a pedestal only rocks."""
+OFF: Final = {"statue_slides": "statue_off"}
+"""What moves a statue on its support also throws it."""
 AXIS_LOOKS: Final = {
     "x": Look(INK, "", 1.0),
     "y": Look("#AA4499", "", 1.0),
@@ -213,7 +219,7 @@ def _doubt(source: RunSource) -> list[Json]:
 def _strip(patterns: Sequence[Json], say: Language) -> list[Json]:
     """What each model does over time, in colours that are hatched too."""
     fills = {say(f"chart.pattern_{name}"): fill for name, fill in PATTERN_FILLS.items()}
-    fills[say("chart.pattern_rocking_bare")] = PATTERN_FILLS["rocking"]
+    fills |= {say(f"chart.pattern_{own}"): PATTERN_FILLS[name] for name, own in (BARE | OFF).items()}
     met = {kind for part in patterns for kind in part["kind"]}
     y = names("name", [part["name"] for part in patterns], grid=False)
     bars = {"y": y, "color": kinds({kind: fills[kind] for kind in fills if kind in met})}
@@ -249,10 +255,10 @@ def _worded(view: Sequence[float], statue: StatueRecord) -> list[float]:
 
 
 def pattern_strip(source: RunSource, say: Language = ENGLISH) -> list[Json]:
-    """The stretches of motion pattern of each model that has them; a statue without a pedestal only rocks."""
-    words = {name: say(f"chart.pattern_{name}") for name in PATTERN_FILLS}
-    if source.scene.pedestal is None:
-        words["rocking"] = say("chart.pattern_rocking_bare")
+    """The stretches of motion pattern of each model that has them, in the words of what there is."""
+    off = any(number(run.validity, "statue_flight_m", 0.0) > SLIDES_M for run in source.runs.values())
+    own = (BARE if source.scene.pedestal is None else {}) | (OFF if off else {})
+    words = {name: say(f"chart.pattern_{own.get(name, name)}") for name in PATTERN_FILLS}
     return [
         {
             "name": name,

@@ -14,7 +14,7 @@ import numpy as np
 from jinja2 import Template
 from markupsafe import Markup
 
-from harness.model.history import Array, History
+from harness.model.history import Array, History, Outcome
 from harness.model.scene import SOLID_COLUMNS, base_shift_m
 from harness.records.assess import ClearanceRecord
 from harness.records.scene import MotionRecord, SceneRecord
@@ -45,11 +45,13 @@ SIDES: Final[Mapping[str, tuple[float, float]]] = {
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Outlines (k, 2) seen from above at rest and over every position, and the room needed beyond the first, m, by side."""
+    """Outlines (k, 2) seen from above at rest and over every position, and the room needed beyond the first, m, by side: more
+    than that on the side of a wall that is `struck`."""
 
     rest_m: Array
     moved_m: Array
     room_m: Mapping[str, float]
+    struck: str = ""
 
 
 def floor_plan(source: RunSource, names: Sequence[str]) -> Plan:
@@ -68,7 +70,11 @@ def floor_plan(source: RunSource, names: Sequence[str]) -> Plan:
     moved = _hull(np.vstack(points))
     sides = SIDES if in_space else {side: SIDES[side] for side in ("left", "right")}
     room = {side: float((moved @ towards).max() - (rest @ towards).max()) for side, towards in sides.items() if names}
-    return Plan(rest, moved, room)
+    wall = source.scene.wall
+    if wall is None or not room or all(run.outcome is not Outcome.TOUCHES_WALL for run in source.answered.values()):
+        return Plan(rest, moved, room)
+    over_m = section(source.scene).overhang_m(np.zeros(1), np.zeros(1), int(SIDES[wall.side][0]))
+    return Plan(rest, moved, room | {wall.side: wall.distance_m - float(over_m[0])}, wall.side)
 
 
 def probable_plan(item: ClearanceRecord, share: float) -> Plan | None:
@@ -152,6 +158,8 @@ def _outline(body: Array, columns: Sequence[Array], reached: Callable[[Array, An
 WIDTH: Final = 460.0
 HEIGHT: Final = 440.0
 BORDERS: Final = {"left": 74.0, "right": 74.0, "top": 26.0, "bottom": 84.0}
+BESIDE_CORNER: Final = 126.0
+"""Room beside a corner of the base, for its angle and the height of the centroid."""
 
 
 def scene_svg(scene: SceneRecord, say: Language, axes: Collection[str] = (), mesh: Path | None = None) -> Markup:
@@ -166,11 +174,12 @@ def scene_svg(scene: SceneRecord, say: Language, axes: Collection[str] = (), mes
     xs = [*outline[:, 0].tolist(), *sides, *([] if wall_x is None else [wall_x])]
     left, right = float(min(xs)), float(max(xs))
     top = lift + float(outline[:, 1].max())
+    middle = 0.5 * (left + right)
     scale = min(
         (WIDTH - BORDERS["left"] - BORDERS["right"]) / (right - left),
         (HEIGHT - BORDERS["top"] - BORDERS["bottom"]) / top,
+        (WIDTH / 2 - BESIDE_CORNER) / max(scene.statue.corner_right_m - middle, scene.statue.corner_left_m + middle),
     )
-    middle = 0.5 * (left + right)
 
     def x(value: float) -> float:
         return round(WIDTH / 2 + scale * (value - middle), 2)
@@ -350,7 +359,8 @@ def plan_svg(scene: SceneRecord, plan: Plan, title: str, say: Language) -> Marku
     }  # fmt: skip
     for side, room in plan.room_m.items():
         x, y, anchor = at[side]
-        shapes.append(text(x, y, f"+{say.length(room)}", anchor, SHAKING))
+        sign = ">\u00a0" if side == plan.struck else "+"
+        shapes.append(text(x, y, f"{sign}{say.length(room)}", anchor, SHAKING))
     return _svg([*shapes, *_compass(say)], title)
 
 

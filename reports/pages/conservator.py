@@ -360,21 +360,19 @@ def _leaning(source: RunSource) -> list[str]:
 def _worst_lean(source: RunSource) -> tuple[float, float, float, int]:
     """The largest lean of the models in which it stands as a share of the angle at which it balances there, alone or as one body
     with a pedestal that tips, both in rad, and the side; 0 for the side of one out of the plane of the pictures."""
-    leans = [(0.0, 0.0, source.scene.statue.slenderness_rad(1), 1)]
+    statue = source.scene.statue
+    leans = [(0.0, 0.0, statue.slenderness_rad(1), 1)]
     for name in source.standing:
-        run = source.runs[name]
-        for side in (1, -1):
-            peak, balance = (
-                float((side * source.histories[name].theta_rad).max()),
-                source.scene.statue.slenderness_rad(side),
-            )
-            leans.append((peak / balance, peak, balance, side))
+        run, theta_rad = source.runs[name], source.histories[name].theta_rad
+        peaks = ((float((side * theta_rad).max()), statue.slenderness_rad(side), side) for side in (1, -1))
+        share, _, balance, side = max((peak / balance, peak, balance, side) for peak, balance, side in peaks)
+        share = max(share, number(run.validity, "peak_over_slenderness", 0.0))
+        leans += [(share, share * balance, balance, side), *_tipped(source, name)]
         share, lean = (number(run.validity, f"peak_lean_{what}", 0.0) for what in ("share", "rad"))
-        if lean > ASIDE * run.peak_theta_rad and lean >= STILL_RAD:
-            # Its largest lean may not be the one that is nearest to its balance.
+        if share and lean >= STILL_RAD:
+            # In space another lean than the largest may be the nearest to its balance.
             balance = number(run.validity, "peak_lean_balance_rad", lean / share)
-            leans.append((share, share * balance, balance, 0))
-        leans += _tipped(source, name)
+            leans.append((share, share * balance, balance, 0 if lean > ASIDE * run.peak_theta_rad else side))
     return max(leans)
 
 
@@ -502,13 +500,16 @@ def reach_picture(source: RunSource, say: Language, before: Sequence[str] = ()) 
 
 def _rooms(plan: Plan, say: Language) -> str:
     """The room needed beyond the outline at rest, by side; what nobody sees is not told."""
-    return say.listed(
-        say(f"plan.{side}", length=say.length(room)) for side, room in plan.room_m.items() if room > VISIBLE_M
-    )
+    told = {
+        side: say("plan.more", length=say.length(room)) if side == plan.struck else say.length(room)
+        for side, room in plan.room_m.items()
+        if room > VISIBLE_M
+    }
+    return say.listed(say(f"plan.{side}", length=length) for side, length in told.items())
 
 
 def plan_picture(source: RunSource, plan: Plan, slip: Sequence[str], say: Language) -> Drawing:
-    """The space that the statue needs while it rocks, all round where a model follows it in space, and its pedestal's slip."""
+    """The space that the statue needs while it moves, all round where a model follows it in space, and its pedestal's slip."""
     heading, standing = say("plan.heading"), source.standing
     rooms = _rooms(plan, say)
     unknown = _slides_unknown(source)
@@ -520,7 +521,7 @@ def plan_picture(source: RunSource, plan: Plan, slip: Sequence[str], say: Langua
     elif "front" not in plan.room_m:
         words.append(say("plan.planar"))
     words += slip
-    shown = Plan(plan.rest_m, plan.moved_m, {side: room for side, room in plan.room_m.items() if room > VISIBLE_M})
+    shown = replace(plan, room_m={side: room for side, room in plan.room_m.items() if room > VISIBLE_M})
     drawn = plan_svg(source.scene, shown, f"{heading} {' '.join(words)}", say)
     return Drawing(drawn, words, heading=heading)
 

@@ -60,11 +60,12 @@ def blocks(folder: Path, record: RunRecord, say: Language) -> list[Block]:
     told = [each for each in record.findings if not each.code.startswith("pair_") and each.text not in answered]
     pairs = [(_pair(name), item.verdict_sentence) for name, item in record.scores.items() if item.verdict_sentence]
     # A run that never began has no largest rotation of nought.
+    stands_on = source.scene.pedestal
     begun = [
         dict.fromkeys(ANSWERS) | {"outcome": run.outcome} if run.outcome.failed and not run.end_s else run
         for run in source.runs.values()
     ]
-    models = turned(say, "answers", names, ANSWERS, begun, 4)
+    models = turned(say, "answers", names, [each for each in ANSWERS if stands_on or "slip" not in each], begun, 4)
     return [
         Group("beginning", [first, replay(source, chips)]) if source.histories else first,
         *(section(say, "histories", _histories(source, say)) if source.histories else ()),

@@ -256,6 +256,17 @@ def test_what_remains_before_the_wall_is_said(source: RunSource) -> None:
     assert "At rest 70\u00a0cm are free between it and the wall" in text
 
 
+def test_the_room_towards_a_wall_that_is_struck_is_more_than_there_is(source: RunSource) -> None:
+    """By models in which it stands 4 cm were to be kept free towards a wall at 6 cm that it strikes by others."""
+    one, *_ = source.standing
+    struck = {**source.runs, one: replace(source.runs[one], outcome=Outcome.TOUCHES_WALL)}
+    page = of_run(replace(source, record=replace(source.record, runs=struck)))
+    more = ENGLISH("plan.left", length=ENGLISH("plan.more", length=ENGLISH.length(0.7)))
+    assert more in " ".join(answer(page).todo)
+    assert any(f">&gt;\u00a0{ENGLISH.length(0.7)}<" in each.svg for each in pictures(page))
+    assert more not in spoken(of_run(source))
+
+
 @pytest.mark.parametrize("kind", ["agreed", "table", "map"])
 def test_four_pictures_at_most_no_jargon_and_both_pages_know_each_other(
     page_of: Callable[[str], Path], record_of: Callable[[str], Any], kind: str
@@ -621,6 +632,22 @@ def test_a_lean_to_the_front_is_told_on_both_pages(source: RunSource, monkeypatc
     assert ENGLISH("plan.seen") not in text, "no line is dashed where it keeps within its outline"
     statue = source.scene.statue
     assert balance_share(runs[name], still[name].theta_rad, statue.slenderness_rad) == share
+
+
+def test_both_pages_tell_one_share_of_the_balance(source: RunSource) -> None:
+    """Of an engine in space nearly in the plane, and of a model whose samples miss its peak: 58 % was told beside 61 %."""
+    name, run = next(iter(source.answered.items()))
+    for own in (
+        {"peak_lean_rad": 1.02 * abs(run.peak_theta_rad), "peak_lean_share": 0.99},
+        {"peak_over_slenderness": 0.99},
+    ):
+        runs = {**source.runs, name: replace(run, validity={**run.validity, **own})}
+        told = replace(source, record=replace(source.record, runs=runs))
+        assert conservator._worst_lean(told)[0] == 0.99
+        assert "99 % of the" in spoken(of_run(told))
+        late = replace(runs[name], validity={**runs[name].validity, "left_domain_s": 0.0})
+        cut = replace(source, record=replace(source.record, runs={**runs, name: late}))
+        assert conservator._worst_lean(cut.within_domain)[0] < 0.99, "what comes after the domain counts for nothing"
 
 
 def test_a_pedestal_that_one_model_lets_tip_is_not_said_to_stay_put(source: RunSource) -> None:

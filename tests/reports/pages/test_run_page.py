@@ -16,14 +16,17 @@ import pytest
 
 from analytic import Harmonic
 from harness.model.errors import InputError
-from harness.model.finding import info
-from harness.model.run import write_json
+from harness.model.finding import caution, info, texted
+from harness.model.run import RUN_FIELDS, Pattern, write_json
 from harness.model.scene import Pedestal
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.base import plain
 from harness.records.result_folder import read_result
 from harness.records.run import HorizonRecord
+from reports.blocks import owned
+from reports.charts.histories import pattern_strip
 from reports.drawing.kinematics import MOST_FACES, read_mesh
+from reports.drawing.pictures import BESIDE_CORNER, WIDTH, scene_svg
 from reports.messages import ENGLISH
 from reports.pages.conservator import of_run
 from reports.pages.page import write_report
@@ -35,6 +38,8 @@ from tests.reports.invented_run import write_invented
 from tests.reports.page_parts import lines
 from tests.reports.unpacking import numbers, unpacked
 from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
+
+SQUARE_M = [[-0.5, 0.0], [0.5, 0.0], [0.5, 1.0], [-0.5, 1.0]]
 
 
 @pytest.fixture(scope="module")
@@ -202,7 +207,45 @@ def test_a_missed_target_is_no_horizon_of_prediction(tmp_path: Path) -> None:
 def test_a_scene_without_pedestal_has_no_slip(page_of: Callable[[str], Path]) -> None:
     html = page_of("bare").read_text(encoding="utf-8")
     assert "slip u" not in json.dumps(figure_of(html))
+    assert not any(f">{ENGLISH.label(each.name)}<" in html for each in RUN_FIELDS if "slip" in each.name)
     assert "the statue stands on the floor" in without_data(html)
+
+
+def test_a_body_that_leaves_its_support_is_not_said_to_slide_alone(source: RunSource) -> None:
+    for flight_m, word in ((0.0, "statue_slides"), (0.15, "statue_off")):
+        validity = {"statue_flight_m": flight_m}
+        slides = [Pattern(0.0, 1.0, "statue_slides")]
+        runs = {name: replace(run, validity=validity, patterns=slides) for name, run in source.runs.items()}
+        drawn, *_ = pattern_strip(replace(source, record=replace(source.record, runs=runs)))
+        assert drawn["kind"] == [ENGLISH(f"chart.pattern_{word}")]
+
+
+def test_a_finding_of_a_pair_names_it_once() -> None:
+    """Two causes of a difference stood below each other, and of which pairs was not told."""
+    left_out = caution("motion_not_given", model="pymunk", axes=["y"])
+    cause = caution("plane_cause", cause="the yaw", whole=True, until_s=1.0, share_without={"motion_across": 0.0})
+    of_one = caution("motion_across_left_out")
+    told = [
+        owned(replace(each, engine=engine))
+        for each, engine in zip(
+            texted([left_out, cause, of_one], ENGLISH.say),
+            ("pymunk_vs_pybullet", "pymunk_vs_pybullet", "pymunk"),
+            strict=True,
+        )
+    ]
+    assert [each.partition(" ")[0] + each.partition(": ")[0] for each in told][1:] == [
+        "pymunkpymunk – pybullet",
+        "pymunk:pymunk",
+    ]
+    assert told[0].startswith("pymunk was not given")
+
+
+def test_the_angles_beside_a_squat_statue_stay_in_its_picture(source: RunSource) -> None:
+    squat = replace(source.scene.statue, corner_left_m=0.5, corner_right_m=0.5, height_m=1.0, section_m=SQUARE_M)
+    drawn = scene_svg(replace(source.scene, statue=squat, pedestal=None, wall=None), ENGLISH)
+    corners = [float(x) for x in re.findall(r'cx="([\d.]+)"', drawn)]
+    assert len(corners) == 2
+    assert BESIDE_CORNER - 0.01 <= min(corners) < max(corners) <= WIDTH - BESIDE_CORNER + 0.01
 
 
 def test_an_engine_that_failed_is_named_with_its_reason(tmp_path: Path) -> None:
