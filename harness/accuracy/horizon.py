@@ -77,7 +77,7 @@ def unseen_tipping_s(scene: Scene, run: Run, error_rad: float) -> float:
     more than that error.
     """
     pedestal = scene.pedestal
-    tilt_rad = number(run.validity, "pedestal_tilt_rad", 0.0)
+    tilt_rad = _tilt_rad(run)
     if pedestal is None or tilt_rad > SEEN * error_rad:
         return math.inf
     try:
@@ -90,6 +90,15 @@ def unseen_tipping_s(scene: Scene, run: Run, error_rad: float) -> float:
         return math.inf
     unseen = abs(together.peak_theta_rad) > max(error_rad, SEEN * tilt_rad)
     return number(validity, "left_domain_s") if unseen else math.inf
+
+
+def _tilt_rad(run: Run) -> float:
+    """How far the pedestal of a run tilts before there is no return from a fall, in which it may be taken along."""
+    history = run.history
+    tilt_rad = None if history is None else history.extra.get("pedestal_tilt_rad")
+    if history is None or tilt_rad is None:
+        return number(run.validity, "pedestal_tilt_rad", 0.0)
+    return float(np.abs(tilt_rad[history.t_s <= last_s(run)]).max(initial=0.0))
 
 
 def several_slides_s(scene: Scene, run: Run) -> float:

@@ -253,7 +253,7 @@ class _Climb:
     def stated(self, best: Run, until_s: float | None, answer: Spread | None) -> Run:
         """The best run with what the spread to its neighbour says of it, and what a stronger motion changed in it."""
         work = {**best.work, "runs": len(self.costs), "steps_of_all_runs": sum(steps for steps, _ in self.costs)}
-        best = replace(best, work=work, wall_s=sum(wall_s for _, wall_s in self.costs))
+        best = whole = replace(best, work=work, wall_s=sum(wall_s for _, wall_s in self.costs))
         if not self.options.history and self.options.allows("no_history"):
             best = replace(best, history=None)
         if until_s is None:
@@ -273,7 +273,7 @@ class _Climb:
         if grown_s < math.inf:
             # What never passes a third of the target never passes it: the model's runs are asked twice where it matters.
             grown_s = outgrown_s(self.scene, expected_rad, self.target.rotation_rad)
-        tips_s = unseen_tipping_s(self.scene, best, expected_rad)
+        tips_s = unseen_tipping_s(self.scene, whole, expected_rad)
         slides_s = several_slides_s(self.scene, best)
         found, until_s = [], min([*held_s, grown_s, tips_s, slides_s])
         if until_s == slides_s:

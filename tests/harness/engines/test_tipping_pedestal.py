@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 import analytic
 from analytic import Harmonic, Pulse
+from harness.accuracy.horizon import unseen_tipping_s
 from harness.accuracy.refinement import run_to_accuracy
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.stepping.step_log import STANDS_RAD, base_velocity
@@ -117,6 +118,14 @@ def test_a_tipping_that_no_step_resolves_ends_what_is_stated(name: str) -> None:
     assert together.peak_theta_rad > max(2.0 * run.numerical_uncertainty_rad, 10.0 * run.validity["pedestal_tilt_rad"])
     assert run.reliable_until_s == pytest.approx(together.uplift_times_s[0], abs=budget.TIPS_S)
     assert "tipping_not_resolved" in [each.code for each in run.findings]
+    # What a fall takes along at its end was not seen to tip before.
+    history = run.history
+    tilt_rad = np.where(history.t_s > 1.0, 0.1, history.extra["pedestal_tilt_rad"])
+    tipped = replace(run.history, extra={**history.extra, "pedestal_tilt_rad": tilt_rad})
+    falls = replace(run, history=tipped, no_return_time_s=1.0, validity={**run.validity, "pedestal_tilt_rad": 0.1})
+    expected_rad = run.settings["expected_error_rad"]
+    assert unseen_tipping_s(tall, falls, expected_rad) == unseen_tipping_s(tall, run, expected_rad)
+    assert unseen_tipping_s(tall, replace(falls, no_return_time_s=None), expected_rad) == math.inf
 
 
 @pytest.mark.parametrize("name", ["pymunk", "pybullet"])
