@@ -173,14 +173,14 @@ def of_run(source: RunSource, say: Language = ENGLISH) -> list[Block]:
     """Headline, first points, what to do, pictures, and what the answer rests on, of one run."""
     source = source.within_domain
     nominal = _nominal(source, say)
-    headline, basis = _answer(source, nominal, say)
+    headline, open_, basis = _answer(source, nominal, say)
     given = [] if headline == nominal else [say("chance.given", what=nominal[0].lower() + nominal[1:])]
     support, motion = support_of(source.scene), source.record.motion
     plan = floor_plan(source, source.standing)
     said = [] if source.record.answer is None else source.record.answer.findings
     ends = [end for each in said if each.code == TIE for end in each.values["outcomes"]]
     tie = [say("run.tie")] if "overturned" in ends else []
-    points = [*_shaking(source, say), *given, *tie, *_lean(source, say)]
+    points = [*open_, *_shaking(source, say), *given, *tie, *_lean(source, say)]
     pictures = [
         reach_picture(source, say),
         plan_picture(source, plan, _pedestal_slip(source, say), say),
@@ -229,7 +229,8 @@ def _todo(source: RunSource, plan: Plan, say: Language) -> list[str]:
     stone_m = 0.0 if stone is None else max((_moves_m(source, name, under_m) for name in answered), default=0.0)
     reasons = {
         "free": rooms,
-        "wall": any(run.outcome is Outcome.TOUCHES_WALL for run in answered.values()),
+        "wall": any(run.outcome is Outcome.TOUCHES_WALL for run in answered.values())
+        or any(item.touches_wall >= NEXT_TO_NONE for item in (source.record.assessment or {}).values()),
         "slide": stone_m > VISIBLE_M,
         "fall": unsafe and _may_fall(source),
         "ask": unsafe,
@@ -246,23 +247,24 @@ def _moves_m(source: RunSource, name: str, height_m: float) -> float:
 
 
 def _may_fall(source: RunSource) -> bool:
-    """Whether a fall is to be reckoned with: in a run, among the draws, or because neither tells."""
-    chances = (source.record.assessment or {}).values()
+    """Whether a fall is to be reckoned with: in a run, among the draws of which the headline tells, or because neither tells."""
+    chances = source.record.assessment
     falls = any(run.outcome.overturned for run in source.answered.values())
     return (
         falls
         or bool(_leaning(source))
         or not (source.answered and chances)
-        or any(item.high >= NEXT_TO_NONE for item in chances)
+        or chances[worst(chances)].high >= NEXT_TO_NONE
     )
 
 
-def _answer(source: RunSource, nominal: str, say: Language) -> tuple[str, list[str]]:
-    """The headline, and what it rests on: how probable a fall is where the record says so, else the run as given."""
+def _answer(source: RunSource, nominal: str, say: Language) -> tuple[str, list[str], list[str]]:
+    """The headline: how probable a fall is where the record says so, else the run as given; which cases it leaves open, and what
+    it rests on."""
     if not source.record.assessment:
         # One run is one draw: what it stands says nothing of how probable a fall is.
         shaken = bool(source.record.motion.accel_m_s2)
-        return nominal, [say("chance.unknown")] if shaken else []
+        return nominal, [], [say("chance.unknown")] if shaken else []
     item = source.record.assessment[worst(source.record.assessment)]
     # What follows a touch of the wall no model knows: such a draw is undecided, and yet it is known what happens.
     undecided, wall = max(item.undecided - item.touches_wall, 0.0), item.touches_wall
@@ -270,18 +272,19 @@ def _answer(source: RunSource, nominal: str, say: Language) -> tuple[str, list[s
     ends = [run.outcome for run in source.answered.values()]
     unknown = nominal if any(end is not Outcome.STANDS for end in ends) else say("chance.open")
     if undecided >= 1.0:
-        return unknown, []
-    open_ = [
-        *([say("chance.wall", share=_share(wall, say))] if wall else []),
-        *([say("chance.undecided", share=_share(undecided, say))] if undecided else []),
-    ]
+        return unknown, [], []
+    told = {"wall": wall, "undecided": undecided}
+    open_ = {key: say(f"chance.{key}", share=_share(share, say)) for key, share in told.items() if share}
     known = any(not each.plane_only for each in source.record.assessment.values())
     plane = [say("chance.plane"), *([] if known else [say("chance.plane_open")])] if item.plane_only else []
-    basis = [say("chance.cases"), *open_, *([" ".join(plane)] if plane else [])]
+    # Beside a share of falls stand the cases of which it does not tell, unless they are next to none.
+    beside = [text for key, text in open_.items() if item.tells and wall < MOSTLY and told[key] >= NEXT_TO_NONE]
+    rest = [text for text in open_.values() if text not in beside]
+    basis = [say("chance.cases"), *rest, *([" ".join(plane)] if plane else [])]
     if wall >= MOSTLY:
         often = "wall_always" if wall > 1.0 - NEXT_TO_NONE else "wall_mostly"
-        return say(f"chance.{often}", share=f"{100.0 * wall:.0f}"), basis
-    return _falls(item, say) if item.tells else unknown, basis
+        return say(f"chance.{often}", share=f"{100.0 * wall:.0f}"), beside, basis
+    return _falls(item, say) if item.tells else unknown, beside, basis
 
 
 def _falls(item: Assessment, say: Language) -> str:

@@ -65,11 +65,7 @@ def answer_of(
 
         parts += probability(assessment)
     parts += _until(known, judged)
-    causes = {each.values["cause"] for pair in scores.values() for each in pair.findings if each.code == "plane_cause"}
-    if causes:
-        # What the third dimension adds is why answers differ.
-        parts.append(info("plane_decides", causes=sorted(causes)))
-    parts += decided
+    parts += [*_plane(judged), *decided]
     flipping = [each for name, each in horizons.items() if name in known and len(_reached(each)) > 1]
     if flipping:
         # A small change of start or motion changes the outcome by one model itself.
@@ -175,17 +171,27 @@ def _until(known: Mapping[str, Run], scores: Sequence[Scores]) -> list[Finding]:
         if any(run.bounded_until_s < run.end_s for run in known.values()):
             return [info("histories_known_until", until_s=bounded)]
         return [info("histories_agree")]
-    # The pair that the answer rests on, before one that parts sooner for another reason.
-    first = min(
-        parted,
-        key=lambda each: (each.verdict is not Verdict.MODEL, each.verdict is not Verdict.PLANE, _agree_until_s(each)),
-    )
+    first = min(parted, key=_order)
     until_s, why = _agree_until_s(first), first.verdict
     if first.evidence.aside:
         return [info("histories_agree_in_plane", a=first.a, b=first.b)]
     if why in LATE and _fell_by(known, until_s):
         return [info("histories_agree_past_return", until_s=until_s)]
     return [info("histories_agree_until", until_s=until_s, why=why.name.lower(), a=first.a, b=first.b)]
+
+
+def _order(scores: Scores) -> tuple[bool, bool, float]:
+    """The place of a pair that parts: one that the answer rests on, before one that parts sooner for another reason."""
+    return scores.verdict is not Verdict.MODEL, scores.verdict is not Verdict.PLANE, _agree_until_s(scores)
+
+
+def _plane(scores: Sequence[Scores]) -> list[Finding]:
+    """What of that which the plane leaves out makes the pair differ that is told of; else the cause of another pair, by name."""
+    for place, pair in enumerate(sorted((each for each in scores if each.verdict is not Verdict.AGREE), key=_order)):
+        if causes := [each.values["cause"] for each in pair.findings if each.code == "plane_cause"]:
+            named = {"a": pair.a, "b": pair.b} if place else {}
+            return [info("plane_decides", causes=causes, **named)]
+    return []
 
 
 def _fell_by(known: Mapping[str, Run], time_s: float) -> bool:

@@ -455,7 +455,8 @@ def test_draws_that_strike_the_wall_are_no_open_answer(source: RunSource) -> Non
     some = Assessment(0.1, 0.09, 0.32, 0.9, 1000, 1000, 0.2, touches_wall=0.2)
     page = of_run(replace(source, record=replace(source.record, assessment={"analytic": some})))
     assert answer(page).headline == ENGLISH("chance.between", share="10", low="9", high="32")
-    assert ENGLISH("chance.wall", share="20") in spoken(page)
+    assert answer(page).points[0] == ENGLISH("chance.wall", share="20"), "beside a share that does not tell of it"
+    assert ENGLISH("todo.wall") in answer(page).todo
     assert ENGLISH("chance.undecided", share="0") not in spoken(page)
 
 
@@ -489,6 +490,18 @@ def test_shaking_that_the_plane_leaves_out_is_told_only_of_a_number_without_it(s
     for item, key in ((few, "rarely_in_plane"), (replace(few, plane_only=False), "rarely")):
         page = of_run(replace(source, record=replace(source.record, assessment={"analytic": item})))
         assert answer(page).headline == ENGLISH(f"chance.{key}")
+
+
+def test_a_fall_is_reckoned_with_by_the_chance_that_the_headline_tells(source: RunSource) -> None:
+    """Draws outside the domain widen the interval of a model that leaves a part of the shaking out; another knows all of it."""
+    wide = Assessment(0.0, 0.0, 0.026, 0.9, 10_000, 10_000, plane_only=True)
+    space = Assessment(0.0, 0.0, 0.0095, 0.9, 281, 281)
+    runs = {name: replace(run, outcome=Outcome.STANDS) for name, run in source.runs.items()}
+    fall = ENGLISH("todo.fall", height=ENGLISH.length(1.66))
+    for answers, reckoned in (({"analytic": wide}, True), ({"analytic": wide, "spatial": space}, False)):
+        page = of_run(replace(source, record=replace(source.record, runs=runs, assessment=answers)))
+        assert (answer(page).headline == ENGLISH("chance.rarely")) != reckoned
+        assert (fall in answer(page).todo) == reckoned
 
 
 def test_one_that_leans_past_its_balance_at_the_end_is_not_said_to_stay_upright(source: RunSource) -> None:

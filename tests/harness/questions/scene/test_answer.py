@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness import Outcome, Run, compare
-from harness.model.finding import Finding
+from harness.model.finding import Finding, caution
 from harness.model.scene import Scene
 from harness.questions.scene.answer import answer_of
 from harness.records.assess import Assessment
@@ -121,6 +121,24 @@ def test_the_headline_tells_of_the_pair_that_its_code_rests_on() -> None:
 def test_what_the_plane_leaves_out_is_no_difference_of_models() -> None:
     flat = run("flat", doubles.parted(doubles.rocking(), 2.0, 0.01), motion_axes=("x",))
     assert told(flat, run("space", motion_axes=("x", "y")))[0] == "plane_left_out"
+
+
+def test_a_cause_is_told_of_the_pair_that_has_it() -> None:
+    """The first to part has none of its own: the cause of another pair is that pair's, by name."""
+    parted = [doubles.parted(doubles.rocking(), at_s, 0.01) for at_s in (2.0, 4.0)]
+    runs = {name: run(name, history, motion_axes=("x",)) for name, history in zip("ab", parted, strict=True)}
+    runs["space"] = run("space", motion_axes=("x", "y"))
+    scores = {f"{name}_vs_space": compare(runs[name], runs["space"]) for name in "ab"}
+
+    def told_of(pair: str) -> dict[str, Any]:
+        because = caution("plane_cause", cause="base_outline")
+        found = scores | {pair: replace(scores[pair], findings=[because])}
+        said = {each.code: each.values for each in answer_of(SCENE, runs, found, {}, {}).findings}
+        assert (said["histories_agree_until"]["a"], said["histories_agree_until"]["why"]) == ("a", "plane")
+        return said["plane_decides"]
+
+    assert told_of("a_vs_space") == {"causes": ["base_outline"]}
+    assert told_of("b_vs_space") == {"causes": ["base_outline"], "a": "b", "b": "space"}
 
 
 @pytest.mark.parametrize(("axes", "code"), [(("x", "y"), "plane_left_out"), (("x",), "differ_by_model")])
