@@ -395,7 +395,9 @@ def _refine(found: Map, points: Points) -> None:
     tiers = dict.fromkeys((found.names, found.quick))
     while wanted := {names: asked for names in tiers if (asked := found.unasked(names))}:
         for names, asked in wanted.items():
-            found.take(names, points.kept(found.plane, sorted(asked), names, found.horizons))
+            # Where all run, those in the plane say by themselves what they would.
+            left = asked if names == found.names else asked - wanted.get(found.names, set())
+            found.take(names, points.kept(found.plane, sorted(left), names, found.horizons))
 
 
 def map_of(found: Map, points: Points, *, coarse: bool) -> TrustMap:

@@ -281,6 +281,17 @@ def test_a_whole_map_is_asked_from_its_ends_and_what_a_check_finds_is_bracketed(
     assert len(odd.asked[NAMES]) < len(whole.points) / 2
 
 
+def test_where_all_run_those_in_the_plane_are_not_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Their runs are among those of all."""
+    monkeypatch.setattr(Plane, "at", lambda plane, point: None)
+    monkeypatch.setattr(Plane, "at_rest", lambda plane, point: False)
+    whole = Plane(None, None, "sine", [0.1 * 1.02**j for j in range(33)], [1.0, 1.3, 1.7, 2.2])  # type: ignore[arg-type]
+    calm = Invented(set())
+    found = explored(whole, ALL, calm, 0)  # type: ignore[arg-type]
+    assert calm.asked[ALL] | calm.asked[NAMES] == found.ran.keys()
+    assert not calm.asked[ALL] & calm.asked[NAMES]
+
+
 def test_an_engine_in_space_is_asked_where_it_says_another_class(monkeypatch: pytest.MonkeyPatch) -> None:
     """On a coarse grid first, then around the points where it does; elsewhere what those in the plane say is the class."""
     monkeypatch.setattr(Plane, "at", lambda plane, point: None)
