@@ -54,7 +54,10 @@ def run(
         typer.Option("--no-skip", metavar="NAME", help="Switch one skip off (see --explain), or `all`."),
     ] = None,
     witness: Annotated[
-        bool, typer.Option("--witness", help="Compare the runs with unmodified engines (up to twice the time).")
+        bool,
+        typer.Option(
+            "--witness", help="Compare the runs with unmodified engines (up to twice the time; more where they part)."
+        ),
     ] = False,
     no_assess: Annotated[bool, typer.Option("--no-assess", help="Skip the overturning probability.")] = False,
     language: InLanguage = "en",

@@ -156,9 +156,11 @@ def findings_of(witnesses: Mapping[str, Witness]) -> list[Finding]:
         name = item.engine.removesuffix(PLAIN)
         agree = {run: judged for run, judged in item.runs.items() if judged.agrees and judged.until_s > LEAST_S}
         parted = {run: judged for run, judged in item.runs.items() if not judged.agrees}
-        if agree:
-            until_s, to_rad = min(each.until_s for each in agree.values()), max(each.to_rad for each in agree.values())
-            values = {"models": [*agree], "until_s": until_s, "to_rad": to_rad, "floor_impact": item.floor_impact}
+        # The model under the witness's own rule is held further than runs that begin to differ by another.
+        for rule in sorted({judged.floor_impact for judged in agree.values()}, reverse=True):
+            like = {run: judged for run, judged in agree.items() if judged.floor_impact == rule}
+            until_s, to_rad = min(each.until_s for each in like.values()), max(each.to_rad for each in like.values())
+            values = {"models": [*like], "until_s": until_s, "to_rad": to_rad, "floor_impact": item.floor_impact}
             found.append(info("witness_confirms", witness=name, **values))
         if parted:
             first_s = min(each.until_s for each in parted.values())

@@ -116,7 +116,12 @@ def test_with_two_coefficients_the_model_with_the_static_one_at_impacts_is_confi
     seen = witnesses(scene, runs, RunOptions())["pymunk:plain"]
     model, located = seen.runs["analytic"], seen.runs["pymunk"]
     assert (model.agrees, model.floor_impact) == (True, "static")
-    assert {each.values["floor_impact"] for each in findings_of({seen.engine: seen})} == {"static"}
+    told = findings_of({seen.engine: seen})
+    assert {each.values["floor_impact"] for each in told} == {"static"}
+    assert [(each.values["models"], each.values["until_s"]) for each in told] == [
+        (["analytic"], model.until_s),
+        (["pymunk"], located.until_s),
+    ]
     assert model.until_s > 0.9
     assert model.to_rad < TARGET_RAD
     choice = decided_by(scene, runs)
