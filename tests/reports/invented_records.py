@@ -13,6 +13,7 @@ from harness.comparison.history_files import compare_files
 from harness.comparison.history_files import write_comparison as write_comparison_of
 from harness.comparison.statistics import fragility
 from harness.comparison.statistics.outcomes import FELL, Prediction, score_outcomes
+from harness.input.scene_file import load_scene
 from harness.model import run as record
 from harness.model.finding import Answer, info
 from harness.model.history import Outcome
@@ -272,7 +273,8 @@ def trust() -> TrustRecord:
     shares = dict.fromkeys(CLASSES, 1.0 / len(CLASSES))
     summary = TrustSummary(points=8, asked=8, checked=0, changed=0, found=0, cpu_s=1.0)
     scene = paestum(0.429, 3.0)
-    whole = Plane(BaseScene(None, {}), scene, "sine", [0.1, 0.15, 0.225, 0.3375], [1.0, 2.0])
+    block = load_scene(Path(__file__).parents[2] / "scenes" / "paestum_block.toml")
+    whole = Plane(BaseScene(block.source, block.given), scene, "sine", [0.1, 0.15, 0.225, 0.3375], [1.0, 2.0])
     contours = {name: [0.12, None] for name in CONTOURS}
     maps = [TrustMap("pedestal", shares, 0.15, contours, cells), TrustMap("floor", shares, None, contours, cells)]
     saved = saved_by(["analytic", "pymunk"], maps)

@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Hashable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import groupby, pairwise
 from typing import Any, Final
 
@@ -119,6 +120,11 @@ class Plane:
         peaks = np.array([[a, b, z] for a in (x, -x) for b in (y, -y)])
         times = np.linspace(0.0, 0.5 * scene.duration_s, len(peaks))
         return LimitsOfRest(scene, polygon, times, peaks).until_s(0.0) >= scene.duration_s
+
+    @cached_property
+    def shaken(self) -> Scene:
+        """The scene under what shakes it on this map: nothing in it is of a motion whose place another takes."""
+        return self.scene if self.motion == "scene" else self.at(self.points[0])
 
     @property
     def weaker_side(self) -> int:

@@ -353,7 +353,7 @@ def trust_map(plane: Plane, names: tuple[str, ...], points: Points, *, coarse: b
     return TrustRecord(
         title=plane.scene.title,
         answer=answer_of(plane, names, maps, saved),
-        findings=[*findings_of(maps, saved, summary, seed), *alone, *plane.scene.findings],
+        findings=[*findings_of(maps, saved, summary, seed), *alone, *plane.shaken.findings],
         scene=SceneRecord.of(plane.scene),
         motion=plane.motion,
         coarse=coarse,
@@ -514,9 +514,10 @@ def answer_of(plane: Plane, names: Sequence[str], maps: Sequence[TrustMap], save
         held_where = where if up_to_g is not None else f"{where}_nowhere"
         held.append(info("trust_up_to", where=held_where, strength_g=up_to_g, **every_hz))
         shares = {kind: share for kind, share in each.shares.items() if share}
-        told.append(info("trust_shares", where=where, shares=shares, **over, **every_hz))
+        shaken = plane.motion if where == "own" else where
+        told.append(info("trust_shares", where=shaken, shares=shares, **over, **every_hz))
     planar = all(engines.load(name).capabilities.dimensions == PLANAR for name in names)
-    alone = [caution("trust_in_plane")] if planar and not plane.scene.planar else []
+    alone = [caution("trust_in_plane")] if planar and not plane.shaken.planar else []
     first = knows_most(saved, MODEL)
     pedestal = [] if first is None else [info("pedestal_saves", model=first, **vars(saved[first]))]
     return Answer("refuted" if refuted else "trust_map", [*refuted[:1], *held, *alone, *pedestal, *told])

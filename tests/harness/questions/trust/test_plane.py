@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -44,6 +45,17 @@ def test_engines_are_asked_often_enough_where_nothing_changes() -> None:
 def test_a_check_of_another_class_is_bracketed() -> None:
     found = {0: "confirmed", 4: "refuted", 8: "confirmed"}
     assert to_ask("a" * 9, found, 8) == {2, 6}
+
+
+@pytest.mark.parametrize("motion", ["sine", "pulse", "scene"])
+def test_what_is_said_of_a_motion_is_not_said_where_another_shakes(motion: str, tmp_path: Path) -> None:
+    record = tmp_path / "cut.csv"
+    record.write_text("t_s,a_m_s2\n" + "".join(f"{0.01 * k:.2f},{2.0 * math.cos(0.3 * k):.6f}\n" for k in range(200)))
+    across = {"kind": "record", "file": str(record), "column": "a_m_s2", "unit": "m/s^2"}
+    plane = Plane.of(harness.scene({**BLOCK, "motion": {**BLOCK["motion"], "y": across}}), motion, coarse=True)
+    assert "record_abrupt" in {each.code for each in plane.scene.findings}
+    assert ("record_abrupt" in {each.code for each in plane.shaken.findings}) is (motion == "scene")
+    assert plane.shaken.planar is (motion != "scene")
 
 
 @pytest.mark.parametrize("motion", ["sine", "pulse", "scene"])
