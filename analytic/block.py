@@ -80,7 +80,7 @@ class Block:
             raise AnalyticInputError(f"profile_m: at least two finite (x, z) are wanted, {self.profile_m!r} came.")
         if (np.diff(points[:, 0]) <= 0.0).any():
             raise AnalyticInputError("profile_m: x increasing from left to right is wanted: sort the vertices.")
-        if (np.diff(self.facets_rad()) <= 0.0).any():
+        if (np.diff(self.arrays[2]) <= 0.0).any():
             raise AnalyticInputError(
                 "profile_m: a convex lower profile is wanted: leave out vertices that cannot touch."
             )

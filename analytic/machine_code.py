@@ -220,15 +220,11 @@ class Entry:
 
     @property
     def _path(self) -> Path | None:
-        folder = home_of(self._room)
-        return None if folder is None else folder / f"{self.name}-{_setup()}.o"
-
-    @property
-    def _room(self) -> Path:
         spec = importlib.util.find_spec(self.module.rpartition(".")[0])
         assert spec is not None
         assert spec.origin is not None
-        return Path(spec.origin).resolve().parent
+        folder = home_of(Path(spec.origin).resolve().parent)
+        return None if folder is None else folder / f"{self.name}-{_setup()}.o"
 
     def _compiled(self, path: Path | None) -> Callable[..., None]:
         """Compile it, and keep what comes out where it can be kept."""
@@ -266,8 +262,13 @@ def _listed(symbol: str, arguments: int, text: str) -> bytes:
 
 def _loaded(path: Path | None) -> Callable[..., None] | None:
     """The function that was kept, None where there is none, or this process cannot run it."""
-    content = None if path is None else _read(path)
-    return None if content is None else _linked(content)
+    try:
+        content = b"" if path is None else path.read_bytes()
+    except OSError:
+        return None
+    written, _, rest = content.partition(LISTED)
+    # Nothing but what is whole is linked.
+    return _linked(content) if hashlib.sha256(rest).hexdigest().encode() == written else None
 
 
 @contextlib.contextmanager
@@ -278,16 +279,6 @@ def _alone(path: Path | None) -> Iterator[None]:
             with contextlib.suppress(OSError):
                 fcntl.flock(stack.enter_context(path.with_suffix(".lock").open("w")), fcntl.LOCK_EX)
         yield
-
-
-def _read(path: Path) -> bytes | None:
-    """What was kept, None where there is nothing whole."""
-    try:
-        content = path.read_bytes()
-    except OSError:
-        return None
-    written, _, rest = content.partition(LISTED)
-    return content if hashlib.sha256(rest).hexdigest().encode() == written else None
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -7,7 +7,6 @@ from x seen from above: the direction towards which the body would topple.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -76,16 +75,14 @@ def lower_chain(points: Array) -> Array:
     for point in points[order].tolist():
         if chain and point[0] == chain[-1][0]:
             continue
-        while len(chain) > 1 and _turn_sine(chain[-2], chain[-1], point) <= STRAIGHT_RAD:
+        while len(chain) > 1:
+            (ax, az), (bx, bz), (cx, cz) = chain[-2], chain[-1], point
+            turn = (bx - ax) * (cz - bz) - (bz - az) * (cx - bx)
+            if turn / (math.hypot(bx - ax, bz - az) * math.hypot(cx - bx, cz - bz)) > STRAIGHT_RAD:
+                break
             chain.pop()
         chain.append(point)
     return np.array(chain)
-
-
-def _turn_sine(a: Sequence[float], b: Sequence[float], c: Sequence[float]) -> float:
-    """Sine of the turn at b on the way from a to c: positive for a left turn."""
-    along_x, along_z, ahead_x, ahead_z = b[0] - a[0], b[1] - a[1], c[0] - b[0], c[1] - b[1]
-    return (along_x * ahead_z - along_z * ahead_x) / (math.hypot(along_x, along_z) * math.hypot(ahead_x, ahead_z))
 
 
 def feet(vertices_m: Array, tolerance_m: float) -> Array:

@@ -159,7 +159,7 @@ class _Climb:
 
     def ends_with(self, settings: Settings, run: Run, check: _Check) -> bool:
         """Take a run; whether no further one is worth its cost."""
-        self._count(run)
+        self.costs.append((run.steps, run.wall_s))
         self.agreed_s = self.answer = None
         if check.before is not None and not run.outcome.failed:
             self.spreads.append(spread(check.before, run, self.target))
@@ -236,11 +236,8 @@ class _Climb:
         if not other.outcome.failed and history is not None:
             self.answer = spread(other, run, self.target, replace(self.target, slip_m=math.inf))
             self.answers += 1
-            self._count(other)
+            self.costs.append((other.steps, other.wall_s))
         return self.answer
-
-    def _count(self, run: Run) -> None:
-        self.costs.append((run.steps, run.wall_s))
 
     def best(self) -> tuple[Run, float | None]:
         """The finest run that was not ended early, and until when it and its neighbours agree; None where it has none."""

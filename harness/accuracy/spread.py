@@ -128,7 +128,8 @@ def spread(coarse: Run, fine: Run, target: Error, limit: Error | None = None) ->
     turned, slid = plain * turned, plain * slid
     limit = limit or target.times(1.0 / factor(*steps))
     share = np.maximum(turned / limit.rotation_rad, slid / limit.slip_m)
-    counts = [_within(share, most) for most in (1.0, 1.0 / CLEAR, CLEAR)]
+    # How many instants come before the first at which they are further apart than that.
+    counts = [int(np.argmax(np.append(share > most, True))) for most in (1.0, 1.0 / CLEAR, CLEAR)]
     _, clear, near = (fine.end_s if count == share.size else float(times[max(count - 1, 0)]) for count in counts)
     whole = counts[0] == share.size and (same_end or coarse.outcome == fine.outcome)
     within = share.size if whole else min(counts[0], share.size - 1)
@@ -146,9 +147,3 @@ def spread(coarse: Run, fine: Run, target: Error, limit: Error | None = None) ->
 
 def _largest(turned_rad: Array, slid_m: Array) -> Error:
     return Error(float(np.max(turned_rad, initial=0.0)), float(np.max(slid_m, initial=0.0)))
-
-
-def _within(share: Array, most: float) -> int:
-    """Number of instants before the first at which two runs are further apart than `most`."""
-    over = np.flatnonzero(share > most)
-    return int(over[0]) if over.size else share.size

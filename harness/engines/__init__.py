@@ -37,13 +37,9 @@ def asked(names: Sequence[str] | None, otherwise: Sequence[str]) -> list[str]:
 def default_engines(scene: Scene) -> tuple[str, ...]:
     """The engines that run a scene unless others are asked for."""
     if scene.initial.pose is None:
-        return DEFAULT_ENGINES + ((EXACT_IN_SPACE,) if _known_in_space(scene) else ())
+        across = stands_alone(scene) and scene.base_excitation.y.peak_m_s2 > 0.0
+        return DEFAULT_ENGINES + ((EXACT_IN_SPACE,) if across else ())
     return THROWN if scene.contact.restitution is None else BOUNCING
-
-
-def _known_in_space(scene: Scene) -> bool:
-    """Whether the floor moves across the plane under one body that stands on it, with no impact prescribed."""
-    return stands_alone(scene) and scene.base_excitation.y.peak_m_s2 > 0.0
 
 
 def stands_alone(scene: Scene) -> bool:

@@ -16,7 +16,7 @@ import numpy as np
 from harness.input.mistakes import MOST_MISTAKES
 from harness.input.text_file import decimals, decoded, is_decimal, read_bytes
 from harness.model.errors import InputError, Mistake, refuse
-from harness.model.history import COLUMNS, Array, History, hermite
+from harness.model.history import COLUMNS, Array, History, hermites
 
 REQUIRED: Final = ("t_s", "theta_rad")
 UNITS: Final[Mapping[str, tuple[str, float]]] = {
@@ -247,7 +247,9 @@ def between_samples(values: Array, t_s: Array) -> float:
     if t_s.size < FEWEST:
         return 0.0
     slopes = np.gradient(values[ends], t_s[ends])
-    return 0.5 * float(np.abs(hermite(t_s[left_out], t_s[ends], values[ends], slopes) - values[left_out]).max())
+    return 0.5 * float(
+        np.abs(hermites(t_s[left_out], t_s[ends], ((values[ends], slopes),))[0] - values[left_out]).max()
+    )
 
 
 def of_rate(values: Array, t_s: Array) -> float:

@@ -19,7 +19,7 @@ from analytic.excitation import Excitation, ZeroExcitation
 from harness.input import motions, tables
 from harness.input.mesh_statue import statue_from_mesh
 from harness.input.overrides import Overrides, plain, replacements
-from harness.input.tables import ContactTable, InitialTable, ModelTable, PedestalTable, SceneFile, StatueTable
+from harness.input.tables import InitialTable, PedestalTable, SceneFile, StatueTable
 from harness.input.uncertain import uncertain_inputs
 from harness.model.errors import InputError, Mistake, refuse
 from harness.model.finding import Finding, caution, info
@@ -147,14 +147,23 @@ def resolve(
         if drawn := [f"uncertainty.{key}" for key in model.uncertainty if key.startswith("contact.floor")]:
             # A probability over it would be one of no doubt at all.
             found.append(caution("key_not_used", keys=drawn))
+    preset = PRESETS[model.model.preset]
+    friction_normal = model.model.friction_normal or preset.friction_normal
+    at_impact = model.model.pedestal_at_impact or preset.pedestal_at_impact
     scene = Scene(
         title=model.title,
         duration_s=model.duration_s,
         gravity_m_s2=model.gravity_m_s2,
-        form=_form(model.model),
+        form=Form(friction_normal, at_impact),
         statue=statue,
         pedestal=pedestal,
-        contact=_contact(model.contact),
+        contact=Contact(
+            model.contact.floor_static,
+            model.contact.floor_kinetic,
+            model.contact.statue,
+            None if model.contact.restitution == "momentum" else float(model.contact.restitution),
+            model.contact.floor_impact,
+        ),
         base_excitation=base_excitation,
         wall=None if model.wall is None else Wall(model.wall.side, model.wall.distance_m),
         initial=_initial(model.initial, statue, path),
@@ -237,16 +246,6 @@ def _initial(table: InitialTable, statue: Statue, path: Path) -> Initial:
         wanted = f"the whole body above the floor (z = 0): the centroid at least {-lowest:.6g} m higher"
         raise InputError(Mistake(str(path), "initial.position_m", wanted, f"its lowest point at {lowest:.6g} m"))
     return Initial(pose=pose)
-
-
-def _form(table: ModelTable) -> Form:
-    preset = PRESETS[table.preset]
-    return Form(table.friction_normal or preset.friction_normal, table.pedestal_at_impact or preset.pedestal_at_impact)
-
-
-def _contact(table: ContactTable) -> Contact:
-    ratio = None if table.restitution == "momentum" else float(table.restitution)
-    return Contact(table.floor_static, table.floor_kinetic, table.statue, ratio, table.floor_impact)
 
 
 def _base_excitation(model: SceneFile, path: Path, mistakes: list[Mistake], found: list[Finding]) -> BaseExcitation:

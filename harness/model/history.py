@@ -303,11 +303,11 @@ class History(Shown):
 
     def at(self, t_s: ArrayLike) -> Array:
         """Rotation in rad at the given times, by cubic Hermite between samples (held beyond the ends)."""
-        return hermite(np.asarray(t_s, dtype=np.float64), self.t_s, self.theta_rad, self.theta_rate_rad_s)
+        return hermites(np.asarray(t_s, dtype=np.float64), self.t_s, ((self.theta_rad, self.theta_rate_rad_s),))[0]
 
     def slip_at(self, t_s: ArrayLike) -> Array:
         """Slip in m at the given times, in the same way."""
-        return hermite(np.asarray(t_s, dtype=np.float64), self.t_s, self.slip_m, self.slip_rate_m_s)
+        return hermites(np.asarray(t_s, dtype=np.float64), self.t_s, ((self.slip_m, self.slip_rate_m_s),))[0]
 
     def write_csv(self, path: Path) -> None:
         """Write the history with 17 significant digits, so that it reads back bit for bit."""
@@ -333,13 +333,10 @@ class History(Shown):
         return cls(**{name: columns.pop(name) for name in COLUMNS}, extra=columns)
 
 
-def hermite(t_s: Array, knots_s: Array, values: Array, rates: Array) -> Array:
-    """Cubic Hermite interpolation of `values` with slopes `rates` at `knots_s` (increasing), held beyond the ends."""
-    return hermites(t_s, knots_s, ((values, rates),))[0]
-
-
 def hermites(t_s: Array, knots_s: Array, pairs: Sequence[tuple[Array, Array]]) -> list[Array]:
-    """The same for several (values, rates) at the same knots, whose places are looked up once."""
+    """Cubic Hermite interpolation of several values with their slopes at knots (increasing), whose places are looked up once;
+    held beyond the ends.
+    """
     if knots_s.size == 1:
         return [np.full(t_s.shape, values[0]) for values, _ in pairs]
     clipped = np.minimum(np.maximum(t_s, knots_s[0]), knots_s[-1])

@@ -345,13 +345,11 @@ def versions() -> Mapping[str, str]:
 
 def machine() -> dict[str, str | int]:
     """What computed: system, processor, cores."""
-    return {"system": platform.system(), "processor": _processor(), "cores": os.cpu_count() or 1}
-
-
-def _processor() -> str:
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
-        return platform.processor() or platform.machine()
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.machine()
+        names = [platform.processor()]
+    else:
+        names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    processor = next(filter(None, names), platform.machine())
+    return {"system": platform.system(), "processor": processor, "cores": os.cpu_count() or 1}

@@ -26,7 +26,9 @@ def block_of(scene: Scene) -> Block:
     """The scene's statue in its rocking plane: the base profile of its mesh, two corners without one, and where that ends."""
     statue = scene.statue
     if (found := _BLOCKS.get(statue)) is None:
-        found = _block_of(statue)
+        from analytic import Block
+
+        found = Block(statue.mass_kg, statue.centroid_height_m, statue.inertia_kg_m2, statue.profile_m)
         found = _BLOCKS[statue] = _with_ends(found, statue, None)
     if scene.pedestal is None or min(found.base_ends_rad) == math.inf:
         return found
@@ -58,12 +60,6 @@ def base_end(statue: Statue, support: Support | None, block: Block, side: int) -
     leans = np.where(beyond, np.arctan2(z - height_m, side * (x - outer_m)), math.inf)
     first = int(np.argmin(leans))
     return BaseEnd(float(leans[first]), float(z[first])) if leans[first] < block.alpha_rad(side) else BaseEnd()
-
-
-def _block_of(statue: Statue) -> Block:
-    from analytic import Block
-
-    return Block(statue.mass_kg, statue.centroid_height_m, statue.inertia_kg_m2, statue.profile_m)
 
 
 def pedestal_of(scene: Scene) -> Pedestal | None:

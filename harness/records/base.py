@@ -61,10 +61,6 @@ class Record:
         answer = None if self.answer is None else self.answer.texted(say)
         return replace(self, answer=answer, findings=texted(weighed(self.findings), say))
 
-    def plain(self) -> Plain:
-        """The record as plain JSON values in the order of its fields."""
-        return plain(self)
-
 
 def option_words(**options: object) -> list[str]:
     """Options of a command as it takes them, each once for every item of a list; those that are not given are left out."""
@@ -97,7 +93,7 @@ def plain(record: Any) -> Plain:
 
 def as_file(record: Record) -> Plain:
     """A record as it stands in a `result.json`, which names its JSON Schema."""
-    values = record.plain()
+    values = plain(record)
     # What the result is comes before where it was computed.
     last: Plain = {name: values.pop(name) for name in ("versions", "machine", "files") if name in values}
     return {"$schema": schema_name(record.kind), **values, **last}
@@ -110,20 +106,16 @@ def schema_name(kind: str) -> str:
 
 def validated(kind: type[T], text: str | bytes, where: Path) -> T:
     """A record from its JSON text. Raises `InputError` naming file and key of what is absent or of another form."""
+    text = text.decode("utf-8") if isinstance(text, bytes) else text
+    if "\\ud" in text or "\\uD" in text:
+        # Bytes of a file's name that are no UTF-8 as their escapes: json writes them, pydantic does not read them.
+        whole = json.dumps(json.loads(text), ensure_ascii=False)
+        text = LONE.sub(lambda mark: f"\\\\u{ord(mark.group()):04x}", whole)
     try:
-        return _adapter(kind).validate_json(_in_utf8(text))
+        return _adapter(kind).validate_json(text)
     except ValidationError as error:
         mistakes = dict.fromkeys(_mistake(detail, str(where)) for detail in error.errors(include_url=False))
         raise InputError(list(mistakes)[:MOST_MISTAKES]) from error
-
-
-def _in_utf8(text: str | bytes) -> str:
-    """The text with bytes of a file's name that are no UTF-8 as their escapes: json writes them, pydantic does not read them."""
-    if isinstance(text, bytes):
-        text = text.decode("utf-8")
-    if "\\ud" not in text and "\\uD" not in text:
-        return text
-    return LONE.sub(lambda mark: f"\\\\u{ord(mark.group()):04x}", json.dumps(json.loads(text), ensure_ascii=False))
 
 
 def part(kind: type[T], values: Any, where: Path) -> T:

@@ -96,7 +96,9 @@ def check_folder(
         raise InputError(Mistake("--out", "", "a folder", got))
     if not open_to_us:
         raise InputError(Mistake("--out", "", "a folder that can be written", f"the read-only folder {there}"))
-    finished, begun = _kind(folder), store_kind(folder / STORE)
+    own = ((path, read_own(path)) for path in (folder / RECORD, folder / COMING))
+    ended = (full_kind(str(each["kind"]), each.get("command")) for path, each in own if each and is_sealed(path))
+    finished, begun = next(ended, None), store_kind(folder / STORE)
     found = [kind for kind in (finished, begun) if kind is not None]
     others = [name for name in inside if name not in INSPECTED and not name.startswith(".")]
     others.sort(key=lambda name: (name != RECORD, name))
@@ -179,14 +181,6 @@ def store_kind(path: Path) -> str | None:
 def full_kind(kind: str, command: object) -> str:
     """A kind of record, with `--quick` where its command had it: a few rows are no measurement to replace a whole one."""
     return f"{kind} --quick" if kind in ("bench", "stress") and "--quick" in str(command).split() else kind
-
-
-def _kind(folder: Path) -> str | None:
-    for path in (folder / RECORD, folder / COMING):
-        record = read_own(path)
-        if record is not None and is_sealed(path):
-            return full_kind(str(record["kind"]), record.get("command"))
-    return None
 
 
 def _some(names: list[str]) -> str:

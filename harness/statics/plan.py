@@ -157,8 +157,13 @@ class LimitsOfRest:
         if any(item.straight_s(scene.duration_s) is None for item in parts):
             return None
         polygon = resting_polygon_m(scene.statue)
-        if polygon is None or not _on_top(polygon, scene):
+        if polygon is None:
             return None
+        if scene.pedestal is not None:
+            # No scene file has a statue that its pedestal's top does not bear on all of its lowest vertices.
+            middle_m = scene.statue.base_centre_m + scene.pedestal.offset_m, 0.0
+            if np.max(np.abs(polygon - middle_m) - scene.pedestal.half_m[:2]) > LEVEL_M:
+                return None
         times = instants_s(parts, scene.duration_s)
         accel = np.stack([np.asarray(item.accel_m_s2(times), dtype=np.float64) for item in parts], axis=1)
         formulas = [item.peak_m_s2 for item in parts if not isinstance(item, SampledAcceleration)]
@@ -212,16 +217,6 @@ def first_motion_s(scene: Scene) -> float:
     return 0.0 if limits is None else limits.until_s(0.0)
 
 
-def _on_top(polygon_m: Array, scene: Scene) -> bool:
-    """Whether the pedestal's top bears a statue on all of its lowest vertices; no scene file has one that it does not."""
-    if scene.pedestal is None:
-        return True
-    beside_m = (
-        np.abs(polygon_m - (scene.statue.base_centre_m + scene.pedestal.offset_m, 0.0)) - scene.pedestal.half_m[:2]
-    )
-    return bool(np.max(beside_m) <= LEVEL_M)
-
-
 # Which collision shape of the statue a 3D run needs, and why: a pure function of the scene.
 
 HULL_EXCESS_LIMIT: Final = 0.12
@@ -251,18 +246,12 @@ def shape_needed(scene: Scene) -> Need:
         return Need("base")
     if scene.statue.solid is None:
         return Need("hull")
-    below_m = min(edge_reach_m(scene.statue, scene.pedestal), scene.statue.height_m)
+    # A body turning on a foot that has not slipped meets the edge with points as far from it, hence no higher above the base.
+    pedestal, middle_m = scene.pedestal, np.array([scene.statue.base_centre_m + scene.pedestal.offset_m, 0.0])
+    reach_m = np.abs(scene.statue.feet_m[:, :2] - middle_m) + 0.5 * np.array([pedestal.width_m, pedestal.depth_m])
+    below_m = min(float(np.hypot(reach_m[:, 0], reach_m[:, 1]).max()), scene.statue.height_m)
     excess = hull_excess_rel(scene.statue.solid, below_m)
     return Need("hull" if excess <= HULL_EXCESS_LIMIT else "parts", excess, below_m)
-
-
-def edge_reach_m(statue: Statue, pedestal: Pedestal) -> float:
-    """Greatest distance from a foot to the pedestal's edge: a body turning on that foot meets the edge with points as far
-    from it, hence no higher above the base (while the foot has not slipped).
-    """
-    centre = statue.base_centre_m + pedestal.offset_m
-    far = np.abs(statue.feet_m[:, :2] - np.array([centre, 0.0])) + 0.5 * np.array([pedestal.width_m, pedestal.depth_m])
-    return float(np.hypot(far[:, 0], far[:, 1]).max())
 
 
 # Whether a scene is its own mirror image across the rocking plane.
@@ -323,7 +312,16 @@ def plan(
         for name in SKIPS
         if name in engine.capabilities.skips
     ]
-    return (*own, *_edges(scene, engines), _planar(scene, engines), _lazy(engines, registered), _cached())
+    asked = {engine.name for engine in engines}
+    idle = [name for name in registered if name not in asked]
+    return (
+        *own,
+        *_edges(scene, engines),
+        _planar(scene, engines),
+        # Switched by naming the engine, and by another folder for the store.
+        Step("lazy_engines", "*", bool(idle), info("plan_engines", idle=idle, every=not idle)),
+        Step("cached", "*", False, info("plan_always_computed")),
+    )
 
 
 def _decided(name: str, scene: Scene, engine: PlannedEngine, options: RunOptions) -> Step:
@@ -413,15 +411,3 @@ def _planar(scene: Scene, engines: Sequence[PlannedEngine]) -> Step:
     if solid:
         return Step("planar", "*", False, info("plan_in_3d", engines=solid))
     return Step("planar", "*", scene.planar, info("plan_no_3d", planar=scene.planar))
-
-
-def _lazy(engines: Sequence[PlannedEngine], registered: Iterable[str]) -> Step:
-    """Switched by naming the engine."""
-    asked = {engine.name for engine in engines}
-    idle = [name for name in registered if name not in asked]
-    return Step("lazy_engines", "*", bool(idle), info("plan_engines", idle=idle, every=not idle))
-
-
-def _cached() -> Step:
-    """Switched by another folder for the store."""
-    return Step("cached", "*", False, info("plan_always_computed"))

@@ -56,9 +56,13 @@ def push_of(scene: Scene, x_factor: float = 1.0) -> Push:
     base_excitation = scene.base_excitation
     parts = (base_excitation.x, base_excitation.y, base_excitation.z)
     t_s = instants_s(parts, scene.duration_s)
-    peak, shares = 0.0, dict.fromkeys(_limits(scene), 0.0)
+    causes: tuple[Cause, ...] = get_args(Cause)
+    shares = {each: 0.0 for each in causes if scene.pedestal is not None or not each.startswith("pedestal")}
+    peak = 0.0
     for _ in range(2):
-        level, weight = _level(parts, t_s, x_factor), scene.gravity_m_s2 + parts[2].accel_m_s2(t_s)
+        # What pushes each kilogram: against the floor's horizontal acceleration.
+        level = -np.column_stack([x_factor * parts[0].accel_m_s2(t_s), parts[1].accel_m_s2(t_s)])
+        weight = scene.gravity_m_s2 + parts[2].accel_m_s2(t_s)
         sizes = {name: _shares(over, weight) for name, over in _needed(scene, level).items()}
         peak = max(peak, float(np.hypot(*level.T).max()) / scene.gravity_m_s2)
         shares = {name: max(share, float(sizes[name].max())) for name, share in shares.items()}
@@ -83,15 +87,6 @@ def peak_within_m_s2(item: Excitation, duration_s: float) -> float:
     """The largest acceleration that a motion reaches within the duration."""
     largest = float(np.abs(item.accel_m_s2(instants_s((item,), duration_s))).max())
     return item.peak_m_s2 if largest > (1.0 - CREST) * item.peak_m_s2 else largest
-
-
-def _level(parts: tuple[Excitation, ...], t_s: Array, x_factor: float) -> Array:
-    """The push (n, 2) on each kilogram: against the floor's horizontal acceleration."""
-    return -np.column_stack([x_factor * parts[0].accel_m_s2(t_s), parts[1].accel_m_s2(t_s)])
-
-
-def _limits(scene: Scene) -> tuple[Cause, ...]:
-    return tuple(name for name in get_args(Cause) if not name.startswith("pedestal") or scene.pedestal is not None)
 
 
 LEVEL_M: Final = 1e-9

@@ -58,7 +58,9 @@ def blocks(folder: Path, record: RunRecord, say: Language) -> list[Block]:
     first = run_verdict(source, chips, say)
     answered = [] if record.answer is None else [each.text for each in record.answer.findings]
     told = [each for each in record.findings if not each.code.startswith("pair_") and each.text not in answered]
-    pairs = [(_pair(name), item.verdict_sentence) for name, item in record.scores.items() if item.verdict_sentence]
+    pairs = [
+        (f"{each.a} – {each.b}", each.verdict_sentence) for each in record.scores.values() if each.verdict_sentence
+    ]
     # A run that never began has no largest rotation of nought.
     stands_on = source.scene.pedestal
     begun = [
@@ -135,7 +137,7 @@ def _details(source: RunSource, say: Language) -> list[Block]:
     record = source.record
     limits = limit_rows(source, say)
     rows: list[Row] = [[Cell(name, tip=tip), *cells] for name, tip, cells in score_rows(record.scores, say)]
-    scores = Table(say("table.scores"), ["", *map(_pair, record.scores)], rows)
+    scores = Table(say("table.scores"), ["", *(f"{each.a} – {each.b}" for each in record.scores.values())], rows)
     by_model = Group("columns", [Group("", [Facts(pairs)], name) for name, pairs in limits.items()])
     settings = Group("columns", [Group("", [facts(say, run.settings)], name) for name, run in source.runs.items()])
     command = command_line("run", source.scene.file or "scene.toml", *(record.asked or ()), e=[*source.runs])
@@ -149,10 +151,6 @@ def _details(source: RunSource, say: Language) -> list[Block]:
         Details(say("section.repeat"), [Text(again, "command")], "repeat"),
         *made,
     ]
-
-
-def _pair(name: str) -> str:
-    return name.replace("_vs_", " – ")
 
 
 def chip(name: str, names: list[str], run: Run | None, say: Language, share: float | None = None) -> Chip:
@@ -191,19 +189,13 @@ def toml_text(content: Mapping[str, object]) -> str:
     """TOML of nested mappings of strings, numbers, booleans and lists; keys without a value are left out, long lists counted."""
     import tomli_w
 
-    return tomli_w.dumps(_stated(content))
+    return tomli_w.dumps({key: _stated(value) for key, value in content.items() if value is not None})
 
 
-def _stated(content: Mapping[str, object]) -> dict[str, object]:
-    return {
-        key: _stated(value) if isinstance(value, Mapping) else _counted(value)
-        for key, value in content.items()
-        if value is not None
-    }
-
-
-def _counted(value: object) -> object:
+def _stated(value: object) -> object:
     """A value, of a long list its length: `result.json` has it whole."""
+    if isinstance(value, Mapping):
+        return {key: _stated(each) for key, each in value.items() if each is not None}
     return f"{len(value)} numbers" if isinstance(value, list) and len(value) > MANY else value
 
 

@@ -150,15 +150,11 @@ def tone_of_probability(item: Assessment) -> Tone:
     return "failed" if item.probability_overturned >= LIKELY else "differ"
 
 
-def tone_of_answers(answers: Mapping[str, Assessment]) -> Tone:
-    """The worst colour of several models' probabilities; no green where all leave a part of the shaking out."""
+def tone_of_answers(answers: Mapping[str, Assessment], colour: Tone = "agree") -> Tone:
+    """The worst colour of several models' probabilities and a run's own; no green where all leave a part of the shaking out."""
     known = any(not item.plane_only for item in answers.values())
-    return max([*map(tone_of_probability, answers.values()), "agree" if known else "differ"], key=SEVERITY.index)
-
-
-def worse_tone(answers: Mapping[str, Assessment], colour: str) -> str:
-    """The worse of a run's colour and that of its probabilities: a probability makes no run's green greener."""
-    return max([colour, tone_of_answers(answers)], key=SEVERITY.index)
+    told = map(tone_of_probability, answers.values())
+    return max([colour, *told, "agree" if known else "differ"], key=SEVERITY.index)
 
 
 STUCK_M: Final = 1e-5
@@ -177,7 +173,7 @@ def tone(source: RunSource) -> str:
     if colour == "agree" and code(source.record) not in ("agree", "agree_until", "one_model"):
         colour = "differ"
     if source.record.assessment:
-        return worse_tone(source.record.assessment, colour)
+        return tone_of_answers(source.record.assessment, colour)
     return "differ" if colour == "agree" and source.record.motion.accel_m_s2 else colour
 
 

@@ -17,7 +17,6 @@ import pytest
 from analytic import machine_code
 from analytic import machine_code as compiling
 from analytic.kernel import compiler
-from analytic.machine_code import home_of
 
 TINY = '''
 import math
@@ -66,8 +65,7 @@ def compiled(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def kept(entry: machine_code.Entry) -> Path:
-    folder = home_of(entry._room)
-    (path,) = folder.glob("powers-*.o")
+    (path,) = entry._path.parent.glob("powers-*.o")
     return path
 
 

@@ -143,7 +143,7 @@ def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, options: Ru
     if options.allows("base_only"):
         edge = EdgeWatch(setup.hull_m, p.half_m, LOOK_STEPS * settings.dt_s, greatest_pull_m_s2(scene))
         record = stepped(None, edge)
-        if not edge(record.last):
+        if not edge(record.row(-1)):
             return record, None
     # The statue comes to the pedestal's edge: a body is not exchanged on the way, the run begins again with all of it.
     full = full_shape(scene, settings.full_shape)

@@ -65,7 +65,7 @@ def run(scene: Scene, level: BulletSettings, setup: Setup, options: RunOptions) 
             crossing = EdgeCrossing(setup.feet_m, scene.pedestal.half_m[:2], row)
         watch = _watch(scene, level, setup, options, crossing)
         record = _part(scene, level, setup, schedule, watch, full, crossing, record)
-        row = record.last
+        row = record.row(-1)
         if watch.leave is None or round(record.t_s[-1] / level.dt_s) >= count or not watch.leave(row):
             break
         # The pedestal's edge can meet the body from here on, or another foot is beside its top: the same state goes on in a
@@ -103,7 +103,7 @@ def _part(
         if done is None:
             record, even = StepLog.begun(backend.read(), schedule.first * level.dt_s), True
         else:
-            backend.place(done.last)
+            backend.place(done.row(-1))
             record, even = done, False
         return loop.integrate(scene, schedule, watch, StepState(stepper, record, even=even))
 

@@ -171,7 +171,8 @@ def _integrated(scene: Scene, own: MunkSettings, options: RunOptions) -> tuple[S
     from harness.engines.pymunk.support import SupportVertex
 
     count = step_count(scene.duration_s, own.dt_s)
-    first = _first_step(scene, own, options, count)
+    quiet_s = first_motion_s(scene) if options.allows("quiet_start") else 0.0
+    first = min(max(int(quiet_s / own.dt_s) - SETTLE_STEPS, 0), count - 1)
     schedule = Schedule(scene, own.dt_s, first, count)
     support = SupportVertex(scene, own)
     backend = ChipmunkBackend(world.build(scene, own), own, support)
@@ -229,11 +230,6 @@ def _settings(scene: Scene, dt_s: float, most_iterations: float, error_rad: floa
 
 def _turning(iterations: int) -> int:
     return min(max(round(TURNING_SHARE * iterations), TURNING_LEAST), iterations)
-
-
-def _first_step(scene: Scene, settings: MunkSettings, options: RunOptions, total: int) -> int:
-    quiet = first_motion_s(scene) if options.allows("quiet_start") else 0.0
-    return min(max(int(quiet / settings.dt_s) - SETTLE_STEPS, 0), total - 1)
 
 
 def _plain_throughout(times_s: list[float]) -> dict[str, object]:

@@ -43,8 +43,11 @@ class ChipmunkBackend:
     """One of Chipmunk's spaces (`harness.engines.stepping.step_state.Backend`); a `support` keeps the statue in contact."""
 
     def __init__(self, world: World, settings: MunkSettings, support: SupportVertex | None = None) -> None:
-        self.world, self.settings, self.step_s = world, settings, settings.dt_s
-        self.space, self.bodies = native.space_of(world.space), world.movers
+        self.settings, self.step_s = settings, settings.dt_s
+        # pymunk's objects own Chipmunk's, which go with them.
+        self.world = world
+        self.space, self.floor_body, self.floor_shape = world.space._space, world.floor._body, world.floor_shape._shape
+        self.bodies = [body._body for body in (world.statue, world.pedestal) if body is not None]
         self.support = support
         self.floor: State | None = None
         self.floor_m_s = (0.0, 0.0)
@@ -83,20 +86,20 @@ class ChipmunkBackend:
 
     def set_floor_friction(self, friction: float) -> None:
         """Coefficient of the pedestal on the floor from now on."""
-        native.set_friction(native.shape_of(self.world.floor_shape), friction)
+        native.set_friction(self.floor_shape, friction)
 
     def move_table(self, place_m: Vector, velocity_m_s: Vector) -> None:
         """Put the floor to where it is after Chipmunk's move."""
         (x, _, z), (u, _, w) = place_m, velocity_m_s
         # Until it is solved the statue has the velocity of the step before.
         self.floor, self.floor_m_s = (x, z, 0.0, *self.floor_m_s, 0.0), (u, w)
-        set_velocity(native.body_of(self.world.floor), (u, w))
+        set_velocity(self.floor_body, (u, w))
         self._place_floor(x, z)
 
     def _place_floor(self, x: float, z: float) -> None:
         """Where Chipmunk's move takes it to this place."""
         (u, w), step_s = self.floor_m_s, self.step_s
-        set_place(native.body_of(self.world.floor), (x - u * step_s, z - w * step_s))
+        set_place(self.floor_body, (x - u * step_s, z - w * step_s))
 
     def prepare_step(self, state: StepState, kick_s: float, length_s: float) -> None:
         """What the next step's velocities lag behind, and will."""

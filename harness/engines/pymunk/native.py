@@ -32,21 +32,6 @@ WIDTH: Final = 6
 """Numbers for each body: x, z, angle (anticlockwise), their rates."""
 
 
-def space_of(space: pymunk.Space) -> Any:
-    """Chipmunk's space."""
-    return space._space
-
-
-def body_of(body: pymunk.Body) -> Any:
-    """Chipmunk's body."""
-    return body._body
-
-
-def shape_of(shape: pymunk.Shape) -> Any:
-    """Chipmunk's shape."""
-    return shape._shape
-
-
 def contacts_of(body: Any) -> Impulse | None:
     """What the contacts of one of Chipmunk's bodies gave it in the last step, about y as the layer counts.
 
@@ -82,7 +67,7 @@ class StateReader:
         self._target.fields = FIELDS.value
         self._target.floatArray, self._target.intArray = self._floats, self._ints
         self._each = ffi.addressof(lib, "pmSpaceBodyGetIteratorFuncBatched")
-        self._space, self._width, self._backwards = space_of(space), WIDTH * count, backwards
+        self._space, self._width, self._backwards = space._space, WIDTH * count, backwards
 
     def states(self, seconds: float = 0.0) -> list[State]:
         """Each body's place, rotation and rates after so many seconds at these."""

@@ -62,14 +62,6 @@ def base_vertices(scene: Scene) -> Array:
     return from_centroid
 
 
-def fall_rad_s2(scene: Scene) -> float:
-    """Greatest acceleration of a statue that stands on one corner of its base, under its weight."""
-    statue = scene.statue
-    # The lever of the weight about a corner is longest upright: a lean onto that corner shortens it.
-    arms = ((statue.corner_m(side), scene.pivot_inertia_kg_m2[side]) for side in (-1, 1))
-    return max(statue.mass_kg * scene.gravity_m_s2 * arm / inertia for arm, inertia in arms)
-
-
 class SupportVertex:
     """The base as vertices from right to left, (x, z) from the centroid; `level_rad` are the rotations (ascending) at which the
     facets between them lie on a level support: turned beyond the first i of them the statue stands on vertex i.
@@ -80,7 +72,10 @@ class SupportVertex:
         self.points = [(float(x), float(z)) for x, z in points]
         self.level_rad = [float(-math.atan2(dz, dx)) for dx, dz in points[:-1] - points[1:]]
         self.between_rad = [0.5 * (low + high) for low, high in pairwise(self.level_rad)]
-        self.rest_rad_s = REST_SHARE * fall_rad_s2(scene) * settings.dt_s
+        # Turned by its weight about one corner: the lever is longest upright, as a lean onto that corner shortens it.
+        arms = ((scene.statue.corner_m(side), scene.pivot_inertia_kg_m2[side]) for side in (-1, 1))
+        fall_rad_s2 = max(scene.statue.mass_kg * scene.gravity_m_s2 * arm / inertia for arm, inertia in arms)
+        self.rest_rad_s = REST_SHARE * fall_rad_s2 * settings.dt_s
         self.height_m, self.depth_m, self.slop_m = scene.statue.centroid_height_m, settings.depth_m, settings.slop_m
         self.half_m = 0.0 if scene.pedestal is None else 0.5 * scene.pedestal.height_m
         self.lifted_m = LIFTED * scene.gravity_m_s2 * settings.dt_s**2

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import pymunk
@@ -32,12 +32,6 @@ class World:
     floor: pymunk.Body
     floor_shape: pymunk.Shape
     reader: native.StateReader
-
-    @property
-    def movers(self) -> tuple[Any, ...]:
-        """Chipmunk's dynamic bodies."""
-        bodies = (self.statue,) if self.pedestal is None else (self.statue, self.pedestal)
-        return tuple(native.body_of(body) for body in bodies)
 
 
 def build(scene: Scene, settings: MunkSettings) -> World:

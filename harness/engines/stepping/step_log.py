@@ -238,8 +238,3 @@ class StepLog:
         """The statue's angular velocity in the row before the last."""
         begin = 10 - 2 * self.width
         return self.flat[begin : begin + 3]
-
-    @property
-    def last(self) -> Row:
-        """The last row."""
-        return self.row(-1)

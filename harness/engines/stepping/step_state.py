@@ -332,10 +332,6 @@ class Stepper:
         self.backend.place(before)
         self.writer.ledger.of(kind).steps_again += 1
 
-    def look(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
-        """After whole steps under `pulls`: what the bodies' contacts need next."""
-        self.backend.look(pulls, before, after, self.table_rate)
-
     def redo_sliding(self, friction: float, gravity: Vector, before: Row) -> Row:
         """A step in which the pedestal was let loose again, with the coefficient that acts over it: the static one holds it."""
         self._again(before)
@@ -538,7 +534,7 @@ class StepState:
     def __init__(self, stepper: Stepper, record: StepLog, *, even: bool) -> None:
         """Go on from the last sample of `record`, at a whole step."""
         self.stepper, self.schedule, self.events = stepper, stepper.schedule, stepper.events
-        self.record, self.row, self.t_s, self.kick_s = record, record.last, record.t_s[-1], record.kick_s[-1]
+        self.record, self.row, self.t_s, self.kick_s = record, record.row(-1), record.t_s[-1], record.kick_s[-1]
         stepper.writer.ledger = record.ledger
         self.step_s = self.length_s = stepper.schedule.step_s
         self.number, self.even = round(self.t_s / self.step_s), even
@@ -563,12 +559,8 @@ class StepState:
 
     def to(self, t_s: float, kick_s: float) -> Row:
         """One step of places to `t_s` and of velocities to `kick_s`."""
-        length = t_s - self.t_s
-        self._set(length)
-        gravity = self.schedule.between(self.kick_s, kick_s, length)
-        self.stepper.backend.prepare_step(self, kick_s, length)
-        self.row = self.stepper.step(gravity, self.t_s, kick_s, length, self.row)
-        self.t_s, self.kick_s, self.even, self.velocity_jumped = t_s, kick_s, False, False
+        self.kick(t_s - self.t_s, kick_s)
+        self.t_s, self.velocity_jumped = t_s, False
         self.record.keep(t_s, kick_s, self.row)
         return self.row
 
@@ -660,7 +652,7 @@ class StepState:
             self._weigh()
         if self.number >= self.look_from:
             self.look_from = self.number + LOOK_STEPS
-            stepper.look(pulls[:made], before, self.row)
+            stepper.backend.look(pulls[:made], before, self.row, stepper.table_rate)
         self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
 
     def _weigh(self) -> None:
@@ -687,7 +679,8 @@ class StepState:
     def settle(self) -> None:
         """Contacts as the present row needs them: the impulses that the solver begins from are none, or of another time."""
         at = min(self.number - self.schedule.first, len(self.schedule.coarse) - 1)
-        self.stepper.look(self.schedule.coarse[at : at + 1], self.row, self.row)
+        stepper = self.stepper
+        stepper.backend.look(self.schedule.coarse[at : at + 1], self.row, self.row, stepper.table_rate)
 
     def bring(self, instant_s: float) -> None:
         """Velocities to an instant within the next step at which forces jump: the middle of a step of the places, where these

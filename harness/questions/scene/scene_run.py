@@ -25,7 +25,7 @@ from harness.model.scene import Scene, must_be_scene
 from harness.questions.scene import floor_impact
 from harness.questions.scene.answer import answer_of
 from harness.questions.scene.left_out import TakenAway, explained, with_reasons
-from harness.questions.scene.witness import doubted, findings_of, finer_rad, finer_runs, witnesses
+from harness.questions.scene.witness import findings_of, finer_rad, finer_runs, witnesses
 from harness.records.assess import Assessment
 from harness.records.base import option_words
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
@@ -184,7 +184,10 @@ def run_scene(
         return {item.name: runs.get(item.name) or failed(item.name, Outcome.CRASHED, ENDED) for item in loaded}
 
     def result() -> Result:
-        told = replace(scene, findings=(*scene.findings, *_findings(scene, known(), refined, target)))
+        # Which engines were refined, and what a scene that nothing moves would take.
+        again = [info("refined_for_comparison", accuracy_rad=finer_rad(target)).of(name) for name in refined]
+        still = standstill(scene, answers_of(known()))
+        told = replace(scene, findings=(*scene.findings, *again, *([] if still is None else [still])))
         seconds = time.perf_counter() - start
         choice = floor_impact.decided_by(scene, known())
         return Result(told, known(), scores, steps, seconds, horizons, assessment, witness_answers, choice, asked)
@@ -199,8 +202,8 @@ def run_scene(
             refinable = {
                 item.name for item in loaded if not item.capabilities.certifies and item.name not in (stored or {})
             }
-            doubts = doubted(each for pair, each in scores.items() if pair not in found)
-            names_refined, finer = finer_runs(scene, known(), doubts, refinable, target, on_progress)
+            open_ = [each for pair, each in scores.items() if pair not in found]
+            names_refined, finer = finer_runs(scene, known(), open_, refinable, target, on_progress)
             refined += names_refined
             if finer:
                 runs |= finer
@@ -255,13 +258,6 @@ def _moves(runs: Mapping[str, Run]) -> Iterator[Finding]:
     for said in (caution("statue_slides"), caution("statue_hops"), caution("statue_turns")):
         if (models := own.get(said.code)) is not None:
             yield replace(said, values={"models": [*models], "most": [min(models.values()), max(models.values())]})
-
-
-def _findings(scene: Scene, runs: Mapping[str, Run], refined: Sequence[str], target: RunTarget) -> list[Finding]:
-    """What is known of the scene once it has run: which engines were refined, and what a scene that nothing moves would take."""
-    still = standstill(scene, answers_of(runs))
-    again = [info("refined_for_comparison", accuracy_rad=finer_rad(target)).of(name) for name in refined]
-    return [*again, *([] if still is None else [still])]
 
 
 @contextmanager

@@ -43,11 +43,6 @@ PAST_S: Final = 0.05
 """The finer run goes so far past where the difference passes its limit: a difference that grows is clear by then."""
 
 
-def doubted(scores: Iterable[Scores]) -> list[Scores]:
-    """Pairs said to differ robustly, by less than `SURE` times their limit; no finer step gives a motion left out."""
-    return [each for each in scores if each.verdict in ROBUST and not each.evidence.aside and _close(each)]
-
-
 def finer_rad(target: RunTarget) -> float:
     """The accuracy of a run that is made again before models are said to differ."""
     return target.target_rad / CONFIRMATION_FACTOR
@@ -56,7 +51,7 @@ def finer_rad(target: RunTarget) -> float:
 def finer_runs(
     scene: Scene,
     runs: Mapping[str, Run],
-    doubts: Iterable[Scores],
+    scores: Iterable[Scores],
     refinable: set[str],
     target: RunTarget,
     on_progress: Callable[[str], None],
@@ -66,6 +61,8 @@ def finer_runs(
     Of those whose difference is gone with the finer target a whole finer run is made; of the others a run states no more than
     what an error of its own step leaves of it in the model.
     """
+    # Those said to differ robustly, by less than `SURE` times their limit; no finer step gives a motion left out.
+    doubts = [each for each in scores if each.verdict in ROBUST and not each.evidence.aside and _close(each)]
     until_s: dict[str, float] = {}
     for each in doubts:
         for name in {each.a, each.b} & refinable:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness.input.history_file import read_history
-from harness.model.history import COLUMNS, History, Outcome, hermite, output_grid
+from harness.model.history import COLUMNS, History, Outcome, hermites, output_grid
 from tests.budgets import HERMITE_ROUNDING
 
 
@@ -72,7 +72,7 @@ def test_hermite_is_exact_for_cubics_and_holds_beyond_the_ends() -> None:
     values, rates = knots**3 - knots, 3.0 * knots**2 - 1.0
     t = np.array([-1.0, 0.1, 0.3, 0.77, 1.0, 2.0])
     expected = np.array([0.0, 0.1**3 - 0.1, 0.3**3 - 0.3, 0.77**3 - 0.77, 0.0, 0.0])
-    assert np.max(np.abs(hermite(t, knots, values, rates) - expected)) <= HERMITE_ROUNDING
+    assert np.max(np.abs(hermites(t, knots, ((values, rates),))[0] - expected)) <= HERMITE_ROUNDING
 
 
 def test_the_output_grid_ends_at_the_last_instant() -> None:

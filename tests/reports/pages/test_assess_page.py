@@ -14,7 +14,7 @@ from harness.records.assess import Assessment, AssessRecord, Index, ProbabilityD
 from reports.blocks import Table
 from reports.messages import ENGLISH
 from reports.pages.assess_page import assess_verdict, blocks
-from reports.text.wording import tone_of_probability, worse_tone
+from reports.text.wording import tone_of_answers, tone_of_probability
 from tests.reports.page_parts import cell_text, every
 from tests.scenes_for_tests import paestum
 
@@ -49,7 +49,7 @@ def test_draws_without_an_end_are_said_and_are_no_reason_for_green() -> None:
     assert tone_of_probability(half) == "differ"
     most = replace(half, high=0.9, undecided=0.9)
     assert not most.tells
-    assert worse_tone({"analytic": replace(half, undecided=1.0)}, "agree") == "differ"
+    assert tone_of_answers({"analytic": replace(half, undecided=1.0)}, "agree") == "differ"
 
 
 def test_the_most_probable_fall_decides_the_colour(shaken: AssessRecord) -> None:
@@ -103,5 +103,5 @@ def test_every_option_that_was_compared_stands_in_a_table(shaken: AssessRecord, 
 @pytest.mark.parametrize(("p", "high", "colour"), [(0.01, 0.02, "agree"), (0.3, 0.32, "differ"), (0.9, 0.95, "failed")])
 def test_a_runs_colour_follows_the_probability(p: float, high: float, colour: str) -> None:
     item = answer(p, 0.0, high)
-    assert worse_tone({"analytic": item}, "agree") == colour
-    assert worse_tone({"analytic": item}, "failed") == "failed"
+    assert tone_of_answers({"analytic": item}, "agree") == colour
+    assert tone_of_answers({"analytic": item}, "failed") == "failed"

@@ -28,7 +28,7 @@ from harness.records.assess import Assessment, AssessRecord, NotAssessed
 from harness.runs.runner import InlinePool
 from reports.messages import ENGLISH
 from reports.pages.assess_page import models_table
-from reports.text.wording import tone_of_answers, worse_tone
+from reports.text.wording import tone_of_answers
 from tests import budgets_assess as budget
 from tests.engines_for_tests import ready
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, SCENES, paestum, rectangle, scene
@@ -121,7 +121,7 @@ def test_a_push_across_the_plane_is_the_exact_bodys_to_answer_and_never_green() 
     assert answers["analytic"].plane_only
     assert answers["spatial"].probability_overturned > 0.9
     assert tone_of_answers({"analytic": answers["analytic"]}) == "differ"
-    assert worse_tone(answers, "agree") == "failed"
+    assert tone_of_answers(answers, "agree") == "failed"
     record = assess(shaken, ["analytic"], draws=40).record
     assert set(record.answers) == {"analytic", "spatial"}
     assert record.difference_from_model["spatial"].high < -0.5
