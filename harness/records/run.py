@@ -126,8 +126,8 @@ def has_answer(run: RunRow) -> bool:
 
 
 def falls(run: RunRow) -> bool | None:
-    """Whether the statue falls by a run; None where that does not tell it."""
-    return run.outcome.fell if has_answer(run) else None
+    """Whether the statue falls by a run; None where that does not tell it, or outside its model's domain."""
+    return run.outcome.fell if in_domain(run) else None
 
 
 def left_early(run: RunRow) -> bool:

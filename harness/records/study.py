@@ -302,6 +302,7 @@ class RockingSpectrumRecord(Record):
 
     kind: Literal["rocking_spectrum"] = "rocking_spectrum"
     title: str
+    file: str = ""
     restitution: float | Literal["momentum"]
     motions: Sequence[SpectrumMotion]
     strength_cov: float

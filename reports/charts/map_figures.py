@@ -105,7 +105,7 @@ def map_figures(
         x, y = ((say.label(key), sorted({item.number(key) for item in members})) for key in axes)
         found = {model: _grid(model, members, axes, x, y, say) for model in models}
         grids = {model: grid for model, grid in found.items() if grid is not None}
-        if len(grids) > 1:
+        if len(grids) > 1 and any(np.isin(codes.astype(str), FALLING).any() for codes, _ in grids.values()):
             figures.append((say("chart.boundaries") + where, _boundaries(grids, x, y)))
         figures += [(model + where, _map(*grid, x, y, say)) for model, grid in grids.items()]
     return figures
@@ -206,12 +206,15 @@ def number_map(
     return map_of(shades, x, y, tips, colour, over=over)
 
 
+FALLING: Final = ("overturns", "around overturns")
+"""Codes of the places where the statue overturns."""
+
+
 def _boundaries(grids: Mapping[str, Grid], x: Side, y: Side) -> Json:
     """Lines between the places where the statue overturns and those where it does not, one colour a model."""
     looks = model_looks(list(grids))
     drawn = named({model: replace(look, width=look.width + 0.6) for model, look in looks.items()})
-    falling = ("overturns", "around overturns")
-    borders = [border(np.isin(codes.astype(str), falling), x[1], y[1], model) for model, (codes, _) in grids.items()]
+    borders = [border(np.isin(codes.astype(str), FALLING), x[1], y[1], model) for model, (codes, _) in grids.items()]
     layers = chosen([marks("rule", "borders", CELL | drawn)])
     return figure(layers, 380, {"borders": borders}, map_axis("x", x), map_axis("y", y))
 

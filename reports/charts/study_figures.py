@@ -43,7 +43,7 @@ from reports.charts.map_figures import LEAST, grouped, map_axes, number_map, num
 from reports.drawing.effects_figures import RoseCurve, rose_of
 from reports.drawing.shapes import Picture
 from reports.messages import ENGLISH, Language
-from reports.text.wording import Condition, runs_of, told_symbol
+from reports.text.wording import Condition, runs_of, told_family, told_symbol
 
 # Maps of numbers: how far the statue rotates and its pedestal slides over what varies, and where the pedestal would tip.
 
@@ -87,7 +87,7 @@ def best_designs(models: Sequence[str], conditions: Sequence[Condition], axes: t
         runs = [(run, item) for item, run in runs_of(conditions, model)]
         if not any(run.peak_slip_m > 0.0 for run, _ in runs):
             continue
-        good = [(run, item) for run, item in runs if run.outcome == "stands" and not _tips(run)]
+        good = [(run, item) for run, item in runs if _stands(run) and not _tips(run)]
         if not good:
             found.append(info("no_design_stands", designs=len(runs), model=model))
             continue
@@ -99,7 +99,12 @@ def best_designs(models: Sequence[str], conditions: Sequence[Condition], axes: t
 
 
 def _standing_peak(run: CaseRun) -> float:
-    return abs(run.peak_theta_rad) if run.outcome == "stands" else np.nan
+    return abs(run.peak_theta_rad) if _stands(run) else np.nan
+
+
+def _stands(run: CaseRun) -> bool:
+    """Whether the statue stands by what a run tells within its model's domain."""
+    return told_family(run) == "stands"
 
 
 def _tips(run: CaseRun) -> bool:
@@ -158,8 +163,8 @@ def _curves(models: Sequence[str], members: Sequence[Condition], key: str, say: 
         {
             "name": model, "x": [float(item.varied[key]) for item, _ in runs],
             "outcome": [told_symbol(run, say)[1] for _, run in runs],
-            "theta": [abs(run.peak_theta_rad) if run.outcome == "stands" else None for _, run in runs],
-            "slip": [1e3 * run.peak_slip_m if run.outcome == "stands" else None for _, run in runs],
+            "theta": [abs(run.peak_theta_rad) if _stands(run) else None for _, run in runs],
+            "slip": [1e3 * run.peak_slip_m if _stands(run) else None for _, run in runs],
         }
         for model in models for runs in [runs_of(along, model)]
     ]  # fmt: skip

@@ -149,12 +149,14 @@ def _curve(curve: RoseCurve, asked: Sequence[float], most: float, unit: str, say
 def changes(record: EffectsRecord, say: Language = ENGLISH) -> Json:
     """Each condition's change of the overturning amplitude: a disc for a direction, a stroke for the median, by engine.
 
-    What lies beyond the axis stands at its end as a triangle; the field behind is how far errors of a survey move it.
+    The axis holds every median; what lies beyond stands at its end as a triangle. The field behind is how far errors of a survey
+    move it.
     """
     items, conditions = record.effects, list(dict.fromkeys(item.condition for item in record.effects))
     engines = list(dict.fromkeys(item.engine for item in items))
     sizes = [abs(change.relative) for item in items for change in item.changes]
-    most = max(5.0, 5.0 * math.ceil(20.0 * float(np.quantile(sizes, 0.9)))) if sizes else 5.0
+    widest = max([float(np.quantile(sizes, 0.9)), *(abs(item.median or 0.0) for item in items)]) if sizes else 0.0
+    most = max(5.0, 5.0 * math.ceil(20.0 * widest))
     parts: list[Json] = []
     for item in items:
         at = conditions.index(item.condition) + (engines.index(item.engine) + 1.0) / (len(engines) + 1.0)
@@ -178,7 +180,7 @@ def changes(record: EffectsRecord, say: Language = ENGLISH) -> Json:
         marks("rect", "field", {"x2": {"field": "x2"}, "y": {"value": 0}, "y2": HEIGHT}, color=INK, opacity=0.07),
         marks("rule", "conditions", {"x": {"value": 0}, "x2": WIDTH}, color=HAIRLINE),
         *level(0.0, letter="x"),
-        marks("point", "changes", {"fill": drawn, "shape": shape}, filled=True, size=40, opacity=0.5, strokeWidth=0),
+        marks("point", "changes", {"fill": drawn, "shape": shape}, filled=True, size=40, opacity=0.5, strokeWidth=0, clip=False),
         marks("rule", "changes", {"x": {"field": "median"}, **span("high", "low"), "color": drawn}, strokeWidth=3),
         marks("text", "conditions", {"x": {"value": 0}, "text": {"field": "words"}}, align="left", baseline="top", dy=4),
     ]  # fmt: skip

@@ -18,9 +18,9 @@ from harness.model.scene import base_shift_m
 from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import MOSTLY, Assessment, worst
 from harness.records.effects3d import EffectsRecord
-from harness.records.run import RunRecord, outside_domain, own_moves, peak_slip_m, tips_s, unconfirmed
+from harness.records.run import RunRecord, own_moves, peak_slip_m, tips_s, unconfirmed
 from harness.records.scene import MotionRecord, SceneRecord
-from harness.records.study import CaseRun, StudyRecord, StudyRow, SupportRecord, Value
+from harness.records.study import StudyRecord, StudyRow, SupportRecord, Value
 from harness.statics.standstill import tipping_of_pedestal
 from reports.blocks import Block, Drawing, Section, Text, Verdict
 from reports.charts.drawn import still
@@ -43,11 +43,13 @@ from reports.text.wording import (
     TIPS_RAD,
     Condition,
     conditions,
+    doubted,
     family,
     horizon_s,
     prediction_s,
     runs_of,
     tilt_rad,
+    told_family,
     tone,
     tone_of_study,
     varying_keys,
@@ -535,6 +537,10 @@ WIDTH: Final = 480
 """Width of the charts among the page's pictures."""
 AXES: Final = {"frequency_hz": "plain.frequency", "amplitude_g": "plain.strength", "pga_g": "plain.strength"}
 """The words of a map's axis with their unit, by the last part of its key; others have the key's own."""
+OUTSIDE: Final = "outside"
+"""How a run ends for the statue that left its model's domain before: not known."""
+MORE: Final = {"failed": "study.more_silent", OUTSIDE: "study.more_outside"}
+"""What is told of situations without an end."""
 SEVERE: Final = ("stands", "failed", "other", "wall", "overturns")
 """Families of outcomes, the worst for the statue last."""
 STRENGTHS: Final = (
@@ -547,15 +553,19 @@ STRENGTHS: Final = (
 def of_study(record: StudyRecord, say: Language = ENGLISH) -> list[Block]:
     """Headline, points and pictures of a study."""
     models, cases = conditions(record.rows)
-    ends = {model: [run.outcome for _, run in runs_of(cases, model)] for model in models}
-    ends = {model: outcomes for model, outcomes in ends.items() if outcomes}
+    runs = {model: [run for _, run in runs_of(cases, model)] for model in models}
+    ends = {
+        model: Counter(OUTSIDE if doubted(run) else end_key(run.outcome) for run in of)
+        for model, of in runs.items()
+        if of
+    }
     said = [
         *_asked(record, models, cases, say),
         *_by_variant(ends, say),
         *_outside(record, say),
         *_bore(record, cases, say),
     ]
-    tone = tone_of_study(family(outcome) for outcomes in ends.values() for outcome in outcomes)
+    tone = tone_of_study(told_family(run) for of in runs.values() for run in of)
     basis = [*_agree(record, say), say("chance.unknown")]
     pictures = [*_map(record, cases, say), *_pictures(record, models, cases, say)]
     return plain_page(_headline(ends, say), tone, said, [say("todo.ask")], pictures, basis, say)
@@ -568,42 +578,59 @@ def _outside(record: StudyRecord, say: Language) -> list[str]:
     return [say("study.outside", **runs)] if left else []
 
 
-def _headline(ends: Mapping[str, Sequence[Outcome]], say: Language) -> str:
-    """In how many situations it falls, by the models that answered the most of them."""
+def _variants(ends: Mapping[str, Counter[str]]) -> dict[str, dict[str, Counter[str]]]:
+    """The models' ends by variant."""
+    variants: dict[str, dict[str, Counter[str]]] = {}
+    for model, counts in ends.items():
+        variants.setdefault(model.partition(" (")[2][:-1], {})[model] = counts
+    return variants
+
+
+def _most_known(ends: Mapping[str, Counter[str]]) -> dict[str, Counter[str]]:
+    """Those models' ends that tell the most situations, of several that leave the fewest open: of fewer a count says less."""
+    rank = {model: (counts.total() - counts[OUTSIDE], -counts[OUTSIDE]) for model, counts in ends.items()}
+    return {model: ends[model] for model, each in rank.items() if each == max(rank.values())}
+
+
+def _headline(ends: Mapping[str, Counter[str]], say: Language) -> str:
+    """In how many situations it falls, of each variant by the models that know the most, and how many they leave open."""
     if not ends:
         return say("study.nothing")
-    most = max(map(len, ends.values()))
-    whole = {model: outcomes for model, outcomes in ends.items() if len(outcomes) == most}
-    falls = {_fallen(outcomes) for outcomes in whole.values()}
+    known = {model: counts for asked in _variants(ends).values() for model, counts in _most_known(asked).items()}
+    total = max(counts.total() for counts in known.values())
+    whole = {model: counts for model, counts in known.items() if counts.total() == total}
+    falls = {counts["overturns"] for counts in whole.values()}
+    left = _between([counts[OUTSIDE] for counts in whole.values()], say)
+    more = "" if left == "0" else say("study.more", ends=say("study.more_outside", count=left))
     if len(falls) == 1:
-        return say("study.falls", falls=falls.pop(), total=most)
+        return f"{say('study.falls', falls=falls.pop(), total=total)}{more}"
     parts = [{model.partition(" (")[0] for model in whole}, {model.partition(" (")[2] for model in whole}]
     named = zip(("study.model", "study.variant"), parts, strict=True)
     by = say.listed(say(key) for key, names in named if len(names) > 1)
-    return say("study.falls_between", least=min(falls), most=max(falls), total=most, by=by)
+    return f"{say('study.falls_between', least=min(falls), most=max(falls), total=total, by=by)}{more}"
 
 
-def _by_variant(ends: Mapping[str, Sequence[Outcome]], say: Language) -> list[str]:
+def _by_variant(ends: Mapping[str, Counter[str]], say: Language) -> list[str]:
     """What the models say of each variant; whatever is neither a fall nor standing is named."""
-    variants: dict[str, list[Sequence[Outcome]]] = {}
-    for model, outcomes in ends.items():
-        variants.setdefault(model.partition(" (")[2][:-1], []).append(outcomes)
+    variants = _variants(ends)
+    # Of one variant the headline says the rest.
+    told = {"overturns", "stands"} | ({OUTSIDE} if len(variants) == 1 else set())
     sentences = []
     for variant, asked in variants.items():
-        # Of a model that was asked of fewer situations a count says less: how often the models agree is told beside.
-        answers = [each for each in asked if len(each) == max(map(len, asked))]
-        kinds = [Counter(map(end_key, outcomes)) for outcomes in answers]
-        others = dict.fromkeys(key for counts in kinds for key in counts if key not in ("overturns", "stands"))
+        kinds = [*_most_known(asked).values()]
+        others = dict.fromkeys(key for counts in kinds for key in counts if key not in told)
         each = [
-            say("study.more_silent", count=_between([counts[key] for counts in kinds], say))
-            if key == "failed"
-            else say("study.more_end", end=say(f"end.{key}"), count=_between([counts[key] for counts in kinds], say))
+            say(
+                MORE.get(key, "study.more_end"),
+                end=say(f"end.{key}") if key not in MORE else "",
+                count=_between([counts[key] for counts in kinds], say),
+            )
             for key in others
         ]
         if len(variants) == 1 and not each:
-            return []  # the headline says it
+            return []
         more = say("study.more", ends=say.listed(each)) if each else ""
-        falls, total = _between([counts["overturns"] for counts in kinds], say), len(answers[0])
+        falls, total = _between([counts["overturns"] for counts in kinds], say), kinds[0].total()
         key = "study.by_one" if len(variants) == 1 else "study.by_variant"
         sentences.append(say(key, variant=variant, falls=falls, total=total, more=more))
     return sentences
@@ -614,16 +641,12 @@ def _between(counts: Sequence[int], say: Language) -> str:
     return str(least) if least == most else say("study.between", least=least, most=most)
 
 
-def _fallen(outcomes: Sequence[Outcome]) -> int:
-    return sum(outcome.overturned for outcome in outcomes)
-
-
 def _asked(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], say: Language) -> list[str]:
     keys = {**record.vary, **(cases[0].varied if cases else {})}  # what is scattered stands in the cases alone
     varied = [say.key(key) or say("key.other") for key in keys]
     variants = list(dict.fromkeys(model.partition(" (")[2][:-1] for model in models))
     said = [say("study.varied", keys=say.listed(dict.fromkeys(varied)))] if varied else []
-    names = say.listed(f"“{name}”" for name in variants)
+    names = say.listed(say("study.quoted", name=name) for name in variants)
     return [*said, *([say("study.variants", names=names)] if len(variants) > 1 else [])]
 
 
@@ -637,7 +660,7 @@ def _borne(cases: Sequence[Condition], key: str) -> float | None:
     """The strongest level of the shaking up to which the statue stood in every situation and every model; None without one."""
     ends: dict[float, set[str]] = {}
     for item in cases:
-        answered = {_told(row.run) for row in item.answers.values() if row.run is not None}
+        answered = {told_family(row.run) for row in item.answers.values() if row.run is not None}
         ends.setdefault(abs(float(item.varied[key])), set()).update(answered)
     safe = itertools.takewhile(lambda level: ends[level] == {"stands"}, sorted(level for level in ends if ends[level]))
     return max(safe, default=None)
@@ -759,14 +782,9 @@ def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list
     return [Drawing(still(localised(figure, say), WIDTH), words, heading=say("map.heading"))]
 
 
-def _told(run: CaseRun) -> str:
-    """The class of a run's outcome; none of a model that cannot tell it."""
-    return "other" if outside_domain(run) else family(run.outcome)
-
-
 def _severity(row: StudyRow) -> int:
     """Place of what a row says among `SEVERE`; nothing computed is the least."""
-    return -1 if row.run is None else SEVERE.index(_told(row.run))
+    return -1 if row.run is None else SEVERE.index(told_family(row.run))
 
 
 def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> list[Block]:

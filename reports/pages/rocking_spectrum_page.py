@@ -11,7 +11,7 @@ import numpy as np
 from harness.comparison.statistics.distributions import wilson
 from harness.questions.assess.engine_draws import LEVEL
 from harness.records.study import RockingSpectrumRecord
-from reports.blocks import Block, Chart, Verdict, facts, grid, repeat, section, table, words
+from reports.blocks import Block, Chart, Verdict, command_line, facts, grid, repeat, section, table, words
 from reports.blocks import verdict as verdict_of
 from reports.charts import Json
 from reports.charts.map_figures import number_map
@@ -45,7 +45,10 @@ def blocks(_folder: Path, record: RockingSpectrumRecord, say: Language) -> list[
         verdict(record),
         *section(say, "maps", grid(charts), words(say, "spectrum")),
         *section(say, "motions", table(say, "motions", "name pga_g pgv_m_s duration_s", record.motions)),
-        *repeat(say, record, more=[facts(say, settings)]),
+        # Records of older versions do not name their file.
+        *repeat(
+            say, record, *([command_line("study", record.file)] if record.file else []), more=[facts(say, settings)]
+        ),
     ]
 
 

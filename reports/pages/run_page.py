@@ -161,7 +161,7 @@ def chip(name: str, names: list[str], run: Run | None, say: Language, share: flo
     percent = None if share is None else round(100.0 * share)
     outcome = say(f"short.{run.outcome.value}")
     told = f"({outcome})" if outside_domain(run) else outcome
-    return Chip(name, colour, told, run.labels, run.outcome.failed, percent)
+    return Chip(name, colour, told, [*map(say.word, run.labels)], run.outcome.failed, percent)
 
 
 def _balance_share(source: RunSource, name: str) -> float | None:

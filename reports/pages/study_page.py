@@ -185,7 +185,7 @@ def _answer(row: StudyRow | None, say: Language) -> Cell:
         return Cell("", "o-none", words if row is None else say.word(str(row.reason)), sign, words)
     run = row.run
     sign, words = told_symbol(run, say)
-    stood = run.outcome == "stands" and run.peak_theta_rad is not None
+    stood = told_family(run) == "stands" and run.peak_theta_rad is not None
     told = {
         "peak": abs(run.peak_theta_rad) if stood else None,
         "no_return": run.no_return_time_s,

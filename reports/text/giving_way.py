@@ -121,7 +121,13 @@ def _by_setting(fell: Mapping[tuple[float, str], Sequence[bool]], named: Mapping
         labelAngle=0,
         grid=False,
     )
-    return figure([bars, words], 340, {"falls": parts}, x, upwards("y", named["share_falls"], {"domain": [0, 112]}))
+    return figure(
+        [bars, words],
+        340,
+        {"falls": parts},
+        x,
+        upwards("y", named["share_falls"], {"domain": [0, 112]}, values=[*range(0, 101, 20)]),
+    )
 
 
 def _reach_by_setting(reach: Mapping[tuple[float, str], float], named: Mapping[str, str], record: StudyRecord) -> Json:

@@ -17,7 +17,7 @@ from reports.messages import ENGLISH
 from reports.pages.conservator import blocks
 from reports.pages.page import write_report
 from reports.pages.study_page import study_verdict
-from reports.text.wording import conditions
+from reports.text.wording import conditions, doubted
 from tests.reports.claim_scenes import content, write_scene
 from tests.reports.invented_study import study as study_record
 from tests.reports.page_parts import answer, pictures
@@ -94,7 +94,9 @@ def test_falls_are_counted_in_every_variant_and_colour_the_page(study: tuple[Pat
     said = answer(blocks(study[1], record))
     falls: dict[str, list[bool]] = {}
     for row in record.rows:
-        falls.setdefault(row.varied["variant"], []).append(row.run.outcome.startswith("overturned"))
+        # Outside the model's domain it is not known how it ends.
+        fell = row.run.outcome.startswith("overturned") and not doubted(row.run)
+        falls.setdefault(row.varied["variant"], []).append(fell)
     counts = sorted({sum(each) for each in falls.values()})
     asked = len(next(iter(falls.values())))
     expected = (
@@ -104,6 +106,8 @@ def test_falls_are_counted_in_every_variant_and_colour_the_page(study: tuple[Pat
     for variant, each in falls.items():
         again = f"“{variant}”: it falls in {sum(each)} of {len(each)}"
         assert any(again in point for point in said.points) is (len(falls) > 1), "of one variant the headline says it"
+    left = any(doubted(row.run) for row in record.rows)
+    assert (ENGLISH("study.more_outside", count="").strip() in said.headline) is left
     assert said.tone != "agree"
     assert study_verdict(record, *conditions(record.rows), ENGLISH).tone != "agree", "it holds no probability of a fall"
 
@@ -113,7 +117,8 @@ def test_a_shaking_is_called_borne_where_no_model_falls_in_any_variant(study: tu
     said = " ".join(answer(blocks(study[1], record)).points)
     levels: dict[float, set[str]] = {}
     for row in record.rows:
-        levels.setdefault(row.varied["motion.x.amplitude_g"], set()).add(row.run.outcome)
+        ends = levels.setdefault(row.varied["motion.x.amplitude_g"], set())
+        ends.add("outside" if doubted(row.run) else row.run.outcome)
     borne = [level for level in levels if all(levels[low] == {"stands"} for low in levels if low <= level)]
     match = re.search(r"Up to a shaking of (\S+) % of its weight it stood", said)
     assert bool(match) is bool(borne)

@@ -196,6 +196,7 @@ def run_file(
         )
     record = RockingSpectrumRecord(
         title=spectrum.title,
+        file=path.name,
         restitution=spectrum.restitution,
         motions=motions,
         strength_cov=spectrum.strength_cov,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from harness.records.run import falls
 from reports.charts import Json
 from reports.charts.map_figures import map_axes
 from reports.charts.study_figures import curve_figures, design_figures
@@ -34,6 +35,19 @@ def test_one_axis_has_outcome_rotation_and_slip() -> None:
     assert runs["theta"] == [0.2, 0.3, None], "of a statue that falls no rotation is told"
     assert runs["slip"] == [2.0, 3.0, None]
     assert {each["orient"] for each in lines(figure)} == {"vertical"}, "from left to right, over an axis of names too"
+
+
+def test_of_a_run_outside_its_domain_no_rotation_and_no_slip_are_drawn() -> None:
+    """Its sign stood in brackets, and its rotation in the chart as any other."""
+    slides = {"left_domain_s": 0.1, "left_domain_by": "statue_slides"}
+    run = case_run("stands", 0.2, peak_slip_m=0.002, validity=slides)
+    cases = [condition(0.3), condition(0.25), Condition({KEY: 0.2, OTHER: 1.0}, {MODEL: case_row("analytic", run)})]
+    ((_, figure),) = curve_figures([MODEL], cases, [KEY])
+    runs = part(figure, "runs", MODEL)
+    assert runs["outcome"] == ["(stands)", "stands", "stands"]
+    assert (runs["theta"], runs["slip"]) == ([None, 0.25, 0.3], [None, 2.5, 3.0])
+    assert falls(run) is None
+    assert falls(case_run("stands", 0.2)) is False
 
 
 def test_rounding_of_a_statue_at_rest_is_no_curve_and_no_map() -> None:

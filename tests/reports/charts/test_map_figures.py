@@ -52,6 +52,15 @@ def figures() -> dict[str, dict[str, Any]]:
     return dict(map_figures(["analytic (own)", "pybullet (own)"], found, keys))
 
 
+def test_where_nothing_falls_no_boundary_is_drawn() -> None:
+    """A study with and without a pedestal showed an empty chart for the half in which nothing fell."""
+    models, keys = ["analytic (own)", "pybullet (own)"], ["motion.x.frequency_hz", "motion.x.amplitude_g"]
+    for least, words in ((0, models), (8, [ENGLISH("chart.boundaries"), *models])):
+        places = [(x, y) for x in range(4) for y in range(least, least + 4)]
+        found = [condition(x, y, set(places)) for x, y in places]
+        assert [name for name, _ in map_figures(models, found, keys)] == words
+
+
 def test_places_that_were_not_computed_are_pale(figures: dict[str, dict[str, Any]]) -> None:
     map_ = figures["pybullet (own)"]
     assert kind_at(map_, 1.0, 16.0) == "overturns"

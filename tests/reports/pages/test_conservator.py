@@ -355,6 +355,19 @@ def test_answers_outside_a_model_s_domain_are_told_of_a_study(record_of: Callabl
     text = spoken(of_study(replace(record, findings=left)))
     assert ENGLISH("study.outside", left=3, cases=12) in text
     assert "something gives way" not in spoken(of_study(replace(record, findings=[])))
+    # They are counted in no headline, as on the engineer's page: 0 to 8 of 16 was told beside 0.
+    outside = {"left_domain_s": 0.0, "left_domain_by": "statue_slides"}
+    own = [row for row in record.rows if row.varied["variant"] == "own impact"]
+    fell = [replace(row, run=replace(row.run, outcome=Outcome.OVERTURNED_LEFT, validity=outside)) for row in own]
+    rows = [left if row.engine == "analytic" else row for row, left in zip(own, fell, strict=True)]
+    told, without = (
+        answer(of_study(replace(record, rows=each)))
+        for each in (rows, [row for row in own if row.engine != "analytic"])
+    )
+    assert told.headline == without.headline
+    headline = answer(of_study(replace(record, rows=fell))).headline
+    assert headline.startswith("The statue falls in 0 of")
+    assert headline.endswith(ENGLISH("study.more_outside", count=60))
 
 
 def test_what_a_headline_says_of_one_variant_is_not_said_again(record_of: Callable[[str], Any]) -> None:

@@ -87,6 +87,11 @@ def test_the_rose_holds_every_direction_of_every_curve(record: EffectsRecord) ->
     (changed,) = changes(record)["datasets"]["changes"]
     assert changed["x"] == pytest.approx([-3.0, -3.0, -3.0])
     assert changed["tip"][0] == "pybullet, 0°: −3.0\u00a0%"
+    # Of few conditions one may move it farther than the axis of nine in ten holds: its median stood beyond the chart.
+    many = [replace(record.effects[0], condition=f"{k}", median=-0.03) for k in range(12)]
+    far = replace(many[0], condition="far", median=0.41, changes=[replace(record.effects[0].changes[0], relative=0.41)])
+    drawn = changes(replace(record, effects=[*many, far]))
+    assert drawn["encoding"]["x"]["scale"]["domain"] == [-45.0, 45.0]
 
 
 def test_the_page_is_written_and_says_what_was_left_out(record: EffectsRecord, tmp_path: Path) -> None:

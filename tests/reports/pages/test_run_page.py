@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from analytic import Harmonic
+from harness.engines.stepping.loop import IMPOSED_LABEL
 from harness.model.errors import InputError
 from harness.model.finding import caution, info, texted
 from harness.model.run import RUN_FIELDS, Pattern, write_json
@@ -27,9 +28,10 @@ from reports.blocks import owned
 from reports.charts.histories import pattern_strip
 from reports.drawing.kinematics import MOST_FACES, read_mesh
 from reports.drawing.pictures import BESIDE_CORNER, WIDTH, scene_svg
-from reports.messages import ENGLISH
+from reports.messages import ENGLISH, language
 from reports.pages.conservator import of_run
 from reports.pages.page import write_report
+from reports.pages.run_page import chip
 from reports.source import RunSource, run_source
 from reports.text.wording import run_verdict
 from tests.budgets_reports import DRAWN_RAD, PAGE_BYTES, PAGE_WORDS
@@ -218,6 +220,12 @@ def test_a_body_that_leaves_its_support_is_not_said_to_slide_alone(source: RunSo
         runs = {name: replace(run, validity=validity, patterns=slides) for name, run in source.runs.items()}
         drawn, *_ = pattern_strip(replace(source, record=replace(source.record, runs=runs)))
         assert drawn["kind"] == [ENGLISH(f"chart.pattern_{word}")]
+
+
+def test_a_label_of_a_run_is_said_in_the_readers_language(source: RunSource) -> None:
+    run = replace(source.runs["analytic"], labels=[IMPOSED_LABEL])
+    said = [chip("analytic", ["analytic"], run, language(code)).labels for code in ("en", "it")]
+    assert said == [[IMPOSED_LABEL], ["legge d'urto imposta"]]
 
 
 def test_a_finding_of_a_pair_names_it_once() -> None:

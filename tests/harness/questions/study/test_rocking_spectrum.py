@@ -118,6 +118,7 @@ def test_the_command_writes_page_record_and_map(tmp_path: Path) -> None:
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "Share of the cases in which the block overturns" in page
     assert "weak.csv" in page
+    assert "<code>rockcheck study bursts.toml</code>" in page
     answered = read_result(tmp_path / "out")
     assert isinstance(answered, RockingSpectrumRecord)
     for fell, cases in ((0, 2), (0, 20), (0, 100), (4, 100), (6, 100), (49, 100), (1, 1)):
