@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -133,6 +133,22 @@ def poses(scene: SceneRecord, history: History, t_s: ArrayLike) -> dict[str, Arr
     still = dict.fromkeys(("roll_rad", "yaw_rad", "corner_right_y_m"), np.zeros(len(times)))
     corner = {"corner_right_x_m": x + to_right * np.cos(theta), "corner_right_z_m": z - to_right * np.sin(theta)}
     return found | {"pitch_rad": theta, **corner, **still}
+
+
+NEAR: Final = 0.3
+"""Share of its height by which a statue moves within what is drawn around it."""
+
+
+def in_sight_m(scene: SceneRecord, moves: Iterable[Mapping[str, Array]]) -> float:
+    """The height, from the floor, in which a moving picture shows the statue: its own on its pedestal, more where by its `poses`
+    it is thrown or slides far."""
+    pedestal = scene.pedestal
+    lift = 0.0 if pedestal is None else pedestal.height_m
+    rest = dict(zip(SOLID_COLUMNS[3:], (scene.statue.corner_right_m, 0.0, lift), strict=True))
+    high = lift + scene.statue.height_m
+    return high + max(
+        0.0, *(float(np.abs(each[name] - rest[name]).max()) - NEAR * high for each in moves for name in rest)
+    )
 
 
 def posed_in_space_m(points_m: Array, corner_right_m: float, pose: Mapping[str, Array | float]) -> Array:

@@ -21,6 +21,7 @@ from reports.drawing.kinematics import (
     display_mesh,
     eye_axes,
     facing,
+    in_sight_m,
     posed_in_space_m,
     posed_pedestal_m,
     poses,
@@ -122,9 +123,10 @@ def _frames(source: RunSource, solid: str, window_s: tuple[float, float], chart:
     scene, histories = source.scene, source.histories
     times = np.arange(window_s[0], window_s[1] + 0.5 / FRAMES_PER_S, 1.0 / FRAMES_PER_S)
     vertices_m, faces = display_mesh(source.mesh, section(scene), scene.statue.depth_m, most_faces=4000)
-    height_m, corner, pedestal = float(vertices_m[:, 2].max()), scene.statue.corner_right_m, scene.pedestal
-    place = _projection(scene, height_m)
+    corner, pedestal = scene.statue.corner_right_m, scene.pedestal
     moves = poses(scene, histories[solid], times)
+    size_m = in_sight_m(scene, [moves])
+    place = _projection(scene, size_m)
     bodies = [(posed_in_space_m(vertices_m, corner, moves), faces, GREYS - 1)]
     if pedestal is not None:
         bodies.insert(0, (posed_pedestal_m(pedestal, pedestal.depth_m, moves), BOX, GREYS // 2))
@@ -135,7 +137,7 @@ def _frames(source: RunSource, solid: str, window_s: tuple[float, float], chart:
     for k, t in enumerate(times):
         frame = chart.copy()
         draw = ImageDraw.Draw(frame)
-        draw.polygon(place(1.1 * height_m * FLOOR).ravel().tolist(), fill=PAPER, outline=STONE)
+        draw.polygon(place(1.1 * size_m * FLOOR).ravel().tolist(), fill=PAPER, outline=STONE)
         for posed, corners, bright in bodies:
             order, normals = facing(posed[k], corners, VIEW[2])
             shade = np.round(bright * (0.35 + 0.65 * np.clip(normals[order] @ SUN, 0.0, 1.0))).astype(int)
@@ -151,10 +153,9 @@ def _frames(source: RunSource, solid: str, window_s: tuple[float, float], chart:
         yield frame
 
 
-def _projection(scene: SceneRecord, height_m: float) -> Callable[[Array], Array]:
-    """What places points (n, 3) in the picture, so that the statue fills it."""
-    lift = 0.0 if scene.pedestal is None else scene.pedestal.height_m
+def _projection(scene: SceneRecord, size_m: float) -> Callable[[Array], Array]:
+    """What places points (n, 3) in the picture, so that what is so high fills it."""
     middle = 0.5 * (scene.statue.corner_right_m - scene.statue.corner_left_m) * VIEW[0, 0]
-    scale = (SIZE[1] - CHART - 40) / (1.18 * (lift + height_m))
+    scale = (SIZE[1] - CHART - 40) / (1.18 * size_m)
     seen = plane(scale, (middle, 0.0), (SIZE[0] / 2, SIZE[1] - CHART - 34))
     return lambda points_m: seen(points_m @ VIEW[:2].T)

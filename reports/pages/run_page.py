@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.model.history import History
+from harness.model.history import Array, History
 from harness.model.run import MANY, RUN_FIELDS, Run
 from harness.model.scene import SOLID_COLUMNS
 from harness.records.run import RunRecord, balance_share, outside_domain
@@ -216,6 +216,10 @@ def replay_payload(source: RunSource) -> str:
     end = max(float(item.t_s[-1]) for item in source.histories.values())
     step = max(FRAME_S, end / MOST_FRAMES)
     names = list(source.runs)
+    times = {
+        name: np.append(np.arange(0.0, each.t_s[-1], step), each.t_s[-1]) for name, each in source.histories.items()
+    }
+    moves = {name: kinematics.poses(source.scene, source.histories[name], t_s) for name, t_s in times.items()}
     payload = {
         "step_s": step,
         "begin_s": run_event_s(source)[0],
@@ -223,6 +227,7 @@ def replay_payload(source: RunSource) -> str:
         "corner_left_m": shape.corner_left_m,
         "corner_right_m": shape.corner_right_m,
         "height_m": statue.height_m,
+        "in_sight_m": kinematics.in_sight_m(source.scene, moves.values()),
         "depth_m": statue.depth_m,
         "pedestal": pedestal,
         "wall": source.scene.wall,
@@ -232,7 +237,7 @@ def replay_payload(source: RunSource) -> str:
             "own": source.mesh is not None,
         },
         "models": [
-            {"name": name, "colour": look(name, names).colour, **_frames(source.scene, history, step)}
+            {"name": name, "colour": look(name, names).colour, **_frames(history, times[name], moves[name])}
             for name, history in source.histories.items()
         ],
         "floor": _floor(source.record.motion, source.scene.gravity_m_s2, step, end),
@@ -240,12 +245,11 @@ def replay_payload(source: RunSource) -> str:
     return packed_json(payload)
 
 
-def _frames(scene: SceneRecord, history: History, step_s: float) -> dict[str, object]:
+def _frames(history: History, t_s: Array, moves: Mapping[str, Array]) -> dict[str, object]:
     """The model's rotation and the poses of its bodies by frame; what stays nought is left out."""
-    end = float(history.t_s[-1])
-    t_s = np.append(np.arange(0.0, end, step_s), end)
-    columns = {"theta_rad": np.interp(t_s, history.t_s, history.theta_rad), **kinematics.poses(scene, history, t_s)}
-    return {"end_s": end, "frames": {name: packed_array(values) for name, values in columns.items() if np.any(values)}}
+    columns = {"theta_rad": np.interp(t_s, history.t_s, history.theta_rad), **moves}
+    frames = {name: packed_array(values) for name, values in columns.items() if np.any(values)}
+    return {"end_s": float(t_s[-1]), "frames": frames}
 
 
 def _floor(motion: MotionRecord, gravity_m_s2: float, step_s: float, end_s: float) -> dict[str, object]:

@@ -24,10 +24,7 @@ rockcheck.whenReady.push(async () => {
   renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
   const wallSide = data.wall ? (data.wall.side === "right" ? 1 : -1) : 0;
   const lift = data.pedestal ? data.pedestal.height_m : 0;
-  /* A body that is thrown, or slides far, stays in sight. */
-  const farthest = (name, from) => Math.max(...data.models.map((model) => (model.frames[name] || []).reduce((far, value) => Math.max(far, Math.abs(value - from)), 0)));
-  const beyond = Math.max(farthest("corner_right_x_m", data.corner_right_m), farthest("corner_right_y_m", 0), farthest("corner_right_z_m", lift));
-  const total = Math.max(data.height_m + lift, 0.7 * (data.height_m + lift) + beyond);
+  const total = data.in_sight_m;
   const centre = 0.5 * (data.corner_right_m - data.corner_left_m);
   scene.add(new THREE.HemisphereLight("#f4f7fb", "#a39a8c", 0.55));
   const sun = new THREE.DirectionalLight("#fff4e2", 0.62);

@@ -11,7 +11,7 @@ import pytest
 from harness.model.history import History
 from harness.model.scene import SOLID_COLUMNS, Pedestal
 from harness.records.scene import SceneRecord
-from reports.drawing.kinematics import StatueSection, posed_in_space_m, posed_pedestal_m, poses
+from reports.drawing.kinematics import StatueSection, in_sight_m, posed_in_space_m, posed_pedestal_m, poses
 from tests.budgets_reports import POSE_M
 from tests.reports.invented_run import block_scene
 
@@ -47,6 +47,20 @@ def test_the_papers_top_displacement() -> None:
     theta, slip = np.array([-0.5]), np.array([0.0])
     tall = StatueSection(np.array([[-0.3585, 0.0], [0.0682, 0.0], [-0.3585, 1.46]]), 0.3585, 0.0682)
     assert abs(tall.top_displacement_m(theta, slip)[0]) == pytest.approx(0.70, abs=0.005)
+
+
+def test_what_is_thrown_or_slides_far_is_in_sight_as_what_rocks_is() -> None:
+    """Picture and replay of a cube thrown from twice its height began with an empty floor."""
+    scene = SceneRecord.of(block_scene())
+    high = scene.pedestal.height_m + scene.statue.height_m
+    rocking = {"corner_right_x_m": 0.0682, "corner_right_y_m": 0.0, "corner_right_z_m": scene.pedestal.height_m + 0.2}
+    for far, wanted in (
+        ({}, high),
+        ({"corner_right_z_m": 4.0}, 0.7 * high + 3.8),
+        ({"corner_right_y_m": -3.0}, 0.7 * high + 3.0),
+    ):
+        moves = {name: np.array([value]) for name, value in (rocking | far).items()}
+        assert in_sight_m(scene, [moves]) == pytest.approx(wanted)
 
 
 def test_a_lean_across_the_plane_moves_the_top() -> None:
