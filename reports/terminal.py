@@ -12,9 +12,8 @@ from harness.input.mesh_statue import findings_of, steps_of
 from harness.model.errors import printable
 from harness.model.finding import Finding, Severity, texted, weighed
 from harness.model.run import Run, number
-from harness.questions.scene.answer import STILL_RAD
 from harness.records.base import Record
-from harness.records.run import RunRecord, outside_domain, peak_lean_rad, peak_slip_m, standing
+from harness.records.run import STILL_RAD, RunRecord, outside_domain, peak_lean_rad, peak_slip_m, standing
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval, Scores, Verdict
 from harness.statics.standstill import STILL_M

@@ -20,7 +20,7 @@ from harness.model.finding import Finding, caution, changes_answer, info
 from harness.model.history import Array, History, Pair, first_beyond_s, pair
 from harness.model.run import Run
 from harness.model.scene import Scene
-from harness.records.run import SLIDES_M
+from harness.records.run import SLIDES_M, STILL_RAD
 from harness.records.scores import Evidence, Scores, Verdict
 
 # By how much and from when two runs differ, and why, computed from the record.
@@ -43,9 +43,10 @@ def judge(a: Side, b: Side, both: Pair | None) -> tuple[Verdict, Evidence, list[
     """The verdict on two answers from their histories on one grid, or from their peaks where a history is missing; the numbers
     that it follows from, and what to know of it.
 
-    Rotations are held against twice the joint uncertainty of the rotations, slips against twice that of the slips.
+    Rotations are held against twice the joint uncertainty of the rotations, slips against twice that of the slips; where neither
+    statue rocks, however exact the two are, rotations against what no lean is told of.
     """
-    turned = max(COVERAGE * (a.open_rad + b.open_rad), ROUNDING)
+    turned = max(COVERAGE * (a.open_rad + b.open_rad), STILL_RAD if a.is_still and b.is_still else ROUNDING)
     slid = max(COVERAGE * (a.open_m + b.open_m), ROUNDING)
     until = min(a.until_s, b.until_s)
     facts = from_peaks((a.peak, b.peak), turned, until) if both is None else from_histories(both, turned, slid, until)
@@ -120,7 +121,7 @@ def _aside(a: Side, b: Side) -> dict[str, float]:
     """How far the statue leaned out of the plane, rad, by more than its side's error, and slid, m, on the side that alone was
     given the motion across it; empty where it did neither."""
     side = max((a, b), key=lambda each: (each.out_of_plane_rad, each.slip_across_m))
-    leans = side.out_of_plane_rad > max(COVERAGE * side.open_rad, ROUNDING)
+    leans = side.out_of_plane_rad > max(COVERAGE * side.open_rad, STILL_RAD)
     found = {"aside_rad": side.out_of_plane_rad} if leans else {}
     return found | ({"aside_m": side.slip_across_m} if side.slip_across_m > SLIDES_M else {})
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from harness.comparison.scores.pointwise import Peak, peak
 from harness.model.history import History, Outcome
 from harness.model.run import Run, number
-from harness.records.run import standing
+from harness.records.run import STILL_RAD, standing
 
 if TYPE_CHECKING:
     from harness.records.study import CaseRun
@@ -55,6 +55,11 @@ class Side:
     def rests(self) -> bool:
         """Whether the run was ended early because nothing moves any more, so that its last value holds."""
         return self.outcome is Outcome.STANDS
+
+    @property
+    def is_still(self) -> bool:
+        """Whether its statue stands and is not said to rock, in the plane or out of it."""
+        return self.rests and max(abs(self.peak.theta_rad), self.out_of_plane_rad) < STILL_RAD
 
     @property
     def open_rad(self) -> float:

@@ -66,6 +66,8 @@ def tips_s(run: RunRow) -> float | None:
     return left_s if isinstance(left_s, float) and run.validity.get("left_domain_by") == "pedestal_tips" else None
 
 
+STILL_RAD: Final = 1e-5
+"""A smaller lean is the give of a contact engine at rest (some 0.01 mm at the top of a statue of one metre)."""
 SLIDES_M: Final = 1e-3
 """A statue that slides or hops less on its support does so as contact engines let it while it rocks."""
 OWN_MOVES: Final = {

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from harness.model.history import Array
 from harness.model.run import number
-from harness.questions.scene.answer import STILL_RAD
-from harness.records.run import SLIDES_M
+from harness.records.run import SLIDES_M, STILL_RAD
 from harness.records.scene import StatueRecord
 from harness.statics.standstill import STILL_M
 from reports.charts import Json

@@ -10,8 +10,7 @@ import numpy as np
 from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.fragility import fit
 from harness.model.finding import Finding, info
-from harness.questions.scene.answer import STILL_RAD
-from harness.records.run import falls
+from harness.records.run import STILL_RAD, falls
 from harness.records.study import CaseRun, Panel
 from harness.statics.standstill import STILL_M
 from reports.charts import Json

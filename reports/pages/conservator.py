@@ -15,10 +15,9 @@ import numpy as np
 from harness.model.history import Array, Outcome
 from harness.model.run import number
 from harness.model.scene import base_shift_m
-from harness.questions.scene.answer import STILL_RAD
 from harness.records.assess import MOSTLY, Assessment, worst
 from harness.records.effects3d import EffectsRecord
-from harness.records.run import RunRecord, own_moves, peak_slip_m, tips_s, unconfirmed
+from harness.records.run import STILL_RAD, RunRecord, own_moves, peak_slip_m, tips_s, unconfirmed
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import StudyRecord, StudyRow, SupportRecord, Value
 from harness.statics.standstill import tipping_of_pedestal

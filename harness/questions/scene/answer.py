@@ -15,6 +15,7 @@ from harness.model.run import Run, number
 from harness.model.scene import Scene
 from harness.records.assess import Assessment
 from harness.records.run import (
+    STILL_RAD,
     HorizonRecord,
     balance_share,
     has_answer,
@@ -40,8 +41,6 @@ LATE: Final = (Verdict.HORIZON, Verdict.UNBOUNDED, Verdict.DOMAIN)
 """Verdicts of histories that agree up to some instant, and part for a reason that is no model's."""
 NOT_FOLLOWED: Final = (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX)
 """Ends of a perturbed run that are none of the statue: it may fall or stand there as it does elsewhere."""
-STILL_RAD: Final = 1e-5
-"""A smaller lean is the give of a contact engine at rest (some 0.01 mm at the top of a statue of one metre)."""
 
 
 def answer_of(

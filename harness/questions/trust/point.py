@@ -19,11 +19,11 @@ from harness.model.scene import Scene
 from harness.questions.assess.by_model import assess_models
 from harness.questions.assess.engine_draws import DrawnRun, estimate, overturns
 from harness.questions.assess.model_draws import draws_of, model_draws, row, uncertain_inputs, varied
-from harness.questions.scene.answer import STILL_RAD, counted
+from harness.questions.scene.answer import counted
 from harness.questions.scene.scene_run import Result, run_scene
 from harness.records.assess import Assessment
 from harness.records.base import Plain, plain
-from harness.records.run import HorizonRecord, balance_share, has_answer, outcome_family, outside_domain
+from harness.records.run import STILL_RAD, HorizonRecord, balance_share, has_answer, outcome_family, outside_domain
 from harness.records.scores import Interval, Scores, Verdict
 from harness.records.trust import CONTOURS, Rotation, TrustClass
 from harness.runs.task import TaskResult

@@ -13,6 +13,7 @@ from harness import Outcome, Run, compare
 from harness.comparison.comparator import COVERAGE, shares
 from harness.comparison.side import left_domain
 from harness.model.history import History
+from harness.records.run import STILL_RAD
 from harness.records.scores import Verdict
 from tests import doubles
 
@@ -33,6 +34,21 @@ def test_the_limit_is_twice_the_joint_uncertainty(apart: float, verdict: Verdict
     scores = compare(certain(doubles.raised(history, apart * limit), "a"), certain(history, "b"))
     assert scores.verdict is verdict
     assert scores.evidence.limit_rad == pytest.approx(limit)
+
+
+@pytest.mark.parametrize(("lean_rad", "verdict"), [(0.9, Verdict.AGREE), (1.1, Verdict.PLANE)])
+def test_models_whose_statues_are_said_not_to_rock_are_not_said_to_differ(lean_rad: float, verdict: Verdict) -> None:
+    """Certified to 1e-17 rad both: one leans by a hundredth of a millimetre at the top, in the plane or out of it."""
+    exact: dict[str, Any] = {"numerical_uncertainty_rad": 1e-17, "slip_uncertainty_m": 1e-17}
+    plane = certain(doubles.rest(), "plane", motion_axes=("x",), **exact)
+    leans = doubles.scaled(doubles.rocking(slip_m=0.0), 10.0 * lean_rad * STILL_RAD)
+    across = {"out_of_plane_rad": lean_rad * STILL_RAD}
+    for history, validity in ((leans, {}), (doubles.rest(), across)):
+        space = certain(history, "space", motion_axes=("x", "y"), validity=validity, **exact)
+        assert compare(plane, space).verdict is verdict
+    rocks = doubles.rocking()
+    near = compare(certain(rocks, "a", **exact), certain(doubles.raised(rocks, 0.1 * STILL_RAD), "b", **exact))
+    assert near.verdict is Verdict.MODEL, "of statues that rock every certified digit counts"
 
 
 def test_apart_before_the_horizon_is_the_model() -> None:
