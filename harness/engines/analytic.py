@@ -138,10 +138,6 @@ def own(settings: Settings) -> TwoBlockSettings:
     return TwoBlockSettings(settings.dt_s, settings.expected_error_rad)
 
 
-def _history(solution: Solution) -> History:
-    return History(solution.t_s, solution.theta_rad, solution.theta_rate_rad_s, solution.slip_m, solution.slip_rate_m_s)
-
-
 def _validity(scene: Scene, solution: Solution) -> dict[str, object]:
     limits = solution.validity
     share = solution.peak_theta_rad / scene.statue.slenderness_rad(1 if solution.peak_signed_rad > 0.0 else -1)
@@ -241,7 +237,7 @@ def _run(scene: Scene, settings: TwoBlockSettings, solution: Solution, wall_s: f
     return Run(
         engine=TwoBlock.name,
         outcome=Outcome(solution.outcome.value),
-        history=_history(solution) if keep else None,
+        history=History(*solution.history) if keep else None,
         settings=stated_settings(settings),
         steps=work.steps,
         wall_s=wall_s,
