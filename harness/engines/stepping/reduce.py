@@ -517,8 +517,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
         "statue_slip_m": float(np.abs(slid_m).max()),
         "statue_flight_m": float(max(gap_m.max(), 0.0)),
         "penetration_m": float(max(-over.min(), 0.0)),
-        # What is lost only grows: where it falls, energy comes from nowhere.
-        "energy_gained_j": float((np.maximum.accumulate(lost_j) - lost_j).max()),
+        "energy_gained_j": forces.energy_gained_j(lost_j),
         "impact_ratios": [after / before if before != 0.0 else 0.0 for before, after in rates],
         **plain,
         **in_space,
