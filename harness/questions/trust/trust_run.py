@@ -16,13 +16,14 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.forecast import run_s
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
 from harness.model.run import MOST_TIMES, machine, versions
 from harness.model.scene import Scene
+from harness.questions.assess.by_model import SAMPLE_S
 from harness.questions.scene.workload import check as check_work
 from harness.questions.study.case_selection import filled, refined
 from harness.questions.trust.plane import Plane, Point, below, to_ask
@@ -39,7 +40,7 @@ from harness.questions.trust.point import (
 )
 from harness.records.base import Plain, part
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
-from harness.records.run import HorizonRecord
+from harness.records.run import HorizonRecord, has_answer
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval
 from harness.records.trust import (
@@ -327,7 +328,9 @@ def cost_words(plane: Plane, names: Sequence[str], workers: int, *, coarse: bool
         scenes = [each.at(each.points[k]) for k in drawn]
         asked = {name: ASKED[engines.load(name).capabilities.dimensions] for name in names if name != MODEL}
         runs_s = sum(share * run_s(name, scene).middle for name, share in asked.items() for scene in scenes)
-        cpu_s += len(each.points) * (POINT_S + runs_s / len(scenes))
+        # A probability has an engine's draws where the model leaves its domain.
+        left = sum(not has_answer(simulate(scene, MODEL)) for scene in scenes)
+        cpu_s += len(each.points) * (POINT_S + (runs_s + SAMPLE_S * left) / len(scenes))
         cpu_s += 0.0 if coarse else CHANCE_S * len(each.frequencies_hz)
     points, spent, clock = len(planes) * len(plane.points), duration_words(cpu_s), duration_words(cpu_s / workers)
     return f"{points} points: about {spent} of processor time, {clock} by the clock (workers: {workers})"

@@ -125,6 +125,13 @@ def test_what_a_map_takes_is_told_before_it_begins(monkeypatch: pytest.MonkeyPat
     whole = trust_run.cost_words(on, ("analytic", "pymunk"), 1, coarse=False)
     chances_s = 2 * trust_run.CHANCE_S * len(on.frequencies_hz)
     assert duration_words(count * (trust_run.POINT_S + 100.0 * shares[2]) + chances_s) in whole
+    # Where the model leaves its domain an engine's draws are of its probability: at a half of these points.
+    monkeypatch.setattr(trust_run, "has_answer", lambda run: abs(run.peak_theta_rad) < np.median(peaks))
+    drawn = np.random.default_rng(0).permutation(len(on.points))[: trust_run.TRIALS]
+    peaks = [abs(harness.simulate(on.at(on.points[k]), "analytic").peak_theta_rad) for k in drawn]
+    monkeypatch.setattr(trust_run, "planes_of", lambda plane: ([on], []))
+    more_s = len(on.points) * (trust_run.POINT_S + 100.0 * shares[2] + 0.5 * trust_run.SAMPLE_S)
+    assert duration_words(more_s) in trust_run.cost_words(on, ("analytic", "pymunk"), 1, coarse=True)
 
 
 def test_a_point_says_what_a_run_of_it_says(small: Path, tmp_path: Path) -> None:
