@@ -491,7 +491,8 @@ def _poses(known: dict[str, Errors], tosses: Sequence[Toss]) -> Rows:
     if not known:
         return []
     every, frame_s = list(known.values()), {toss.name: toss.frame_s for toss in tosses}
-    longest = max(len(item.rotation_rad) * frame_s[name] for name, item in known.items())
+    # Half a frame beyond the last the nearest one is still there.
+    longest = max((len(item.rotation_rad) - 0.5) * frame_s[name] for name, item in known.items())
     turned, apart = (np.concatenate([getattr(item, name) for item in every]) for name in ("rotation_rad", "place_m"))
     rows: Rows = [["all_frames", len(every), *quartiles(turned), *quartiles(apart)]]
     last = [item.rotation_rad[-1] for item in every], [item.place_m[-1] for item in every]

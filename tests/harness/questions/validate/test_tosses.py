@@ -27,6 +27,7 @@ from harness.questions.validate.tosses import (
     Coefficients,
     Errors,
     Toss,
+    _poses,
     errors,
     nearest_flight,
     poses,
@@ -169,6 +170,16 @@ def test_errors_are_the_turn_and_the_shift_that_were_put_in(tmp_path: Path, cube
     assert found.rotation_rad == pytest.approx([angle] * 4, abs=budget.INTEGRATED)
     assert found.place_m == pytest.approx([0.05] * 4, abs=budget.INTEGRATED)
     assert (found.points_m >= 0.05 - budget.INTEGRATED).all()
+
+
+def test_poses_over_time_end_with_the_longest_toss(tmp_path: Path, cube: Scene) -> None:
+    """Of two tosses none had a frame at 0.6 s, 4 ms after the last: a validation crashed there."""
+    toss = read_tosses(written(tmp_path, {"a": flying()}), cube.statue, cube.gravity_m_s2)[0][0]
+    for count, frame_s, last_s in ((10, 0.0203, 0.1), (9, 0.0225, 0.1), (9, 0.0236, 0.2)):
+        found = Errors(*[np.arange(float(count))] * 3, rate_m_s=np.zeros(1))
+        rows = _poses({"a": found}, [replace(toss, frame_s=frame_s)])
+        assert rows[-1][0] == pytest.approx(last_s)
+        assert rows[-1][1] == 1
 
 
 def test_the_coefficient_that_threw_them_is_found_again(tmp_path: Path, root: Path, cube: Scene) -> None:
