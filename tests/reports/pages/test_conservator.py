@@ -23,7 +23,7 @@ from harness.records.scores import Verdict
 from harness.records.study import SupportRecord
 from reports.drawing.kinematics import section, silhouette_m
 from reports.drawing.pictures import floor_plan
-from reports.messages import ENGLISH
+from reports.messages import ENGLISH, language
 from reports.pages import conservator
 from reports.pages.conservator import of_run, of_study
 from reports.source import RunSource, run_source
@@ -253,6 +253,8 @@ def test_what_remains_before_the_wall_is_said(source: RunSource) -> None:
     (engineers,) = [each.values["left_m"] for each in wording._reach(source) if each.code == "room_to_wall"]
     assert f"At its farthest lean {ENGLISH.length(engineers)} remain" in text
     assert engineers < 0.99 * wall.distance_m
+    (found,) = [each for each in wording._reach(source) if each.code == "room_to_wall"]
+    assert "a sinistra: " in language("it").say(found), "the side stood in English"
     assert "At rest 70\u00a0cm are free between it and the wall" in text
 
 
