@@ -91,7 +91,7 @@ def _study_rows(record: StudyRecord, verbose: bool) -> list[str]:
     kinds = list(dict.fromkeys(kind for count in ends.values() for kind in count))
     cells = [[model, str(count.total()), *(str(count[kind]) for kind in kinds)] for model, count in ends.items()]
     heading = ["model", "runs", *(ENGLISH.strings[f"ends.{kind}"] for kind in kinds)]
-    return _first([heading], cells, None if verbose else MODEL_LINES - 1, "models")
+    return _first([heading], cells, None if verbose else MODEL_LINES - 1, "model models")
 
 
 def _validation_rows(record: ValidationRecord, verbose: bool) -> list[str]:
@@ -125,7 +125,7 @@ def _body_rows(record: ValidationRecord, most: int | None) -> list[str]:
             known = each.by_probability or each.accuracy
             row.append("–" if known is None else ENGLISH.percent(known.value))
     heading = ["body", "tests", "fell", *record.models]
-    return _first([heading], [*by_body.values()], most, "bodies") if len(by_body) > 1 else []
+    return _first([heading], [*by_body.values()], most, "body bodies") if len(by_body) > 1 else []
 
 
 def _chances(item: ModelRecord | BaselineRecord) -> list[str]:
@@ -188,11 +188,11 @@ def table(rows: Sequence[Sequence[str]]) -> list[str]:
 
 
 def _first(heading: Sequence[Sequence[str]], rows: Sequence[Sequence[str]], most: int | None, what: str) -> list[str]:
-    """The first rows under their heading, and how many more there are; None: all of them."""
+    """The first rows under their heading, and how many more there are of `what`, one and several; None: all of them."""
     shown = rows[:most]
     lines = table([*heading, *shown]) if shown else []
     further = len(rows) - len(shown)
-    return [*lines, f"  {further} further {what} (--verbose)"] if further else lines
+    return [*lines, f"  {further} further {what.split()[further > 1]} (--verbose)"] if further else lines
 
 
 def _clock(seconds: float) -> str:
@@ -235,7 +235,7 @@ def _pair_rows(pairs: Sequence[Scores], most: int) -> list[str]:
     ]
     if most < 1:
         return []
-    return _first([], rows, most if len(rows) <= most else most - 1, "pairs")
+    return _first([], rows, most if len(rows) <= most else most - 1, "pair pairs")
 
 
 def _when(scores: Scores) -> str:

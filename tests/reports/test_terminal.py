@@ -46,6 +46,14 @@ def test_a_stand_that_a_model_does_not_follow_is_counted_as_no_stand(record_of: 
         assert (ENGLISH("ends.other") in heading) != stands
 
 
+@pytest.mark.parametrize(("models", "further"), [(5, ""), (6, "1 further model "), (7, "2 further models ")])
+def test_models_that_are_not_shown_are_counted(record_of: Callable[[str], Any], models: int, further: str) -> None:
+    map_of = record_of("map")
+    rows = [replace(row, model=f"m{k % models}") for k, row in enumerate(map_of.rows)]
+    found = [line.strip() for line in record_lines(replace(map_of, rows=rows)) if "further model" in line]
+    assert found == ([f"{further}(--verbose)"] if further else [])
+
+
 def test_many_findings_engines_and_long_names_still_fit(record: RunRecord) -> None:
     many = [caution("engine_failed", outcome=f"{k}", message="long " * 60) for k in range(30)]
     heavy = [changes_answer("near_tie", margin=1e-4).of("analytic")]
