@@ -26,7 +26,7 @@ from reports.charts.drawn import still
 from reports.charts.figure import localised
 from reports.drawing.kinematics import section
 from reports.drawing.pictures import Plan, floor_plan, order_svg, plan_svg, push_svg, reach_svg
-from reports.messages import ENGLISH, Language, probability_text
+from reports.messages import ENGLISH, Language, probability_text, split_unit
 from reports.source import RunSource, run_source, source_of
 from reports.text.giving_way import (
     compass,
@@ -773,7 +773,9 @@ def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list
     for side, key in zip("xy", axes, strict=True):
         last = key.rsplit(".", 1)[-1]
         told = last in AXES and (key not in STRENGTHS or _strength_unit(record, key)[1] == 1.0)
-        named = say(AXES[last]) if told else say.key(key) or say("key.other")
+        unit = split_unit(last)[1]
+        own = (say.key(key) or say("key.other")) + (f" ({unit})" if unit else "")
+        named = say(AXES[last]) if told else own
         figure["encoding"][side]["title"] = named
     figure["layer"][0]["encoding"]["fill"]["legend"] = None
     seen = sorted({_severity(row) for row in worst.values()}, reverse=True)

@@ -49,7 +49,7 @@ def test_a_stand_that_a_model_does_not_follow_is_counted_as_no_stand(record_of: 
 @pytest.mark.parametrize(("models", "further"), [(5, ""), (6, "1 further model "), (7, "2 further models ")])
 def test_models_that_are_not_shown_are_counted(record_of: Callable[[str], Any], models: int, further: str) -> None:
     map_of = record_of("map")
-    rows = [replace(row, model=f"m{k % models}") for k, row in enumerate(map_of.rows)]
+    rows = [replace(row, engine=f"m{k % models}") for k, row in enumerate(map_of.rows)]
     found = [line.strip() for line in record_lines(replace(map_of, rows=rows)) if "further model" in line]
     assert found == ([f"{further}(--verbose)"] if further else [])
 

@@ -87,15 +87,18 @@ def findings_of(record: StudyRecord) -> list[Finding]:
 
 
 def _falls(rows: Sequence[StudyRow]) -> list[Finding]:
-    """In how many cases each model lets the statue overturn, and in how many it does not say."""
-    runs: dict[str, list[bool | None]] = {}
+    """In how many cases each model lets the statue overturn or touch the wall, and in how many it does not say."""
+    ends: dict[str, list[Outcome | None]] = {}
     for row in rows:
         if row.run is not None:
-            runs.setdefault(row.model, []).append(row.run.outcome.fell if in_domain(row.run) else None)
-    return [
-        info("overturns_in", falls=fell.count(True), cases=len(fell), open=fell.count(None) or None, model=model)
-        for model, fell in runs.items()
-    ]
+            ends.setdefault(row.model, []).append(row.run.outcome if in_domain(row.run) else None)
+    found = []
+    for model, each in ends.items():
+        fell = [None if end is None else end.fell for end in each]
+        wall = each.count(Outcome.TOUCHES_WALL)
+        left = {"wall": wall or None, "open": fell.count(None) - wall or None}
+        found.append(info("overturns_in", falls=fell.count(True), cases=len(fell), **left, model=model))
+    return found
 
 
 def _left_domain(rows: Sequence[StudyRow]) -> Iterator[Finding]:

@@ -382,6 +382,22 @@ def test_what_a_headline_says_of_one_variant_is_not_said_again(record_of: Callab
     assert any(each.startswith(again) for each in answer(of_study(replace(record, rows=[ended, *rows[1:]]))).points)
 
 
+def test_the_axes_of_a_map_have_units(record_of: Callable[[str], Any]) -> None:
+    """A distance of 0.16 stood on an axis without a unit."""
+    of_map = record_of("map")
+    for key, words in (
+        ("motion.x.amplitude_g", ENGLISH("plain.strength")),
+        ("wall.distance_m", f"{ENGLISH('key.distance_m')} (m)"),
+    ):
+
+        def named(varied: Any, key: str = key) -> dict[str, Any]:
+            return {key if name == "motion.x.amplitude_g" else name: value for name, value in varied.items()}
+
+        rows = [replace(row, varied=named(row.varied)) for row in of_map.rows]
+        page = of_study(replace(of_map, rows=rows, vary=named(of_map.vary)))
+        assert any(f">{words}<" in each.svg for each in pictures(page))
+
+
 def test_a_frequency_that_is_kept_is_no_number(record_of: Callable[[str], Any]) -> None:
     record = record_of("table")
     rows = [replace(row, varied={**row.varied, "motion.x.frequency_hz": "keep"}) for row in record.rows]

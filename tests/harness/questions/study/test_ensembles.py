@@ -140,6 +140,7 @@ def test_a_run_outside_its_domain_has_no_outcome_to_compare(cause: str) -> None:
 def test_a_fall_outside_its_domain_is_none_that_a_study_counts() -> None:
     slides: dict[str, Any] = {"validity": {"left_domain_s": 0.5, "left_domain_by": "statue_slides"}}
     falls: dict[str, Any] = {"outcome": Outcome.OVERTURNED_LEFT, "no_return_time_s": 1.0}
-    fields = (falls, falls | slides, slides, {})
+    wall: dict[str, Any] = {"outcome": Outcome.TOUCHES_WALL}
+    fields = (falls, falls | slides, slides, {}, wall, wall | slides)
     (told,) = falls_in([row(k, "analytic", doubles.rocking(), **each) for k, each in enumerate(fields)])
-    assert (told.values["falls"], told.values["cases"], told.values["open"]) == (1, 4, 2)
+    assert [told.values[key] for key in ("falls", "cases", "wall", "open")] == [1, 6, 1, 3]
