@@ -128,6 +128,19 @@ def test_every_assumed_width_and_pair_of_materials_has_its_source() -> None:
         assert {f"published.{pair}" for pair in PAIRS} == {key for key in strings if key.startswith("published.")}
 
 
+KEY_LETTERS = 40
+"""On a telephone of 390 pixels a chart's key has 280 beside its margins and its sign, of seven a letter."""
+
+
+def test_the_kinds_of_motion_fit_a_telephone() -> None:
+    """The page scrolled sideways: the key of its histories was wider than the screen."""
+    for code in LANGUAGES:
+        strings = language(code).strings
+        kinds = [words for key, words in strings.items() if key.startswith("chart.pattern_")]
+        assert kinds
+        assert max(map(len, kinds)) <= KEY_LETTERS
+
+
 def test_a_number_is_written_as_the_language_writes_it() -> None:
     finding = info("probability", share=0.394, model="analytic")
     assert "39\u00a0%" in language("en").say(finding)
