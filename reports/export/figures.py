@@ -63,9 +63,7 @@ def write_pdf(page: Path) -> Path:
     text = text.replace("</body>", f"<script>{source_text('units.js')}</script></body>")
     with tempfile.TemporaryDirectory() as spare, writing(target) as fresh:
         copy, printed = Path(spare, page.name), Path(spare, target.name)
-        copy.write_text(
-            text.replace('<details class="', '<details open class="').replace("<details>", "<details open>"), "utf-8"
-        )
+        copy.write_text(text.replace("<details", "<details open"), "utf-8")
         # Chromium refuses its sandbox to root.
         alone = ["--no-sandbox"] if os.geteuid() == 0 else []
         options = ["--headless", *alone, "--disable-gpu", f"--user-data-dir={spare}/profile", "--no-pdf-header-footer"]
