@@ -106,6 +106,7 @@ const answering = async (name, spec) => {
   const box = rockcheck.live(document.getElementById(`chart-${name}`)), { views = null, read = null } = spec.usermeta || {};
   const part = (className, tag = "div") => box.appendChild(Object.assign(document.createElement(tag), { className }));
   const chart = { box, views, spec }, plot = part("plot"), frame = part("frame"), tip = part("tip");
+  part("hidden").textContent = box.parentElement.getAttribute("aria-label"); /* what its signs show, which have no words */
   const kept = Object.fromEntries(spec.params.filter((each) => "value" in each).map((each) => [each.name, each.value]));
   const bound = spec.params.filter((each) => each.bind && "value" in each).map((each) => each.name);
   const parts = (key) => spec.datasets[key].filter((each) => bound.every((name) => !(name in each) || each[name] === kept[name]));
@@ -121,6 +122,7 @@ const answering = async (name, spec) => {
     const datasets = Object.fromEntries(keys.map((key) => [key, data(key)]));
     const options = { mode: "vega-lite", renderer: "svg", actions: false, defaultStyle: false, tooltip: false, logLevel: 1 };
     chart.view = (await vegaEmbed(plot, { ...sized(spec, drawn), params, datasets, config: { ...spec.config, font } }, options)).view;
+    plot.querySelector("svg").setAttribute("aria-hidden", "true");
     for (const name of bound) chart.view.addSignalListener(name, (_, value) => { if (kept[name] !== value) { kept[name] = value; redone(); } });
     chart.moved?.();
   };

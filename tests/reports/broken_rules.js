@@ -24,7 +24,8 @@
     level = own;
   }
   for (const item of all('button, a[href], select, input, textarea, [role=button], summary').filter((each) => !hidden(each))) if (!name(item)) say('a control has a name', item);
-  for (const item of all('img:not([alt]), svg:not([aria-hidden=true]):not([role=img]), canvas:not([role=img])').filter((each) => !hidden(each) && !each.closest('.live'))) say('a picture has a role', item);
+  for (const item of all('img:not([alt]), svg:not([aria-hidden=true]):not([role=img]), canvas:not([role=img])').filter((each) => !hidden(each))) say('a picture has a role', item);
+  for (const item of all('[role^=graphics], svg [role]').filter((each) => !hidden(each))) if (!labelled(item) && !item.querySelector(':scope > title')) say('a sign of a picture has a name', item);
   for (const item of all('[role=img], [role=region], [role=group]')) if (!labelled(item)) say('a picture or group has a name', item);
   for (const item of all('[role=img]')) if (item.querySelector('a, button, input, select, [tabindex]')) say('a picture holds no controls', item);
   for (const item of all('table')) {
