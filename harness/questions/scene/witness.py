@@ -195,6 +195,10 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
             steps += third.steps
             third = third.with_uncertainty(error.rotation_rad, error.slip_m, third.end_s)
         judged = {each: _confirmed(as_it_acts, held[each], third, fine, first) for each, first in judged.items()}
+        if any(not each.agrees for each in judged.values()):
+            # All its levels may take for rest what rocks by less than they resolve: in the model that grows to a difference.
+            grown_s = outgrown_s(as_it_acts, error.rotation_rad, error.rotation_rad)
+            judged = {each: _until_grown(first, grown_s, error.rotation_rad) for each, first in judged.items()}
     mine = judged[own.engine]
     if as_it_acts is not scene and MODEL in judged:
         judged[MODEL] = mine = replace(judged[MODEL], floor_impact="static")
@@ -253,6 +257,12 @@ def _confirmed(scene: Scene, run: Run, third: Run | None, finer: Run, first: Jud
     if first.parts_s is None or (third is not None and not _judged(scene, run, third, finer).agrees):
         return first
     return Judged(True, first.parts_s, compare(run, finer).evidence.limit_rad)
+
+
+def _until_grown(judged: Judged, grown_s: float, limit_rad: float) -> Judged:
+    """What was said of a run, refuted only where a plain engine's own error has not grown to as much before."""
+    parts_s = judged.parts_s
+    return judged if parts_s is None or judged.agrees or grown_s > parts_s else Judged(True, grown_s, limit_rad)
 
 
 def _falls(scene: Scene, run: Run, plain: Run, coarser: Run, parts_s: float) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -88,6 +89,17 @@ def test_a_budget_that_ends_before_the_run_is_told() -> None:
     seen = witnesses(scene, {"pymunk": poor}, RunOptions())["pymunk:plain"]
     assert seen.until_s < 0.5 * (run.reliable_until_s or 0.0)
     assert codes(seen.reasons) == ["witness_budget"]
+
+
+def test_what_a_plain_engine_takes_for_rest_at_all_its_steps_refutes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rocking by 1e-4 rad, which grows: to 0.025 ms the plain engine rests, at 0.011 ms it rocks as the model."""
+    scene = GENERATORS["random"](3800002)
+    runs = {name: simulate(scene, name) for name in NAMES}
+    seen = witnesses(scene, runs, RunOptions())["pymunk:plain"]
+    assert {(each.agrees, each.parts_s) for each in seen.runs.values()} == {(True, None)}
+    assert 1.5 < seen.until_s < 2.1
+    monkeypatch.setattr(witness, "outgrown_s", lambda *_: math.inf)
+    assert not witnesses(scene, runs, RunOptions())["pymunk:plain"].agrees
 
 
 @pytest.mark.parametrize(("seed", "budget"), [(41000, 15.0), (41003, 4.0), (41008, 4.0)])
