@@ -341,8 +341,11 @@ CELL: Final = {"x2": {"field": "x2"}, "y2": {"field": "y2"}}
 """How far a cell reaches."""
 GRID: Final = {"condition": {"test": "datum.value === 0", "value": MUTED}, "value": HAIRLINE}
 """The colour of an upright axis' grid, nought seen."""
+NUMBERS: Final = {"decimal": ".", "thousands": "", "grouping": [3], "currency": ["", ""]}
+"""How charts write numbers: as the pages around them do."""
 CONFIG: Final = {
     "aria": False,
+    "locale": {"number": NUMBERS},
     "background": "transparent",
     "font": "sans-serif",
     "padding": {"left": 4, "right": 14, "top": 6, "bottom": 4},
@@ -367,5 +370,4 @@ CONFIG: Final = {
 
 def localised(spec: Json, say: Language) -> Json:
     """A chart whose numbers are written as that language writes them."""
-    number = {"decimal": say.strings["decimal"], "thousands": "", "grouping": [3], "currency": ["", ""]}
-    return spec | {"config": {"locale": {"number": number}}}
+    return spec | {"config": {"locale": {"number": NUMBERS | {"decimal": say.strings["decimal"]}}}}

@@ -20,11 +20,13 @@ from harness.records.result_folder import read_result
 from harness.records.run import RunRecord
 from harness.records.study import StudyRecord
 from reports.blocks import Chart, walk
+from reports.charts.drawn import still
+from reports.charts.figure import across, figure, localised, marks, upwards
 from reports.charts.histories import histories_figure
 from reports.charts.study_figures import panels_figure, place
 from reports.export.animation import FRAMES_PER_S, write_gif
 from reports.export.figures import DPI, WIDTHS_MM, pixels_across, printed, write_figures
-from reports.messages import ENGLISH
+from reports.messages import ENGLISH, language
 from reports.pages.page import page_blocks
 from reports.source import run_source
 from tests.budgets_reports import ROUNDED_INCH
@@ -62,6 +64,17 @@ def test_a_printed_figure_is_as_wide_as_asked_and_has_its_words(folder: Path) ->
         assert {ENGLISH.strings[f"chart.pattern_{name}"] for name in get_args(PatternName)} & words, (
             "a strip of patterns needs its key"
         )
+
+
+def test_a_printed_chart_writes_its_numbers_as_the_page_does() -> None:
+    """The page had 2000, its figure 2,000."""
+    chart = figure(
+        [marks("point", "a")], 100, {"a": [{"x": [0.0, 2500.0], "y": [0.0, 1.0]}]}, across("x"), upwards("y")
+    )
+    for drawn in (printed(chart, 400.0), str(still(localised(chart, ENGLISH), 400.0))):
+        assert ">2000<" in drawn
+        assert ">0.5<" in drawn
+    assert ">0,5<" in still(localised(chart, language("it")), 400.0)
 
 
 def test_vector_and_pixel_figures_have_one_size(folder: Path) -> None:
