@@ -48,7 +48,7 @@ def record_lines(record: Record, *, verbose: bool = False) -> list[str]:
     """What is printed of a record: title, answer, the rows of its kind, what to beware of; `verbose`: every finding."""
     if isinstance(record, RunRecord):
         pairs = list(record.scores.values())
-        heading = ["engine", "outcome", "peak lean", "slip", "numerical error", "time"]
+        heading = ["engine", "outcome", "peak lean", "slip", "numerical error", "CPU time"]
         engines = table([heading, *([name, *_engine_cells(run, record.scene)] for name, run in record.runs.items())])
         lines = [_cut(record.title), *_answer(record, ANSWER_LINES), *engines]
         lines += _pair_rows(pairs, len(pairs) if verbose else min(PAIR_LINES, LINES - LAST_LINES - len(lines)))
@@ -195,7 +195,9 @@ def _first(heading: Sequence[Sequence[str]], rows: Sequence[Sequence[str]], most
     return [*lines, f"  {further} further {what.split()[further > 1]} (--verbose)"] if further else lines
 
 
-def _clock(seconds: float) -> str:
+def _clock(seconds: float | None) -> str:
+    if seconds is None:
+        return "–"
     return f"{ENGLISH.digits(seconds, 2)} s" if seconds >= 1e-3 else f"{ENGLISH.digits(1e3 * seconds, 2)} ms"
 
 
@@ -203,7 +205,7 @@ def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
     """Of a statue on the floor the slip is its own, which the analytic model does not have."""
     outcome = ENGLISH.strings[f"short.{run.outcome.value}"]
     if run.outcome.failed:
-        return [outcome, "–", "–", "–", _clock(run.wall_s)]
+        return [outcome, "–", "–", "–", _clock(run.cpu_s)]
     if run.no_return_time_s is not None:
         outcome += f" at {ENGLISH.digits(run.no_return_time_s, 3)} s"
     if outside_domain(run):
@@ -224,7 +226,7 @@ def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
     slip = "–" if slip_m is None else ENGLISH.length(slip_m if slip_m > STILL_M else 0.0).replace("\u00a0", " ")
     if outside_domain(run) and slip_m is not None:
         slip = f"({slip})"
-    return [outcome, peak, slip, known, _clock(run.wall_s)]
+    return [outcome, peak, slip, known, _clock(run.cpu_s)]
 
 
 def _pair_rows(pairs: Sequence[Scores], most: int) -> list[str]:

@@ -60,7 +60,7 @@ def simulate(
 
 def simulate_with(engine: Engine, scene: Scene, target: RunTarget) -> Run:
     """The same with an engine that is loaded, and a target that was checked."""
-    reason, start = engine.missing(), time.perf_counter()
+    reason, start, spent_s = engine.missing(), time.perf_counter(), time.thread_time()
     try:
         with own_failures(engine.name):
             if reason is not None:
@@ -80,7 +80,8 @@ def simulate_with(engine: Engine, scene: Scene, target: RunTarget) -> Run:
         run = failed(engine.name, Outcome.CRASHED, str(error), time.perf_counter() - start)
         if isinstance(error, LayerFault):
             run = replace(run, validity={"layer_fault": error.code, **error.values})
-    return replace(run, motion_axes=scene.base_excitation.axes(engine.capabilities.dimensions))
+    axes = scene.base_excitation.axes(engine.capabilities.dimensions)
+    return replace(run, motion_axes=axes, cpu_s=time.thread_time() - spent_s)
 
 
 def check_target(accuracy_rad: float | None, dt_s: float | None) -> None:

@@ -185,8 +185,9 @@ class Run(RunRow, Shown):
     """One engine's answer to one scene; `history` is None when only the outcome was asked, and in no record.
 
     `work` counts by name (evaluations, iterations, ...). `skipped` is what was left out though the result is the same, by its
-    name in `options.SKIPS`, with the time that it saved, s (None: no stretch of time). `interventions` is what the harness wrote
-    to the engine's bodies, by kind; empty for an unmodified engine.
+    name in `options.SKIPS`, with the time that it saved, s (None: no stretch of time). `cpu_s` is the processor time of all that
+    was integrated for it (None: read from a store), `wall_s` what its steps took by the clock. `interventions` is what
+    the harness wrote to the engine's bodies, by kind; empty for an unmodified engine.
     """
 
     __pydantic_config__: ClassVar[Mapping[str, bool]] = {
@@ -195,6 +196,7 @@ class Run(RunRow, Shown):
     """As of a record (`harness.records.base`); arrays are of the history, which no record holds."""
     settings: Mapping[str, Any] = field(metadata=said(single=False))
     wall_s: float = field(metadata=said("s"))
+    cpu_s: float | None = field(default=None, metadata=said("s"))
     impact_times_s: Sequence[float] = field(default=(), metadata=said("s", single=False))
     uplift_times_s: Sequence[float] = field(default=(), metadata=said("s", single=False))
     patterns: Sequence[Pattern] = field(default=(), metadata=said(single=False))

@@ -198,7 +198,7 @@ def answer_of(run: Run, histories: bool, inside_s: float = 0.0) -> TaskResult:
     Times differ from run to run: they stand apart, so that two stores of one study are equal row for row.
     """
     plain = to_plain(run)
-    seconds = plain.pop("wall_s")
+    seconds, _ = plain.pop("wall_s"), plain.pop("cpu_s")
     return TaskResult(RUN, plain, seconds, run.history if histories else None, inside_s, run.outcome.failed)
 
 

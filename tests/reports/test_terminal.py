@@ -98,6 +98,15 @@ def test_a_peak_of_a_fall_and_of_a_failure_is_not_told(record: RunRecord, tmp_pa
     assert "rad" not in row
 
 
+def test_what_a_run_took_of_the_processor_is_told(record: RunRecord) -> None:
+    """Not of the clock, which a busy machine stretches; of a run that a store kept it is not known."""
+    own = record.runs["analytic"]
+    for cpu_s, told in ((0.25, "0.25 s"), (None, "–")):
+        found = replace(record, runs={**record.runs, "analytic": replace(own, cpu_s=cpu_s, wall_s=7.5)})
+        line = next(line for line in record_lines(found) if line.startswith("  analytic  "))
+        assert line.endswith(f"  {told}")
+
+
 def test_a_motion_of_many_findings_fits(data_dir: Path) -> None:
     found = inspect_file(data_dir / "records" / "20161113_110259_WTMC_20.V2A.gz")
     many = texted(

@@ -92,7 +92,7 @@ def test_a_key_keeps_its_first_result(store: Store) -> None:
 
 
 def test_rows_do_not_hold_what_differs_from_run_to_run(store: Store) -> None:
-    put(store, [("a", run(wall_s=1.0)), ("b", run(wall_s=2.0))])
+    put(store, [("a", run(wall_s=1.0)), ("b", replace(run(wall_s=2.0), cpu_s=1.5))])
     a, b = store.get("a"), store.get("b")
     assert a == b
 
