@@ -61,6 +61,10 @@ class Record:
         answer = None if self.answer is None else self.answer.texted(say)
         return replace(self, answer=answer, findings=texted(weighed(self.findings), say))
 
+    def plain(self) -> Plain:
+        """The record as plain JSON values in the order of its fields; one of many rows writes these by itself."""
+        return plain(self)
+
 
 def option_words(**options: object) -> list[str]:
     """Options of a command as it takes them, each once for every item of a list; those that are not given are left out."""
@@ -93,7 +97,7 @@ def plain(record: Any) -> Plain:
 
 def as_file(record: Record) -> Plain:
     """A record as it stands in a `result.json`, which names its JSON Schema."""
-    values = plain(record)
+    values = record.plain()
     # What the result is comes before where it was computed.
     last: Plain = {name: values.pop(name) for name in ("versions", "machine", "files") if name in values}
     return {"$schema": schema_name(record.kind), **values, **last}
