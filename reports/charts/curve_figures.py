@@ -82,7 +82,9 @@ TICKS: Final = [0.25, 0.5, 1.0, 2.0, 4.0]
 def fragility_by_factor(fragility: FragilityRecord, say: Language = ENGLISH) -> Json:
     """The probability of overturning by a factor on the shaking, with its band."""
     chance = fragility.probability_overturned
-    tips = [f"× {factor:.2f}: {value:.0%}" for factor, value in zip(fragility.factor, chance, strict=True)]
+    tips = [
+        f"× {say.digits(factor)}: {say.percent(value)}" for factor, value in zip(fragility.factor, chance, strict=True)
+    ]
     data = {"curve": [{"name": fragility.model, "x": fragility.factor, "y": chance, "tip": tips}]}
     layers = [marks("line", "curve", strokeWidth=2, color=INK), discs("curve", {}, color=INK)]
     if fragility.low:
@@ -259,7 +261,7 @@ def _plane(record: ValidationRecord, styles: Mapping[str, Look], say: Language) 
     for fell, words in ((False, stood), (True, fallen)):
         rows = [row for row in record.rows if row.observed.startswith(FELL) == fell and row.pga_g > 0.0]
         points = [
-            (row.pgv_m_s / (GRAVITY_M_S2 * row.pga_g), row.pga_g, f"{row.test}: {row.pga_g:.3f} g, {words}")
+            (row.pgv_m_s / (GRAVITY_M_S2 * row.pga_g), row.pga_g, f"{row.test}: {say.digits(row.pga_g)} g, {words}")
             for row in rows
         ]
         tests.append({"kind": words, **columns("x y tip", points)})
@@ -324,7 +326,7 @@ def _reliability(record: ValidationRecord, styles: Mapping[str, Look], say: Lang
         {
             "name": name, "x": [item.mean for item in mine], **columns_of([item.fell for item in mine]),
             "tip": [
-                say("chart.bin", name=name, cases=item.cases, said=f"{item.mean:.2f}", fell=f"{item.fell.value:.2f}")
+                say("chart.bin", name=name, cases=item.cases, said=say.digits(item.mean, 2), fell=say.digits(item.fell.value, 2))
                 for item in mine
             ],
         }

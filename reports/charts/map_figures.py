@@ -133,7 +133,7 @@ def _grid(
         (codes[place], words), count = ends.most_common(1)[0]
         peak = max(float(run.peak_theta_rad) for run in runs)
         key = "chart.peak" if len(runs) == 1 else "chart.in_some"
-        tips[place] = say(key, what=words, peak=f"{peak:.3f}", count=count, total=len(runs))
+        tips[place] = say(key, what=words, peak=say.written(f"{peak:.3f}"), count=count, total=len(runs))
     known = {place: str(codes[place]) for place in samples}
     outcomes = filled([*samples, *agreed], known, (0, 1))
     for place in agreed:
@@ -180,6 +180,7 @@ def number_map(
     x: Side,
     y: Side,
     unit: str,
+    say: Language,
     ends: tuple[float, float] | None = None,
     over: Mapping[str, tuple[Sequence[Json], Json]] | None = None,
 ) -> Json:
@@ -192,7 +193,8 @@ def number_map(
     ]
     tips = [
         [
-            f"{x[0]} {at:.4g}\n{y[0]} {up:.4g}\n" + ("–" if np.isnan(value) else f"{value:.4g} {unit}")
+            f"{x[0]} {say.short(at)}\n{y[0]} {say.short(up)}\n"
+            + ("–" if np.isnan(value) else f"{say.short(value)} {unit}")
             for at, value in zip(x[1], row, strict=True)
         ]
         for up, row in zip(y[1], values.tolist(), strict=True)

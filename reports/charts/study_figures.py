@@ -129,7 +129,7 @@ def _value_map(
         return None
     crosses = marks("point", "tipping", shape="cross", angle=45, size=36, filled=True, color=INK)
     tipping = [columns("x y", [place for place, run in there.items() if _tips(run)])]
-    return number_map(values, x, y, unit, over={"tipping": (tipping, crosses)} if marked else None)
+    return number_map(values, x, y, unit, say, over={"tipping": (tipping, crosses)} if marked else None)
 
 
 # Studies along one axis: each model's outcome, largest rotation and slip against what varies.
@@ -205,7 +205,7 @@ def panels_figure(
     models = list(dict.fromkeys(model for panel in panels for model in panel.curves))
     parts: list[Json] = [
         {
-            "name": name, "model": of, "r": panel.restitution, "place": place(panel),
+            "name": name, "model": of, "r": panel.restitution, "place": place(panel, say),
             "t": np.asarray(curves[setting].t_s), "value": scale * np.asarray(getattr(curves[setting], column)),
         }
         for panel in panels for of, curves in panel.curves.items()
@@ -213,7 +213,7 @@ def panels_figure(
     ]  # fmt: skip
     ends = {"domain": [0.0, max((float(part["t"][-1]) for part in parts), default=1.0)]}
     shown = {"domain": [-SHOWN_RAD, SHOWN_RAD]}
-    order = [place(panel) for panel in sorted(panels, key=lambda each: (each.frequency_hz, each.amplitude_g))]
+    order = [place(panel, say) for panel in sorted(panels, key=lambda each: (each.frequency_hz, each.amplitude_g))]
     params = [
         choice("model", say("chart.model"), models, model),
         choice("r", say("chart.restitution"), sorted({panel.restitution for panel in panels}), restitution),
@@ -232,9 +232,9 @@ def panels_figure(
     }  # fmt: skip
 
 
-def place(panel: Panel) -> str:
+def place(panel: Panel, say: Language = ENGLISH) -> str:
     """What is said over a panel."""
-    return f"{panel.amplitude_g:g} g, {panel.frequency_hz:g} Hz"
+    return say.row([f"{say.short(panel.amplitude_g)} g", f"{say.short(panel.frequency_hz)} Hz"])
 
 
 def fragility_figure(

@@ -140,7 +140,9 @@ def _curve(curve: RoseCurve, asked: Sequence[float], most: float, unit: str, say
     around = [places.get(azimuth, (math.nan, math.nan)) for azimuth in [*asked, *([] if whole else asked[:1])]]
     shapes = [path(around, closed=whole, **_style(curve))]
     for azimuth, peak in curve.peaks.items():
-        tip = f"{curve.name}, {azimuth:g}°: " + (say("ends.stands") if peak is None else f"{say.digits(peak)}{unit}")
+        tip = f"{curve.name}, {say.short(azimuth)}°: " + (
+            say("ends.stands") if peak is None else f"{say.digits(peak)}{unit}"
+        )
         colour = curve.look.colour
         shapes.append(disc(*places[azimuth], 3.0, fill="#fff" if peak is None else colour, stroke=colour, title=tip))
     return shapes
@@ -165,7 +167,8 @@ def changes(record: EffectsRecord, say: Language = ENGLISH) -> Json:
             "name": item.engine, "x": [max(-most, min(most, value)) for value in percent], "y": [at] * len(percent),
             "kind": ["within" if abs(value) <= most else "above" if value > 0.0 else "below" for value in percent],
             "tip": [
-                f"{item.engine}, {each.azimuth_deg:g}°: {say.value(each.relative, 'points')}\u00a0%" for each in item.changes
+                f"{item.engine}, {say.short(each.azimuth_deg)}°: {say.value(each.relative, 'points')}\u00a0%"
+                for each in item.changes
             ],
             "median": None if item.median is None else 100.0 * item.median, "high": at - 0.2, "low": at + 0.2,
         })  # fmt: skip
@@ -208,4 +211,4 @@ def turned_scan(record: EffectsRecord, source: RunSource) -> tuple[Array, Faces,
 def directions(record: EffectsRecord, source: RunSource, say: Language) -> Markup | None:
     """The scan with the rose's directions on the floor around it; None without one."""
     scan = turned_scan(record, source)
-    return None if scan is None else directions_picture(*scan).svg(say("scan.directions", towards=f"{scan[-1]:g}"))
+    return None if scan is None else directions_picture(*scan).svg(say("scan.directions", towards=say.short(scan[-1])))

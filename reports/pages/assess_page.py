@@ -178,7 +178,7 @@ def _by_direction(name: str, item: ClearanceByModel, say: Language) -> Table:
 
 def _towards(angle_deg: float, say: Language) -> str:
     side = {0.0: "right", 90.0: "back", 180.0: "left", 270.0: "front"}.get(angle_deg)
-    return f"{angle_deg:g}°" + (f", {say(f'side.{side}')}" if side else "")
+    return f"{say.short(angle_deg)}°" + (f", {say(f'side.{side}')}" if side else "")
 
 
 def _inputs(record: AssessRecord, say: Language) -> list[Section]:

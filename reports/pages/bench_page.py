@@ -65,7 +65,7 @@ def blocks(_folder: Path, record: BenchRecord, say: Language) -> list[Block]:
 def _choices(say: Language, items: Sequence[LevelChoice], target_rad: float) -> Table | None:
     columns = "engine met total_s fixed_s share median_times worst_times worst_scene"
     rows = [{**vars(item), "met": say("text.of", part=item.met, whole=item.scenes)} for item in items]
-    return table(say, "target", columns, rows, target=f"{target_rad:g}")
+    return table(say, "target", columns, rows, target=say.short(target_rad))
 
 
 def _skip(row: SkipRow, say: Language) -> dict[str, object]:

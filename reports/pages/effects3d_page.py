@@ -52,7 +52,7 @@ def blocks(folder: Path, record: EffectsRecord, say: Language) -> list[Block]:
     drawn = Chart("effects", say("text.changes"), changes(record, say), 1060)
     moving: list[Block] = [
         words(
-            say, "replayed", azimuth=f"{chosen.azimuth_deg:g}°", peak=say.value(chosen.peak_g, "g"),
+            say, "replayed", azimuth=f"{say.short(chosen.azimuth_deg)}°", peak=say.value(chosen.peak_g, "g"),
             ends=say.listed(f"{say.word(end)} ({name})" for name, end in chosen.outcomes.items()),
         ),
         replay(source, [chip(name, engines, None, say) for name in engines]),
@@ -69,7 +69,7 @@ def blocks(folder: Path, record: EffectsRecord, say: Language) -> list[Block]:
             Details(say("text.effects_numbers"), [_effects(record, asked, say)]),
             words(say, "not_asked", "variant", what=left) if left else None,
         ),
-        *section(say, "leaving", words(say, "leaving", share=f"{100 * record.study.share:g}"), _departures(record, say)),
+        *section(say, "leaving", words(say, "leaving", share=say.short(100 * record.study.share)), _departures(record, say)),
         *moving,
         *repeat(say, record, *commands),
     ]  # fmt: skip
@@ -103,7 +103,7 @@ def _rose(record: EffectsRecord, say: Language) -> Table:
         by_engine = [peak(each[at]) if at in each else say("text.not_sent") for each in peaks.values()]
         rows.append(
             [
-                f"{at:g}°",
+                f"{say.short(at)}°",
                 say.plain(item.lifts_g, 3),
                 say.plain(item.projected_g, 3),
                 *by_engine,
@@ -112,7 +112,7 @@ def _rose(record: EffectsRecord, say: Language) -> Table:
             ]
         )
     heads = ["", say("label.lifts_g"), say("label.projected_g"), *record.engines, say("label.band"), say("label.falls")]
-    return Table(say("table.rose", share=f"{100 * record.study.search.resolution:g}"), heads, rows)
+    return Table(say("table.rose", share=say.short(100 * record.study.search.resolution)), heads, rows)
 
 
 def _effects(record: EffectsRecord, asked: Sequence[str], say: Language) -> Table:
@@ -141,7 +141,7 @@ def _departures(record: EffectsRecord, say: Language) -> Table | None:
     ends = {True: "overturns", False: "stands", None: "other"}
     rows = [
         {
-            **vars(item), "azimuth": f"{item.azimuth_deg:g}°", "walked_mm": 1000 * item.walked_m,
+            **vars(item), "azimuth": f"{say.short(item.azimuth_deg)}°", "walked_mm": 1000 * item.walked_m,
             "on_a_corner": say.percent(item.corner_share), "outcome": say(f"ends.{ends[item.outcome.fell]}"),
         }
         for item in record.departures if item.engine == record.solid_engine

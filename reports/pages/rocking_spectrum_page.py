@@ -67,7 +67,7 @@ def _map(record: RockingSpectrumRecord, values: Map, name: str, say: Language) -
     shown = np.array([[values[i][j] for j in columns] for i in rows], dtype=np.float64)
     x = say("chart.slenderness"), [record.slenderness[j] for j in columns]
     y = say("chart.half_diagonal"), [record.size_m[i] for i in rows]
-    return number_map(shown, x, y, name, (0.0, 1.0))
+    return number_map(shown, x, y, name, say, (0.0, 1.0))
 
 
 def _picked(count: int) -> list[int]:

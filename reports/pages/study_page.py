@@ -91,7 +91,7 @@ def blocks(_folder: Path, record: StudyRecord, say: Language) -> list[Block]:
         *(
             section(
                 say, "panels", Chart("panels", say("text.panels_chart"), panels_figure(record.panels, say=say), 1060),
-                words(say, "panels", shown=f"{SHOWN_RAD:g}"),
+                words(say, "panels", shown=say.short(SHOWN_RAD)),
             )
             if record.panels else ()
         ),

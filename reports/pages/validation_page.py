@@ -151,7 +151,7 @@ def _tests(record: ValidationRecord, say: Language) -> Table:
     for row in record.rows:
         fell, seen = row.observed.startswith(FELL), say("ends.overturns")
         sign, seen = symbol(row.observed, say) if row.observed in SIGNS else ("✕", seen)
-        first = [row.test, row.body, row.share, f"{row.pga_g:.3f}", f"{row.pgv_m_s:.3f}"]
+        first = [row.test, row.body, row.share, say.digits(row.pga_g), say.digits(row.pgv_m_s)]
         cells = [_predicted(row, name, say, fell=fell) for name in record.models]
         rows.append([*first, Cell("", "", seen, sign, seen), *cells])
     return Table(say("table.tests"), [*map(say.label, keys), *record.models], rows, "matrix")
