@@ -91,7 +91,7 @@ def prepare(problem: Problem, params: Params, event_rows: int) -> Prepared:
     instants = math.floor(params.duration_s / dt * WHOLE) + 2 if dt > 0.0 else 0
     memory = bytearray(TASK.itemsize)
     history, events = np.zeros((5, instants)), np.zeros(event_rows, EVENT_ROW) if event_rows else NO_EVENTS
-    table, rows = (address(each) if each.size else 0 for each in (history, events))
+    table, rows = address(history) if instants else 0, address(events) if event_rows else 0
     output = table, max(instants - 1, 0), rows, event_rows
     base, motions = encode_base(problem), (*vars(x).values(), *vars(z).values())
     _READ.pack_into(memory, 0, *vars(params).values(), *vars(base).values(), *motions, *output)
