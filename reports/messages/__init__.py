@@ -189,7 +189,11 @@ class Language:
             return self.row([self.plain(each, count) for each in value[:12]], len(value))
         if isinstance(value, Mapping):
             return as_filed(value)
-        return self.digits(value, count) if value is None or isinstance(value, float) else self.written(str(value))
+        return (
+            self.digits(value, count)
+            if value is None or isinstance(value, float)
+            else self.written(str(value).replace("-", "−"))
+        )
 
     def row(self, texts: Sequence[str], size: int = 0) -> str:
         """Values one after another, parted by what no number of the language holds; of `size` in all the first alone."""

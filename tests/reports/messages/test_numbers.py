@@ -77,3 +77,13 @@ def test_values_one_after_another_are_told_apart_from_their_decimals() -> None:
     assert ENGLISH.plain([0.5, 1.25]) == "0.5000, 1.250"
     assert language("it").plain([0.5, 1.25]) == "0,5000; 1,250"
     assert ENGLISH.plain([1] * 13).endswith(", 1, … (13)")
+
+
+def test_a_whole_number_below_nought_has_the_same_sign_as_others() -> None:
+    """A table of quarter turns had -4 beside −0.978."""
+    assert [language(code).plain(value) for code in ("en", "it") for value in (-4, -4.5)] == [
+        "−4",
+        "−4.500",
+        "−4",
+        "−4,500",
+    ]
