@@ -477,7 +477,15 @@ def reach_picture(source: RunSource, say: Language, before: Sequence[str] = ()) 
     aside = side == 0 or (across > VISIBLE_M and not extremes)
     moves = {"dashed": bool(extremes), "aside": aside}
     moves |= {"still": not (extremes or aside or own or _slides_unknown(source))}
-    words = [*before, *(say(f"reach.{key}") for key, told in moves.items() if told and standing)]
+    ends = [run.outcome for run in source.answered.values()]
+    fell = [end for end in ends if end.overturned]
+    words = list(before)
+    if fell:
+        many = "fell_all" if len(fell) == len(ends) else "fell_one" if len(fell) == 1 else "fell"
+        words.append(say(f"reach.{many}", count=say.count(len(fell)), total=say.count(len(ends))))
+        # What follows is not of all models: beside a fall it stood that the statue does not move.
+        words += [say("run.of_standing")] if standing else []
+    words += [say(f"reach.{key}") for key, told in moves.items() if told and standing]
     wall = source.scene.wall
     if wall is not None and standing:
         towards, still = 1 if wall.side == "right" else -1, np.zeros(1)
@@ -486,18 +494,14 @@ def reach_picture(source: RunSource, say: Language, before: Sequence[str] = ()) 
         left = min(left_m)
         remains = say("reach.remain", left=say.length(left)) if left > 0 else say("reach.strikes")
         words.append(f"{say('reach.free', gap=say.length(gap))} {remains}")
-    ends = [run.outcome for run in source.answered.values()]
-    fell = [end for end in ends if end.overturned]
-    if fell:
-        many = "fell_all" if len(fell) == len(ends) else "fell_one" if len(fell) == 1 else "fell"
-        words.append(say(f"reach.{many}", count=say.count(len(fell)), total=say.count(len(ends))))
     sides = {1 if end is Outcome.OVERTURNED_RIGHT else -1 for end in fell if end in SIDEWAYS and not standing}
     if not sides:
         sides = {side if side and lean_rad >= STILL_RAD else min((1, -1), key=statue.slenderness_rad)}
     balance = [side * statue.slenderness_rad(side) for side in sorted(sides)]
     words.append(say("reach.balance"))
     lean = lean_rad if lean_rad >= STILL_RAD else 0.0
-    gauge = (lean, balance_rad if lean else statue.slenderness_rad(max(sides))) if standing else None
+    told = standing and (lean or not fell)
+    gauge = (lean, balance_rad if lean else statue.slenderness_rad(max(sides))) if told else None
     drawn = reach_svg(source, extremes, balance, gauge, f"{title} {' '.join(words)}", say)
     return Drawing(drawn, words, heading=title)
 
@@ -518,6 +522,8 @@ def plan_picture(source: RunSource, plan: Plan, slip: Sequence[str], say: Langua
     rooms = _rooms(plan, say)
     unknown = _slides_unknown(source)
     words = [say("plan.seen" if rooms else "run.slides_unknown" if unknown else "plan.still")]
+    falls = any(run.outcome.overturned for run in source.answered.values())
+    words = [say("run.of_standing"), *words] if falls else words
     words += [say("plan.stone")] if source.scene.pedestal is not None else []
     words += [say("plan.room", rooms=rooms)] if rooms else []
     if not standing:

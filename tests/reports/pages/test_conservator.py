@@ -180,6 +180,25 @@ def test_the_free_space_is_that_of_standing_runs_and_falls_are_said(written: Cal
     assert not re.search("analytic|pymunk|pybullet", text), "which model says it stands in the engineer's report"
 
 
+def test_a_model_in_which_nothing_moves_is_no_stillness_beside_a_fall(written: Callable[[str], Path]) -> None:
+    """Two of three models stand still, one overturns: "it does not move visibly, leans 0°" stood beside 99 of 100."""
+    source = run_source(written("apart"))
+    still = {
+        name: replace(each, theta_rad=0.0 * each.theta_rad, slip_m=0.0 * each.slip_m)
+        for name, each in source.histories.items()
+    }
+    runs = {name: replace(run, peak_theta_rad=0.0, peak_slip_m=0.0) for name, run in source.runs.items()}
+    stands = {name: replace(run, outcome=Outcome.STANDS) for name, run in runs.items()}
+    for each, falls in ((runs, True), (stands, False)):
+        shown = replace(source, record=replace(source.record, runs=each, assessment=None), histories=still)
+        drawn = conservator.reach_picture(shown, ENGLISH)
+        moves = drawn.caption.index(ENGLISH("reach.still"))
+        assert (ENGLISH("run.of_standing") in drawn.caption[:moves]) is falls
+        assert (ENGLISH("reach.lean", degrees="0°") in drawn.svg) is not falls
+        plan = conservator.plan_picture(shown, floor_plan(shown, shown.standing), [], ENGLISH)
+        assert (plan.caption[0] == ENGLISH("run.of_standing")) is falls
+
+
 def test_no_line_crosses_the_words_of_what_gives_way(source: RunSource) -> None:
     drawn = str(conservator.order_picture(source.scene, support_of(source.scene), ENGLISH, source.record.motion).svg)
     assert drawn.rindex("stroke-dasharray") < drawn.index("<text")
