@@ -45,7 +45,7 @@ def test_a_record_is_read_as_it_was_written(tmp_path: Path, result: Result) -> N
     record = validated(RunRecord, path.read_bytes(), path)
     said = json.loads(path.read_text(encoding="utf-8"))
     assert as_file(record) | {"seal": said["seal"]} == said
-    assert plain(record) == plain(replace(result.record(), files=record.files))
+    assert record.plain() == plain(replace(result.record(), files=record.files))
     assert record.runs["analytic"].outcome is result.runs["analytic"].outcome
 
 
