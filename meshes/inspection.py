@@ -144,6 +144,8 @@ def _sentences(solid: Solid) -> list[str]:
     """The solid in words."""
     weakest_deg, slenderness_rad = _weakest(solid)
     moments = ", ".join(f"{value:.5g}" for value in solid.principal[0])
+    uneven_mm = round(1e3 * _unevenness_m(solid), 2)
+    lie = f"uneven by {uneven_mm:g} mm (kept as scanned)" if uneven_mm else "in one plane"
     return [
         f"mass {solid.mass_kg:.5g} kg at {solid.density_kg_m3:.5g} kg/m³, {solid.height_m:.4g} m high,"
         f" centroid at {solid.centroid_height_m:.4g} m",
@@ -151,7 +153,7 @@ def _sentences(solid: Solid) -> list[str]:
         f" J_G {solid.inertia_planar_kg_m2:.5g} kg m²; base {solid.depth_m:.4g} m across",
         f"principal moments {moments} kg m²",
         f"touches with {len(solid.footprint_m)} corners within {1e3 * solid.contact_tolerance_m:g} mm,"
-        f" {len(solid.feet_m)} feet uneven by {1e3 * _unevenness_m(solid):.2f} mm (kept as scanned)",
+        f" {len(solid.feet_m)} feet {lie}",
         f"weakest towards {weakest_deg:.1f}° (from x, counter-clockwise from above):"
         f" {np.rad2deg(slenderness_rad):.2f}°",
     ]
