@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 from harness.model.run import OMITTED
@@ -246,6 +246,15 @@ class AssessRecord(Record):
     def answers(self) -> dict[str, Assessment]:
         """The assessments of the models that gave one."""
         return {name: item for name, item in self.assessment.items() if isinstance(item, Assessment)}
+
+    @property
+    def whole_clearance(self) -> ClearanceRecord | None:
+        """The room by the models that know all of the shaking, where one does: another may hold upright what falls."""
+        whole = {name for name, item in self.answers.items() if not item.plane_only}
+        if self.clearance is None or not whole:
+            return self.clearance
+        known = {name: item for name, item in self.clearance.by_model.items() if name in whole}
+        return replace(self.clearance, by_model=known)
 
     @property
     def plane_only(self) -> bool:

@@ -148,12 +148,12 @@ def _options(record: AssessRecord, say: Language) -> list[Section]:
 
 def _clearance(record: AssessRecord, say: Language) -> list[Section]:
     """The room that the statue needs, drawn and by direction."""
-    room = record.clearance
-    plan = None if room is None else probable_plan(room, CLEAR)
+    room, told = record.clearance, record.whole_clearance
+    plan = None if told is None else probable_plan(told, CLEAR)
     drawn = None
-    if room is not None and plan is not None:
+    if told is not None and plan is not None:
         needed = replace(plan, room_m={side: each for side, each in plan.room_m.items() if each})
-        drawn = Drawing(plan_svg(record.scene, needed, say.say(clearance(room)), say), [say("text.plan")], "chart-box")
+        drawn = Drawing(plan_svg(record.scene, needed, say.say(clearance(told)), say), [say("text.plan")], "chart-box")
     tables = [
         Details(say("text.by", name=name), [_by_direction(name, item, say)], fold=True)
         for name, item in (room.answered.items() if room else ())

@@ -43,7 +43,8 @@ def answer_of(record: AssessRecord) -> Answer:
     alone = "plane" if record.plane_only else "alone" if record.contradicted else ""
     found += [] if record.fragility is None else [reserve(record.fragility, alone)]
     found += [] if record.options is None else [best_option(record.options, contradicted=record.contradicted)]
-    return Answer(code, found + ([] if record.clearance is None else [clearance(record.clearance)]))
+    room = record.whole_clearance
+    return Answer(code, found + ([] if room is None else [clearance(room)]))
 
 
 def findings_of(record: AssessRecord) -> list[Finding]:

@@ -11,7 +11,7 @@ import pytest
 from analytic import Pulse
 from harness.engines.stepping.frame import statue_columns
 from harness.model.scene import BaseExcitation, Pedestal, Scene, Statue
-from harness.questions.assess.answer import CLEAR, without_clearance
+from harness.questions.assess.answer import CLEAR, answer_of, without_clearance
 from harness.questions.assess.answer import clearance as clearance_finding
 from harness.questions.assess.assessment import assess
 from harness.questions.assess.clearance import (
@@ -180,6 +180,21 @@ def test_a_fall_from_a_pedestal_needs_the_tops_height_above_the_floor() -> None:
     shaken = paestum(0.02, 3.0, duration_s=1.0)
     record = assess(shaken, ["analytic"], draws=30, more_options=None, pool=InlinePool()).record
     assert record.clearance.height_m == pytest.approx(shaken.statue.height_m + shaken.pedestal.height_m)
+
+
+def test_a_model_that_leaves_a_part_of_the_shaking_out_clears_no_room_where_another_knows_all() -> None:
+    """It stands in every draw by 0 mm, by the exact body in 12 of 10 000: 0 mm on its right were to be kept free."""
+    record = assess(
+        paestum(0.02, 3.0, duration_s=1.0), ["analytic"], draws=30, more_options=None, pool=InlinePool()
+    ).record
+    fallen, own = cleared(paestum(2.0, 1.0, duration_s=3.0), 30), record.answers["analytic"]
+    room = replace(record.clearance, by_model={**record.clearance.by_model, "spatial": fallen})
+    for plane_only, by in ((True, "none"), (False, "plane")):
+        answers = {"analytic": replace(own, plane_only=plane_only), "spatial": own}
+        said = answer_of(replace(record, assessment=answers, clearance=room)).findings
+        assert [each.values["by"] for each in said if each.code == "clearance"] == [by]
+    alone = {"analytic": replace(own, plane_only=True)}
+    assert answer_of(replace(record, assessment=alone)).findings[-1].values["by"] == "plane"
 
 
 def test_a_plane_s_plan_is_the_outline_moved_to_both_sides() -> None:
