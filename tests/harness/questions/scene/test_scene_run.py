@@ -56,6 +56,16 @@ def test_a_process_of_its_own_changes_no_result(monkeypatch: pytest.MonkeyPatch)
     assert list(apart.runs) == list(alone.runs)
 
 
+def test_runs_by_one_step_that_state_no_error_do_not_differ_by_their_models() -> None:
+    """The answer said that they did, the pair's own sentence that their numerical errors are not stated."""
+    scene = paestum(0.3, 2.0, pedestal=False, duration_s=0.6)
+    result = run_scene(scene, ["analytic", "pymunk", "pymunk:plain"], dt_s=4e-3)
+    scores = result.scores["pymunk_vs_pymunk:plain"]
+    assert scores.findings[0].code == "pair_differs_unstated"
+    assert {each.verdict for each in result.scores.values()} == {Verdict.UNBOUNDED}
+    assert result.record().answer.code == "agree_until"
+
+
 @pytest.mark.parametrize("across", [False, True])
 def test_what_motion_each_engine_was_given_is_recorded(across: bool) -> None:
     scene = paestum(0.3, 2.0, pedestal=False, duration_s=0.3)
