@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.model.history import Array, History
-from harness.model.scene import SOLID_COLUMNS, Pedestal, base_shift_m, centroid_shift_m, rotations
+from harness.model.scene import SOLID_COLUMNS, Pedestal, Wall, base_shift_m, centroid_shift_m, rotations
 from harness.records.scene import SceneRecord
 
 
@@ -58,11 +58,11 @@ class StatueSection:
             return np.asarray(np.hypot(place[:, 0] - x, place[:, 1]))
         return np.abs(self.top_displacement_m(history.theta_rad, base_shift_m(pedestal, history.slip_m, history.extra)))
 
-    def overhang_m(self, theta_rad: Array, slip_m: Array, side: int) -> Array:
-        """How far (n,) anything of the statue stands out over its base's edge on that side (+1 right): what a wall limits."""
+    def room_m(self, wall: Wall, theta_rad: ArrayLike = 0.0, slip_m: ArrayLike = 0.0) -> float:
+        """The least room between anything of the statue and a wall, which is so far from the base at rest, over poses (n,)."""
         x = self.posed_m(self.outline_m, theta_rad, slip_m)[:, :, 0]
-        edge = self.corner_right_m if side > 0 else self.corner_left_m
-        return np.asarray((side * x).max(axis=1) - edge)
+        reach_m, base_m = (x.max(), self.corner_right_m) if wall.side == "right" else (-x.min(), self.corner_left_m)
+        return wall.distance_m - float(reach_m - base_m)
 
 
 def section(scene: SceneRecord) -> StatueSection:

@@ -73,8 +73,7 @@ def floor_plan(source: RunSource, names: Sequence[str]) -> Plan:
     wall = source.scene.wall
     if wall is None or not room or all(run.outcome is not Outcome.TOUCHES_WALL for run in source.answered.values()):
         return Plan(rest, moved, room)
-    over_m = section(source.scene).overhang_m(np.zeros(1), np.zeros(1), int(SIDES[wall.side][0]))
-    return Plan(rest, moved, room | {wall.side: wall.distance_m - float(over_m[0])}, wall.side)
+    return Plan(rest, moved, room | {wall.side: section(source.scene).room_m(wall)}, wall.side)
 
 
 def probable_plan(item: ClearanceRecord, share: float) -> Plan | None:

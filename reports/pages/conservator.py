@@ -488,10 +488,7 @@ def reach_picture(source: RunSource, say: Language, before: Sequence[str] = ()) 
     words += [say(f"reach.{key}") for key, told in moves.items() if told and standing]
     wall = source.scene.wall
     if wall is not None and standing:
-        towards, still = 1 if wall.side == "right" else -1, np.zeros(1)
-        poses = [(still, still), *_poses(source)]
-        gap, *left_m = (wall.distance_m - float(shape.overhang_m(*pose, towards).max()) for pose in poses)
-        left = min(left_m)
+        gap, left = shape.room_m(wall), min(shape.room_m(wall, *pose) for pose in _poses(source))
         remains = say("reach.remain", left=say.length(left)) if left > 0 else say("reach.strikes")
         words.append(f"{say('reach.free', gap=say.length(gap))} {remains}")
     sides = {1 if end is Outcome.OVERTURNED_RIGHT else -1 for end in fell if end in SIDEWAYS and not standing}

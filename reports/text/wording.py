@@ -193,11 +193,10 @@ def _reach(source: RunSource) -> list[Finding]:
         and source.histories
         and not any(r.outcome is Outcome.TOUCHES_WALL for r in source.runs.values())
     ):
-        side = 1 if wall.side == "right" else -1
-        shifted = (
-            (item.theta_rad, base_shift_m(pedestal, item.slip_m, item.extra)) for item in source.histories.values()
+        left = min(
+            shape.room_m(wall, item.theta_rad, base_shift_m(pedestal, item.slip_m, item.extra))
+            for item in source.histories.values()
         )
-        left = min(wall.distance_m - float(shape.overhang_m(*pose, side).max()) for pose in shifted)
         found.append(info("room_to_wall", side=wall.side, left_m=max(left, 0.0)))
     return found
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 import pytest
 
 from harness.model.history import History
-from harness.model.scene import SOLID_COLUMNS, Pedestal
+from harness.model.scene import SOLID_COLUMNS, Pedestal, Wall
 from harness.records.scene import SceneRecord
 from reports.drawing.kinematics import StatueSection, in_sight_m, posed_in_space_m, posed_pedestal_m, poses
 from tests.budgets_reports import POSE_M
@@ -75,11 +76,12 @@ def test_a_lean_across_the_plane_moves_the_top() -> None:
         assert PAESTUM.top_way_m(history, None)[1] == pytest.approx(top_m, abs=2e-3), "about a corner 0.2 m aside"
 
 
-def test_overhang_is_measured_from_the_bases_edge() -> None:
-    still = PAESTUM.overhang_m(np.zeros(1), np.zeros(1), 1)
-    assert still == pytest.approx([0.0], abs=POSE_M)
-    leaning = PAESTUM.overhang_m(np.array([0.5]), np.zeros(1), 1)
-    assert leaning == pytest.approx([1.46 * math.sin(0.5)], abs=POSE_M)
+@pytest.mark.parametrize(("side", "sign"), [("right", 1.0), ("left", -1.0)])
+def test_a_walls_distance_is_measured_from_the_bases_edge(side: Literal["right", "left"], sign: float) -> None:
+    wall = Wall(side, 0.9)
+    assert PAESTUM.room_m(wall) == pytest.approx(0.9, abs=POSE_M)
+    leans, slips = sign * np.array([0.0, 0.5]), sign * np.array([0.0, 0.01])
+    assert PAESTUM.room_m(wall, leans, slips) == pytest.approx(0.9 - 1.46 * math.sin(0.5) - 0.01, abs=POSE_M)
 
 
 def test_a_planar_pose_in_space_is_the_planar_pose() -> None:
