@@ -14,6 +14,8 @@ from harness.records.scores import Interval
 
 MOSTLY: Final = 0.5
 """A share whose interval is wider than this is no headline."""
+CONTRADICTED: Final = "contradicted_in_space"
+"""How a probability in the plane is told that leaves out what makes the statue end otherwise."""
 
 
 @dataclass(frozen=True)

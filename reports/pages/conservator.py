@@ -15,7 +15,7 @@ import numpy as np
 from harness.model.history import Array, Outcome
 from harness.model.run import number
 from harness.model.scene import base_shift_m
-from harness.records.assess import MOSTLY, Assessment, worst
+from harness.records.assess import CONTRADICTED, MOSTLY, Assessment, worst
 from harness.records.effects3d import EffectsRecord
 from harness.records.run import STILL_RAD, RunRecord, own_moves, peak_slip_m, tips_s, unconfirmed
 from harness.records.scene import MotionRecord, SceneRecord
@@ -278,6 +278,10 @@ def _answer(source: RunSource, nominal: str, say: Language) -> tuple[str, list[s
     open_ = {key: say(f"chance.{key}", share=_share(share, say)) for key, share in told.items() if share}
     known = any(not each.plane_only for each in source.record.assessment.values())
     plane = [say("chance.plane"), *([] if known else [say("chance.plane_open")])] if item.plane_only else []
+    said = [] if source.record.answer is None else source.record.answer.findings
+    if any(CONTRADICTED in each.values.get("planar", ()) for each in said):
+        # What makes it end otherwise as given is in none of the draws.
+        return nominal, [], [f"{_falls(item, say)}.", say("chance.cases"), *open_.values(), " ".join(plane)]
     # Beside a share of falls stand the cases of which it does not tell, unless they are next to none.
     beside = [text for key, text in open_.items() if item.tells and wall < MOSTLY and told[key] >= NEXT_TO_NONE]
     rest = [text for text in open_.values() if text not in beside]

@@ -11,6 +11,7 @@ from harness.model.finding import Answer, Finding, caution, changes_answer, info
 from harness.questions.assess.by_model import MODEL
 from harness.questions.assess.clearance import PLANAR_DEG
 from harness.records.assess import (
+    CONTRADICTED,
     FLOOR,
     MOSTLY,
     TURNED,
@@ -75,11 +76,12 @@ def findings_of(record: AssessRecord) -> list[Finding]:
     return found
 
 
-def probability(answers: Mapping[str, Assessment]) -> Iterator[Finding]:
+def probability(answers: Mapping[str, Assessment], *, contradicted: bool = False) -> Iterator[Finding]:
     """How probable a fall is, by the answer in which it is the most probable.
 
     The interval of one model's draws holds neither another model nor a friction that nobody knows: so a number is `about`; where
     draws have no answer, or an engine answered a sample of them, the interval is told, and where it is wide no number at all.
+    `contradicted`: with the values as given a model in space ends otherwise, by what a model in the plane leaves out.
     """
     if not answers:
         return
@@ -92,7 +94,7 @@ def probability(answers: Mapping[str, Assessment]) -> Iterator[Finding]:
         "undecided": max(item.undecided - item.touches_wall, 0.0),
         "touches_wall": item.touches_wall,
         "model": name,
-        "planar": ["in_plane"] if item.plane_only else [],
+        "planar": [CONTRADICTED if contradicted else "in_plane"] if item.plane_only else [],
         "sampled": item.sampled,
         "sampler": item.sampler,
     }

@@ -542,6 +542,19 @@ def test_shaking_that_the_plane_leaves_out_is_told_only_of_a_number_without_it(s
         assert answer(page).headline == ENGLISH(f"chance.{key}")
 
 
+def test_a_chance_in_the_plane_is_no_headline_where_a_fall_in_space_contradicts_it(source: RunSource) -> None:
+    """It falls as given, over its back: "in up to 3 of 100 possible cases" was the answer."""
+    item = Assessment(0.0, 0.0, 0.034, 0.9, 10_000, 10_000, 0.017, plane_only=True)
+    for planar in ("in_plane", "contradicted_in_space"):
+        finding = caution("probability_between", planar=[planar])
+        told = replace(source.record.answer, findings=[finding])
+        page = of_run(replace(source, record=replace(source.record, assessment={"analytic": item}, answer=told)))
+        chance = ENGLISH("chance.up_to", share="0", low="0", high="3")
+        assert (answer(page).headline == chance) is (planar == "in_plane")
+        assert chance in spoken(page)
+        assert ENGLISH("chance.plane") in spoken(page)
+
+
 def test_a_fall_is_reckoned_with_by_the_chance_that_the_headline_tells(source: RunSource) -> None:
     """Draws outside the domain widen the interval of a model that leaves a part of the shaking out; another knows all of it."""
     wide = Assessment(0.0, 0.0, 0.026, 0.9, 10_000, 10_000, plane_only=True)

@@ -232,6 +232,21 @@ def test_the_probability_told_is_of_the_model_that_knows_all_of_the_shaking_wher
         assert {each.values["model"] for code, each in said.items() if code.startswith("probability")} == {model}
 
 
+@pytest.mark.parametrize(
+    ("outcome", "told_of"), [(Outcome.OVERTURNED_BACK, "contradicted_in_space"), (Outcome.STANDS, "in_plane")]
+)
+def test_a_probability_in_the_plane_is_contradicted_by_a_fall_in_space(outcome: Outcome, told_of: str) -> None:
+    """It stands in the plane in all draws, and falls over its back as given: 0 % was told of it, in the plane."""
+    planar = Assessment(0.001, 0.0, 0.034, 0.9, 1000, 1000, 0.017, plane_only=True)
+    flat = run("flat", doubles.parted(doubles.rocking(), 2.0, 0.01), motion_axes=("x",))
+    falls = {"no_return_time_s": 3.0} if outcome.overturned else {}
+    space = run("space", motion_axes=("x", "y"), outcome=outcome, **falls)
+    said = told(flat, space, assessment={"analytic": planar})[1]
+    assert said["probability_between"].values["planar"] == [told_of]
+    whole = told(flat, space, assessment={"analytic": replace(planar, plane_only=False)})[1]
+    assert whole["probability_between"].values["planar"] == []
+
+
 def test_perturbed_runs_that_end_otherwise_make_the_outcome_unpredictable() -> None:
     ends = (Outcome.STANDS, Outcome.OVERTURNED_LEFT)
     horizon = HorizonRecord(0.01, 10.0, (1e-9, 1e-3), (5.0, 4.0), 4.0, ends, 0, 5.0, 1e-3)
