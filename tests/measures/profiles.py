@@ -5,8 +5,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 from typing import Final, final
 
 import numpy as np
@@ -105,20 +106,22 @@ def rows(bases: Sequence[str] = tuple(BASES), steps_s: Sequence[float] = STEPS_S
             yield Row(base, name, len(exact.impact_times_s), exact.peak_theta_rad, tuple(found))
 
 
+def lines_of(found: Iterable[Row]) -> list[list[str]]:
+    """A line for each base: impacts and peaks under its motions, the largest difference of them all at each step."""
+    lines = []
+    for base, each in groupby(found, lambda row: row.base):
+        mine = list(each)
+        peaks = ", ".join(f"{row.peak_theta_rad:.3f}" for row in mine)
+        largest = np.max([row.differences_rad for row in mine], axis=0)
+        lines.append([base, ", ".join(str(row.impacts) for row in mine), peaks, *(f"{each:.0e}" for each in largest)])
+    return lines
+
+
 def main() -> None:
     """Renew the table."""
-    head = ["base", "motion", "impacts", "peak θ", *(f"pymunk, {1e3 * dt:g} ms" for dt in STEPS_S)]
-    lines = [
-        [
-            row.base,
-            row.motion,
-            str(row.impacts),
-            f"{row.peak_theta_rad:.3f}",
-            *(f"{d:.0e}" for d in row.differences_rad),
-        ]
-        for row in rows()
-    ]
-    renew("measured/profiles.md", "tests.measures.profiles", table(head, lines))
+    head = ["base", "impacts", "peak θ", *(f"pymunk, {1e3 * dt:g} ms" for dt in STEPS_S)]
+    said = f"Motions: {'; '.join(MOTIONS)}."
+    renew("measured/profiles.md", "tests.measures.profiles", f"{said}\n\n{table(head, lines_of(rows()))}")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ arguments it renews the table of docs/measured/unchanged.md.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -88,7 +88,17 @@ def cells(of_skip: Sequence[Effect]) -> list[str]:
 def rows(name: str, seeds: Sequence[int]) -> list[list[str]]:
     """An engine's rows of the table."""
     every = list(effects(engines.load(name), seeds))
-    return [cells([item for item in every if item.skip == skip]) for skip in sorted({item.skip for item in every})]
+    return merged(
+        [cells([item for item in every if item.skip == skip]) for skip in sorted({item.skip for item in every})]
+    )
+
+
+def merged(lines: Iterable[Sequence[str]]) -> list[list[str]]:
+    """Rows of skips of which all else is the same as one."""
+    names: dict[tuple[str, ...], list[str]] = {}
+    for engine, skip, *said in lines:
+        names.setdefault((engine, *said), []).append(skip)
+    return [[engine, ", ".join(skips), *said] for (engine, *said), skips in names.items()]
 
 
 def main(arguments: Sequence[str]) -> None:
