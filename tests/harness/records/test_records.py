@@ -13,10 +13,13 @@ from typer.testing import CliRunner
 from harness.model.errors import InputError
 from harness.model.run import write_json
 from harness.questions.scene.scene_run import Result, run_scene, write_result
+from harness.questions.study.case_blocks import KeyedRow
 from harness.records.base import as_file, plain, schema_of, validated
-from harness.records.result_folder import KINDS, class_of
+from harness.records.result_folder import KINDS, class_of, read_result
 from harness.records.run import RunRecord
+from harness.records.study import StudyRecord
 from reports.cli import app
+from tests.reports.every_kind import WRITERS
 from tests.scenes_for_tests import paestum
 
 
@@ -81,3 +84,10 @@ def test_all_mistakes_of_a_record_are_told_by_file_and_key(tmp_path: Path, resul
     ]
     assert {item.where for item in caught.value.mistakes} == {str(tmp_path / "result.json")}
     assert class_of("run") is RunRecord
+
+
+def test_a_study_writes_of_its_rows_what_its_schema_names(tmp_path: Path) -> None:
+    record = read_result(WRITERS["table"](tmp_path / "table"))
+    assert isinstance(record, StudyRecord)
+    computed = [KeyedRow(**vars(row), key="of the store") for row in record.rows]
+    assert as_file(replace(record, rows=computed)) == as_file(record)
