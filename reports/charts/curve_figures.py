@@ -42,6 +42,7 @@ from reports.charts.figure import (
     span,
     stroke,
     upwards,
+    wrapped,
 )
 from reports.messages import ENGLISH, Language
 from reports.source import MOVED_SHARE, event_s
@@ -123,7 +124,7 @@ def on_front(row: PrecisionRow, rows: Sequence[PrecisionRow]) -> bool:
 def shapes(known: Mapping[str, str], key: bool = True) -> Json:
     """A sign for each kind, with a key of them."""
     scale = {"domain": list(known), "range": list(known.values())}
-    legend = {"symbolFillColor": MUTED, "symbolStrokeWidth": 0} if key else None
+    legend = {"symbolFillColor": MUTED, "symbolStrokeWidth": 0, **wrapped(known)} if key else None
     return {"shape": {"field": "kind", "type": "nominal", "scale": scale, "legend": legend}}
 
 

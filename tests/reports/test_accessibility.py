@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from reports.pages.page import write_report
 from tests.reports.every_kind import WRITERS
 
 pytestmark = pytest.mark.browser
 
 BROKEN = Path(__file__).with_name("broken_rules.js").read_text(encoding="utf-8")
-PLAIN = ("run", "table", "map")
+PLAIN = ("run", "table", "map", "effects")
 """Records with a conservator's page."""
 
 
@@ -56,6 +58,18 @@ def test_it_fits_a_telephone_and_a_sheet(opened: Callable[[str, str], Any], name
         == 0
     )
     page.close()
+
+
+@pytest.mark.parametrize("name", ["bench", "run", "trust", "validation"])
+def test_in_italian_it_fits_a_telephone_too(
+    browser: Any, written: Callable[[str], Path], tmp_path: Path, name: str
+) -> None:
+    """Its words are longer."""
+    page = browser.new_context(viewport={"width": 390, "height": 844}).new_page()
+    page.goto(write_report(shutil.copytree(written(name), tmp_path / name), "it").as_uri())
+    page.wait_for_selector("html[data-ready=yes]", timeout=60_000)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    page.context.close()
 
 
 def test_what_has_the_focus_is_seen_to_have_it(opened: Callable[[str, str], Any]) -> None:

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from reports.charts.curve_figures import shapes
 from reports.charts.drawn import rows, sized, still, svg
-from reports.charts.figure import Look, across, axis, cells, figure, level, localised, marks, named
+from reports.charts.figure import Look, across, axis, cells, figure, level, localised, marks, named, wrapped
 from reports.charts.histories import histories_figure
 from reports.drawing.shapes import rings
 from reports.messages import language
@@ -187,3 +188,9 @@ def test_addresses_that_are_limited_are_told_before_the_library_ends_the_process
     monkeypatch.setattr(resource, "getrlimit", lambda _: (2**33, 2**33))
     with pytest.raises(OSError, match="ulimit -v unlimited"):
         svg(curve([0.0, 1.0], [0.0, 1.0]))
+
+
+def test_a_key_of_signs_takes_as_many_columns_as_fit() -> None:
+    """In Italian the second sign of a bench's key stood beyond a telephone's edge, and the page scrolled sideways."""
+    words = {"secondo la sua accuratezza": "circle", "fino all'obiettivo": "diamond"}
+    assert shapes(words)["shape"]["legend"]["columns"] == wrapped(words)["columns"]
