@@ -160,15 +160,18 @@ class BulletBackend:
 
     def advance(self, gravity: Vector) -> Row:
         """Bullet's own step under a gravity, and the row after it; again with its axes along what slides after it."""
-        before, row = self.row, self._stepped(gravity)
-        for _ in range(MOST_TURNS):
-            askew_rad = self._askew_rad(row) if self.world.follows else 0.0
+        before = self.row
+        for turns in range(MOST_TURNS + 1):
+            self.pull(*gravity, self.world.client)
+            self.gyroscope.act()
+            pybullet.stepSimulation(self.world.client)
+            row = self.read()
+            askew_rad = self._askew_rad(row) if self.world.follows and turns < MOST_TURNS else 0.0
             if abs(askew_rad) <= IN_LINE_RAD:
                 break
             self.world.turn(-askew_rad)
             self.ledger.of(AXES_TURNED).steps_again += 1
             self.place(before)
-            row = self._stepped(gravity)
         self.row = row
         return row
 
@@ -208,12 +211,6 @@ class BulletBackend:
         # A foot that stands moves by its body's turning in half a step: velocities are older than places by that.
         turning = (p * p + q * q + r * r) * math.sqrt(a * a + b * b + c * c) * self.step_s
         return row[7] + q * c - r * b, row[8] + r * a - p * c, SLIDES_M_S + turning
-
-    def _stepped(self, gravity: Vector) -> Row:
-        self.pull(*gravity, self.world.client)
-        self.gyroscope.act()
-        pybullet.stepSimulation(self.world.client)
-        return self.read()
 
     def run(self, pulls: Sequence[Vector], record: StepLog) -> Row:
         """Several steps of a body that needs no gyroscopic torque: rows are recorded, the last is returned."""
