@@ -594,7 +594,8 @@ def _variants(ends: Mapping[str, Counter[str]]) -> dict[str, dict[str, Counter[s
 
 def _most_known(ends: Mapping[str, Counter[str]]) -> dict[str, Counter[str]]:
     """Those models' ends that tell the most situations, of several that leave the fewest open: of fewer a count says less."""
-    rank = {model: (counts.total() - counts[OUTSIDE], -counts[OUTSIDE]) for model, counts in ends.items()}
+    left = {model: sum(counts[key] for key in MORE) for model, counts in ends.items()}
+    rank = {model: (counts.total() - left[model], -left[model]) for model, counts in ends.items()}
     return {model: ends[model] for model, each in rank.items() if each == max(rank.values())}
 
 

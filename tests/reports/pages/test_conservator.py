@@ -386,6 +386,10 @@ def test_answers_outside_a_model_s_domain_are_told_of_a_study(record_of: Callabl
         for each in (rows, [row for row in own if row.engine != "analytic"])
     )
     assert told.headline == without.headline
+    # A model that failed knows no more than one outside its domain.
+    failed = [replace(row, run=replace(row.run, outcome=Outcome.CRASHED)) for row in own]
+    rows = [lost if row.engine == "analytic" else row for row, lost in zip(own, failed, strict=True)]
+    assert answer(of_study(replace(record, rows=rows))).headline == without.headline
     headline = answer(of_study(replace(record, rows=fell))).headline
     assert headline.startswith("The statue falls in 0 of")
     assert headline.endswith(ENGLISH("study.more_outside", count=60))
