@@ -188,7 +188,7 @@ def best_option(record: OptionsRecord, *, contradicted: bool = False) -> Finding
     now = record.as_it_is
     if not helping:
         needed = record.plane_only or contradicted or now.high >= NEGLIGIBLE
-        return info("no_option_helps", needed=needed)
+        return info("no_option_helps", needed=needed if record.options[1:] else "none_compared")
     best, *others = helping
     return info(
         "best_option",

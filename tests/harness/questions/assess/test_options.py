@@ -203,6 +203,8 @@ def test_what_is_not_shown_is_not_recommended() -> None:
     idle = by_draws(scene, same, DRAWS)
     assert 0.0 < idle.as_it_is.probability_overturned < 1.0
     assert best_option(idle).values == {"needed": True}
+    # Where the statue as it is stands alone nothing was held against it.
+    assert best_option(replace(idle, options=idle.options[:1])).values == {"needed": "none_compared"}
     assert not list(of_options(idle))
 
 
