@@ -110,7 +110,7 @@ def rests_on_m(statue: Statue) -> Array:
     """The polygon (k, 2 or 3) off which a push lifts the statue: of its lowest vertices and of those that a rotation which does
     not count brings down, else of all that touch.
     """
-    polygon = resting_polygon_m(statue, STILL_RAD * float(np.ptp(statue.footprint_m[:, :2], axis=0).max()))
+    polygon = resting_polygon_m(statue, SETTLES_RAD * float(np.ptp(statue.footprint_m[:, :2], axis=0).max()))
     return statue.footprint_m if polygon is None else polygon
 
 
@@ -184,7 +184,7 @@ def least_x_factor(scene: Scene, most: float) -> float | None:
     return high if high <= most else None
 
 
-STILL_RAD: Final = 1e-4
+SETTLES_RAD: Final = 1e-4
 """A smaller rotation is the give of a contact engine, or an uneven base settling."""
 STILL_M: Final = 1e-5
 DIGIT_ROUNDING: Final = 1e-3
@@ -207,19 +207,19 @@ def standstill(scene: Scene, runs: Iterable[Run]) -> Finding | None:
     if share >= 1.0:
         times = share if math.isfinite(share) else None
         return caution(
-            "no_model_moves", limit_rad=STILL_RAD, limit_m=STILL_M, push_g=push.peak, times=times, cause=cause
+            "no_model_moves", limit_rad=SETTLES_RAD, limit_m=STILL_M, push_g=push.peak, times=times, cause=cause
         )
     return changes_answer("nothing_moves", push_g=push.peak, share=share, cause=cause, least=_least(scene))
 
 
 def _moves(run: Run) -> bool:
-    if run.outcome is not Outcome.STANDS or abs(run.peak_theta_rad) > STILL_RAD or abs(run.peak_slip_m) > STILL_M:
+    if run.outcome is not Outcome.STANDS or abs(run.peak_theta_rad) > SETTLES_RAD or abs(run.peak_slip_m) > STILL_M:
         return True
     # Across the rocking plane, about the vertical, and over its support a statue moves in columns of its own.
     extra = {} if run.history is None else run.history.extra
     limits = {
-        "roll_rad": STILL_RAD,
-        "yaw_rad": STILL_RAD,
+        "roll_rad": SETTLES_RAD,
+        "yaw_rad": SETTLES_RAD,
         "statue_slip_m": STILL_M,
         "statue_y_m": STILL_M,
         "pedestal_y_m": STILL_M,

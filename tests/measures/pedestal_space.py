@@ -50,22 +50,22 @@ MODULE: Final = "tests.measures.pedestal_space"
 
 @dataclass(frozen=True)
 class PedestalRow(SeededRow):
-    """One scene until the first impact: what pybullet stated and is off by, and how far the springs themselves are known."""
+    """One scene until the first impact (0: too soon): what pybullet stated and is off by, and how far the springs are known."""
 
     seed: int
-    until_s: float
-    peak_rad: float
-    error_rad: float
-    stated_rad: float
-    springs_rad: float
-    slip_m: float
-    error_m: float
-    stated_m: float
-    springs_m: float
-    across_m: float
-    across_error_m: float
-    yaw_rad: float
-    pedestal_yaw_rad: float
+    until_s: float = 0.0
+    peak_rad: float = 0.0
+    error_rad: float = 0.0
+    stated_rad: float = 0.0
+    springs_rad: float = 0.0
+    slip_m: float = 0.0
+    error_m: float = 0.0
+    stated_m: float = 0.0
+    springs_m: float = 0.0
+    across_m: float = 0.0
+    across_error_m: float = 0.0
+    yaw_rad: float = 0.0
+    pedestal_yaw_rad: float = 0.0
 
     @property
     def key(self) -> tuple[object, ...]:
@@ -214,10 +214,10 @@ def row_of(seed: int) -> PedestalRow:
     run = simulate(scene, "pybullet")
     history = run.history
     if history is None or run.numerical_uncertainty_rad is None or run.slip_uncertainty_m is None:
-        return PedestalRow(seed, 0.0, *[0.0] * 12)
+        return PedestalRow(seed)
     until_s = min(LONGEST_S, run.bounded_until_s, *(time_s - BEFORE_IMPACT_S for time_s in run.impact_times_s[:1]))
     if until_s < 10.0 * SAMPLE_S:
-        return PedestalRow(seed, 0.0, *[0.0] * 12)
+        return PedestalRow(seed)
     soft, stiff = (springs(scene, until_s, share * SINKS) for share in (1.0, 0.25))
     truth, open_ = 2.0 * stiff - soft, np.max(np.abs(stiff - soft), axis=0)
     n = len(truth)
