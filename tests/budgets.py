@@ -1,7 +1,5 @@
 """Tolerances of the harness's own tests, each with the sentence that derives it."""
 
-from __future__ import annotations
-
 from typing import Final
 
 HERMITE_ROUNDING: Final = 4e-16

@@ -1,7 +1,5 @@
 """Tolerances of the tests of probabilities, each with the sentence that derives it."""
 
-from __future__ import annotations
-
 from typing import Final
 
 DRAWS: Final = 20_000

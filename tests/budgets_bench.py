@@ -1,7 +1,5 @@
 """Budgets of work that do not depend on the machine's mood, each with the sentence that derives it."""
 
-from __future__ import annotations
-
 from typing import Final
 
 # Counts are the same on every machine, but for the last bits of a processor that fuses products and sums: each budget down to

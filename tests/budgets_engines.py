@@ -1,7 +1,5 @@
 """Tolerances of the contact engines' tests, each with the sentence that derives it."""
 
-from __future__ import annotations
-
 from typing import Final
 
 PEDESTAL_RAD: Final = 3e-4

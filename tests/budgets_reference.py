@@ -1,7 +1,5 @@
 """Tolerances of the independent reference solvers and of the closed forms, each with the sentence that derives it."""
 
-from __future__ import annotations
-
 REFERENCES_RAD = 1e-9
 """Two references: DOP853 at rtol 1e-12 and collocation of order 8 at 0.5 to 2 ms each err below 1e-12 rad
 between events; impacts and slip changes of 2 s multiply that by less than 100 (largest difference measured: 3e-11 rad, and

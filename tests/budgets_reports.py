@@ -1,7 +1,5 @@
 """What the pages may cost and how exactly they must show their records."""
 
-from __future__ import annotations
-
 from typing import Final
 
 PAGE_BYTES: Final = 1_200_000

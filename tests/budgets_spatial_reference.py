@@ -1,7 +1,5 @@
 """Tolerances of the spatial reference, each with the sentence that derives it."""
 
-from __future__ import annotations
-
 INTEGRATED = 1e-10
 """DOP853 at rtol 1e-12 over a second without impact errs by some 1e-12 of quantities of order one; a hundred times that."""
 

@@ -1,7 +1,5 @@
 """The command as tests call it: in this process, with what it prints and how it ends."""
 
-from __future__ import annotations
-
 from contextlib import chdir, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from io import StringIO

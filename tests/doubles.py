@@ -1,7 +1,5 @@
 """Doubles: histories that are made, not simulated, and spoilt copies of them that a score must rank as expected."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The engines as tests ask for them."""
 
-from __future__ import annotations
-
 import pytest
 
 from harness import engines

@@ -1,7 +1,5 @@
 """Scenes that tests build directly: the surveyed statue, with or without its pedestal, and a rectangular block."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

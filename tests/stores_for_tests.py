@@ -1,7 +1,5 @@
 """Runs put into a store, and what SQLite says of its file."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from harness.model.run import Run

@@ -1,7 +1,5 @@
 """What the documentation names is there: modules, functions, commands, files, and what it links to; and it stays short."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

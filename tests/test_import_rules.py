@@ -1,7 +1,5 @@
 """The import rules of pyproject.toml hold, and each is seen to catch a violation."""
 
-from __future__ import annotations
-
 import graphlib
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """What is installed is whole, and the tests are collected where pybullet has no wheels."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tomllib

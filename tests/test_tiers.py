@@ -1,7 +1,5 @@
 """Every test stands in one tier, and the list of the fast ones names what is there."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The paper's statue and pedestal, and a few blocks, as the library's own classes."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, Final
 

@@ -1,7 +1,5 @@
 """The cases on which solvers are compared: the paper's, and reproducible random ones."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The compiled model on a reference case, as a path: the only place where the two vocabularies meet."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from analytic import Excitation, Harmonic, Pulse, Record, Rest

@@ -1,7 +1,5 @@
 """Reference A: the sympy model integrated by DOP853, its events found on the dense output."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -5,8 +5,6 @@ written once, with virtual displacements of every support, and all equations of 
 are derived from them.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Callable, Sequence

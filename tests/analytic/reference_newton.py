@@ -3,8 +3,6 @@
 Events are found by solving for the length of the step that ends on them, not on a dense output.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -5,8 +5,6 @@ linear system per instant (three balances of the statue, two of the pedestal, tw
 friction law), every impact from the same balances in impulses, and states are judged by their reactions.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Where compiled code is kept: pruned, safe beside other processes, and somewhere else where nothing can be written."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A run's stated uncertainty holds, and it says when it is not to be trusted."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Many problems run in two sweeps say, to the last bit, what `certify` says of each."""
 
-from __future__ import annotations
-
 from dataclasses import astuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Closed forms against published numbers, against quadrature, and against a reference solver that knows none of them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

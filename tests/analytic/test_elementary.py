@@ -1,7 +1,5 @@
 """Sine, cosine and the coarse root of the compiled code."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath

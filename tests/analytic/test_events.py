@@ -1,7 +1,5 @@
 """Each event happens where its own condition says, and the motion patterns change by the paper's (14) to (19)."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import Any

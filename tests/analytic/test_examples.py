@@ -1,7 +1,5 @@
 """The examples in the library's docstrings run as printed."""
 
-from __future__ import annotations
-
 import doctest
 
 import pytest

@@ -1,7 +1,5 @@
 """Each motion's integrals against quadrature, its ends, its breaks, and what it rejects."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import get_args

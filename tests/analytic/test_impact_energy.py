@@ -1,7 +1,5 @@
 """Energy lost at each impact of the surveyed statue on the floor (scenes/paestum_floor.toml), known from the reference."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What an import of the model loads and hands to the compiler: what its first call needs, and no more."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

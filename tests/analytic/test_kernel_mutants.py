@@ -5,8 +5,6 @@ its way into the compiled code, and what stands in its equations (couplings, for
 equations are plain Python; either way the two must part by more than is claimed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """Compiled entries called without their compiler: loaded where they are whole, compiled where they are not."""
 
-from __future__ import annotations
-
 import importlib
 import math
 import os

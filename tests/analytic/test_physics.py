@@ -1,7 +1,5 @@
 """Energy, momentum and symmetry of a run, and the known answers of docs/model.md, section 7."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

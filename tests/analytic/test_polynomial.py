@@ -1,7 +1,5 @@
 """The first root of a step's polynomial, against numpy's roots, near tangents and from a zero start."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """One problem and its options, whichever way they are stated; and the memory in which the kernel finds them."""
 
-from __future__ import annotations
-
 import copy
 from dataclasses import fields
 from typing import Any

@@ -1,7 +1,5 @@
 """A base of more than two vertices (docs/model.md, section 8)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

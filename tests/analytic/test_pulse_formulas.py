@@ -1,7 +1,5 @@
 """Every shape of a pulse has its own formula wherever one is needed; a kind without one is run as no other."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, get_args
 

@@ -1,7 +1,5 @@
 """One-sine and one-cosine pulses on the linearised block: published thresholds, both modes, and the nonlinear reference."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

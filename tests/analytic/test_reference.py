@@ -1,7 +1,5 @@
 """Two solvers that share only the statement of the problem follow the same path, through impacts, slips and jumps."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The compiled model against reference A: the paper's cases, random ones, and every known answer."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the model reaches beyond the paper's cases, by three solvers: walls, no return, thrown starts, endings, ties, bases."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What is skipped changes nothing: the same run with and without each skip."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Any statue, any motion: a run always ends, in numbers, within its physics, and mirrors itself."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Many runs at once: the same as one by one, whatever the number of threads."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

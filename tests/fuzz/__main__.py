@@ -4,8 +4,6 @@
 modulo their number, with n over that as its seed.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Read mutated files: each must be read, or refused by a mistake that says what is wrong."""
 
-from __future__ import annotations
-
 import faulthandler
 import re
 import resource

@@ -1,7 +1,5 @@
 """Small, reproducible damage to a file: what editors, networks, spreadsheets and hands do to it."""
 
-from __future__ import annotations
-
 import gzip
 import re
 import struct

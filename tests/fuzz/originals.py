@@ -1,7 +1,5 @@
 """Whole and valid files of every kind, from which the mutated ones are made, and how each kind is used."""
 
-from __future__ import annotations
-
 import gzip
 import struct
 import tempfile

@@ -1,7 +1,5 @@
 """Mutated input files in pieces, each in a process of its own; their rows summed by kind."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

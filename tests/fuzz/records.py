@@ -1,7 +1,5 @@
 """Small valid record files as the networks lay them out, from which mutated ones are made."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Mutated files: the cases that were found stay refused in words, and the search itself can see a traceback."""
 
-from __future__ import annotations
-
 import gzip
 import sqlite3
 import subprocess

@@ -1,7 +1,5 @@
 """The fuzz in pieces: shared out whole, in processes whose end is seen."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.fuzz.fuzz_run import rows

@@ -4,8 +4,6 @@ Every function takes the file's path, writes into the folder `WRITTEN` beside it
 file is refused.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import resource

@@ -1,7 +1,5 @@
 """The harness as a library: what it offers is seen, shows itself, and gives tables and pictures."""
 
-from __future__ import annotations
-
 import ast
 import doctest
 import inspect

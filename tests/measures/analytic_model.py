@@ -4,8 +4,6 @@ Errors are the largest difference of θ from a run of 1e-13 at twenty instants o
 of many runs, in which solvers of a like cost take turns. A solver that is not installed is a row that says so.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

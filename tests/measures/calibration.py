@@ -8,8 +8,6 @@ A random scene falls surely or surely not; so each is shaken at the strength at 
 times a factor of its own. Neither knows anything of the engine that observes.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

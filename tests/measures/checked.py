@@ -4,8 +4,6 @@ Each row of `checked.toml` says what was compared with what, and takes its figur
 docs/trust.md and into the page that `make report` writes.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib

@@ -5,8 +5,6 @@ each of two generators on one core, keeps a line of JSON for each (a call that w
 renews its table of docs/measured/colours.md. Pages of studies, of directions and of comparisons hold no probability: never green.
 """
 
-from __future__ import annotations
-
 import math
 import tempfile
 from collections.abc import Sequence

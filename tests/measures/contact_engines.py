@@ -1,7 +1,5 @@
 """Numbers of the contact engines for `rockcheck bench`: kinds of scene, the model's answer, cost of the harness."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 from typing import Final

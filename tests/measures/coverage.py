@@ -1,7 +1,5 @@
 """Is the stated numerical uncertainty honest? What a run stated beside a much finer one, and seeded scenes to ask it of."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

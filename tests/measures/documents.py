@@ -4,8 +4,6 @@ It renews the README's first run as the terminal prints it, its pictures of the 
 trust map, and the outputs of docs/example.ipynb. The tutorial's lines are held to the program by tests/reports/test_tutorial.py.
 """
 
-from __future__ import annotations
-
 import ast
 import json
 import os

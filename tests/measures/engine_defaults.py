@@ -4,8 +4,6 @@
 errors, rad, of pybullet's own hull on the rows of the stability map.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial

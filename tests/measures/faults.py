@@ -1,7 +1,5 @@
 """Scenes with one known fault, to prove that the comparator finds it: the verdict must not excuse a wrong model."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Final

@@ -1,8 +1,6 @@
 """What a bench must reach: `python -m tests.measures.goals [RESULT [OTHERS]]` prints each goal of a bench's record and of what
 `tests.measures.other_integrators` measured; 1 where one is missed."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

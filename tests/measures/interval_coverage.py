@@ -4,8 +4,6 @@
 them, and renews the table of docs/measured/interval_coverage.md. The rule of the interval was chosen by the invented ones alone.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple

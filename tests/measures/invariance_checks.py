@@ -3,8 +3,6 @@
 `python -m tests.measures.invariance_checks` asks them all and prints a line for each; 1 where one does not hold.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 import tempfile

@@ -7,8 +7,6 @@ scored in five times the draws: about what these tests can teach. "Truth known" 
 from draws at the true inputs.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import tempfile

@@ -3,8 +3,6 @@
 It wants the data folder, and some ten minutes of processor.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 import tempfile

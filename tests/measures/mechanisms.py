@@ -6,8 +6,6 @@ it over those with it, at equal processor time (errors are taken to fall with th
 buys less than `WORTH` in both is not worth its lines.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence

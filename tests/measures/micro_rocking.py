@@ -3,8 +3,6 @@
 `python -m tests.measures.micro_rocking ENGINE [SEED...]` prints a line per scene of `tests.measures.seeded_scenes.random_scene`.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

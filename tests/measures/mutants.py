@@ -4,8 +4,6 @@ The command fails when a fault whose effect before the horizon exceeds three tim
 *differ: model*. Random scenes are statues of random corners, height and inertia, with and without a pedestal.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

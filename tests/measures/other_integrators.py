@@ -4,8 +4,6 @@
 out/bench_others.json, which `tests.measures.goals` reads.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Tables of the documentation: each stands between marks that name the command that measures it again."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path

@@ -3,8 +3,6 @@
 `python -m tests.measures.paper_forms [TABLE...]` computes them again, or those named.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Callable, Mapping

@@ -9,8 +9,6 @@ right as its springs grow stiff: of two stiffnesses, one four times the other, w
 strikes, springs have another impact than rigid bodies (a compliant one), so that it ends before the first impact.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

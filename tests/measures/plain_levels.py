@@ -4,8 +4,6 @@
 scene the largest error of the rotation against the analytic model in the first second, and the processor time of a second.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from typing import Final

@@ -5,8 +5,6 @@ a line of JSON for each scene (a call that was interrupted goes on where it stop
 docs/measured/plain_scenes.md.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final

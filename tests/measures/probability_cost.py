@@ -5,8 +5,6 @@ worker has begun before its clock does.
 Processor time is that of this process and its workers; half of it is what two quiet cores need by the clock.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from dataclasses import replace

@@ -3,8 +3,6 @@
 `python -m tests.measures.profiles` runs every body and motion and renews docs/measured/profiles.md.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby

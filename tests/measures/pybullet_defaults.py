@@ -1,7 +1,5 @@
 """pybullet without this project's settings: its own defaults, or those of virtual_shake_robot_pybullet."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, Final
 

@@ -7,8 +7,6 @@ standard set. Errors are of the rotation over the whole run, against the analyti
 the floor and a third of the finest level's step on a pedestal.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator
 from typing import Final

@@ -4,8 +4,6 @@
 over the first second of the surveyed statue, given by its numbers, under the paper's cases; costs are processor time.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -3,8 +3,6 @@
 It prints tables of the generated statues, and the scans of the data folder where it is present.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 import time

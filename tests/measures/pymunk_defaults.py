@@ -1,7 +1,5 @@
 """pymunk without this project: a space as it comes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -5,8 +5,6 @@ line of JSON for each scene (a call that was interrupted goes on where it stoppe
 docs/measured/random_scenes.md.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -3,8 +3,6 @@
 Maria under three components of a record, twice as strong as recorded so that it rocks, and a stone of 200 base vertices.
 """
 
-from __future__ import annotations
-
 import tempfile
 import time
 from collections.abc import Mapping

@@ -4,8 +4,6 @@
 study as a command of its own; with `--kill-at` it is killed once, when so many runs are stored, and given again with --resume.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import signal

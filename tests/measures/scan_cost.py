@@ -4,8 +4,6 @@ Reading, inspecting and preparing are measured in a process of their own that do
 azimuths after it.
 """
 
-from __future__ import annotations
-
 import json
 import resource
 import subprocess

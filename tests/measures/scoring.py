@@ -1,7 +1,5 @@
 """What scoring costs: `python -m tests.measures.scoring` prints one row for each claim."""
 
-from __future__ import annotations
-
 import json
 import math
 import resource

@@ -1,7 +1,5 @@
 """Measurements of seeded scenes by hand: their command line, and a line of JSON for each scene that is kept at once."""
 
-from __future__ import annotations
-
 import argparse
 import json
 from abc import ABC, abstractmethod

@@ -1,8 +1,6 @@
 """Seeded scenes that no setting was tuned on: three generators of planar ones (the first is the bench's own, `random_scene`), one
 of scenes in three dimensions."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from typing import Final

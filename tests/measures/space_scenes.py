@@ -4,8 +4,6 @@
 scene (a call that was interrupted goes on where it stopped) and renews the tables of docs/measured/space_scenes.md.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from contextlib import closing

@@ -1,7 +1,5 @@
 """What the analytic model costs to start: its import against that of numpy and numba, a first call against a trivial one."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

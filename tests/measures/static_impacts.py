@@ -4,8 +4,6 @@
 and 3 Hz, the largest difference of rotation from the model with the kinetic and with the static coefficient at impacts.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final, Literal

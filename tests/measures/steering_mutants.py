@@ -5,8 +5,6 @@ mutant: scenes on which it acts at all, on how many of these the run fails (the 
 floor's friction is not Coulomb's), on how many it does not though the result moved, and the largest such movement.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence

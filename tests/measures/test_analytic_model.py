@@ -1,7 +1,5 @@
 """The bench's other solvers solve the same problem, its rows are errors and work, and the kernel's work stays bounded."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

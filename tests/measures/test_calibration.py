@@ -1,7 +1,5 @@
 """The calibration of probabilities: rows kept and read again, the diagram, and the table that the page shows."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What the measures change in the program is there: a name that moved would make a mutant of nothing."""
 
-from __future__ import annotations
-
 from functools import reduce
 from importlib import import_module
 

@@ -1,7 +1,5 @@
 """What README and notebook show is what the program gives now: `python -m tests.measures.documents` renews it."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The goals of a bench: each is reached or missed by its own number."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import asdict, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The verdict is no excuse: known faults are called *differ: model* wherever their effect can be seen."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tables of the documentation are renewed between their marks, and every mark names a command that is there."""
 
-from __future__ import annotations
-
 import re
 from importlib import import_module
 

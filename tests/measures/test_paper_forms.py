@@ -1,7 +1,5 @@
 """The page on the paper's forms is what the program computes, and its readings differ from one another."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.measures import paper_forms

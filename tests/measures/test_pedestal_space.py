@@ -1,7 +1,5 @@
 """The springs to which pybullet is held find what is known, and better the stiffer they are."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

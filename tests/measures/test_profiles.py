@@ -1,7 +1,5 @@
 """The analytic model beside a contact engine on bases of more than two vertices (docs/model.md, section 8)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The command that counts statements that hold and verdicts that do not."""
 
-from __future__ import annotations
-
 from tests.engines_for_tests import ready
 from tests.measures.random_scenes import row_of
 from tests.measures.seeded_scenes import GENERATORS

@@ -1,7 +1,5 @@
 """Unmodified engines act with the static coefficient as an impact breaks the pedestal loose."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.engines_for_tests import ready

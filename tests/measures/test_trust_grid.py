@@ -1,7 +1,5 @@
 """The table of a trust map against a full grid: what it counts, and that rows are kept as they are."""
 
-from __future__ import annotations
-
 from tests.measures.pages import begin
 from tests.measures.trust_grid import MODULE, ROWS, plane_of, read, text
 

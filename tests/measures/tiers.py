@@ -4,8 +4,6 @@ A file is fast that takes at most `MOST_S` of the processor and in which no engi
 only what is below these is measured, the others stay as they are.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from collections import defaultdict

@@ -5,8 +5,6 @@ asks where it would. Answers are kept in out/trust_grid, so that a call that was
 docs/measured/trust_grid.csv, a row for each point, and the table of docs/measured/trust_grid.md that follows from it.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 from collections.abc import Iterator, Sequence

@@ -4,8 +4,6 @@
 arguments it renews the table of docs/measured/unchanged.md.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass

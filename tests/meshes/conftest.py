@@ -1,7 +1,5 @@
 """Solids that several mesh tests share."""
 
-from __future__ import annotations
-
 import pytest
 
 from meshes import Solid

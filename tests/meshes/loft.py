@@ -1,7 +1,5 @@
 """Closed surfaces from rings and tubes: what a generated body is made of."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

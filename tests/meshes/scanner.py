@@ -1,7 +1,5 @@
 """A scanner of known truth: what photogrammetry would deliver of a solid, with each of its faults to choose."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Simple closed meshes with known properties."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every bad scan gives one clear sentence or an accounted repair; none a traceback or a number from nowhere."""
 
-from __future__ import annotations
-
 import json
 import os
 import resource

@@ -1,7 +1,5 @@
 """A wall or a second body scanned with the statue: seen, refused with the cut that leaves the statue, else no alarm."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A hull within a vertex budget keeps the outermost corners, and lies within the full one."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.spatial import ConvexHull
 

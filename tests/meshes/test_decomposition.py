@@ -1,7 +1,5 @@
 """Convex parts stay within the statue's hull and cover the statue, are the same each time, and are made once for a mesh."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A floor scanned with the statue, and surfaces that cross themselves: seen, refused with the cut, else no alarm."""
 
-from __future__ import annotations
-
 import re
 import resource
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A solid written for viewers is the same surface."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

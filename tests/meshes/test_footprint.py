@@ -1,7 +1,5 @@
 """The touching polygon, corner distances at any azimuth, the base profile and the feet."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

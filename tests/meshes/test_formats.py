@@ -1,7 +1,5 @@
 """What a mesh file may be written like: each form read with the right volume, or refused by its name."""
 
-from __future__ import annotations
-
 import json
 import resource
 import struct

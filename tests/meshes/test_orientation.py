@@ -1,7 +1,5 @@
 """Which way is up: busts, columns, vases and slabs of known truth, however they lie, stand right or are refused."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The outline fitted to a noisy rim: unbiased sides, true corners, quiet and curved rims left alone."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The scanner bench: a statue of known truth scanned with every fault, and recovered; the log says what was done."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

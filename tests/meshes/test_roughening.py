@@ -1,7 +1,5 @@
 """A base made ragged: closed still, as heavy, uneven by what was asked, standing."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

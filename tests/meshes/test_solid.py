@@ -1,7 +1,5 @@
 """Mass properties and frame of a solid against closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Hollow and cored statues against closed forms, and a survey set against the mesh."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

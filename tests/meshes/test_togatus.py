@@ -1,8 +1,6 @@
 """The generated statue: the surveyed numbers, a closed surface, and nothing but its base within reach of the
 support."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

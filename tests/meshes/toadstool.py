@@ -1,7 +1,5 @@
 """A concave body of three boxes, whose contact with an edge is known by hand: a plinth, a stem, a wide cap."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 

@@ -9,8 +9,6 @@ centroid
 are those of docs/model.md, section 1; the solution is kept here and checked by a test that solves again.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

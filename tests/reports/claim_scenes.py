@@ -1,7 +1,5 @@
 """Varied valid scenes for the tests that hold every sentence of a page against the record: all seeds, nothing chosen by hand."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The machine's own browser for the tests that open pages."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable, Iterator
 from functools import cache

@@ -1,7 +1,5 @@
 """An invented result folder of every kind of record."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """An invented record of an effects study, with its replay and the scan's mesh, for the pages' own tests."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal

@@ -1,7 +1,5 @@
 """Invented records of most kinds for the pages' own tests; scores are the harness's own."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """An invented result folder for the pages' own tests: the shape is the harness's, the motion is made up on purpose."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import MISSING, fields, replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Invented study records for the pages' own tests; the claims are judged by the harness's own code from the invented rows."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Parts of a page's blocks, for tests: the answer, the lines of a section, tables by their caption, pictures."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import TypeVar
 

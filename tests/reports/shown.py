@@ -1,7 +1,5 @@
 """What the documents show of the command: its lines in their fenced `console` blocks, each held to what is printed now."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 

@@ -1,7 +1,5 @@
 """What stands in a picture, for tests."""
 
-from __future__ import annotations
-
 import re
 import xml.etree.ElementTree as ElementTree
 

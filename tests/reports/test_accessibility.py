@@ -1,7 +1,5 @@
 """No page breaks the rules of the web content guidelines (WCAG 2.1, AA) that a program can check; dark screens and print."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The pages as a person meets them: opened from disk in a browser, at a desk and on a telephone."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field

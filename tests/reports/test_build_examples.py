@@ -1,7 +1,5 @@
 """The main job runs scenes beside the study from one queue, and takes what they share with the study from its store."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """How many calls of the product's own code lie between a command and the step of an engine: a reader follows each of them."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The page of what has been checked: three questions, each figure with what it does not prove."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from reports.build_examples import COLUMNS, PARTS, write_checked

@@ -1,7 +1,5 @@
 """Every sentence of a conservator's page is held against the record, over varied scenes: colours, counts, per cents, hints."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence

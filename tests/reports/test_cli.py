@@ -1,7 +1,5 @@
 """The command as a person meets it: exit codes, messages without tracebacks, nothing half-written."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

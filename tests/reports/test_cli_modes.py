@@ -1,7 +1,5 @@
 """Commands that look at files and write some: `--json` gives a record and nothing else, `--quiet` nothing."""
 
-from __future__ import annotations
-
 import json
 import shlex
 from importlib.metadata import version

@@ -1,7 +1,5 @@
 """A record changed by hand is told by file and key, with exit code 2 and no traceback; a page's own fault is seen as one."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from collections.abc import Callable

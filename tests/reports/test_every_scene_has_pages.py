@@ -1,7 +1,5 @@
 """Every valid scene has its pages, and a page that cannot be written costs neither another page nor the answer."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Pages of studies, validations, benches and stress runs say what their rows say."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """A page is printed whole by the machine's own browser, and a missing one is said before anything is written."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

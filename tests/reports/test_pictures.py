@@ -1,7 +1,5 @@
 """Figures for papers and the animation hold the record's own curves, whole or not at all."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,8 +1,6 @@
 """The readme's commands run as printed: studies are only read, runs are cut to a fifth of a second, draws to 100, samples to one,
 processes too, and an engine's interval is a wide one."""
 
-from __future__ import annotations
-
 import gzip
 import re
 import shlex

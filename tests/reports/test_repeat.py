@@ -1,7 +1,5 @@
 """The command with which a page says that its result is repeated has what was asked of it."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from html import unescape

@@ -1,7 +1,5 @@
 """Scans inspected, prepared and made into a first scene, as the command does."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

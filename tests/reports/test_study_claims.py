@@ -1,7 +1,5 @@
 """A study's pages count every variant and model, and tell the supports of all its cases, not those of its scene."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What a run prints fits a terminal: at most 16 lines of at most 100 columns; `--verbose` prints every finding."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,8 +1,6 @@
 """The tutorial's commands run as printed, but without the probability, of which it shows no line, and print what stands below
 them."""
 
-from __future__ import annotations
-
 import os
 import shlex
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Packed data of a page as page.js unpacks it."""
 
-from __future__ import annotations
-
 import base64
 import gzip
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Bodies of the spatial tests."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, Final
 

@@ -6,8 +6,6 @@ whose own accelerations keep its signs is chosen from all, most sticking first. 
 Coulomb in the tangent, at all touching vertices at once. Rest holds while the line of action of gravity meets the base.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -4,8 +4,6 @@ The same equations serve forces and impulses: `free` is the motion without conta
 impact), `drift` what the constraints add to it (centripetal accelerations, or nothing).
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Sequence

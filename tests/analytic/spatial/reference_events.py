@@ -1,7 +1,5 @@
 """What ends a phase of the spatial reference, and the equations of motion in one joint state."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """The compiled model held to the independent solver on random blocks under motion in two and three directions."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

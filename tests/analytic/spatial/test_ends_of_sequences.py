@@ -1,7 +1,5 @@
 """Impacts that come by turns, ever smaller: what is left of them is dropped, at every local error, and the run goes on."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

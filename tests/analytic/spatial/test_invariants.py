@@ -1,7 +1,5 @@
 """Balances, cones and symmetries of runs in all three directions."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

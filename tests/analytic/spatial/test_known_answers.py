@@ -1,7 +1,5 @@
 """The known answers: flight, the planar limit, the block of the specification, modes from rest, flat landing."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A symmetric block shaken along x is the planar model's, on twenty scenes."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

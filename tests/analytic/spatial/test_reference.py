@@ -1,7 +1,5 @@
 """The spatial reference against known answers: a block under two sines, its edge by Lagrange, tops, thresholds, sliding."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The spatial reference against the planar model, its symmetries, and the balances of its impacts."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

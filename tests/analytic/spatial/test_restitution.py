@@ -1,7 +1,5 @@
 """Impacts that give something back: bounces of known height, an edge's closed form, energy, and how they end."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Bases that slide slowly: they begin, turn and stop with friction whose direction the motion itself has to give."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import pytest

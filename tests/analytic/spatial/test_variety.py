@@ -1,7 +1,5 @@
 """Balances on bodies and starts of every kind: slender and squat, three to twelve vertices, tilted, spinning, unsymmetric."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

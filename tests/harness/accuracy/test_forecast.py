@@ -1,7 +1,5 @@
 """The steps that are told of an engine's runs are those that are taken, whatever ends the climb."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

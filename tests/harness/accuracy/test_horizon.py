@@ -1,7 +1,5 @@
 """The horizon of prediction, on a model whose sensitivity is known in closed form."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """The climb to an accuracy: cheapest level first, honest when it cannot be met, never by another model."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """How much work a run may do: counted, never timed, so that a slow machine passes and a lost short cut fails."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tracemalloc

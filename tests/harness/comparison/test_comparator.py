@@ -1,7 +1,5 @@
 """Two answers scored: identical, spoilt, failed, without histories, from files."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

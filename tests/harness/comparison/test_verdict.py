@@ -1,7 +1,5 @@
 """The verdicts follow from the record, and from nothing else."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """The analytic model behind the engine contract: every wish, label, limit and form reaches the run."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

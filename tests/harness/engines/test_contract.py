@@ -1,7 +1,5 @@
 """What every engine owes, driven by the flags that it declares."""
 
-from __future__ import annotations
-
 import contextlib
 import gc
 import resource

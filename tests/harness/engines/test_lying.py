@@ -1,7 +1,5 @@
 """A body that has toppled and lies on its flank, below the rotation that counts as overturned by itself, has overturned."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 """Rocking in half-cycles of a few milliseconds: steps longer than these must follow it, and it must come to rest in finite
 work."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -5,8 +5,6 @@ Landed flat with the velocities v_x, v_z it turns about its leading edge with ω
 sticks if m (v_x − ω h) ≤ μ m (v_z + ω b): for v_z/v_x above (4 + q² − 3 μ q)/(μ (1 + 4 q²) − 3 q); it slides below.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Final
 

@@ -1,7 +1,5 @@
 """A statue wider than its pedestal, which tips: both turn as one, then the statue on the edge of the top; by the equations."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

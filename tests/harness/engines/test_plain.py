@@ -1,7 +1,5 @@
 """Unmodified engines: nothing is written to a body after the start, and they converge to the model where it is unambiguous."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path

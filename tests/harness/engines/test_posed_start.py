@@ -1,7 +1,5 @@
 """Starts from a pose in space: closed forms, symmetries and the independent reference beside the engines that take them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

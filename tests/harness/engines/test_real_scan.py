@@ -1,7 +1,5 @@
 """A real scan under a real record in three directions: the exact body stands on the same ragged base as pybullet."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Every skip that an engine declares has its switch, and changes nothing; none is used that is not declared."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """What the exact body's run says of energy and contact: of all its motion, where the contact engines' is of the plane."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

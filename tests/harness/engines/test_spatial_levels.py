@@ -1,7 +1,5 @@
 """The engine `spatial` where a level's runs do not reach their end: another level answers, and is named."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """A pedestal that tips about its edge: its centroid moves, what it stands on does not, and the statue rides on its top."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """History files of whatever software: read where their meaning is clear, refused with their place where it is not."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

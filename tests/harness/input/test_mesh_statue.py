@@ -1,7 +1,5 @@
 """A scene's mesh made into a statue: hollow, cored, set against a survey, adjusted; every mistake one clear sentence."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

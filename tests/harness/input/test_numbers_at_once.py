@@ -1,7 +1,5 @@
 """Numbers of many lines at once: those that each line's own reading gives, and nothing else."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """From a scene file to plain numbers: what is assumed is said, what is compared is named."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

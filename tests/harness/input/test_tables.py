@@ -1,7 +1,5 @@
 """A scene's mistakes are all found at once, each with its place, what was wanted and what came."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Text as users hand it in: how much of it is read, in which encoding, and what is a number in it."""
 
-from __future__ import annotations
-
 import gzip
 import os
 import tracemalloc

@@ -1,7 +1,5 @@
 """TOML that would take a machine's memory, or holds what TOML does not, is refused before it is used."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Histories are frozen, finite and read back as written."""
 
-from __future__ import annotations
-
 import pickle
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A statue that comes to another process again is the one that came before: what was worked out of its mesh is there."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

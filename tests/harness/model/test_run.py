@@ -1,7 +1,5 @@
 """A record's file holds plain values, readable where it is short, quick where it is a table; a run comes back whole."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A user's own text can neither steer a terminal nor end rich's markup, wherever it is said."""
 
-from __future__ import annotations
-
 import errno
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What the model takes as a scan's base, and what it says of a part beyond it that comes down before the balance."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

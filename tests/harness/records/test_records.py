@@ -1,7 +1,5 @@
 """A record is read back as it was written, names its JSON Schema, and damage is told by file and key."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Nothing that rockcheck did not write is replaced or removed: foreign folders, files put into its own, and what a run reads."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os

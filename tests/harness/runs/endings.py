@@ -1,7 +1,5 @@
 """Whether a process is still there."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The cache key holds all of the physics, and no name of the code."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 from typing import Any
 

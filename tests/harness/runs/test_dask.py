@@ -1,7 +1,5 @@
 """The same study on a Dask cluster: same store, nothing lost, nothing twice."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

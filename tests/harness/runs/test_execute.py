@@ -1,7 +1,5 @@
 """A list of runs becomes one table, and what a store holds is not computed again."""
 
-from __future__ import annotations
-
 import sqlite3
 from pathlib import Path
 

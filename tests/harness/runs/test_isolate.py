@@ -1,7 +1,5 @@
 """A crash, a hang, an exception and a plain answer of a process of its own."""
 
-from __future__ import annotations
-
 import os
 import signal
 import time

@@ -1,7 +1,5 @@
 """Measurements in parts: what is finished is kept, what was interrupted goes on, one part can be measured anew."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """A long command is never silent off a terminal, and says nothing when quiet."""
 
-from __future__ import annotations
-
 import threading
 import time
 import warnings

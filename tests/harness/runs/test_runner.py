@@ -1,7 +1,5 @@
 """Every task is done once, and a process that dies costs only its own task."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """Packed histories come back bit for bit, and take less room than they did."""
 
-from __future__ import annotations
-
 import zlib
 
 import numpy as np

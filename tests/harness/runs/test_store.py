@@ -1,7 +1,5 @@
 """Nothing that was finished is lost, nothing is stored twice, and damage is told with what can be done."""
 
-from __future__ import annotations
-
 import errno
 import sqlite3
 import subprocess

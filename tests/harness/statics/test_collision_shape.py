@@ -1,7 +1,5 @@
 """The collision shape that a scene needs: planes, a convex statue, a concave one; what the plan says of it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """The plan says what is skipped and why, and a quiet start ends before anything can move."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

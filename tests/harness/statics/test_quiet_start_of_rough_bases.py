@@ -1,7 +1,5 @@
 """A base that is not level is quiet while it stays on what it rests on, which is narrower than its corners are apart."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A scene in which nothing moves says how far it is from moving, and the least size of its motion that moves it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

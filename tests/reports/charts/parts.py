@@ -1,7 +1,5 @@
 """What a chart's data hold, for tests."""
 
-from __future__ import annotations
-
 from typing import Any
 
 

@@ -1,7 +1,5 @@
 """Where one axis of numbers varies, its curves hold each model's outcome, rotation and slip; two axes make a map instead."""
 
-from __future__ import annotations
-
 from harness.records.run import falls
 from reports.charts import Json
 from reports.charts.map_figures import map_axes

@@ -1,7 +1,5 @@
 """Every text of the pages stands out from what is drawn under it, in the charts' stills and the pictures too."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any

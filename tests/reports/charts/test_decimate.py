@@ -1,7 +1,5 @@
 """Fewer samples for the screen keep every peak."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

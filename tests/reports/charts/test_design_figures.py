@@ -1,7 +1,5 @@
 """A design map marks where the pedestal would tip, and names the design that slides least of those that hold."""
 
-from __future__ import annotations
-
 from reports.charts.study_figures import best_designs, design_figures
 from reports.messages import ENGLISH
 from reports.text.wording import Condition

@@ -1,7 +1,5 @@
 """Drawn charts show what their data hold, where it lies, and nothing that could leave the picture."""
 
-from __future__ import annotations
-
 import json
 import re
 import resource

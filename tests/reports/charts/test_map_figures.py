@@ -1,7 +1,5 @@
 """A map tells computed places from those whose surroundings agree, and one picture holds the boundary of every model."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What a page carries of an array is the array, to the step that is stated."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The mesh on the screen is the statue's own, its edges sharp."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The planar pose of pictures and replay is the model's."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Literal

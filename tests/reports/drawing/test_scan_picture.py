@@ -1,7 +1,5 @@
 """A scan drawn with its base, its weakest direction and both triads of axes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every code that the program can say has one sentence in each language, which its values fill; no code reads one back."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Numbers read as a person would write them."""
 
-from __future__ import annotations
-
 import pytest
 
 from reports.messages import ENGLISH, language

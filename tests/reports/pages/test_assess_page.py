@@ -1,7 +1,5 @@
 """The page of an assessment: its headline and colour follow from the probability, never from one run."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

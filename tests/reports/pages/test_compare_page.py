@@ -1,7 +1,5 @@
 """Two histories of any software compared: a record, a page with a chart, a table in words."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The conservator's page follows from the scene, the histories and the rows, and says it without jargon."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable

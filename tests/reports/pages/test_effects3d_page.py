@@ -1,7 +1,5 @@
 """The page of an effects study: what it says follows from the record, and its pictures hold every direction."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Every kind of page is a list of blocks: its answer first, tables whole, every finding there, every word in each language."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass

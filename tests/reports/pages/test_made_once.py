@@ -1,7 +1,5 @@
 """What pages carry is made once for each installed version, and only taken from a folder that nobody else can write."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

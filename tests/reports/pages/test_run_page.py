@@ -1,7 +1,5 @@
 """The page of a run shows what its record holds, and nothing else."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

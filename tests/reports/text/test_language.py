@@ -1,7 +1,5 @@
 """The conservator's page speaks each language from one file, wholly, in short sentences, and explains what it names."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator, Mapping
 from html import unescape

@@ -1,7 +1,5 @@
 """Limits and what was left out, in words: what a fall adds is told apart from what was before it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path

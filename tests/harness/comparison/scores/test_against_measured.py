@@ -1,7 +1,5 @@
 """A simulation against a measurement: E = S − D with the uncertainties of numbers, inputs and measurement."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

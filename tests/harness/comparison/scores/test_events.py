@@ -1,7 +1,5 @@
 """Uplifts, impacts and their energy, against arcs known in closed form."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

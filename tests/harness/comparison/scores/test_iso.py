@@ -1,7 +1,5 @@
 """ISO/TS 18571 through the harness: the library's own numbers, only when asked, on a stated resampling."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from dataclasses import replace

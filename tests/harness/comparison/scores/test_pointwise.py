@@ -1,7 +1,5 @@
 """Scores sample by sample, against hand computation and against doubles that they must rank."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Distances of distributions and intervals, against scipy, hand computation and coverage."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

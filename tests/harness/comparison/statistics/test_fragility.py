@@ -1,7 +1,5 @@
 """Fragility curves: the likelihood's maximum by another optimiser, recovery of known curves, and what cannot be fitted."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy import optimize, stats

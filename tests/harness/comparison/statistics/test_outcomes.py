@@ -1,7 +1,5 @@
 """Outcome scores over a set, by hand."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

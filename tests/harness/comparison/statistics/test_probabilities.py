@@ -1,7 +1,5 @@
 """Probabilities against outcomes: the area under the curve and the reliability diagram, by hand and by many drawn sets."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy import stats

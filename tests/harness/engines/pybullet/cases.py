@@ -1,7 +1,5 @@
 """What the pybullet tests share: runs of both engines on one scene, and their distance."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from typing import Any

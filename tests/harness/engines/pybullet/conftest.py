@@ -1,7 +1,5 @@
 """Where pybullet is not installed, this folder is skipped and says so."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

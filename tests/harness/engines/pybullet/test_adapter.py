@@ -1,7 +1,5 @@
 """pybullet against the analytic model and closed forms: accuracy, order, frictions, impacts, table, planes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import replace
 

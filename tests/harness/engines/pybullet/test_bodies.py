@@ -1,7 +1,5 @@
 """pybullet's bodies: the mesh's own vertices and inertia, edges, rolling in three dimensions, nothing left over between runs."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """Some of Bullet's settings are the whole process's: a run gives the same bits whatever ran before, failed, or runs beside."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 

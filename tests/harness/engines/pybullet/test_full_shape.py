@@ -1,7 +1,5 @@
 """What meets a pedestal's edge in pybullet: convex parts of a concave statue, at the angle that its own geometry gives."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The gyroscopic torque that the layer adds to Bullet's: a body in free flight against the exact one, and where none is added."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Final
 

@@ -1,7 +1,5 @@
 """A scene turned about the vertical in Bullet's world: nothing changes but the friction of what slides and turns."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Half of a scene that mirrors itself, in pybullet: the same motion, in the plane to the last digit, only where allowed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """pybullet's errors fall faster than the step, through impacts, on any step, in half of the scene and in all of it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """A pedestal that tips: the layer that locates events leaves the engine to plain steps there, and says from when."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests import budgets_bullet as budget

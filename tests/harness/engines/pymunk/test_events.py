@@ -1,7 +1,5 @@
 """pymunk's events inside a step: what converges once they are met where they are."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """pymunk against the analytic model, its own limits and known answers."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import pairwise

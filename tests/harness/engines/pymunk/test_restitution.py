@@ -1,7 +1,5 @@
 """What a contact restitution changes of an impact (docs/model.md, section 3): pymunk in a plain loop, where there is none."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

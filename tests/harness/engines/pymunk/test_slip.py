@@ -1,7 +1,5 @@
 """Slip in pymunk: what a pedestal that slides takes of a rocking statue's momentum, at the instant at which it is."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Literal

@@ -1,7 +1,5 @@
 """Velocities of the samples' own times."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from harness.engines.stepping.columns import _synchronous

@@ -1,7 +1,5 @@
 """No result hangs on a constant: each number of what locates events, changed by a fifth, moves it by less than its error."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace

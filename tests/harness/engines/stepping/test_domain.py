@@ -1,7 +1,5 @@
 """A run says when, for how long and why it left what its events are located for."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """One rule for the end of a run: over still ground what follows the last instant is the same for the model and every engine."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

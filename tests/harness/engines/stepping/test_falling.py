@@ -1,7 +1,5 @@
 """What counts as overturned, by motions whose end is known: lying, falling, coming back, on another facet of the base."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

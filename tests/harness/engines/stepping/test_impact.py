@@ -1,7 +1,5 @@
 """The impact map keeps what it must keep, in all its forms."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

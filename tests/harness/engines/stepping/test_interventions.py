@@ -1,7 +1,5 @@
 """What is written to an engine's bodies goes through one place, is accounted for, and is no more than the steps explain."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Where the floor's acceleration jumps a step ends: none takes a mean of what pulls on its sides."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Final

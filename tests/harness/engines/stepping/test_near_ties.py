@@ -1,7 +1,5 @@
 """A force that holds the pedestal just below its limit holds it, as in the model: an engine's own feet give way before that."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,8 +1,6 @@
 """Thrown bodies, bodies in flight and walls: what events are located for is not there, the layer writes next to nothing, and its
 checks refuse no right run."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """From arrays to a record: events, outcome, forces and energy of motions whose laws are known."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Each wrong formula of what locates events fails the run: by the account of what is written, or by the friction that acted."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Further networks' files, written line by line as heads of their originals show them, independently of the readers."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

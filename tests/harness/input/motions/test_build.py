@@ -1,7 +1,5 @@
 """From a scene's words to an excitation: kinds, files, the data folder, and every refusal with its key."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The building's filter against closed forms: steady state, step, free decay, two modes, and a rigid building."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

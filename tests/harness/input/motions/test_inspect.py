@@ -1,7 +1,5 @@
 """The inspection of files and components: numbers, record, table, and a picture that shows them."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

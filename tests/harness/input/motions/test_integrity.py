@@ -1,7 +1,5 @@
 """Damaged, mislabelled and doubtful files: refused with the line, or said."""
 
-from __future__ import annotations
-
 import gzip
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Records that were once read wrongly without a word: steps, cells, columns, directions, sisters."""
 
-from __future__ import annotations
-
 import gzip
 from pathlib import Path
 

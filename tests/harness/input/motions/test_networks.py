@@ -1,7 +1,5 @@
 """Layouts of networks whose originals are not at hand: built from the heads of their files, read back, cut, and re-encoded."""
 
-from __future__ import annotations
-
 import gzip
 import textwrap
 import zipfile

@@ -1,7 +1,5 @@
 """The networks' own files agree with the CSVs made of them, with their own headers, and with their own velocities."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

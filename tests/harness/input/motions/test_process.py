@@ -1,7 +1,5 @@
 """Each processing step against what is known of it; acceleration, velocity and displacement of one motion agree."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

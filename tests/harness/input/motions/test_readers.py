@@ -1,7 +1,5 @@
 """Every format recognised by content, with units, directions, clocks and touching numbers; damaged files refused by line."""
 
-from __future__ import annotations
-
 import gzip
 from pathlib import Path
 

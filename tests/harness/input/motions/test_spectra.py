@@ -1,7 +1,5 @@
 """Target spectra from the codes' parameters; response spectra against eqsig's; compatible motions against both."""
 
-from __future__ import annotations
-
 import hashlib
 from pathlib import Path
 from typing import Any

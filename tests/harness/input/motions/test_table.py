@@ -1,7 +1,5 @@
 """Texts that no reader knows: read as the user says that they stand, and the options that fit said in the error."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Record files written as the networks lay them out, independently of the readers."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

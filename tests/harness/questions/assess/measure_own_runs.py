@@ -5,8 +5,6 @@ They are the truth that few runs are held to (`test_own_runs.py`), kept in `own_
 processor time for pymunk and 360 s for pybullet. A call that was ended goes on where it stopped.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Final

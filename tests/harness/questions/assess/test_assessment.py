@@ -1,7 +1,5 @@
 """The probability of overturning by the model: sweep and single runs alike, near what many draws gave."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final

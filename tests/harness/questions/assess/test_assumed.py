@@ -1,7 +1,5 @@
 """Assumed widths: every one with its source, told in the documentation, and one that a scene can express."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The room needed: poses worked by hand, quantiles of weighted runs, directions that each model knows."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

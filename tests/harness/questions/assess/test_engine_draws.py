@@ -1,7 +1,5 @@
 """An engine's probability from few runs: unbiased, intervals that cover, and a campaign that goes on where it stopped."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Sequence
 from dataclasses import replace

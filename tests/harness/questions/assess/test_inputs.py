@@ -1,7 +1,5 @@
 """What a scene does not know: as its file says, else as assumed; seeded draws with the stated moments."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal

@@ -1,7 +1,5 @@
 """What would help: options with common random numbers, intervals that cover, advice only where a difference is shown."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Few runs of an engine against a thousand of its own, on the shipped pedestal scene: intervals cover, and cost what is said."""
 
-from __future__ import annotations
-
 import itertools
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Which input matters: indices by ranks hold known ones; a factor on the motion costs no second reading of a drawn scene."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from statistics import NormalDist

@@ -1,7 +1,5 @@
 """Options and fragility in space: a statue turned is one whose shaking is turned; draws without an end prove nothing."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

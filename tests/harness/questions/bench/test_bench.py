@@ -1,7 +1,5 @@
 """The bench: errors that see a wrong run, sentences that follow from the rows, failures kept as rows."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

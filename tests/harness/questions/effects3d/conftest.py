@@ -1,7 +1,5 @@
 """The scene of the third dimension, and a plain block in it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

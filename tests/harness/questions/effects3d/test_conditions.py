@@ -1,7 +1,5 @@
 """What each condition changes, and what an azimuth turns."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

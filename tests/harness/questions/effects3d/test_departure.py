@@ -1,7 +1,5 @@
 """Out of the plane: the same rotation at any azimuth, and where oblique shaking leaves its plane."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The amplitude that overturns: windows found, bracketed and followed, from where nothing lifts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

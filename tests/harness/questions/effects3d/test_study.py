@@ -1,7 +1,5 @@
 """A study of directions: its sides, effects, band and ledger, its mistakes, and a whole one resumed."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Iterable
 from dataclasses import replace

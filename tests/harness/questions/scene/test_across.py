@@ -1,7 +1,5 @@
 """What happens across the rocking plane is told, not only what the plane shows."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

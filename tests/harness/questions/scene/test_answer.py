@@ -1,7 +1,5 @@
 """The headline of a run follows from its outcomes, scores, horizons and probability, and from nothing else."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 "Why a body in space leaves the planar model: said with the numbers of each thing taken away."
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Engines beside each other give what they give alone; a failure is a recorded outcome of its own engine."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 from pathlib import Path

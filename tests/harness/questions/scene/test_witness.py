@@ -1,7 +1,5 @@
 """What unmodified engines confirm of a run: until when, to what, and where a wrong model or a wrong layer is found out."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Work is told before it begins, and what nobody can wait for or no memory holds is refused by the key that asks for it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

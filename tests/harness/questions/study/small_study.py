@@ -1,7 +1,5 @@
 """A study small enough for every test, and what a store holds of it."""
 
-from __future__ import annotations
-
 import os
 import sqlite3
 from contextlib import closing

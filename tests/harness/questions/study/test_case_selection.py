@@ -1,7 +1,5 @@
 """A map refined where it changes finds the same boundary as the whole map, with fewer runs."""
 
-from __future__ import annotations
-
 import itertools
 
 import pytest

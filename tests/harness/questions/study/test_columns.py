@@ -1,7 +1,5 @@
 """A study in columns holds, row for row, what a store of single runs holds; what was finished outlives a kill."""
 
-from __future__ import annotations
-
 import signal
 import sqlite3
 import subprocess

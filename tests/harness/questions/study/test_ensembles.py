@@ -1,7 +1,5 @@
 """A set of cases scored against a reference model, from records as a store keeps them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,8 +1,6 @@
 """A table for a spreadsheet holds no formula that a user's text would begin, and its numbers stay numbers; of a run that failed
 there are none."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What an impact costs, told from a history: the known losses of the paper's statue by two models, and what is no impact."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

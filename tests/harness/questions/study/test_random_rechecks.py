@@ -1,7 +1,5 @@
 """An audit counts the left-out cases that would have said otherwise."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """A rocking spectrum: each block as by itself, probabilities counted, map and page written, mistakes told."""
 
-from __future__ import annotations
-
 import csv
 import json
 from contextlib import closing

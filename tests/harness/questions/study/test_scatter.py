@@ -1,7 +1,5 @@
 """Keys that are drawn at random: around the scene's value by a share of it, or between two bounds."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

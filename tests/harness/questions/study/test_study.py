@@ -1,7 +1,5 @@
 """A study computes each distinct run once, goes on where it was killed, and ends in the same store."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path

@@ -1,7 +1,5 @@
 """However a study ends (killed, told to end, a worker dead), what was finished is kept; going on ends in the same store."""
 
-from __future__ import annotations
-
 import random
 import signal
 import sqlite3

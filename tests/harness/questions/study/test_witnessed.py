@@ -1,7 +1,5 @@
 """A seeded tenth of a study's scenes is held against unmodified engines, once, and the study says what came out."""
 
-from __future__ import annotations
-
 import sqlite3
 from collections import Counter
 from contextlib import closing

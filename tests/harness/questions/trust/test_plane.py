@@ -1,7 +1,5 @@
 """Where engines are asked, and which scenes stand at the points."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The class of a point follows from a run's own answer, verdicts and horizon."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """A small map: the command's record and files, checks, and a second call that computes nothing."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

@@ -1,7 +1,5 @@
 """A table of experiments made for tests: a lopsided stone on a table shaken by sine bursts at 800 Hz."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """What a draw's run is given and what is kept of it: fewer samples of its motion, an outcome and a peak."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Measured drops and impact ratios: read with every mistake told, scored by hand-computed values, what threw them found again."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

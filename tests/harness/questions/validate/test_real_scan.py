@@ -1,7 +1,5 @@
 """A real scan under two real records, posed twelve times: fitted on one share, scored on the other, shown on a page."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from harness.comparison.statistics.outcomes import FELL

@@ -1,7 +1,5 @@
 """From a test of the table to its scenes: the stone turned, pared, shaken; perturbations seeded and small."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Scores of a validation from given answers: fits, probabilities, classes of intensity; and what needs no model."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace

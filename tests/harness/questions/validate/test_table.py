@@ -1,7 +1,5 @@
 """The table of experiments: what it says, and every mistake at once with its row and column."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Measured tosses: read with every mistake told, computed, fitted on a share and scored on the others."""
 
-from __future__ import annotations
-
 import gzip
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """A whole validation: runs, resumes, fits, scores, and compares a measured history."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager

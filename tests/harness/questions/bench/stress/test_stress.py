@@ -1,7 +1,5 @@
 """The stress run: checks that fail when they must, cells whose category follows from numbers, scenes that come out."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
