@@ -1,7 +1,7 @@
 """The readers of record files: the format is recognised by its content.
 
-To add a format: one file beside this one with recognises(text) and read(lines, where), its place in _READERS, the strictest
-first, and its name in FORMATS (`recordfile.py`).
+To add a format: one file beside this one with MARK and read(lines, where), its place in _READERS, the strictest first, and its
+name in FORMATS (`recordfile.py`).
 """
 
 from __future__ import annotations
@@ -48,14 +48,16 @@ from harness.model.finding import Finding, caution, info, weighed
 class Reader(Protocol):
     """What a format's file offers."""
 
-    def recognises(self, text: str) -> bool:
-        """Whether `text` is of this format, damaged or not."""
+    MARK: re.Pattern[str]
+    """What a file of this format begins with, damaged or not; its lines end in "\\n"."""
 
     def read(self, lines: list[str], where: str) -> RecordFile:
         """The channels of its lines; InputError where it is damaged."""
 
 
 _READERS: Final[tuple[Reader, ...]] = (geonet, knet, smc, volume1, v2, cosmos, esm, at2, nsmn, unam, cwb)
+_HEAD: Final = 200
+"""Lines in which a format shows itself; those of COSMOS begin with up to a hundred of comments."""
 _ALIKE = 0.5  # share of two file names' letters (without the ending) that agree at their ends, for files of one record
 _NUMBERS = re.compile(r"[\s0-9.,;|:+\-eEdD]+")
 _WORD = re.compile(r"\S+")
@@ -106,11 +108,13 @@ def _of_a_network(text: str, where: str) -> RecordFile | None:
     """The record by the reader that knows its layout, if need be without what programs add; None where none knows it."""
     refused: tuple[Reader, InputError] | None = None
     for version, said in _versions(text):
-        reader = next((each for each in _READERS if each.recognises(version)), None)
+        lines = version.splitlines()
+        head = "\n".join(lines[:_HEAD])
+        reader = next((each for each in _READERS if each.MARK.match(head)), None)
         if reader is None:
             continue
         try:
-            record = reader.read(version.splitlines(), where)
+            record = reader.read(lines, where)
             _check_end(text, where)
         except InputError as error:
             # The same reader's first refusal counts the file's own lines.

@@ -15,6 +15,8 @@ from harness.input.motions.recordfile import (
 )
 from harness.model.finding import caution
 
+MARK = re.compile(r"PEER .*(?:\n.*){3}|(?:.*\n){3}.*\bNPTS\b.*\bDT\b", re.IGNORECASE)
+"""The first line says PEER, or the fourth speaks of the number of points and the step."""
 _NAMED = re.compile(
     r"NPTS\s*=\s*([^\s,]*)[\s,]*DT\s*=\s*([^\s,]*?(?:\s+(?:[ED]?[+-]?\d|M(?:ILLI)?S)[^\s,]*)?)(?=[\s,]|SEC|$)",
     re.IGNORECASE,
@@ -23,12 +25,6 @@ _NAMED = re.compile(
 _TRAILING = re.compile(r"^\s*(\S+?),?\s+(\S+?),?\s+NPTS\s*,\s*DT", re.IGNORECASE)
 _ACCELERATION = re.compile(r"ACCEL.*UNITS?\s+OF\s+G\b", re.IGNORECASE)
 _HEADER_LINES = 4
-
-
-def recognises(text: str) -> bool:
-    """Whether the number of points and the step stand on the fourth line, or the first says PEER."""
-    head = text[:2000].splitlines()[:_HEADER_LINES]
-    return len(head) == _HEADER_LINES and (_points(head[3]) is not None or head[0].upper().startswith("PEER "))
 
 
 def _points(line: str) -> tuple[str, str] | None:

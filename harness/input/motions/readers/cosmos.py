@@ -22,6 +22,7 @@ from harness.input.motions.recordfile import (
 )
 from harness.model.finding import Finding, caution, info
 
+MARK = re.compile(r"(?s:.*?)(?:Integer|Real)-header values follow on", re.IGNORECASE)
 _HEADER = re.compile(
     r"^\s*(\d{1,9})\s+(Integer|Real)-header values follow on\s+(\d{1,9})\s+lines?,?\s*Format\s*=\s*(\(.*\))",
     re.IGNORECASE,
@@ -40,11 +41,6 @@ _PEAK, _PEAK_TIME = 63, 64
 _UNKNOWN = -999.0
 _UP, _DOWN = 400, 401
 _DURATION_TOLERANCE_S = 1.5  # "approx" is in whole seconds
-
-
-def recognises(text: str) -> bool:
-    """Whether one of COSMOS's two header blocks is announced in its words."""
-    return re.search(r"(Integer|Real)-header values follow on", text[:20000], re.IGNORECASE) is not None
 
 
 def read(lines: list[str], where: str) -> RecordFile:

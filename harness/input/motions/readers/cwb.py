@@ -7,11 +7,7 @@ import re
 from harness.input.motions.process import clock_of
 from harness.input.motions.recordfile import Channel, Header, RecordFile, columns, mistake, parse_orientation
 
-
-def recognises(text: str) -> bool:
-    """Whether the comment lines name a station code and a sequence of columns as CWB does."""
-    head = text[:4000].lower()
-    return "#stationcode" in head and ("#datasequence" in head or "#amplitudeunit" in head)
+MARK = re.compile(r"(?=(?s:.{0,4000}?)#stationcode)(?s:.{0,4000}?)#(?:datasequence|amplitudeunit)", re.IGNORECASE)
 
 
 def read(lines: list[str], where: str) -> RecordFile:

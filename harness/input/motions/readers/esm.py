@@ -8,19 +8,12 @@ from typing import Final
 
 from harness.input.motions.recordfile import UNITS_M_S2, Channel, Header, RecordFile, free_format, mistake
 
+MARK = re.compile(r"(?=EVENT[_ ]|NETWORK:)(?:.*\n)*?EVENT[_ ](?:NAME|ID):", re.IGNORECASE)
 _KEY = re.compile(r"^\s*([A-Z][A-Z0-9_/^() ]*):(.*)$", re.IGNORECASE)
 _EPOCH: Final = datetime(1970, 1, 1)
 _STAMPS: Final = ("%Y%m%d_%H%M%S.%f", "%d/%m/%Y %H:%M:%S.%f", "%Y/%m/%d %H:%M:%S.%f", "%Y-%m-%d %H:%M:%S.%f")
 """Of DYNA as a rule; the second in files of its version 1.2."""
 _CLOCK_KEY = "DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS"
-
-
-def recognises(text: str) -> bool:
-    """Whether the first lines name an event and its date as the archive does."""
-    head = text[:2000]
-    return bool(re.search(r"^EVENT[_ ](NAME|ID):", head, re.MULTILINE | re.IGNORECASE)) and bool(
-        re.match(r"EVENT[_ ]|NETWORK:", head, re.IGNORECASE)
-    )
 
 
 def read(lines: list[str], where: str) -> RecordFile:

@@ -7,16 +7,9 @@ import re
 from harness.input.motions.recordfile import NUMERIC, Channel, Header, RecordFile, check_rows, fixed_width, mistake
 from harness.model.finding import caution
 
-_FIRST = re.compile(r"\s*(un)?corrected accelerogram\b.*\bGNS", re.IGNORECASE)
+MARK = re.compile(r"[^\S\n]*(un)?corrected accelerogram\b.*\bGNS|(?:.*\n){12}Component.*\n.*mm/s/s", re.IGNORECASE)
+"""The first line of a channel names an accelerogram of GNS; or, where it was lost, the 13th and 14th are of their form."""
 _TEXT_LINES, _NUMBER_LINES, _WIDTH, _PER_LINE = 16, 10, 8, 10
-
-
-def recognises(text: str) -> bool:
-    """Whether the first line names a corrected or uncorrected accelerogram of GNS, or the 13th and 14th are of their form."""
-    head = text[:4000].splitlines()[:_TEXT_LINES]
-    if head and _FIRST.match(head[0]):
-        return True
-    return len(head) == _TEXT_LINES and head[12].startswith("Component") and "mm/s/s" in head[13]
 
 
 def read(lines: list[str], where: str) -> RecordFile:
@@ -29,7 +22,7 @@ def read(lines: list[str], where: str) -> RecordFile:
         channels.append(channel)
         start += used
     rest = next((line for line in lines[start:] if line.strip()), "")
-    if not channels or _FIRST.match(rest) or NUMERIC.fullmatch(rest):
+    if not channels or MARK.match(rest) or NUMERIC.fullmatch(rest):
         advice = "the file is cut off, or a line is there twice: download it again"
         raise mistake(where, f"line {start + 1}", "a channel, or the end", repr(rest.strip()), advice)
     site = lines[1].split()

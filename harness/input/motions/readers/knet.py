@@ -18,6 +18,7 @@ from harness.input.motions.recordfile import (
 )
 from harness.model.finding import info
 
+MARK = re.compile(r"\s*origin time(?s:.{0,2000}?)(?:scale factor|station code)", re.IGNORECASE)
 _SCALE = re.compile(r"([0-9.]+)\s*\(gal\)\s*/\s*([0-9.]+)", re.IGNORECASE)
 # NIED's manual: north, east and up are positive. KiK-net numbers its components: 1 to 3 in the borehole, 4 to 6 above it.
 _DIRECTIONS: Final = {
@@ -27,12 +28,6 @@ _DIRECTIONS: Final = {
 }  # fmt: skip
 _NAMES: Final = {"1": "NS1", "2": "EW1", "3": "UD1", "4": "NS2", "5": "EW2", "6": "UD2"}
 _HEADER_LINES: Final = 17
-
-
-def recognises(text: str) -> bool:
-    """Whether the header begins with an origin time and gives a scale factor in NIED's words."""
-    head = text[:2000].lower()
-    return head.lstrip().startswith("origin time") and ("scale factor" in head or "station code" in head)
 
 
 def read(lines: list[str], where: str) -> RecordFile:

@@ -6,12 +6,8 @@ import re
 
 from harness.input.motions.recordfile import Channel, Header, RecordFile, columns, mistake
 
+MARK = re.compile(r"(?s:.{0,170}?)STRONG GROUND MOTION RECORDS OF T", re.IGNORECASE)
 _NAMES = re.compile(r"^\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s*$", re.IGNORECASE)
-
-
-def recognises(text: str) -> bool:
-    """Whether the first line says strong ground motion records of Türkiye."""
-    return "STRONG GROUND MOTION RECORDS OF T" in text[:200].upper()
 
 
 def read(lines: list[str], where: str) -> RecordFile:

@@ -20,19 +20,14 @@ from harness.input.motions.recordfile import (
 )
 from harness.model.finding import Finding, caution
 
-_KIND = re.compile(r"\s*([1-6])\s.*(ACCELEROGRAM|VELOCITY|DISPLACEMENT|SPECTR)", re.IGNORECASE)
+MARK = re.compile(r"[^\S\n]*[1-6]\s.*(?:ACCELEROGRAM|VELOCITY|DISPLACEMENT|SPECTR).*\n\*", re.IGNORECASE)
+"""The first line is "2 CORRECTED ACCELEROGRAM", or another kind's, and the second begins with *."""
 _TEXT_LINES, _INTEGER_LINES, _REAL_LINES = 11, 6, 10
 _VERTICAL, _AZIMUTH, _COMMENTS, _COUNT = 12, 13, 15, 16  # places among the integers, from 0
 _RATE, _TIMES_AND_PEAKS = 1, (28, 32)  # places among the reals, from 0
 _NO_REAL = 1e38
 _WIDTH, _PER_LINE = 10, 8
 _LARGEST_INTEGER: Final = 1e10
-
-
-def recognises(text: str) -> bool:
-    """Whether the first line is SMC's "2 CORRECTED ACCELEROGRAM" (or another kind's) and the second begins with *."""
-    lines = text[:400].splitlines()[:2]
-    return len(lines) == 2 and bool(_KIND.match(lines[0])) and lines[1].startswith("*")
 
 
 def read(lines: list[str], where: str) -> RecordFile:

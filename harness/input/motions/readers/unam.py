@@ -16,10 +16,7 @@ from harness.input.motions.recordfile import (
 )
 from harness.input.text_file import fortran
 
-
-def recognises(text: str) -> bool:
-    """Whether the header says UNAM's standard file of acceleration."""
-    return "ARCHIVO ESTANDAR DE ACELERACI" in text[:4000].upper()
+MARK = re.compile(r"(?s:.{0,4000}?)ARCHIVO ESTANDAR DE ACELERACI", re.IGNORECASE)
 
 
 def read(lines: list[str], where: str) -> RecordFile:

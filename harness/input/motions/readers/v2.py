@@ -21,6 +21,8 @@ from harness.input.motions.recordfile import (
     unit_named,
 )
 
+MARK = re.compile(r"(?s:.{0,180}?)CORRECTED ACCELEROGRAM", re.IGNORECASE)
+"""Of CSMIP's volume 2, too; SMC and GeoNet are asked first."""
 _FLOAT = r"([-+.\deEdD]+)"
 _BLOCK = re.compile(
     r"^\s*(\d{1,9})\s+POINTS OF (?:[A-Z ,&]*\s)?(ACC(?:EL\w*)?)\.?\s+DATA,?\s+EQUALLY SPACED AT\s+(\S+)\s+SEC(?:ONDS?)?\b[.,]?\s*"
@@ -31,11 +33,6 @@ _PART = re.compile(r"^\s*(\d{1,9})\s+POINTS OF .*?\bDATA\b.*?(\(\s*\d[^()]*\))?\
 """Accelerations, velocities or displacements."""
 _OLD_FORMAT = "(8F10.3)"
 """Files of today state their format; the older ones all have the same."""
-
-
-def recognises(text: str) -> bool:
-    """Whether the first lines say corrected accelerogram (CSMIP's volume 2; SMC and GeoNet are asked first)."""
-    return "CORRECTED ACCELEROGRAM" in text[:200].upper()
 
 
 def read(lines: list[str], where: str) -> RecordFile:

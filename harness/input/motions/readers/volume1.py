@@ -30,7 +30,8 @@ from harness.input.motions.recordfile import (
 )
 from harness.model.finding import Finding, caution
 
-_FIRST = re.compile(r"\s*(FILE\s+\d+ OF )?UNCORRECTED\s+ACCELEROGRAM\s+DATA|\s*\* ?VOL1DS", re.IGNORECASE)
+MARK = re.compile(r"\s*(FILE\s+\d+ OF )?UNCORRECTED\s+ACCELEROGRAM\s+DATA|\s*\* ?VOL1DS", re.IGNORECASE)
+"""The first line of a channel."""
 _TEXT_LINES, _NUMBER_LINES, _HEADER_LINES = 13, 14, 27
 _UNITS = re.compile(r"\s*UNITS\b", re.IGNORECASE)
 _PAIRED = re.compile(r"[-+]?[0-9]*\.[0-9]{3}")
@@ -44,14 +45,9 @@ _EVEN = re.compile(
 """The line above even steps, of today and of the 1990s."""
 
 
-def recognises(text: str) -> bool:
-    """Whether the first line announces uncorrected accelerogram data, or BHRC's VOL1DS."""
-    return _FIRST.match(text) is not None
-
-
 def read(lines: list[str], where: str) -> RecordFile:
     """All channels of a volume 1 file; InputError where a header or values are missing."""
-    starts = [i for i, line in enumerate(lines) if _FIRST.match(line)]
+    starts = [i for i, line in enumerate(lines) if MARK.match(line)]
     channels = [
         _channel(lines, start, end, where) for start, end in zip(starts, [*starts[1:], len(lines)], strict=True)
     ]
