@@ -12,7 +12,7 @@ from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.statics.plan import first_motion_s
 from tests.budgets import FORECAST_TIMES
-from tests.measures.seeded_scenes import random_scene, tipping_scene, wide_scene
+from tests.measures.seeded_scenes import random_scene, space_scene, tipping_scene, wide_scene
 from tests.scenes_for_tests import paestum
 
 SCENES = {
@@ -42,6 +42,14 @@ def test_the_steps_that_are_told_are_those_that_are_taken(engine: str, scene: Sc
     assert told.least / FORECAST_TIMES < taken < told.most * FORECAST_TIMES
     # Of three levels each costs twice as much as those before it: no more than these is left open.
     assert told.most < 12.0 * told.least
+
+
+@pytest.mark.parametrize("seed", [880_007, 880_008, 880_020])
+def test_a_body_that_falls_in_space_alone_takes_no_steps_after_it(seed: int) -> None:
+    """In the plane it stands, for seven times the steps."""
+    scene = space_scene(seed, 10.0)
+    told, taken = expected_steps("pybullet", scene), simulate(scene, "pybullet").work["steps_of_all_runs"]
+    assert told.least / FORECAST_TIMES < taken < told.most * FORECAST_TIMES
 
 
 def test_what_cannot_move_takes_no_steps_and_what_falls_none_after_it() -> None:
