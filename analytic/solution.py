@@ -120,37 +120,6 @@ class Validity:
     left_domain_by: str
 
 
-@final
-@dataclass(frozen=True)
-class Work:
-    """What the run cost and what it left out."""
-
-    steps: int
-    taylor_coefficients: int
-    events: int
-    impacts: int
-    quiet_samples_skipped: int
-    skipped_s: float
-    ended_by_energy: bool
-
-
-@final
-@dataclass(frozen=True)
-class Doubts:
-    """What may make a run's numbers unsafe: ambiguous states, near-tangent events, dropped rebounds, near-tie energy.
-
-    worst_residual is the largest event residual relative to its terms; outcome_margin the least distance |E/E_crit − 1| at
-    which the energy decided (None: it did not have to); gave_up whether the run was ended for making no progress.
-    """
-
-    ambiguous_states: int
-    near_tangent_steps: int
-    dropped_rebounds: int
-    worst_residual: float
-    outcome_margin: float | None
-    gave_up: bool
-
-
 # The solution that the kernel's records say.
 
 LEFT_BY: Final = ("", "statue_slides", "contact_lost", "pedestal_tips", "beyond_base")
@@ -192,6 +161,7 @@ class Solution:
     params: Params = field(repr=False)
     state: State = field(repr=False)
     counts: Counts = field(repr=False)
+    """What it cost, what it left out, and how often it was in doubt."""
     history: Floats = field(repr=False)
     """Rows of t, θ, θ̇, u, u̇, (5, n)."""
     event_rows: Records = field(repr=False)
@@ -294,33 +264,6 @@ class Solution:
             pedestal_tipping_margin_at_impact_m=_optional(r.tipping_margin_at_impact_m) if on_pedestal else None,
             left_domain_s=_optional(r.left_domain_s),
             left_domain_by=LEFT_BY[r.left_domain_by],
-        )
-
-    @property
-    def work(self) -> Work:
-        """What the run cost and what it left out."""
-        c = self.counts
-        return Work(
-            steps=c.steps,
-            taylor_coefficients=c.coefficients,
-            events=c.events,
-            impacts=c.impacts,
-            quiet_samples_skipped=c.quiet_samples,
-            skipped_s=self.results.skipped_s,
-            ended_by_energy=c.energy_endings > 0,
-        )
-
-    @cached_property
-    def doubts(self) -> Doubts:
-        """What may make the run's numbers unsafe."""
-        r, c = self.results, self.counts
-        return Doubts(
-            ambiguous_states=c.ties,
-            near_tangent_steps=c.tangents,
-            dropped_rebounds=c.dropped_rebounds,
-            worst_residual=r.event_residual,
-            outcome_margin=_optional(r.outcome_margin),
-            gave_up=c.given_up > 0,
         )
 
     def of_kind(self, kind: EventKind) -> tuple[Event, ...]:

@@ -278,7 +278,7 @@ def certify(
     if dt_s is None:
         scene, checks = {**scene, "events": False}, ((base * SECOND_RUN_SHARE, 0.5 * cap),)
     first = simulate(block, motion_x, motion_z, accuracy_rad=base, step_cap_s=step_cap_s, **scene)
-    quick = quick | {"gravity_m_s2": gravity_m_s2 * (1.0 + rounding(first.work.steps))}
+    quick = quick | {"gravity_m_s2": gravity_m_s2 * (1.0 + rounding(first.counts.steps))}
     others = tuple(
         simulate(block, motion_x, motion_z, accuracy_rad=finer, step_cap_s=shorter, **quick)
         for finer, shorter in checks
@@ -304,7 +304,7 @@ def certified(first: Solution, others: tuple[Solution, ...], accuracy: tuple[flo
     """What the differences between the runs say; `accuracy` of rotation, rad, and slip, m, up to which they count as reliable."""
     uncertainty, slip, until = _spread(first, others, accuracy)
     # Runs that end the same sequences of impacts differ by nothing of what they all left out.
-    left_rad = first.params.rest_rad if first.doubts.dropped_rebounds else 0.0
+    left_rad = first.params.rest_rad if first.counts.dropped_rebounds else 0.0
     return Certified(
         first, max(uncertainty, left_rad), slip, until, tuple(sorted({each.outcome for each in (first, *others)}))
     )

@@ -169,10 +169,9 @@ def _validity(scene: Scene, solution: Solution) -> dict[str, object]:
 
 def skipped(solution: Solution, keep: bool) -> dict[str, float | None]:
     """What a run left out, by skip (`Run.skipped`); `keep`: its history was asked."""
-    work = solution.work
     left: dict[str, float | None] = {}
-    if work.skipped_s > 0.0:
-        left["quiet_rest"] = work.skipped_s
+    if solution.results.skipped_s > 0.0:
+        left["quiet_rest"] = solution.results.skipped_s
     if not keep:
         left["no_history"] = None
     if solution.overturn_time_s is not None:
@@ -192,7 +191,7 @@ NEAR_TIE: Final = 1e-3
 def findings_of(certified: Certified) -> tuple[Finding, ...]:
     """What is to be known of a run and its own numerical error."""
     run, until_s = certified.solution, certified.reliable_until_s
-    doubts, limits = run.doubts, run.validity
+    counts, limits = run.counts, run.validity
     found = []
     if not certified.outcome_is_sure:
         found.append(changes_answer("outcome_changes_with_steps", outcomes=[each.value for each in certified.outcomes]))
@@ -200,16 +199,16 @@ def findings_of(certified: Certified) -> tuple[Finding, ...]:
         found.append(caution("peak_not_bounded", uncertainty_rad=certified.uncertainty_rad))
     elif until_s < run.end_s * (1.0 - SAME_END):
         found.append(_from(run, until_s, caution("error_not_bounded", until_s=until_s, end_s=run.end_s)))
-    if doubts.gave_up:
-        found.append(changes_answer("run_given_up", at_s=run.end_s, steps=run.work.steps))
-    if doubts.near_tangent_steps:
-        found.append(caution("near_tangent_events", steps=doubts.near_tangent_steps))
-    if doubts.ambiguous_states:
-        found.append(caution("several_joint_states", count=doubts.ambiguous_states))
-    if doubts.dropped_rebounds:
-        found.append(info("impacts_died_out", count=doubts.dropped_rebounds))
-    if doubts.outcome_margin is not None and doubts.outcome_margin < NEAR_TIE:
-        found.append(changes_answer("near_tie", margin=doubts.outcome_margin))
+    if counts.given_up:
+        found.append(changes_answer("run_given_up", at_s=run.end_s, steps=counts.steps))
+    if counts.tangents:
+        found.append(caution("near_tangent_events", steps=counts.tangents))
+    if counts.ties:
+        found.append(caution("several_joint_states", count=counts.ties))
+    if counts.dropped_rebounds:
+        found.append(info("impacts_died_out", count=counts.dropped_rebounds))
+    if run.results.outcome_margin < NEAR_TIE:
+        found.append(changes_answer("near_tie", margin=run.results.outcome_margin))
     if run.energy_gained_j > 1e-9 * max(run.energy_lost_j, 1e-9):
         found.append(caution("impacts_gained_energy", energy_j=run.energy_gained_j))
     if limits is not None and limits.left_domain_s is not None:
@@ -233,13 +232,13 @@ def stated_settings(settings: TwoBlockSettings) -> Mapping[str, object]:
 
 def _run(scene: Scene, settings: TwoBlockSettings, solution: Solution, wall_s: float, keep: bool) -> Run:
     """A run that states no error yet."""
-    work = solution.work
+    counts = solution.counts
     return Run(
         engine=TwoBlock.name,
         outcome=Outcome(solution.outcome.value),
         history=History(*solution.history) if keep else None,
         settings=stated_settings(settings),
-        steps=work.steps,
+        steps=counts.steps,
         wall_s=wall_s,
         peak_theta_rad=solution.peak_theta_rad,
         peak_time_s=solution.peak_time_s,
@@ -254,7 +253,7 @@ def _run(scene: Scene, settings: TwoBlockSettings, solution: Solution, wall_s: f
             Pattern(item.start_s, item.end_s, cast(PatternName, item.pattern)) for item in solution.patterns
         ),
         validity=_validity(scene, solution),
-        work={"taylor_coefficients": work.taylor_coefficients, "events": work.events, "impacts": work.impacts},
+        work={"taylor_coefficients": counts.coefficients, "events": counts.events, "impacts": counts.impacts},
         skipped=skipped(solution, keep),
         findings=left_out(scene.base_excitation),
     )

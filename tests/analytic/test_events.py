@@ -155,7 +155,7 @@ def test_ambiguous_jump_takes_the_stuck_state_and_says_so() -> None:
         duration_s=3.0,
         gravity_m_s2=GRAVITY,
     )
-    assert run.doubts.ambiguous_states > 0
+    assert run.counts.ties > 0
     assert run.events[0].feasible_states == 2
     assert run.events[0].pattern == "rocking"
 
@@ -258,7 +258,7 @@ def test_a_break_of_the_motion_is_a_step_end() -> None:
     record = Record(times, 2.5 * np.sin(12.0 * times) * np.sign(np.sin(7.0 * times)))
     fine = simulate(STATUE, record, duration_s=2.0, accuracy_rad=1e-14)
     coarse = simulate(STATUE, record, duration_s=2.0, accuracy_rad=1e-8)
-    assert fine.work.steps >= np.count_nonzero(times > fine.events[1].time_s) - 1
+    assert fine.counts.steps >= np.count_nonzero(times > fine.events[1].time_s) - 1
     assert np.abs(fine.theta_rad - coarse.theta_rad).max() < 1e-8
 
 
@@ -276,4 +276,4 @@ def test_every_event_leaves_nothing_of_its_function_but_rounding(block: Block) -
     run = simulate(block, Harmonic(0.429 * GRAVITY, 3.0), duration_s=4.0, **scene)  # type: ignore[arg-type]
     left = {event.kind: event.residual for event in run.events}
     assert {EventKind.IMPACT, EventKind.STICK_ONSET, EventKind.SLIP_ONSET} <= set(left)
-    assert 0.0 < run.doubts.worst_residual == max(event.residual for event in run.events) <= RESIDUAL_REL
+    assert 0.0 < run.results.event_residual == max(event.residual for event in run.events) <= RESIDUAL_REL

@@ -158,7 +158,7 @@ def test_a_fall_that_energy_tells_leaves_the_base_too() -> None:
     alone = simulate(block, blow, duration_s=20.0, dt_s=None)
     bare = simulate(STATUE, blow, duration_s=20.0, dt_s=None)
     assert whole.outcome is alone.outcome is bare.outcome is Outcome.OVERTURNED_RIGHT
-    assert alone.work.ended_by_energy
+    assert alone.counts.energy_endings
     assert whole.validity.left_domain_by == alone.validity.left_domain_by == "beyond_base"
     assert alone.validity.left_domain_s == pytest.approx(whole.validity.left_domain_s, rel=1e-9)
     assert bare.validity.left_domain_by != "beyond_base"

@@ -44,7 +44,7 @@ def test_a_pulse_is_run_as_the_same_motion_sampled(shape: Any) -> None:
 def test_a_kind_without_a_formula_is_given_up_and_run_as_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(codes.PULSES, "one_sine", FORGOTTEN)
     planar, spatially = solutions(analytic.Pulse("one_sine", 4.5, 0.8))
-    assert (planar.outcome, planar.doubts.gave_up) == (analytic.Outcome.UNDECIDED, True)
+    assert (planar.outcome, planar.counts.given_up) == (analytic.Outcome.UNDECIDED, True)
     assert spatially.outcome is spatial.Outcome.UNDECIDED
 
 

@@ -39,9 +39,9 @@ def test_quiet_times_are_skipped_bit_for_bit(scene: dict[str, object], vertical:
     on = simulate(STATUE, RECORD, vertical, **scene)  # type: ignore[arg-type]
     off = simulate(STATUE, RECORD, vertical, skip_start=False, skip_rest=False, **scene)  # type: ignore[arg-type]
     assert on.peak_theta_rad > 0.0
-    assert on.work.quiet_samples_skipped > 200
-    assert off.work.quiet_samples_skipped == 0
-    assert on.work.steps < off.work.steps - 200
+    assert on.counts.quiet_samples > 200
+    assert off.counts.quiet_samples == 0
+    assert on.counts.steps < off.counts.steps - 200
     assert largest_difference(on, off) <= SKIP_RAD
     assert on.events == off.events
 
@@ -55,17 +55,17 @@ def test_weak_samples_are_passed_at_once_where_the_outcome_alone_is_asked(
     asked = {"dt_s": None, "events": False} | scene
     bare, looked = (simulate(STATUE, RECORD.scaled(factor), validity=each, **asked) for each in (False, True))  # type: ignore[arg-type]
     assert (bare.outcome, bare.peak_theta_rad, bare.end_s) == (looked.outcome, looked.peak_theta_rad, looked.end_s)
-    assert (bare.work.steps, bare.work.quiet_samples_skipped) == (looked.work.steps, looked.work.quiet_samples_skipped)
-    assert bare.work.quiet_samples_skipped > 200
-    assert bare.work.skipped_s == pytest.approx(looked.work.skipped_s)
+    assert (bare.counts.steps, bare.counts.quiet_samples) == (looked.counts.steps, looked.counts.quiet_samples)
+    assert bare.counts.quiet_samples > 200
+    assert bare.results.skipped_s == pytest.approx(looked.results.skipped_s)
 
 
 def test_a_motion_below_every_limit_is_not_integrated_at_all() -> None:
     weak = RECORD.scaled(0.1)
     on = simulate(STATUE, weak, **ON_PEDESTAL)  # type: ignore[arg-type]
     off = simulate(STATUE, weak, skip_start=False, **ON_PEDESTAL)  # type: ignore[arg-type]
-    assert on.work.steps == 0
-    assert off.work.steps > 900
+    assert on.counts.steps == 0
+    assert off.counts.steps > 900
     assert on.outcome == off.outcome
     assert largest_difference(on, off) <= SKIP_RAD
 
@@ -73,8 +73,8 @@ def test_a_motion_below_every_limit_is_not_integrated_at_all() -> None:
 def test_rest_after_the_motion_is_detected() -> None:
     run = simulate(STATUE, Pulse("one_sine", -2.0, 0.5), **(FLOOR | {"duration_s": 1000.0}), dt_s=1.0)  # type: ignore[arg-type]
     assert run.outcome.value == "stands"
-    assert run.work.skipped_s > 900.0
-    assert run.work.steps < 600
+    assert run.results.skipped_s > 900.0
+    assert run.counts.steps < 600
 
 
 @pytest.mark.parametrize("scene", [FLOOR, ON_PEDESTAL], ids=["floor", "pedestal"])
@@ -96,8 +96,8 @@ def test_energy_ends_runs_early() -> None:
     motion = Pulse("one_sine", -2.5, 0.7)
     on = simulate(STATUE, motion, dt_s=None, **FLOOR)  # type: ignore[arg-type]
     off = simulate(STATUE, motion, dt_s=None, skip_energy=False, **FLOOR)  # type: ignore[arg-type]
-    assert on.work.ended_by_energy
-    assert on.work.steps < off.work.steps
+    assert on.counts.energy_endings
+    assert on.counts.steps < off.counts.steps
     assert on.end_s < off.end_s
     assert on.outcome == off.outcome
 
@@ -117,7 +117,7 @@ def test_no_history_leaves_the_outcome_and_the_peak() -> None:
 def test_the_start_and_later_rests_are_skipped_each_by_its_own_switch() -> None:
     def steps(**options: bool) -> tuple[int, int, float]:
         run = simulate(STATUE, RECORD.scaled(0.3), **options, **(FLOOR | {"duration_s": 60.0}))  # type: ignore[arg-type]
-        return run.work.steps, run.work.quiet_samples_skipped, run.peak_theta_rad
+        return run.counts.steps, run.counts.quiet_samples, run.peak_theta_rad
 
     both, start, rest = steps(), steps(skip_rest=False), steps(skip_start=False)
     none = steps(skip_start=False, skip_rest=False)
@@ -164,7 +164,7 @@ def test_energy_decides_on_worn_bases_as_integration_does(beside: str) -> None:
             outline = (*block.profile_m, (corner_m, top_m), (-corner_m, top_m))
             start["wall"] = Wall("right", abs(float(small)) * top_m + random.uniform(0.005, 0.05), outline)
         by_energy, integrated = (simulate(block, Rest(), skip_energy=skip, **start) for skip in (True, False))
-        decided += by_energy.work.ended_by_energy
+        decided += by_energy.counts.energy_endings
         if integrated.outcome is not Outcome.UNDECIDED:  # still rocking at the end
             assert by_energy.outcome is integrated.outcome
             assert by_energy.peak_theta_rad == pytest.approx(integrated.peak_theta_rad, rel=1e-6, abs=1e-7)
@@ -179,7 +179,7 @@ def test_energy_tells_the_instant_of_no_return_and_of_no_peak_to_come(amplitude_
     )
     blow = Pulse("one_sine", amplitude_g * GRAVITY, 0.9)
     whole, alone = (simulate(block, blow, duration_s=6.0, dt_s=dt) for dt in (0.01, None))
-    assert alone.work.ended_by_energy
+    assert alone.counts.energy_endings
     assert alone.outcome is whole.outcome
     assert alone.no_return_time_s == pytest.approx(whole.no_return_time_s, rel=EVENT_REL)
     assert alone.peak_time_s is None

@@ -79,14 +79,14 @@ def is_finite(run: Solution) -> bool:
 def test_every_run_ends_in_numbers_and_mirrors_itself(scene: dict[str, Any]) -> None:
     run = simulate(**scene)
     assert is_finite(run)
-    assert not run.doubts.gave_up, run.events[-3:]
+    assert not run.counts.given_up, run.events[-3:]
     assert np.abs(run.theta_rad).max() <= 1.5 + 1e-12
     bound = (
         STRESS_STEPS_PER_S
         * (1.0 + run.end_s)
         * (10.0 + scene["motion_x"].frequency_hz + scene["motion_z"].frequency_hz)
     )
-    assert run.work.steps + run.work.events < bound + 40 * run.work.impacts, run.work
+    assert run.counts.steps + run.counts.events < bound + 40 * run.counts.impacts, run.counts
     consistent = scene["form"] == Form()
     if consistent:
         scale = scene["block"].mass_kg * GRAVITY * scene["block"].centroid_height_m
@@ -138,7 +138,7 @@ def test_a_prescribed_ratio_comes_to_rest_on_its_pedestal(ratio: float) -> None:
         duration_s=1.0,
         accuracy_rad=1e-9,
     )
-    assert not run.doubts.gave_up
+    assert not run.counts.given_up
     assert run.outcome.value == "stands"
     assert run.events[-1].pattern == "rest"
     assert run.end_s == 1.0

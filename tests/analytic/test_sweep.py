@@ -38,7 +38,7 @@ def test_each_run_is_the_single_run() -> None:
             )  # type: ignore[arg-type]
             assert found.outcomes[i, j] == alone.outcome
             assert found.peak_theta_rad[i, j] == alone.peak_theta_rad
-            assert found.steps[i, j] == alone.work.steps
+            assert found.steps[i, j] == alone.counts.steps
             assert found.end_s[i, j] == alone.end_s
 
 
