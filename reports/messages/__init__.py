@@ -341,12 +341,10 @@ FORMATS: Final[Mapping[str, Callable[[Language, Any], str]]] = {
 
 
 def probability_text(share: float) -> str:
-    """A share in per cent: two digits where it is small, two of what is left where it is large: no 100 for 99.97."""
+    """A share in per cent: two digits where it is small, a tenth of one where it is large: no 100 for 99.97."""
     value = 100.0 * share
-    left = 100.0 - value
-    if 0.0 < left < 9.95:
-        digits = min(max(1 - math.floor(math.log10(left)), 0), 3)
-        return f"{value:.{digits}f}".rstrip("0").rstrip(".")
+    if 90.0 < value < 100.0:
+        return f"{min(value, 99.9):.1f}".removesuffix(".0")
     return f"{value:.0f}" if value >= 9.95 or value == 0.0 else f"{value:.2g}"
 
 
