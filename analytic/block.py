@@ -173,10 +173,6 @@ class Block:
         """α of the outer corner on that side (1 right, −1 left), rad."""
         return math.atan2(*self._outer(side))
 
-    def inertia_corner_kg_m2(self, side: int) -> float:
-        """J about the outer corner on that side, kg m²."""
-        return self._about_corners[side > 0][1]
-
     def p_rad_s(self, side: int, gravity_m_s2: float = GRAVITY_M_S2) -> float:
         """Frequency parameter p = √(m g R/J) about the outer corner on that side, rad/s."""
         radius_m, inertia_kg_m2 = self._about_corners[side > 0]

@@ -155,14 +155,10 @@ def _run(rows: Rows) -> Out:
 
 
 def _time_scale_s(bodies: Sequence[Body], body: NDArray[np.int64], gravity_m_s2: Floats) -> Floats:
-    """1/p of each row's faster outer corner, s, to the last bit as `Block.p_rad_s` has it."""
-    p = np.zeros(body.size)
-    mass = np.array([one.problem.block.mass_kg for one in bodies])[body]
-    for side in (1, -1):
-        radius = np.array([one.problem.block.radius_m(side) for one in bodies])[body]
-        inertia = np.array([one.problem.block.inertia_corner_kg_m2(side) for one in bodies])[body]
-        p = np.maximum(p, np.sqrt(mass * gravity_m_s2 * radius / inertia))
-    return np.asarray(1.0 / p)
+    """1/p of each row's faster outer corner, s."""
+    blocks = [one.problem.block for one in bodies]
+    rows = zip(body.tolist(), gravity_m_s2.tolist(), strict=True)
+    return np.array([1.0 / max(blocks[k].p_rad_s(side, gravity) for side in (1, -1)) for k, gravity in rows])
 
 
 def _solution(params: Params, out: Out, i: int) -> Solution:

@@ -230,7 +230,7 @@ def heyoka_solver(
     """
     import heyoka
 
-    inertia, alpha = block.inertia_corner_kg_m2(1), block.alpha_rad(1)
+    inertia, alpha = block.inertia_kg_m2 + block.mass_kg * block.radius_m(1) ** 2, block.alpha_rad(1)
     factor, ratio = (
         block.mass_kg * block.radius_m(1) / inertia,
         1.0 - 2.0 * block.mass_kg * block.profile_m[1][0] ** 2 / inertia,

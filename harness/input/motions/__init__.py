@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from harness.input.motions.spectra import DesignSpectrum
     from harness.input.tables import SceneFile
 
-__all__ = ["Prepared", "SceneMotion", "prepare"]
-
 MOST_PERIODS: Final = 150_000
 """Periods of a floor's stiffest mode in its motion: ten million samples (`process.POINTS_PER_PERIOD`), ten seconds and 1 GB."""
 

@@ -23,22 +23,6 @@ from harness.model.finding import Finding
 _QUADRANT = re.compile(r"([NS])\s*(\d{1,2}(?:\.\d+)?)\s*([EW])", re.IGNORECASE)
 _AZIMUTH = re.compile(r"[0-9]{1,3}(?:\.[0-9]+)?")
 _SEED_CODE = re.compile(r"[HBECSMDL][NLHG]([NEZ])", re.IGNORECASE)
-_CARDINAL: Final = {
-    "N": 0.0,
-    "NORTH": 0.0,
-    "E": 90.0,
-    "EAST": 90.0,
-    "S": 180.0,
-    "SOUTH": 180.0,
-    "W": 270.0,
-    "WEST": 270.0,
-}
-_LINE: Final = {"NS": 0.0, "SN": 0.0, "EW": 90.0, "WE": 90.0}
-"""Names of a line rather than of a direction. Networks that use them count towards north and east, whichever letter comes
-first: K-NET's manual says so of N-S and E-W, ITACA's WE is the channel that ESM calls HNE."""
-_UP: Final = frozenset({"UP", "U", "Z", "V", "VER", "VERT", "VERTICAL", "UPDO"})
-_UPRIGHT_LINE: Final = frozenset({"UD", "DU"})
-_DOWN: Final = frozenset({"DN", "DWN", "DOWN"})
 _PLACE = re.compile(r"[1-9]")
 """A channel's number in its file; an azimuth is written with two digits or three."""
 
@@ -62,28 +46,37 @@ class ChannelOrientation:
         return "direction unknown" if self.azimuth_deg is None else f"azimuth {self.azimuth_deg:g}°"
 
 
+_NAMED: Final = {
+    name: orientation
+    for names, orientation in (
+        ("N NORTH", ChannelOrientation(0.0)),
+        ("E EAST", ChannelOrientation(90.0)),
+        ("S SOUTH", ChannelOrientation(180.0)),
+        ("W WEST", ChannelOrientation(270.0)),
+        ("UP U Z V VER VERT VERTICAL UPDO", ChannelOrientation(vertical=True)),
+        ("DN DWN DOWN", ChannelOrientation(vertical=True, sign=-1)),
+        ("NS SN", ChannelOrientation(0.0, sense_assumed=True)),
+        ("EW WE", ChannelOrientation(90.0, sense_assumed=True)),
+        ("UD DU", ChannelOrientation(vertical=True, sense_assumed=True)),
+    )
+    for name in names.split()
+}
+"""The last three name a line rather than a direction. Networks that use them count towards north, east and up, whichever letter
+comes first: K-NET's manual says so of N-S and E-W, ITACA's WE is the channel that ESM calls HNE."""
+
+
 def parse_orientation(text: str) -> ChannelOrientation:
-    """Direction named by `text`: "N28W", "067", "UP", "HNE", "EW" …; unknown where it names none."""
+    """Direction named by `text`: "N28W", "067", "UP", "HNE", "EW", "E-W" …; unknown where it names none."""
     token = re.sub(r"\s*DEG(REES?)?$", "", text.strip().strip("°.").upper())
-    letters = re.sub(r"(?<=^[A-Z])\s*[-/]\s*(?=[A-Z]$)", "", token)
-    if letters in _LINE:
-        return ChannelOrientation(_LINE[letters], sense_assumed=True)
-    if token in _UP or letters in _UPRIGHT_LINE:
-        return ChannelOrientation(vertical=True, sense_assumed=letters in _UPRIGHT_LINE)
-    if token in _DOWN:
-        return ChannelOrientation(vertical=True, sign=-1)
-    if token in _CARDINAL:
-        return ChannelOrientation(_CARDINAL[token])
+    token = re.sub(r"(?<=^[A-Z])\s*[-/]\s*(?=[A-Z]$)", "", token)
+    if token in _NAMED:
+        return _NAMED[token]
     if match := _QUADRANT.fullmatch(token):
         north, angle, east = match.group(1), float(match.group(2)), match.group(3)
         azimuth = angle if north == "N" else 180.0 - angle
         return ChannelOrientation((azimuth if east == "E" else -azimuth) % 360.0)
     if match := _SEED_CODE.fullmatch(token):
-        return (
-            ChannelOrientation(vertical=True)
-            if match.group(1) == "Z"
-            else ChannelOrientation(_CARDINAL[match.group(1)])
-        )
+        return _NAMED[match.group(1)]
     if _AZIMUTH.fullmatch(token) and not _PLACE.fullmatch(token) and float(token) <= 360.0:
         return ChannelOrientation(float(token) % 360.0)
     return ChannelOrientation()

@@ -191,12 +191,10 @@ class Target(UserTable):
             ways = ", or ".join(" ".join(sorted(way)) for way in wanted)
             said = " ".join(sorted(given)) or "none"
             raise Contradiction("code", f"beside it and ag_g exactly {ways}", said)
-        if not self.vertical and self.soil is None and not self._ordered():
+        ordered = (self.TB_s or 0.0) <= (self.TC_s or 0.0) <= (self.TD_s or 0.0)
+        if not self.vertical and self.soil is None and not ordered:
             raise Contradiction("TC_s", "TB_s <= TC_s <= TD_s", f"{self.TB_s:g}, {self.TC_s:g}, {self.TD_s:g}")
         return self
-
-    def _ordered(self) -> bool:
-        return (self.TB_s or 0.0) <= (self.TC_s or 0.0) <= (self.TD_s or 0.0)
 
 
 class SpectrumSpec(Target, _Filtered):

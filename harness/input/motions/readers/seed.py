@@ -36,7 +36,9 @@ def read(raw: bytes, where: str, *, unit: str | None) -> RecordFile:
     try:
         stream = obspy.read(io.BytesIO(raw))
     except Exception as error:
-        raise mistake(where, "", "a whole miniSEED or SAC file", f"{type(error).__name__}: {error}") from error
+        # Of bytes it cannot tell apart it says where they stand in memory.
+        got = f"{type(error).__name__}: {str(error).partition(': <')[0]}"
+        raise mistake(where, "", "a whole miniSEED or SAC file", got) from error
     if unit is None:
         raise mistake(
             where, "unit", UNIT_NAMES, "none", "these files do not state it: say --motion-unit, or unit = in a scene"

@@ -173,14 +173,14 @@ def _cells(line: str) -> list[str]:
 def _numbers(line: str, where: str, number: int, *, dates: bool = False, words: bool = False) -> Floats:
     """All numbers of a line; NaN for dates and times of day, or words, where they may stand; InputError at anything else."""
     cells = _cells(line)
-    other = {
-        place for place, cell in enumerate(cells) if (dates and _DATE.fullmatch(cell)) or (words and LABEL.match(cell))
-    }
-    if not other or len(other) == len(cells):
+    known = [not (dates and _DATE.fullmatch(cell)) and not (words and LABEL.match(cell)) for cell in cells]
+    if all(known) or not any(known):
         return free_format([" ".join(cells)], where=where, first_line=number)
+    numbers = free_format([" ".join(np.array(cells)[known])], where=where, first_line=number)
+    if numbers.size != sum(known):
+        raise mistake(where, f"line {number}", f"{sum(known)} numbers beside its words or dates", str(numbers.size))
     values = np.full(len(cells), np.nan)
-    for place in set(range(len(cells))) - other:
-        values[place : place + 1] = free_format([cells[place]], where=where, first_line=number)[:1]
+    values[known] = numbers
     return values
 
 

@@ -179,6 +179,9 @@ def test_sac_and_miniseed_are_read_through_obspy(records: Path, tmp_path: Path) 
     trace.write(str(tmp_path / "counts.mseed"), format="MSEED")
     with pytest.raises(InputError, match="wanted accelerations, got a digitiser's counts"):
         read_file(tmp_path / "counts.mseed", unit="m/s2")
+    (tmp_path / "cut.mseed").write_bytes((tmp_path / "counts.mseed").read_bytes()[:40])
+    with pytest.raises(InputError, match=r"a whole miniSEED or SAC file, got \w+: [^<]+$"):
+        read_file(tmp_path / "cut.mseed", unit="m/s2")
 
 
 def test_without_obspy_its_files_are_refused_with_the_cure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

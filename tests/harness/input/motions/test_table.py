@@ -178,6 +178,17 @@ def test_dates_stand_only_in_columns_that_are_not_asked_for(tmp_path: Path, layo
         read_file(_write(tmp_path / "a.txt", TEXTS["times of day"]), unit="gal", layout=layout)
 
 
+@pytest.mark.parametrize(("cell", "count"), [("", "1"), ("1.0-2.0", "3")])
+def test_a_gap_or_two_numbers_in_one_cell_beside_a_date_are_refused(tmp_path: Path, cell: str, count: str) -> None:
+    lines = [f"06:40:{0.01 * i:06.3f},{100 * n:.6f},0.1" for i, n in enumerate(NORTH)]
+    lines[7] = f"06:40:00.070,{cell},0.1"
+    path = _write(tmp_path / "text.csv", lines)
+    with pytest.raises(InputError, match=f"line 8: wanted 2 numbers beside its words or dates, got {count}"):
+        read_file(path, unit="gal", layout=Layout(columns="2", dt_s=0.01))
+    with pytest.raises(InputError, match="text.csv"):
+        read_file(path)
+
+
 def test_words_stand_beside_the_columns_asked_for_and_in_a_first_line_of_data(tmp_path: Path) -> None:
     lines = [f"{t:.2f} A {n:.9f}" for t, n in zip(TIMES, NORTH, strict=True)]
     named = _write(tmp_path / "named.txt", ["seconds quality north", *lines])
