@@ -185,7 +185,7 @@ def test_a_gap_or_two_numbers_in_one_cell_beside_a_date_are_refused(tmp_path: Pa
     path = _write(tmp_path / "text.csv", lines)
     with pytest.raises(InputError, match=f"line 8: wanted 2 numbers beside its words or dates, got {count}"):
         read_file(path, unit="gal", layout=Layout(columns="2", dt_s=0.01))
-    with pytest.raises(InputError, match="text.csv"):
+    with pytest.raises(InputError, match=r"text\.csv"):
         read_file(path)
 
 
