@@ -151,10 +151,6 @@ class Block:
         """The fields alone: a copy, or another process, has arrays and addresses of its own."""
         return {each.name: getattr(self, each.name) for each in fields(self)}
 
-    def facets_rad(self) -> NDArray[np.float64]:
-        """Rotation (k − 1,), rad, at which each facet lies on the support."""
-        return self.arrays[2].copy()
-
     def _outer(self, side: int) -> tuple[float, float]:
         x, z = self.profile_m[-1 if side > 0 else 0]
         return abs(x), self.centroid_height_m - z

@@ -25,15 +25,6 @@ from typing import final
 
 from analytic.block import GRAVITY_M_S2, AnalyticInputError, positive
 
-
-def _tilt(theta0_rad: float, alpha_rad: float) -> None:
-    positive(theta0_rad=theta0_rad, alpha_rad=alpha_rad)
-    if not theta0_rad < alpha_rad < 0.5 * math.pi:
-        raise AnalyticInputError(
-            f"wanted 0 < theta0_rad < alpha_rad < π/2, got {theta0_rad!r} and {alpha_rad!r}; beyond α the block falls outwards"
-        )
-
-
 # --- free rocking ---------------------------------------------------------------------------------------------------
 
 
@@ -45,13 +36,6 @@ def frequency_parameter_rad_s(
     return math.sqrt(mass_kg * gravity_m_s2 * radius_m / (inertia_kg_m2 + mass_kg * radius_m**2))
 
 
-def quarter_period_linear_s(theta0_rad: float, alpha_rad: float, p_rad_s: float) -> float:
-    """Time from rest at θ₀ to the impact, slender block: (1/p) acosh(1/(1 − θ₀/α)) (Housner 1963, eq. 5)."""
-    _tilt(theta0_rad, alpha_rad)
-    positive(p_rad_s=p_rad_s)
-    return math.acosh(1.0 / (1.0 - theta0_rad / alpha_rad)) / p_rad_s
-
-
 def quarter_period_s(theta0_rad: float, alpha_rad: float, p_rad_s: float) -> float:
     """Time from rest at θ₀ to the impact of any block, θ̈ = −p² sin(α − θ), without linearisation.
 
@@ -60,27 +44,16 @@ def quarter_period_s(theta0_rad: float, alpha_rad: float, p_rad_s: float) -> flo
     """
     from scipy.special import elliprf
 
-    _tilt(theta0_rad, alpha_rad)
-    positive(p_rad_s=p_rad_s)
+    positive(theta0_rad=theta0_rad, alpha_rad=alpha_rad, p_rad_s=p_rad_s)
+    if not theta0_rad < alpha_rad < 0.5 * math.pi:
+        raise AnalyticInputError(
+            f"wanted 0 < theta0_rad < alpha_rad < π/2, got {theta0_rad!r} and {alpha_rad!r}; beyond α the block falls outwards"
+        )
     complement = math.sin(0.5 * (alpha_rad - theta0_rad))
     tangent = math.sqrt(math.sin(0.5 * theta0_rad) * math.sin(alpha_rad - 0.5 * theta0_rad))
     amplitude = math.atan2(tangent, math.cos(0.5 * alpha_rad) * complement)
     cos2, sin2 = math.cos(amplitude) ** 2, math.sin(amplitude) ** 2
     return float(math.sin(amplitude) * elliprf(cos2, cos2 + complement**2 * sin2, 1.0)) / p_rad_s
-
-
-def first_impact_rate_rad_s(theta0_rad: float, alpha_rad: float, p_rad_s: float) -> float:
-    """|θ̇| just before the impact that follows rest at θ₀: p √(2[cos(α−θ₀) − cos α]), by energy."""
-    _tilt(theta0_rad, alpha_rad)
-    positive(p_rad_s=p_rad_s)
-    return 2.0 * p_rad_s * math.sqrt(math.sin(0.5 * theta0_rad) * math.sin(alpha_rad - 0.5 * theta0_rad))
-
-
-def peak_after_impact_rad(rate_rad_s: float, alpha_rad: float, p_rad_s: float) -> float:
-    """|θ| reached after leaving the support at |θ̇|: cos(α − θ) = cos α + θ̇²/2p²; inf if it goes past α (overturns)."""
-    positive(alpha_rad=alpha_rad, p_rad_s=p_rad_s)
-    level = math.cos(alpha_rad) + 0.5 * (rate_rad_s / p_rad_s) ** 2
-    return math.inf if level >= 1.0 else alpha_rad - math.acos(level)
 
 
 def housner_ratio(mass_kg: float, inertia_kg_m2: float, height_m: float, b_old_m: float, b_new_m: float) -> float:
@@ -219,7 +192,6 @@ class RollingCylinder:
     precession_rad_s: float
     spin_rad_s: float
     axial_rad_s: float
-    centre_speed_m_s: float
     centre_height_m: float
     friction_needed: float
 
@@ -255,7 +227,6 @@ def rolling_cylinder(
         precession,
         axial_rate - precession * cos,
         axial_rate,
-        precession * abs(rho),
         h * cos + a * sin,
         precession**2 * abs(rho) / g,
     )

@@ -173,7 +173,7 @@ def test_a_base_of_many_vertices_leaves_the_facet_it_rests_on(
     profile: tuple[tuple[float, float], ...], facet: int
 ) -> None:
     tilt = statue(profile).facets()[facet].tilt
-    assert Block(100.0, 0.6, 14.0, profile).facets_rad()[facet] == tilt
+    assert Block(100.0, 0.6, 14.0, profile).arrays[2][facet] == tilt
     still = paths(statue(profile, theta0=tilt, accel_x=rest()), 0.2)
     assert_one_story(still)
     assert set(still[0].samples[:, 1]) == {tilt}

@@ -79,7 +79,7 @@ def scene(body: Statue, motion: Excitation, duration_s: float = 1.0) -> Scene:
     )
     if isinstance(motion, ZeroExcitation):
         return replace(still, initial=Initial(TILT_RAD, 0.0))
-    facets = block_of(still).facets_rad()
+    facets = block_of(still).arrays[2]
     return replace(still, initial=Initial(float(facets[np.argmin(np.abs(facets))]), 0.0))
 
 
