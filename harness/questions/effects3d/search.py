@@ -5,10 +5,10 @@ the scene; by the exact model too.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import TYPE_CHECKING, Annotated, Any, Final, final
+from typing import Annotated, Any, Final, final
 
 import numpy as np
 from pydantic import Field
@@ -28,9 +28,6 @@ from meshes import MeshError, Solid
 from meshes.footprint import reach_m
 from meshes.roughening import ragged
 from meshes.survey import adjusted
-
-if TYPE_CHECKING:
-    from functools import _lru_cache_wrapper
 
 # What is changed of a scene, one thing at a time: components of the motion, base, inertia, survey, friction, time step.
 
@@ -241,74 +238,40 @@ class Search(UserTable):
         return [self.most_g, self.resolution, self.dt_s, dict(STEPS)]
 
 
-@dataclass(frozen=True)
-class AmplitudeCrossing:
-    """A crossing: the amplitude that overturns (None: none up to the most tried), the largest tried below it that stands."""
-
-    above: float | None
-    below: float
-    outcome: Outcome | None
-    runs: int
-
-
 Outcomes = Callable[[float], Outcome | None]
-"""How the statue overturns at a factor on the motion, None where it does not."""
+"""How the statue overturns at a factor on the motion, None where it does not: remembered, as it is asked again."""
+Crossing = tuple[float | None, float]
+"""The factor that overturns (None: none up to the most tried), and the largest tried below it that stands, or 0."""
 
 
-def _halved(
-    outcome: _lru_cache_wrapper[Outcome | None], below: float, above: float, resolution: float
-) -> AmplitudeCrossing:
-    """The crossing between a factor that stands (or 0) and one that overturns, to the resolution."""
-    while below > 0.0 and above / below > 1.0 + resolution:
-        middle = math.sqrt(above * below)
-        if outcome(middle) is None:
-            below = middle
-        else:
-            above = middle
-    return AmplitudeCrossing(above, below, outcome(above), outcome.cache_info().currsize)
-
-
-def first_crossing(
-    outcome_at: Outcomes, least: float, most: float, step: float, resolution: float
-) -> AmplitudeCrossing:
-    """The least factor of a geometric grid from `least` to `most` that overturns, bracketed from below."""
-    outcome, below = cache(outcome_at), 0.0
-    count = max(math.ceil(math.log(most / least) / math.log(step)), 1)
-    for factor in np.geomspace(least, most, count + 1).tolist():
-        if outcome(factor) is not None:
-            return _halved(outcome, below, factor, resolution)
-        below = factor
-    return AmplitudeCrossing(None, below, None, outcome.cache_info().currsize)
+def first_crossing(outcome: Outcomes, rising: Iterable[float], resolution: float) -> Crossing:
+    """The least of these factors that overturns, brought to the resolution of the one before it, which stands."""
+    below = 0.0
+    for above in rising:
+        if outcome(above) is None:
+            below = above
+            continue
+        while below > 0.0 and above / below > 1.0 + resolution:
+            middle = math.sqrt(above * below)
+            above, below = (above, middle) if outcome(middle) is None else (middle, below)
+        return above, below
+    return None, below
 
 
 UNEVEN_SHARE: Final = 0.1
 """Of the factor from which a statue lifts off a flat base: at less no fall of one on an uneven base is looked for."""
 
 
-def nearest_crossing(
-    outcome_at: Outcomes, near: float, least: float, most: float, resolution: float
-) -> AmplitudeCrossing:
+def nearest_crossing(outcome: Outcomes, near: float, least: float, most: float, resolution: float) -> Crossing:
     """The crossing next to `near`, by strides that double away from it; between `least` and `most`."""
-    outcome, stride = cache(outcome_at), 1.0 + 4.0 * resolution
-    above, below = None, 0.0
-    if outcome(near) is not None:
-        above = near
-        while below == 0.0 and above > least:
-            lower = max(above / stride, least)
-            stride *= stride
-            if outcome(lower) is None:
-                below = lower
-            else:
-                above = lower
-        return _halved(outcome, below, above, resolution)
-    below = near
-    while below < most:
-        higher = min(below * stride, most)
+    stride, tried = 1.0 + 4.0 * resolution, [near]
+    falls = outcome(near) is not None
+    while tried[-1] > least if falls else tried[-1] < most:
+        tried.append(max(tried[-1] / stride, least) if falls else min(tried[-1] * stride, most))
         stride *= stride
-        if outcome(higher) is not None:
-            return _halved(outcome, below, higher, resolution)
-        below = higher
-    return AmplitudeCrossing(None, below, None, outcome.cache_info().currsize)
+        if (outcome(tried[-1]) is None) == falls:
+            break
+    return first_crossing(outcome, sorted(tried), resolution)
 
 
 def run_once(scene: Scene, engine: str, dt_s: float, *, history: bool = False) -> Run:
@@ -345,6 +308,7 @@ def find(
     unit, dt_s = peak_g(changed), search.dt_s * CONDITIONS[condition].step_share
     space = SpaceOutcomes(changed) if engine == EXACT else None
 
+    @cache
     def outcome_at(factor: float) -> Outcome | None:
         if space is not None:
             return space.overturning(factor)
@@ -353,14 +317,15 @@ def find(
 
     least, most = min(start_factor(changed), search.most_g / unit), search.most_g / unit
     if near_g is None:
-        step = STEPS.get(engine, max(STEPS.values()))
-        crossing = first_crossing(outcome_at, least, most, step, search.resolution)
+        count = max(math.ceil(math.log(most / least) / math.log(STEPS.get(engine, max(STEPS.values())))), 1)
+        above, below = first_crossing(outcome_at, np.geomspace(least, most, count + 1).tolist(), search.resolution)
     else:
         # On an uneven base it rocks, and may fall, before a flat one would lift.
-        crossing = nearest_crossing(outcome_at, near_g / unit, UNEVEN_SHARE * least, most, search.resolution)
-    above, below = None if crossing.above is None else crossing.above * unit, crossing.below * unit
-    doubt: Doubt = "" if space is None else space.doubt(crossing.above, crossing.below)
-    return Amplitude(condition, float(azimuth_deg), engine, above, below, crossing.outcome or "", crossing.runs, doubt)
+        above, below = nearest_crossing(outcome_at, near_g / unit, UNEVEN_SHARE * least, most, search.resolution)
+    doubt: Doubt = "" if space is None else space.doubt(above, below)
+    outcome, peak = (None, None) if above is None else (outcome_at(above), above * unit)
+    runs = outcome_at.cache_info().currsize
+    return Amplitude(condition, float(azimuth_deg), engine, peak, below * unit, outcome or "", runs, doubt)
 
 
 @final

@@ -1,12 +1,13 @@
 """The amplitude that overturns: windows found, bracketed and followed, from where nothing lifts."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import harness
+from harness.model.history import Outcome
 from harness.model.scene import Scene
 from harness.questions.effects3d import search
 from harness.questions.effects3d.search import (
@@ -25,35 +26,43 @@ from harness.records.effects3d import BASELINE
 SEARCH = Search(most_g=1.0, resolution=0.02)
 
 
-def falls_in(*windows: tuple[float, float]) -> Callable[[float], str | None]:
-    """A statue that overturns at the factors inside these windows only."""
-    return lambda factor: "overturned_right" if any(low <= factor <= high for low, high in windows) else None
+class FallsIn:
+    """A statue that overturns at the factors inside these windows only; `asked` are those that were asked."""
+
+    def __init__(self, *windows: tuple[float, float]) -> None:
+        self._windows = windows
+        self.asked: set[float] = set()
+
+    def __call__(self, factor: float) -> Outcome | None:
+        self.asked.add(factor)
+        inside = any(low <= factor <= high for low, high in self._windows)
+        return Outcome.OVERTURNED_RIGHT if inside else None
 
 
 def test_the_first_window_is_found_and_bracketed() -> None:
-    found = first_crossing(falls_in((0.7, 0.8), (1.5, 9.0)), 0.2, 4.0, 1.05, 1e-3)
-    assert found.above == pytest.approx(0.7, rel=1e-3)
-    assert found.below < 0.7 <= (found.above or 0.0) <= found.below * 1.001
-    assert found.outcome == "overturned_right"
-    assert found.runs < 50
-    coarse = first_crossing(falls_in((0.7, 0.8), (1.5, 9.0)), 0.2, 4.0, 1.5, 1e-3)
-    assert coarse.above > 0.8, "a grid coarser than the window steps over it"
+    windows = FallsIn((0.7, 0.8), (1.5, 9.0))
+    above, below = first_crossing(windows, np.geomspace(0.2, 4.0, 63).tolist(), 1e-3)
+    assert above == pytest.approx(0.7, rel=1e-3)
+    assert below < 0.7 <= above <= below * 1.001
+    assert len(windows.asked) < 50
+    coarse, _ = first_crossing(windows, np.geomspace(0.2, 4.0, 9).tolist(), 1e-3)
+    assert coarse > 0.8, "a grid coarser than the window steps over it"
 
 
 def test_no_window_is_said() -> None:
-    found = first_crossing(falls_in(), 0.2, 4.0, 1.2, 1e-3)
-    assert found.above is None
-    assert found.below == pytest.approx(4.0)
+    assert first_crossing(FallsIn(), np.geomspace(0.2, 4.0, 18).tolist(), 1e-3) == (None, 4.0)
+    assert first_crossing(FallsIn((0.0, 9.0)), [0.2, 4.0], 1e-3) == (0.2, 0.0), "nothing stands below it"
 
 
 @pytest.mark.parametrize("near", [0.5, 0.69, 0.7, 0.75, 1.4])
 def test_the_crossing_is_followed_from_nearby(near: float) -> None:
-    found = nearest_crossing(falls_in((0.7, 9.0)), near, 0.2, 4.0, 1e-3)
-    assert found.above == pytest.approx(0.7, rel=1e-3)
-    assert found.runs <= 20
-    assert nearest_crossing(falls_in(), near, 0.2, 4.0, 1e-3).above is None
-    everything = nearest_crossing(falls_in((0.0, 9.0)), near, 0.2, 4.0, 1e-3)
-    assert everything.above == pytest.approx(0.2)
+    window = FallsIn((0.7, 9.0))
+    above, below = nearest_crossing(window, near, 0.2, 4.0, 1e-3)
+    assert above == pytest.approx(0.7, rel=1e-3)
+    assert below < 0.7 <= above <= below * 1.001
+    assert len(window.asked) <= 20
+    assert nearest_crossing(FallsIn(), near, 0.2, 4.0, 1e-3) == (None, 4.0)
+    assert nearest_crossing(FallsIn((0.0, 9.0)), near, 0.2, 4.0, 1e-3) == (0.2, 0.0)
 
 
 def test_the_amplitude_found_overturns_and_the_one_below_stands(block: Scene) -> None:
