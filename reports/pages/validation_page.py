@@ -122,9 +122,8 @@ def _scores(record: ValidationRecord, say: Language) -> Table:
     for key in ("brier", "brier_skill"):
         values = [getattr(item, key) for item in chances]
         rows += [[say.label(key), *map(say.plain, values)]] if any(value is not None for value in values) else []
-    return Table(
-        say("table.validation", fitted_on=baseline.fitted_on), ["", *record.models, say("word.pgv_threshold")], rows
-    )
+    fitted_on = say.word("named_share" if 0 < record.fit_share.tests < record.tests else "other_tests")
+    return Table(say("table.validation", fitted_on=fitted_on), ["", *record.models, say("word.pgv_threshold")], rows)
 
 
 def _both(pair: PairScores, say: Language) -> str:
