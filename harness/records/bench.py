@@ -134,7 +134,6 @@ class BenchRecord(Record):
     title: str = "Run time against error"
     command: str = "rockcheck bench"
     target_rad: float
-    clock: str = ""
     rows: Sequence[PrecisionRow] = ()
     absent: Mapping[str, str] = field(default_factory=dict)
     choice: Sequence[LevelChoice] = ()

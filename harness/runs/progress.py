@@ -186,15 +186,10 @@ def progress(
             # The last of n tasks of chance lengths that run at once takes 1 + 1/2 + … + 1/n times their mean.
             last = min(wanted - done, workers)
             in_hand = workers * sum(1.0 / k for k in range(1, last + 1))
-            return time_left(rate_s * (wanted - done - last + in_hand) + after_s)
+            return f", about {duration_words(rate_s * (wanted - done - last + in_hand) + after_s)} left"
 
         lines.left = left
         yield on_progress
-
-
-def time_left(seconds: float | None) -> str:
-    """`, about 12 min left`; empty where nothing is known, or nothing is left."""
-    return f", about {duration_words(seconds)} left" if seconds else ""
 
 
 def counted(count: int, noun: str) -> str:

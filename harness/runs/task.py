@@ -280,11 +280,7 @@ def simulate_isolated(scene: Scene, engine: str, target: RunTarget, *, timeout_s
     """
     begin = time.perf_counter()
     try:
-        run: Run = call(_simulate, (scene, engine, target), timeout_s=timeout_s)
+        run: Run = call(simulate_with, (engines.load(engine), scene, target), timeout_s=timeout_s)
     except Crash as crash:
         return lost_run(engine, crash, time.perf_counter() - begin)
     return run
-
-
-def _simulate(scene: Scene, engine: str, target: RunTarget) -> Run:
-    return simulate_with(engines.load(engine), scene, target)

@@ -17,9 +17,10 @@ import numpy as np
 
 from harness.comparison.statistics.outcomes import FELL, brier, reliability
 from harness.model.scene import Scene
-from harness.questions.assess.engine_draws import DrawnRun, overturns
+from harness.questions.assess.engine_draws import overturns
 from harness.questions.assess.model_draws import draw, model_draws, row, uncertain_inputs, varied
 from harness.records.validation import ReliabilityBin
+from harness.runs.task import RunRequest
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
 from tests.measures.seeded_scenes import random_scene
@@ -72,7 +73,7 @@ def row_of(seed: int, engine: str) -> CalibrationRow:
     undecided = 1.0 - float(told.decided.mean())
     # A draw of its own: another seed than those behind the probability.
     true = varied(scene, row(draw(inputs, 1, seed + FIRST_SEED), 0))
-    overturned = overturns(DrawnRun(engine, true)).record["overturned"]
+    overturned = overturns(RunRequest(true, engine)).record["overturned"]
     fell = None if overturned is None else bool(overturned)
     return CalibrationRow(seed, engine, told.probability, undecided, fell)
 

@@ -17,9 +17,10 @@ import numpy as np
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene
 from harness.questions.assess.assessment import assess
-from harness.questions.assess.engine_draws import LEVEL, DrawnRun, overturns
+from harness.questions.assess.engine_draws import LEVEL, overturns
 from harness.questions.assess.model_draws import draw, model_draws, row, uncertain_inputs, varied
 from harness.questions.scene.scene_run import run_scene, write_result
+from harness.runs.task import RunRequest
 from reports.pages.assess_page import assess_verdict
 from reports.pages.conservator import of_run
 from reports.source import run_source
@@ -83,7 +84,7 @@ def row_of(generator: str, seed: int) -> ColourRow:
     inputs = uncertain_inputs(scene)
     other = draw(inputs, DRAWS, seed + OTHER_SEED)
     model = model_draws(scene, other)
-    runs = (DrawnRun("pymunk:plain", varied(scene, row(other, k))) for k in range(OBSERVED))
+    runs = (RunRequest(varied(scene, row(other, k)), "pymunk:plain") for k in range(OBSERVED))
     observed = [overturns(item).record["overturned"] for item in runs]
     green = {name: tone == "agree" for name, tone in tones.items()}
     fell, undecided = int(model.overturned.sum()), int((~model.decided).sum())

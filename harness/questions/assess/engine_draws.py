@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Final
 
@@ -26,7 +25,7 @@ from harness.model.scene import Scene
 from harness.questions.assess.clearance import Ints, reach_m
 from harness.questions.assess.model_draws import ENGINE_ERROR_RAD, Array, ModelDraws, row, varied
 from harness.records.assess import Assessment
-from harness.runs.task import Task, TaskResult, request_key
+from harness.runs.task import RunRequest, Task, TaskResult, request_key
 
 if TYPE_CHECKING:
     from harness.runs.execute import Campaign
@@ -140,14 +139,6 @@ OUTCOME: Final = "end and reach"
 """Kind of a result that is whether a statue fell, and how far one that stands went on the plan."""
 
 
-@dataclass(frozen=True)
-class DrawnRun:
-    """One engine and one drawn scene, as they travel to a worker."""
-
-    engine: str
-    scene: Scene
-
-
 class EngineRuns:
     """How one engine's runs end, by number of the draw: `fell` keeps what was asked; `reach_m` how far it went on the plan in
     each run that stands (`harness.questions.assess.clearance.reach_m`).
@@ -168,8 +159,12 @@ class EngineRuns:
         self.reach_m: dict[int, Array] = {}
 
     def __call__(self, numbers: Sequence[int]) -> list[End]:
-        tasks = {number: self._task(number) for number in numbers}
-        for number, found in zip(tasks, self._campaign.ask(list(tasks.values())), strict=True):
+        requests = [RunRequest(varied(self._scene, row(self._values, number)), self._name) for number in numbers]
+        tasks = [
+            Task(request_key(each.made(), self._engine, OUTCOME, ENGINE_ERROR_RAD), overturns, each, self._name)
+            for each in requests
+        ]
+        for number, found in zip(numbers, self._campaign.ask(tasks), strict=True):
             # A worker that died leaves nothing: the run counts as failed, and is tried anew when the assessment is.
             record = found or {"overturned": None}
             overturned = record["overturned"]
@@ -179,11 +174,6 @@ class EngineRuns:
                 self.reach_m[number] = np.array(record["reach_m"])
         self._on_progress(f"{self._name}: {len(self.fell)} runs")
         return [self.fell[number] for number in numbers]
-
-    def _task(self, number: int) -> Task:
-        scene = varied(self._scene, row(self._values, number))
-        key = request_key(scene, self._engine, OUTCOME, ENGINE_ERROR_RAD)
-        return Task(key, overturns, DrawnRun(self._name, scene), self._name)
 
 
 def run_of(engine: Engine, scene: Scene) -> Run | None:
@@ -195,13 +185,13 @@ def run_of(engine: Engine, scene: Scene) -> Run | None:
         return None
 
 
-def overturns(drawn: DrawnRun) -> TaskResult:
+def overturns(drawn: RunRequest) -> TaskResult:
     """What a worker does: whether the statue overturns in its scene, and how far it goes where it stands."""
-    begin = time.perf_counter()
-    run, reached = run_of(engines.load(drawn.engine), drawn.scene), None
+    begin, scene = time.perf_counter(), drawn.made()
+    run, reached = run_of(engines.load(drawn.engine), scene), None
     fell = None if run is None else run.outcome.fell
     if run is not None and fell is False and (history := run.history) is not None:
-        reached = reach_m(drawn.scene, history.theta_rad, history.slip_m, history.extra).tolist()
+        reached = reach_m(scene, history.theta_rad, history.slip_m, history.extra).tolist()
     seconds, failed = time.perf_counter() - begin, run is None or run.outcome.failed
     touches = run is not None and run.outcome is Outcome.TOUCHES_WALL
     ended = {"overturned": fell, "reach_m": reached, "touches_wall": touches}

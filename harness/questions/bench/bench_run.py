@@ -14,8 +14,6 @@ from harness.questions.bench.standard_scenes import standard_set
 from harness.records.bench import BenchRecord, PrecisionRow, ScalingRow, SkipRow, of_parts
 from harness.runs.parts import Measurement, Part
 
-CLOCK: Final = "cpu_s: processor time of the process (single-threaded runs); wall_s: by the clock; both best of several"
-
 
 def all_parts(quick: bool) -> list[Part]:
     """The parts as they are measured: by processor time on all cores, then those that are timed by the clock, alone."""
@@ -41,7 +39,6 @@ def assembled(rows: Mapping[str, Sequence[Any]], head: Mapping[str, Any]) -> Ben
     alone, together = rows["alone"], skips.together(rows["skips"])
     made = BenchRecord(
         target_rad=TARGET_RAD,
-        clock=CLOCK,
         rows=timed,
         absent=absent,
         choice=precision.choice(timed, TARGET_RAD),

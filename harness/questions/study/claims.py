@@ -242,16 +242,13 @@ def weakest_plane(answers: Sequence[ClaimRun]) -> Counted:
     ]
     both = [(lateral[item.without(AZIMUTH)], item) for item in others]
     pairs = [(first, other) for first, other in both if _rocks(first, other)]
-    held = sum(_is_worse(first, other) for first, other in pairs)
+    held = sum(
+        not _sooner(other, first) if first.overturned or other.overturned else _more(other, first) <= 0.0
+        for first, other in pairs
+    )
     falls = sum(item.overturned for item in lateral.values())
     values = {"falls": falls, "lateral": len(lateral), "other_falls": sum(item.overturned for item in others)}
     return held, len(pairs), info("evidence_x", **values, others=len(others), held=held, cases=len(pairs))
-
-
-def _is_worse(first: ClaimRun, other: ClaimRun) -> bool:
-    if first.overturned or other.overturned:
-        return not _sooner(other, first)
-    return _more(other, first) <= 0.0
 
 
 def reaches_the_wall(answers: Sequence[ClaimRun]) -> InParts:

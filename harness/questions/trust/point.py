@@ -17,7 +17,7 @@ from harness.model.history import History, Outcome
 from harness.model.run import MOST_TIMES, Run, RunOptions, to_plain
 from harness.model.scene import Scene
 from harness.questions.assess.by_model import assess_models
-from harness.questions.assess.engine_draws import DrawnRun, estimate, overturns
+from harness.questions.assess.engine_draws import estimate, overturns
 from harness.questions.assess.model_draws import draws_of, model_draws, row, uncertain_inputs, varied
 from harness.questions.scene.answer import counted
 from harness.questions.scene.scene_run import Result, run_scene
@@ -26,7 +26,7 @@ from harness.records.base import Plain, plain
 from harness.records.run import STILL_RAD, HorizonRecord, balance_share, has_answer, outcome_family, outside_domain
 from harness.records.scores import Interval, Scores, Verdict
 from harness.records.trust import CONTOURS, Rotation, TrustClass
-from harness.runs.task import TaskResult
+from harness.runs.task import RunRequest, TaskResult
 
 MODEL: Final = "analytic"
 DRAWS: Final = {False: 500, True: 200}
@@ -161,7 +161,7 @@ def _paired(question: Question, name: str) -> Assessment:
     values = draws_of(scene, uncertain_inputs(scene), question.draws, 0)
 
     def fell(numbers: Sequence[int]) -> list[bool | None]:
-        drawn = [DrawnRun(name, varied(scene, row(values, number))) for number in numbers]
+        drawn = [RunRequest(varied(scene, row(values, number)), name) for number in numbers]
         return [overturns(each).record["overturned"] for each in drawn]  # type: ignore[misc]
 
     return estimate(model_draws(scene, values), fell, half_width=HALF_WIDTH, most_runs=PAIRED, batch=BATCH)

@@ -48,10 +48,6 @@ class Intensity:
         """PGV/PGA in s."""
         return self.pgv_m_s / (self.pga_g * GRAVITY_M_S2) if self.pga_g else 0.0
 
-    def times(self, scale: float) -> Intensity:
-        """Of the motion times a factor."""
-        return Intensity(scale * self.pga_g, scale * self.pgv_m_s)
-
 
 def scaled(motion: BaseExcitation, sign: int, scale: float) -> BaseExcitation:
     """A motion times a factor, turned about the vertical where the sign is −1."""
@@ -125,30 +121,22 @@ def _columns(path: Path, time_column: str, column: str | None) -> dict[str, int 
     around it.
     """
     text = decoded(read_bytes(path, "a motion"), str(path), "a table with a header")
-    rows: list[list[str]] = []
-    first = None
-    for place, line in enumerate(text.splitlines()):
-        rows.append(_cells(line))
-        if _numeric(rows[-1]):
-            first = place
-            break
+    lines = text.splitlines()
+    first = next((place for place, line in enumerate(lines) if _numeric(_cells(line))), None)
     if first is None:
-        advice = "leave out columns of words"
-        raise InputError(Mistake(str(path), f"line {len(rows)}", "numbers in all columns", ", ".join(rows[-1]), advice))
-    above = [row for row in reversed(rows[:first]) if any(row)] or [[]]
+        last, advice = ", ".join(_cells(lines[-1])), "leave out columns of words"
+        raise InputError(Mistake(str(path), f"line {len(lines)}", "numbers in all columns", last, advice))
+    above = [row for row in map(_cells, reversed(lines[:first])) if any(row)] or [[]]
     headers = next((row for row in above if time_column in row), above[0])
-    numbered = [str(number + 1) for number in range(len(rows[first]))]
-
-    def number(name: str, key: str) -> int:
-        for names in (headers, numbered):
-            if name in names:
-                return names.index(name) + 1
-        raise InputError(Mistake(str(path), key, f"a column of {', '.join(headers or numbered)}", repr(name)))
-
-    if column is None:
-        raise InputError(Mistake(str(path), "column", f"a column of {', '.join(headers or numbered)}", "nothing"))
-    times, values = number(time_column, "time_column"), number(column, "column")
-    return {"time_column": times, "columns": f"{values}:a", "column": "a", "skip_lines": first}
+    numbered = [str(place + 1) for place in range(len(_cells(lines[first])))]
+    # The first of equal names; a header goes before a number.
+    every = [*reversed([*enumerate(numbered, 1)]), *reversed([*enumerate(headers, 1)])]
+    places: dict[str | None, int] = {name: place for place, name in every}
+    for key, name in (("time_column", time_column), ("column", column)):
+        if name not in places:
+            wanted, got = f"a column of {', '.join(headers or numbered)}", repr(name) if name else "nothing"
+            raise InputError(Mistake(str(path), key, wanted, got))
+    return {"time_column": places[time_column], "columns": f"{places[column]}:a", "column": "a", "skip_lines": first}
 
 
 def _cells(line: str) -> list[str]:
@@ -379,7 +367,8 @@ def intensity_of(trial: Trial) -> Intensity:
                 wanted = "an inset that leaves a base under the centroid"
                 raise InputError(Mistake(trial.body, f"test {trial.name}: inset_m", wanted, f"{each.inset_m:g}"))
     motion = motion_of(trial, inputs)
-    return intensity(motion.x, _duration_s(trial, motion, otherwise_s)).times(inputs.scale)
+    peaks = intensity(motion.x, _duration_s(trial, motion, otherwise_s))
+    return Intensity(inputs.scale * peaks.pga_g, inputs.scale * peaks.pgv_m_s)
 
 
 def digest_of(trial: Trial) -> str:

@@ -7,7 +7,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from statistics import NormalDist
 from typing import Final
 
 import numpy as np
@@ -337,13 +336,8 @@ CURVE_POINTS: Final = 60
 
 
 def best_threshold(intensity: ArrayLike, fell: ArrayLike) -> float:
-    """The threshold t with the most cases right under "falls when intensity ≥ t"; the lowest where several are as good.
-
-    Raises `ValueError` for an empty set.
-    """
+    """The threshold t with the most cases (at least one) right under "falls when intensity ≥ t"; the lowest of equals."""
     x, y = np.asarray(intensity, dtype=np.float64), np.asarray(fell, dtype=np.bool_)
-    if x.size == 0:
-        raise ValueError("at least one case is wanted")
     order = np.argsort(x, kind="stable")
     x, y = x[order], y[order]
     # With the threshold before case k, those below stand rightly and those from k on fall rightly.
@@ -395,11 +389,6 @@ def contour(intensities: Sequence[Intensity], fell: Sequence[bool]) -> ContourRe
     coefficients = float(beta[0] - beta[1:] @ middle), c1, c2
     separated = bool(np.all((design @ beta > 0.0) == (y > 0.5)))
     asked = np.geomspace(ratios.min(), ratios.max(), CURVE_POINTS)
-    line = ContourLine(asked.tolist(), contour_pga_g(coefficients, asked).tolist())
-    return ContourRecord(y.size, int(y.sum()), coefficients, separated, line)
-
-
-def contour_pga_g(coefficients: tuple[float, float, float], ratio_s: ArrayLike, probability: float = 0.5) -> Array:
-    """PGA in g at which that probability is reached, for each PGV/PGA in s."""
-    c0, c1, c2 = coefficients
-    return np.asarray(np.exp((NormalDist().inv_cdf(probability) - c0 - c2 * np.log(ratio_s)) / c1))
+    # Where Φ is a half.
+    pga_g = np.exp(-(coefficients[0] + c2 * np.log(asked)) / c1)
+    return ContourRecord(y.size, int(y.sum()), coefficients, separated, ContourLine(asked.tolist(), pga_g.tolist()))

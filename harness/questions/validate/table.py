@@ -221,6 +221,8 @@ class _Row:
     def trial(self) -> Trial:
         """The test of this row, with whatever could be read of it."""
         scene, mesh = self._file("scene"), self._file("mesh")
+        if not self._cell("test"):
+            self._wrong("test", COLUMNS["test"], "nothing")
         if bool(self._cell("scene")) == bool(self._cell("mesh")):
             self._wrong("scene", "either a scene or a mesh", "both" if self._cell("scene") else "neither")
         motion = self._file("motion")
@@ -231,15 +233,15 @@ class _Row:
         if scene and (said := self._said(OF_MESH)):
             self._wrong("scene", f"{said} of a mesh", "a scene", "say it in its own file")
         return Trial(
-            name=self._cell("test") or self._missing("test"),
+            name=self._cell("test") or f"row {self._number}",
             row=self._number,
             observed=NUMBERED.get(self._cell("observed")) or self._choice("observed", (*NUMBERED, *OBSERVED), ""),
             scene=scene,
             mesh=mesh,
             unit=self._choice("unit", ("m", "dm", "cm", "mm", "in", "ft"), "m"),
             up=self._choice("up", ("x", "y", "z", "-x", "-y", "-z"), "z"),
-            density_kg_m3=self._number_in("density_kg_m3", DEFAULT_DENSITY_KG_M3, above=0.0),
-            mass_kg=self._number_in("mass_kg", 0.0, above=0.0) or None,
+            density_kg_m3=self._number_in("density_kg_m3", DEFAULT_DENSITY_KG_M3),
+            mass_kg=self._number_in("mass_kg") or None,
             azimuth_deg=tuple(self._numbers("azimuth_deg")) or (0.0,),
             contact_tolerance_m=tuple(self._numbers("contact_tolerance_m", above=0.0)) or (None,),
             inset_m=tuple(self._numbers("inset_m")) or (0.0,),
@@ -254,9 +256,9 @@ class _Row:
             column_z=self._cell("column_z") or None,
             motion_unit=self._choice("motion_unit", ("m/s2", "cm/s2", "mm/s2", "g"), "") or None,
             time_column=self._cell("time_column") or None,
-            duration_s=self._number_in("duration_s", 0.0, above=0.0) or None,
+            duration_s=self._number_in("duration_s") or None,
             history=self._file("history"),
-            history_uncertainty_rad=self._number_in("history_uncertainty_rad", 0.0, above=0.0) or None,
+            history_uncertainty_rad=self._number_in("history_uncertainty_rad") or None,
             day=self._cell("day"),
             share=self._cell("share"),
         )
@@ -271,10 +273,6 @@ class _Row:
     def _wrong(self, column: str, wanted: str, got: str, advice: str = "") -> None:
         key = f"row {self._number}: {column}" if column else f"row {self._number}"
         self._mistakes.append(Mistake(str(self._path), key, wanted, got, advice))
-
-    def _missing(self, column: str) -> str:
-        self._wrong(column, COLUMNS[column], "nothing")
-        return f"row {self._number}"
 
     def _file(self, column: str) -> Path | None:
         if not self._cell(column):
@@ -330,8 +328,8 @@ class _Row:
             numbers.append(value)
         return numbers
 
-    def _number_in(self, column: str, otherwise: float, above: float) -> float:
-        numbers = self._numbers(column, above)
+    def _number_in(self, column: str, otherwise: float = 0.0) -> float:
+        numbers = self._numbers(column, above=0.0)
         if len(numbers) > 1:
             self._wrong(column, "one number", self._cell(column))
         return numbers[0] if numbers else otherwise

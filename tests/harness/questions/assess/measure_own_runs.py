@@ -11,8 +11,9 @@ from typing import Final
 
 from harness.input.scene_file import load_scene
 from harness.model.scene import Scene
-from harness.questions.assess.engine_draws import DrawnRun, overturns
+from harness.questions.assess.engine_draws import overturns
 from harness.questions.assess.model_draws import draw, row, uncertain_inputs, varied
+from harness.runs.task import RunRequest
 
 SCENE: Final = Path(__file__).parents[4] / "scenes" / "paestum_pedestal.toml"
 KEPT: Final = Path(__file__).parent / "own_runs.json"
@@ -43,7 +44,7 @@ def main() -> None:
     for name in ENGINES:
         while len(fell[name]) < RUNS:
             for k in range(len(fell[name]), min(len(fell[name]) + PIECE, RUNS)):
-                answer = overturns(DrawnRun(name, varied(scene, row(values, k)))).record["overturned"]
+                answer = overturns(RunRequest(varied(scene, row(values, k)), name)).record["overturned"]
                 fell[name] += "x" if answer is None else str(int(answer))
             KEPT.write_text(
                 json.dumps({"scene": SCENE.name, "seed": SEED, "fell": fell}, indent=1) + "\n", encoding="utf-8"

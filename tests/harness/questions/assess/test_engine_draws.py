@@ -16,13 +16,13 @@ from harness.model.errors import InputError
 from harness.model.history import Outcome
 from harness.model.scene import Wall
 from harness.questions.assess.assessment import assess
-from harness.questions.assess.engine_draws import DrawnRun, estimate, overturns
+from harness.questions.assess.engine_draws import estimate, overturns
 from harness.questions.assess.model_draws import IMPACT, ModelDraws
 from harness.records.assess import Assessment
 from harness.runs.progress import LESS_STORED
 from harness.runs.runner import InlinePool
 from harness.runs.store import Store
-from harness.runs.task import TaskResult
+from harness.runs.task import RunRequest, TaskResult
 from reports.cli import studies
 from reports.cli.options import EngineOptions, Sampling, ScanOptions, SupportOptions
 from tests import budgets_assess as budget
@@ -145,10 +145,10 @@ def test_draws_of_an_engine_that_touch_the_wall_are_told_as_such() -> None:
 
 def test_a_run_that_touches_the_wall_neither_stands_nor_falls() -> None:
     shaken = paestum(0.334, 3.0, duration_s=1.0)
-    answer = overturns(DrawnRun("pymunk", replace(shaken, wall=Wall("right", 0.001))))
+    answer = overturns(RunRequest(replace(shaken, wall=Wall("right", 0.001)), "pymunk"))
     assert answer.record == {"overturned": None, "reach_m": None, "touches_wall": True}
     assert not answer.failed
-    assert overturns(DrawnRun("pymunk", shaken)).record["overturned"] is False
+    assert overturns(RunRequest(shaken, "pymunk")).record["overturned"] is False
 
 
 SCENE = Path(__file__).parents[4] / "scenes" / "paestum_block.toml"

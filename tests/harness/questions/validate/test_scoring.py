@@ -37,7 +37,6 @@ from harness.questions.validate.scoring import (
     case_of,
     chances,
     contour,
-    contour_pga_g,
     curves,
     repeats_of,
     score_baseline,
@@ -482,12 +481,9 @@ def test_a_known_contour_is_recovered() -> None:
     """Where P = 1/2 the curve's error is that of c₀, c₁, c₂: some 1/√n over the slope's 3; four of them."""
     found = contour(*drawn(4000))
     assert not found.separated
-    ratios = np.array([0.08, 0.15, 0.25])
-    expected = np.exp(-(8.0 + 3.0 * np.log(ratios)) / 3.0)
-    assert np.log(contour_pga_g(found.coefficients, ratios)) == pytest.approx(
-        np.log(expected), abs=QUANTILE_SE * 3.0 / np.sqrt(4000)
-    )
-    assert np.all(contour_pga_g(found.coefficients, ratios, 0.9) > contour_pga_g(found.coefficients, ratios))
+    line = found.contour_50
+    expected = -(8.0 + 3.0 * np.log(line.ratio_s)) / 3.0
+    assert np.log(line.pga_g) == pytest.approx(expected, abs=QUANTILE_SE * 3.0 / np.sqrt(4000))
 
 
 def test_separated_classes_have_a_line_between_them() -> None:
@@ -495,7 +491,8 @@ def test_separated_classes_have_a_line_between_them() -> None:
     fell = [each.pga_g > 0.5 for each in shaken]
     found = contour(shaken, fell)
     assert found.separated
-    above = [each.pga_g > contour_pga_g(found.coefficients, each.ratio_s) for each in shaken]
+    line = found.contour_50
+    above = [each.pga_g > np.interp(each.ratio_s, line.ratio_s, line.pga_g) for each in shaken]
     assert above == fell
 
 

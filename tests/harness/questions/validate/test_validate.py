@@ -80,7 +80,7 @@ def test_the_unknown_azimuth_is_found_and_the_rest_predicted(tmp_path: Path) -> 
     # eight tests as fitted, and the two of the other share in two draws.
     assert 6 * 3 * 8 + 6 * 3 * 2 <= model["fitted"]["runs"] <= 6 * 3 * 8 + 6 * 4 * 2
     assert found["runs"]["computed"] == found["runs"]["wanted"] == model["fitted"]["runs"] + 8 + 2 * 2
-    assert found["baseline"]["fitted_on"] == "the named share"
+    assert found["fit_share"] == {"name": "fit", "tests": 6}
     said = json.loads((tmp_path / "out" / "result.json").read_text(encoding="utf-8"))
     assert said == found | {"seal": said["seal"]}
 
@@ -269,6 +269,9 @@ def test_a_motion_of_any_named_columns_is_read(tmp_path: Path) -> None:
     (tmp_path / "burst1.csv").write_text("Messzeit;Tish;Notiz\n0;0;quiet\n")
     with pytest.raises(InputError, match="line 2: wanted numbers in all columns, got 0, 0, quiet"):
         intensity_of(replace(wrong, name="words"))
+    (tmp_path / "burst1.csv").write_text("0 0\n1 1\n")
+    with pytest.raises(InputError, match="column: wanted a column of 1, 2, got nothing"):
+        intensity_of(replace(wrong, time_column="1", column=None, name="unnamed"))
 
 
 def test_a_measured_history_is_a_history_like_any_other(tmp_path: Path) -> None:
