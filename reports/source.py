@@ -89,11 +89,7 @@ def run_source(folder: Path) -> RunSource:
 @lru_cache(maxsize=1)
 def source_of(folder: Path, record: RunRecord) -> RunSource:
     """The record of a run with what lies beside it, read once for all pages; raises `InputError` where that is lost."""
-    # Records of older versions do not say which histories they kept: what lies there is all.
-    every = {
-        name: folder / history_file(name) for name in (record.runs if record.histories is None else record.histories)
-    }
-    paths = {name: path for name, path in every.items() if record.histories is not None or path.is_file()}
+    paths = {name: folder / history_file(name) for name in record.histories}
     # Of a statue of numbers none was written: a mesh that lies there is another's.
     mesh = None if record.scene.statue.mesh is None else folder / "statue.glb"
     check_files([*paths.values(), *([] if mesh is None else [mesh])], record)

@@ -216,8 +216,8 @@ class RunRecord(Record):
     scene: SceneRecord
     motion: MotionRecord
     runs: Mapping[str, Run]
-    histories: Sequence[str] | None = field(default=None, metadata=OMITTED)
-    """The engines whose histories were kept; absent in records that do not say."""
+    histories: Sequence[str] = ()
+    """The engines whose histories were kept."""
     scores: Mapping[str, Scores]
     horizons: Mapping[str, HorizonRecord] | None = field(default=None, metadata=OMITTED)
     assessment: Mapping[str, Assessment] | None = field(default=None, metadata=OMITTED)
