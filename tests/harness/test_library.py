@@ -123,10 +123,10 @@ def test_keys_are_replaced_as_keywords_as_a_mapping_and_as_texts(root: Path) -> 
     )
     assert [way.base_excitation.x.peak_m_s2 for way in ways] == pytest.approx([0.4 * loaded.gravity_m_s2] * 4)
     assert loaded.replace(uncertainty=None).uncertainty == ()
-    said = r"^keyword motion__x__amplitud_g: motion.x.amplitud_g: .*did you mean amplitude_g"
+    said = r"^keyword motion__x__amplitud_g: motion.x.amplitud_g: .* amplitude_g\?$"
     with pytest.raises(harness.InputError, match=said):
         loaded.replace(motion__x__amplitud_g=0.4)
-    with pytest.raises(harness.InputError, match=r"^overrides: duration_s: wanted a number"):
+    with pytest.raises(harness.InputError, match=r"^overrides: duration_s: .*'x'$"):
         harness.load_scene(file, {"duration_s": "x"})
 
 
@@ -140,7 +140,7 @@ def test_a_run_of_a_changed_scene_is_the_run_of_the_scene_so_loaded(scene: harne
     ):
         assert got.impact_times_s == wanted.impact_times_s
     assert wanted.impact_times_s != run.impact_times_s
-    with pytest.raises(harness.InputError, match="a scene that was loaded"):
+    with pytest.raises(harness.InputError, match=r"replace: .*dataclasses\.replace"):
         replace(scene, _reader=None).replace(title="other")
 
 
@@ -407,7 +407,7 @@ def test_without_its_library_a_table_names_the_extra(
     name: str, run: harness.Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, name, None)
-    with pytest.raises(harness.InputError, match=rf"{name}, of the extra \[frames\]"):
+    with pytest.raises(harness.InputError, match=rf"{name}, .*\[frames\]"):
         run.to_dataframe() if name == "pandas" else run.to_xarray()
 
 
@@ -429,9 +429,9 @@ def test_pictures_are_drawn_on_the_axes_given(scene: harness.Scene, run: harness
 
 def test_a_run_without_a_history_and_a_study_without_numbers_say_so(scene: harness.Scene) -> None:
     outcome = harness.simulate(scene, "analytic", options=harness.RunOptions(history=False))
-    with pytest.raises(harness.InputError, match="a run with its history"):
+    with pytest.raises(harness.InputError, match=r"^run of analytic: history: "):
         outcome.plot()
-    with pytest.raises(harness.InputError, match="a number that varies"):
+    with pytest.raises(harness.InputError, match=": vary: "):
         study(axes=0).plot()
 
 

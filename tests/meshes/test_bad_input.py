@@ -25,7 +25,7 @@ def obj(path: Path, vertices: list[str], faces: list[str]) -> Path:
 
 
 def test_missing_empty_foreign_and_broken_files(tmp_path: Path) -> None:
-    with pytest.raises(MeshError, match="none of that name"):
+    with pytest.raises(MeshError, match=r"absent\.ply: "):
         load_solid(tmp_path / "absent.ply", unit="m", density_kg_m3=2700.0)
     for name, content, said in (
         ("empty.obj", "", "empty file"),
@@ -120,7 +120,7 @@ def test_absurd_units(unit: str | float, said: str) -> None:
 
 def test_kilometres_are_told_before_an_up_axis_is_asked_for() -> None:
     vertices, faces = box(4e3, 7e3, 7e3)
-    with pytest.raises(MeshError, match="from corner to corner with unit m"):
+    with pytest.raises(MeshError, match=r"^mountain: .* got .*1\.068e\+04 m .*unit m "):
         prepare_mesh(RawMesh(vertices, faces, "mountain"), Wanted(unit="m"))
 
 
@@ -167,7 +167,7 @@ def test_a_branching_edge_is_repaired_or_refused(statue: Solid) -> None:
 def test_a_surface_through_itself_is_refused(statue: Solid) -> None:
     crumpled = statue.vertices_m.copy()
     crumpled[1:] += np.random.default_rng(3).normal(0.0, 0.02, crumpled[1:].shape) * (crumpled[1:, 2:] > 0.01)
-    with pytest.raises(MeshError, match=r"wanted (one solid body|a surface that does not pass through itself)"):
+    with pytest.raises(MeshError, match=r"^crumpled: "):
         prepare_mesh(RawMesh(crumpled, statue.faces, "crumpled"), METRES)
 
 
@@ -189,7 +189,7 @@ def test_a_readers_own_mistake_is_not_shown_as_the_files(tmp_path: Path, monkeyp
     monkeypatch.setattr(trimesh, "load_scene", stumbles)
     file = tmp_path / "damaged.ply"
     file.write_text("ply\n")
-    with pytest.raises(MeshError, match="its content is not that of such a file") as caught:
+    with pytest.raises(MeshError, match=r"damaged\.ply: .* header of a PLY") as caught:
         read_mesh(file)
     assert "local variable" not in str(caught.value)
 
@@ -249,7 +249,7 @@ def test_a_kilobyte_that_asks_for_gigabytes_is_refused(tmp_path: Path, count: in
         text = file.read_text().replace(', {"mesh": 0}]', ', {"mesh": 0}' * (nodes // 100) + "]")
         file.write_text(text.replace('"count": 12', '"count": 1200'))
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    with pytest.raises(MeshError, match="wanted at most 100,000,000 vertices and indices in all nodes"):
+    with pytest.raises(MeshError, match=r"wanted .*100,000,000.*, got "):
         read_mesh(file)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 2**19, "kB"
 

@@ -63,7 +63,7 @@ def test_what_is_the_statue_s_own_is_kept_when_told(bodies: dict[str, RawMesh]) 
     assert float(mesh.vertices[:, 0].max()) == pytest.approx(float(bodies["a column"].vertices[:, 0].max()))
     with pytest.raises(MeshError, match="a cut between"):
         prepare_mesh(bodies["a column"], Wanted(unit="m", up="z", cut_beyond=(0.0, 9.0)))
-    with pytest.raises(InputError, match=r"--cut-beyond: wanted an azimuth in degrees and a distance"):
+    with pytest.raises(InputError, match=r"^--cut-beyond: .* got 'north'"):
         scans.inspect(Path("any.ply"), ScanOptions(cut_beyond="north"))
 
 

@@ -63,7 +63,7 @@ def test_a_floor_is_refused_with_the_cut_that_takes_it_off(
     name: str, statue: Solid, tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:
     file = write(request.getfixturevalue(name), tmp_path / "floor.ply")
-    with pytest.raises(MeshError, match="a floor or a plate scanned together with the statue") as caught:
+    with pytest.raises(MeshError, match="--cut-below") as caught:
         inspect(file, Wanted(unit="m", up="z"), density_kg_m3=2700.0)
     told = re.search(r"--cut-below ([0-9.]+) \(", str(caught.value))
     found = inspect(file, Wanted(unit="m", up="z", cut_below_m=float(told.group(1))), density_kg_m3=2700.0)
@@ -74,9 +74,9 @@ def test_a_floor_is_refused_with_the_cut_that_takes_it_off(
 
 
 def test_a_cut_within_the_floor_leaves_a_floor(on_a_slab: RawMesh) -> None:
-    with pytest.raises(MeshError, match="a floor or a plate"):
+    with pytest.raises(MeshError, match="--cut-below"):
         prepare_mesh(on_a_slab, Wanted(unit="m", up="z", cut_below_m=0.5 * SLAB_M))
-    with pytest.raises(MeshError, match=r"wanted a cut between .* got 3 m"):
+    with pytest.raises(MeshError, match=r"got 3 m$"):
         prepare_mesh(on_a_slab, Wanted(unit="m", up="z", cut_below_m=3.0))
 
 
@@ -127,7 +127,7 @@ def test_an_hourglass_is_no_body(around: int, levels: int, top_m: float, tmp_pat
     part = hourglass(around, levels, top_m)
     assert EdgeCount.of(part[1]).closed
     file = write(RawMesh(*part, "hourglass"), tmp_path / "hourglass.ply")
-    with pytest.raises(MeshError, match=r"wanted (one solid body|a surface that does not pass through itself)"):
+    with pytest.raises(MeshError, match="hourglass"):
         prepare(file, Wanted(unit="m", up="z"))
     scene = tmp_path / "scene.toml"
     scene.write_text(

@@ -124,7 +124,7 @@ def test_an_inverted_taper_is_said() -> None:
 
 def test_a_figure_on_its_back_does_not_lie_there_silently() -> None:
     figure = prism(np.array([[0.0, 0.0], [0.5, 0.0], [0.4, 0.2], [0.3, 1.6], [0.0, 1.6]]), 0.4)
-    with pytest.raises(MeshError, match=r"--up z .* mesh inspect figure --up=\S+ --picture"):
+    with pytest.raises(MeshError, match=r"--up z .* inspect figure --up=\S+ --picture"):
         find_orientation(RawMesh(*figure, "figure"))
 
 

@@ -42,7 +42,7 @@ def test_an_off_centre_core_moves_the_frame_and_keeps_the_base(block: Solid) -> 
 
 
 def test_an_impossible_tensor_is_refused(block: Solid) -> None:
-    with pytest.raises(MeshError, match="no moment may exceed"):
+    with pytest.raises(MeshError, match=r"800 kg .*\[1\. 1\. 5\.\]"):
         with_mass(block, 800.0, np.array([0.0, 0.0, 0.75]), np.diag([1.0, 1.0, 5.0]))
     with pytest.raises(MeshError, match="above the base"):
         with_mass(block, 800.0, np.array([0.3, 0.0, 0.75]), block.inertia_kg_m2)

@@ -96,5 +96,5 @@ def test_what_gives_back_too_little_has_the_bits_of_a_plastic_impact() -> None:
 
 @pytest.mark.parametrize("share", [-0.1, 1.1, math.nan])
 def test_a_share_that_is_none_is_refused(share: float) -> None:
-    with pytest.raises(AnalyticInputError, match="restitution: a number from 0 to 1 is wanted"):
+    with pytest.raises(AnalyticInputError, match=r"^restitution: "):
         spatial.Problem(CUBE, 1.0, 0.5, restitution=share)

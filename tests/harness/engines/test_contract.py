@@ -56,13 +56,13 @@ def test_name_is_that_of_the_registry(engine: Engine) -> None:
 
 @pytest.mark.parametrize("name", ["analytics", "analytic,pymunk", ["analytic"], None])
 def test_what_names_no_engine_is_refused(name: str) -> None:
-    with pytest.raises(InputError, match="wanted one of analytic"):
+    with pytest.raises(InputError, match=r"^--engine: "):
         engines.load(name)
 
 
 def test_a_worker_says_why_it_knows_no_engine_of_a_script(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("multiprocessing.parent_process", object)
-    with pytest.raises(InputError, match="own process alone: jobs=1"):
+    with pytest.raises(InputError, match=r"got 'mine' .*jobs=1"):
         engines.load("mine")
 
 
@@ -150,7 +150,7 @@ def test_accuracy_is_stated(engine: Engine) -> None:
 def test_a_prescribed_impact_is_labelled_by_whoever_has_its_own(engine: Engine) -> None:
     asked = shaken(engine, 0.429, 3.0, mu=0.15, restitution=0.85, duration_s=0.6)
     if engine.name in REFUSE_A_RATIO:
-        with pytest.raises(EngineFailure, match="does not compute a prescribed ratio"):
+        with pytest.raises(EngineFailure, match=r"contact\.restitution"):
             run(engine, asked)
         return
     labelled = any("imposed" in label for label in run(engine, asked).labels)
@@ -191,7 +191,7 @@ def test_a_pedestal_is_taken_where_declared(engine: Engine) -> None:
     if engine.capabilities.pedestal:
         assert run(engine, on).outcome is Outcome.STANDS
         return
-    with pytest.raises(EngineFailure, match="does not compute a pedestal"):
+    with pytest.raises(EngineFailure, match=f"^{engine.name} .* pedestal"):
         run(engine, on)
 
 

@@ -55,7 +55,7 @@ def test_a_core_and_a_weighed_mass_give_the_density_around_it(folder: Path) -> N
     height = (around * 0.42 * 0.75 + (7850.0 - around) * 0.03 * 0.7) / 1100.0
     assert cored.statue.centroid_height_m == pytest.approx(height, rel=1e-6)
     assert [each.values["weighed_kg"] for each in cored.findings if each.code == "mesh_hollow"] == [1100.0]
-    with pytest.raises(InputError, match="above that of the core"):
+    with pytest.raises(InputError, match=r"statue\.mesh: .* 235\.5 kg, got 200 kg"):
         load_scene(folder, [*given, "statue.mass_kg=200.0", "statue.mesh.density_kg_m3=none"])
 
 
@@ -67,7 +67,7 @@ def test_a_turned_hollow_statue_is_the_hollow_statue_turned(folder: Path) -> Non
 
 
 def test_a_shell_outside_is_refused(folder: Path) -> None:
-    with pytest.raises(InputError, match=r"inside the statue, got one with 50 % of its volume outside"):
+    with pytest.raises(InputError, match=r"statue\.mesh: .* 50 %"):
         load_scene(folder, ['statue.mesh.inner.file="beside.ply"'])
     with pytest.raises(InputError, match=r"statue.mesh.inner.file"):
         load_scene(folder, ['statue.mesh.inner.file="absent.ply"'])
@@ -89,7 +89,7 @@ def test_the_survey_is_used_where_asked(folder: Path) -> None:
     assert (height.values["survey"], height.values["mesh"]) == (0.8, pytest.approx(0.75, rel=1e-6))
     assert (height.values["used"], inertia.values["used"]) == ("survey", "mesh")
     assert height.severity is Severity.CAUTION
-    with pytest.raises(InputError, match="which is to be used"):
+    with pytest.raises(InputError, match=r"statue\.mesh\.use_survey: .*centroid_height_m"):
         load_scene(folder, ['statue.mesh.use_survey=["centroid_height_m"]'])
 
 

@@ -63,16 +63,16 @@ def test_the_papers_preset_is_its_two_choices(tmp_path: Path) -> None:
 def test_an_inertia_that_no_body_of_that_size_has_is_refused(tmp_path: Path) -> None:
     scene = tmp_path / "s.toml"
     scene.write_text(GOOD, encoding="utf-8")
-    with pytest.raises(InputError, match=r"statue\.inertia_kg_m2: wanted at most 400 "):
+    with pytest.raises(InputError, match=r"statue\.inertia_kg_m2: .* 400 .* got 400\.1$"):
         load_scene(scene, ["statue.inertia_kg_m2=400.1"])  # m (2 H)² with H = 1 m, twice the centroid's height
     assert load_scene(scene, ["statue.inertia_kg_m2=399.9"]).statue.inertia_kg_m2 == 399.9
 
 
 def test_a_pedestal_must_carry_the_whole_base(tmp_path: Path) -> None:
     pedestal = "[pedestal]\nmass_kg = 1.0\nwidth_m = 0.1\ndepth_m = 1.0\nheight_m = 0.1\n"
-    with pytest.raises(InputError, match="under the whole base"):
+    with pytest.raises(InputError, match=r": pedestal\.width_m: "):
         load_scene(written(tmp_path, GOOD + pedestal))
-    with pytest.raises(InputError, match="under the whole base"):
+    with pytest.raises(InputError, match=r": pedestal\.width_m: "):
         load_scene(written(tmp_path, GOOD + pedestal), ["pedestal.width_m=0.3", "pedestal.offset_m=0.2"])
 
 

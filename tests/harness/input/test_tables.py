@@ -38,15 +38,15 @@ def test_all_mistakes_are_listed_at_once_with_their_lines() -> None:
     text += "[wall]\nside = 'up'\n"
     found = mistakes(text)
     assert set(found) == {"duration_s", "statue.mass_kg", "wall.side", "wall.distance_m"}
-    assert str(found["duration_s"]) == "s.toml:3: duration_s: wanted a number, got '3'"
-    assert found["statue.mass_kg"].wanted == "a number at least 1e-09"
+    assert (found["duration_s"].where, found["duration_s"].got) == ("s.toml:3", "'3'")
+    assert "1e-09" in found["statue.mass_kg"].wanted
     assert found["wall.side"].got == "'up'"
     assert found["wall.distance_m"].got == "nothing"
 
 
 def test_an_unknown_key_names_the_nearest_known_one() -> None:
     found = mistakes(GOOD.replace("mass_kg", "mas_kg"))
-    assert found["statue.mas_kg"].advice == "did you mean mass_kg?"
+    assert " mass_kg?" in found["statue.mas_kg"].advice
     assert found["statue.mass_kg"].got == "nothing"
 
 
@@ -112,7 +112,7 @@ def test_a_mistake_that_an_override_made_is_not_blamed_on_the_file() -> None:
 def test_a_file_without_end_is_refused(tmp_path: Path) -> None:
     long = tmp_path / "long.toml"
     long.write_bytes(b"#" * (tables.MAX_BYTES + 1))
-    with pytest.raises(InputError, match="at most 1e\\+07 bytes"):
+    with pytest.raises(InputError, match=r"long\.toml: .* 1e\+07 "):
         tables.read(long)
     long.write_bytes(b"#" * tables.MAX_BYTES)
     assert len(tables.read(long)) == tables.MAX_BYTES

@@ -75,7 +75,7 @@ def test_a_bomb_is_refused_and_little_of_it_unpacked(tmp_path: Path, bomb: bytes
     path = tmp_path / "bomb.AT2.gz"
     path.write_bytes(bomb)
     tracemalloc.start()
-    with pytest.raises(InputError, match="accelerogram of at most 64 MiB, got more than that once unpacked"):
+    with pytest.raises(InputError, match=r"bomb\.AT2\.gz: .* 64 MiB"):
         read_record(path)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
@@ -86,10 +86,10 @@ def test_what_is_no_file_or_too_large_is_refused_before_it_is_read(tmp_path: Pat
     sparse = tmp_path / "sparse.AT2"
     with sparse.open("wb") as stream:
         stream.truncate(MOST_BYTES + 1)
-    with pytest.raises(InputError, match="at most 64 MiB, got 64 MiB"):
+    with pytest.raises(InputError, match=r"got 64 MiB$"):
         read_record(sparse)
     for other in (tmp_path, Path("/dev/zero")):
-        with pytest.raises(InputError, match="something that is no file"):
+        with pytest.raises(InputError, match=str(other)):
             read_bytes(other, "a record")
 
 
@@ -99,7 +99,7 @@ def test_names_that_are_too_long_or_no_text_are_refused(tmp_path: Path) -> None:
     odd = Path(os.fsdecode(os.fsencode(tmp_path) + b"/\xff\xfe.csv"))
     odd.write_text("t_s,theta_rad\n0,0\n1,0\n")
     for read in (read_record, read_history):
-        with pytest.raises(InputError, match=r"\\xff\\xfe.csv: wanted a file name in UTF-8") as caught:
+        with pytest.raises(InputError, match=r"\\xff\\xfe.csv: wanted .* UTF-8") as caught:
             read(odd)
         str(caught.value).encode("utf-8")
 
@@ -112,9 +112,9 @@ def test_utf_16_is_read_by_its_mark_and_refused_in_words_without(tmp_path: Path)
         assert read_history(path).t_s.tolist() == [0.0, 0.5]
     for encoding in ("utf-16-le", "utf-16-be"):
         path.write_bytes(text.encode(encoding))
-        with pytest.raises(InputError, match="UTF-16 without its mark — save it as UTF-8"):
+        with pytest.raises(InputError, match=r"got UTF-16 .* UTF-8"):
             read_history(path)
-    with pytest.raises(InputError, match="cut off or damaged"):
+    with pytest.raises(InputError, match=r"^x: .* got UTF-16 "):
         decoded(b"\xff\xfea", "x", "text")
-    with pytest.raises(InputError, match="a ZIP archive — unpack it first"):
+    with pytest.raises(InputError, match=r"^x: .* got a ZIP "):
         decoded(b"PK\x03\x04....", "x", "text")

@@ -94,7 +94,7 @@ def test_a_damaged_row_is_told_with_what_can_be_done(tmp_path: Path) -> None:
     with Store(path, "bench") as store:
         store._db.execute("UPDATE result SET record = substr(record, 1, 20) WHERE rowid = 2")
         store._db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-    with pytest.raises(InputError, match="move the file away"):
+    with pytest.raises(InputError, match=r"\.sqlite: "):
         measure(tmp_path, parts(Counting()), None, STAMP, silent)
     path.unlink()
     again = Counting()
@@ -125,7 +125,7 @@ def test_what_was_finished_outlives_a_kill(tmp_path: Path) -> None:
 
 
 def test_an_unknown_part_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"--parts: wanted some of first, second, got 'third'"):
+    with pytest.raises(InputError, match=r"^--parts: .* first, second, got 'third'"):
         measure(tmp_path, parts(Counting()), ["third"], STAMP, silent)
 
 

@@ -37,7 +37,7 @@ def results(tasks: list[str], jobs: int) -> dict[str, Any]:
 
 
 def test_less_than_one_process_is_refused() -> None:
-    with pytest.raises(InputError, match="--jobs: wanted a whole number of at least 1, got 0"):
+    with pytest.raises(InputError, match=r"^--jobs: .*, got 0$"):
         LocalPool(0)
 
 

@@ -56,7 +56,7 @@ def test_a_damaged_csv_is_refused(tmp_path: Path, change: Callable[[list[str]], 
 
 def test_three_hundred_g_names_the_likely_unit(tmp_path: Path) -> None:
     path = csv(tmp_path / "a.csv", wave(peak_m_s2=300.0), header="t_s,a_UP_g")
-    with pytest.raises(InputError, match=r"got 300 g in g — the unit may be cm/s2 \(0\.306 g\) or mm/s2"):
+    with pytest.raises(InputError, match=r"a_UP_g: .* got 300 g in g — .* cm/s2 \(0\.306 g\)"):
         read_record(path)
     limit = csv(tmp_path / "b.csv", wave(peak_m_s2=9.99), header="t_s,a_UP_g")
     assert read_record(limit).unit == "g"
@@ -65,7 +65,7 @@ def test_three_hundred_g_names_the_likely_unit(tmp_path: Path) -> None:
 def test_a_unit_that_contradicts_the_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="leave unit out"):
         read_record(csv(tmp_path / "a.csv", wave()), unit="g")
-    with pytest.raises(InputError, match="the unit of a PEER AT2 file, g"):
+    with pytest.raises(InputError, match=r": unit: .* g, got m/s2"):
         read_record(writers.at2(tmp_path / "a.AT2", wave(), 0.01, "UP"), unit="m/s2")
 
 
@@ -276,7 +276,7 @@ def test_a_sample_may_be_a_filler_s_number_and_a_spike_is_told(tmp_path: Path) -
     (told,) = [each for each in read_record(csv(tmp_path / "b.csv", spike)).findings if each.code == "record_spikes"]
     assert (told.values["alone"], told.values["samples"]) == (1, 600)
     spike[77] = 1e10
-    with pytest.raises(InputError, match="1 of 600 samples stand alone"):
+    with pytest.raises(InputError, match=r"a_UP_ms2: .* 1 of 600"):
         read_record(csv(tmp_path / "c.csv", spike))
 
 
@@ -295,7 +295,7 @@ def test_a_column_of_the_samples_numbers_is_no_channel_and_no_clock(tmp_path: Pa
     path.write_text("n,t_s,a_N_ms2\n" + "".join(f"{i},{0.01 * i:.2f},{v:.9g}\n" for i, v in enumerate(wave(200), 1)))
     assert [channel.name for channel in read_record(path).channels] == ["a_N_ms2"]
     path.write_text("".join(f"{i} {v:.9g}\n" for i, v in enumerate(wave(200), 1)))
-    with pytest.raises(InputError, match=r"column of times, got the samples' numbers"):
+    with pytest.raises(InputError, match=r": column 1: .*--columns 2"):
         read_record(path, unit="m/s2")
 
 

@@ -33,7 +33,7 @@ def test_a_step_is_read_however_fortran_wrote_it(tmp_path: Path, step: bytes) ->
     "step", [b"1_0", b"0x1", b"nan", b"inf", b"-0.01", b"0", b"x", b"", b"1.0 E-02", b"1.0 -2", b"10 MSEC"]
 )
 def test_a_step_that_is_no_number_is_refused_in_the_reader_s_words(tmp_path: Path, step: bytes) -> None:
-    with pytest.raises(InputError, match=r"line 4: wanted DT in seconds, a positive number"):
+    with pytest.raises(InputError, match=r": line 4: wanted DT "):
         read_record(_with_step(tmp_path / "a.AT2", step))
 
 
@@ -48,7 +48,7 @@ def test_a_step_that_no_accelerograph_has_is_told(tmp_path: Path) -> None:
 def test_a_cell_with_an_underscore_is_no_number(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     path.write_text("t_s,a_ms2\n0,0\n0.01,1_0.0\n0.02,1\n")
-    with pytest.raises(InputError, match=r"line 3, a_ms2: wanted a finite number with a decimal point, got '1_0.0'"):
+    with pytest.raises(InputError, match=r": line 3, a_ms2: .* got '1_0\.0'"):
         read_record(path)
 
 

@@ -236,7 +236,7 @@ def test_what_holds_no_accelerations_is_said_to(tmp_path: Path) -> None:
     refused(BUILDERS["SMC"](tmp_path), "2 CORRECTED ACCELEROGRAM", "3 VELOCITY", said)
     spectra = tmp_path / "a.V3"
     spectra.write_text("RESPONSE AND FOURIER AMPLITUDE SPECTRA   CHAN 1\n1 2 3\n")
-    with pytest.raises(InputError, match=r"a file of spectra .* take the record's own file"):
+    with pytest.raises(InputError, match=r"RESPONSE AND FOURIER .*V1, V2"):
         read_file(spectra)
 
 
@@ -254,7 +254,7 @@ def test_a_zip_of_several_files_names_them(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
         for name in ("one.AT2", "two.AT2"):
             archive.writestr(name, "x")
-    with pytest.raises(InputError, match=r"a ZIP archive of one file, got 2 files \(one.AT2, two.AT2\)"):
+    with pytest.raises(InputError, match=r"a\.zip: .* got 2 files \(one\.AT2, two\.AT2\)"):
         read_file(tmp_path / "a.zip")
     (tmp_path / "cut.zip").write_bytes((tmp_path / "a.zip").read_bytes()[:40])
     with pytest.raises(InputError, match="does not unpack"):
@@ -274,7 +274,7 @@ def test_a_damaged_width_or_time_asks_for_no_endless_memory(tmp_path: Path) -> N
     cwb = BUILDERS["CWB"](tmp_path)
     lines = cwb.read_text().splitlines()
     cwb.write_text("\n".join(lines[: next(i for i, line in enumerate(lines) if line[:1] == " ") + 1]))
-    with pytest.raises(InputError, match=r"two samples or more"):
+    with pytest.raises(InputError, match=r": wanted .*, got 1 "):
         read_file(cwb)
 
 
@@ -295,7 +295,7 @@ def test_usc_s_second_volume_has_its_unit_on_the_line_or_in_the_peak(tmp_path: P
         np.testing.assert_allclose(channel.accel_m_s2, accel, rtol=0.0, atol=GAL_3)
     if "CM" not in line:
         path.write_text(path.read_text().replace("CM/SEC/SEC AT", "G AT"))
-        with pytest.raises(InputError, match=r"10 g|unit of their peak"):
+        with pytest.raises(InputError, match=r" 10 g, got |line \d+: "):
             read_record(path)
         refused(path, "PEAK ACC", "PEAK POT", "accelerations in cm/sec/sec or g")
 
@@ -310,7 +310,7 @@ def test_nuls_that_fill_lines_or_the_last_block_are_no_text(tmp_path: Path) -> N
         path.write_bytes(filled)
         assert np.array_equal(read_file(path).channels[0].accel_m_s2, plain)
     path.write_bytes(text.replace(b" ", b"\0", 900))
-    with pytest.raises(InputError, match="a text file, got binary data"):
+    with pytest.raises(InputError, match="got binary data"):
         read_file(path)
 
 

@@ -57,7 +57,7 @@ def test_the_band_pass_passes_and_stops() -> None:
     np.testing.assert_allclose(passed.accel_m_s2[middle], np.sin(2.0 * np.pi * 2.0 * t)[middle], atol=FILTER_PASS)
     stopped = process.bandpass(Series(0.01, np.sin(2.0 * np.pi * 0.125 * t)), 0.5, 20.0)
     assert np.abs(stopped.accel_m_s2[middle]).max() <= FILTER_STOP
-    with pytest.raises(Contradiction, match="a high corner below 50 Hz"):
+    with pytest.raises(Contradiction, match=r"^bandpass_hz: .*, got 50 Hz"):
         process.bandpass(NOISE, 0.5, 50.0)
 
 
@@ -115,7 +115,7 @@ def test_a_coarser_step_folds_nothing_back() -> None:
 def test_window_and_significant_duration() -> None:
     cut = process.window(NOISE, 2.0, 5.0)
     np.testing.assert_array_equal(cut.accel_m_s2, NOISE.accel_m_s2[200:501])
-    with pytest.raises(Contradiction, match="where nothing is left"):
+    with pytest.raises(Contradiction, match=r"^window_s: .*, got 30 to 40 s"):
         process.window(NOISE, 30.0, 40.0)
     short = process.significant(NOISE, (0.05, 0.95), NOISE.accel_m_s2**2)
     assert short.duration_s == pytest.approx(measures(NOISE).significant_5_95_s, abs=2.0 * NOISE.dt_s)
@@ -138,7 +138,7 @@ def test_a_part_of_a_record_in_which_it_is_at_rest_is_refused(more: dict[str, ob
     table = np.column_stack([t, late, np.roll(late, -250)])
     np.savetxt(tmp_path / "r.csv", table, delimiter=",", header="t_s,a_ms2,b_ms2", comments="", fmt="%.6g")
     made = {"kind": "record", "file": str(tmp_path / "r.csv"), "window_s": (0.0, 2.0), **more}
-    with pytest.raises(InputError, match="moves where it is used"):
+    with pytest.raises(InputError, match=r"motion\.x\.file: .* r\.csv"):
         load(RecordSpec(**made, column="a_ms2"), base_dir=tmp_path, where="scene", key="motion.x")  # type: ignore[arg-type]
     moving, _ = load(RecordSpec(**made, column="b_ms2"), base_dir=tmp_path, where="scene", key="motion.x")  # type: ignore[arg-type]
     assert moving.accel_m_s2.any()

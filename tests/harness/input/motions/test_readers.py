@@ -43,7 +43,7 @@ def test_touching_numbers() -> None:
 
 @pytest.mark.parametrize("bad", ["1.0 2.0 x", "1.0--2.0", "0.1 ****** 0.2", "1.2.3"])
 def test_what_is_no_number_is_refused_with_its_line(bad: str) -> None:
-    with pytest.raises(InputError, match=r"line 8: .* or has notes after its numbers: take these out"):
+    with pytest.raises(InputError, match=r"^f: line 8: "):
         free_format(["1.0 2.0", bad], where="f", first_line=7)
 
 
@@ -51,13 +51,11 @@ def test_fixed_width_reads_what_touches_and_names_a_bad_field() -> None:
     for filled_up in ("", "   0.0"):
         found = fixed_width(["-11024.7 12.5   1.0", filled_up], 8, 3, where="f", first_line=1)
         np.testing.assert_array_equal(found, [-11024.7, 12.5, 1.0])
-    with pytest.raises(InputError, match="wanted 3 numbers in 2 lines, as its header says, got more"):
+    with pytest.raises(InputError, match=r"^f: accelerations: wanted 3 .* 2 lines"):
         fixed_width(["-11024.7 12.5   1.0", "   2.5"], 8, 3, where="f", first_line=1)
     with pytest.raises(InputError, match="line 5, column 9"):
         fixed_width(["     1.0********"], 8, 2, where="f", first_line=5)
-    with pytest.raises(
-        InputError, match="tabs stand where the network writes blanks: take the file as it was downloaded"
-    ):
+    with pytest.raises(InputError, match=r"^f: line 5, column 1: .*\\t.* tabs "):
         fixed_width(["1.0\t2.0-3.0"], 8, 3, where="f", first_line=5)
     np.testing.assert_array_equal(fixed_width(["1.0\t2.0"], 8, 2, where="f", first_line=5), [1.0, 2.0])
 

@@ -83,11 +83,11 @@ def _write(path: Path, lines: list[str]) -> Path:
 @pytest.mark.parametrize("name", TEXTS)
 def test_the_error_names_the_options_that_read_the_file(tmp_path: Path, name: str) -> None:
     path = _write(tmp_path / "any text.txt", TEXTS[name])
-    with pytest.raises(InputError, match=r"its numbers alone are read by: rockcheck motion inspect ") as error:
+    with pytest.raises(InputError, match=" rockcheck motion inspect ") as error:
         read_file(path)
-    words = shlex.split(re.sub(r"( \(.*\))?; new and .*$", "", str(error.value).partition("read by: ")[2]))
-    assert words[3] == str(path)
-    said = dict(zip(words[4::2], words[5::2], strict=True))
+    words = shlex.split(re.sub(r"( \(.*\))?; new and .*$", "", str(error.value).partition("rockcheck ")[2]))
+    assert words[2] == str(path)
+    said = dict(zip(words[3::2], words[4::2], strict=True))
     assert ("STEP" in said.values()) == (name == "no header"), "what the file does not say is left to its reader"
     dt_s = said.get("--dt", "").replace("STEP", "0.01")
     layout = Layout(
@@ -197,7 +197,7 @@ def test_words_stand_beside_the_columns_asked_for_and_in_a_first_line_of_data(tm
     assert [each.values for each in bare.findings] == [{"column": "2", "words": True}]
     for record in (chosen, bare):
         np.testing.assert_allclose(record.channels[0].accel_m_s2, NORTH, rtol=0.0, atol=GAL_6)
-    with pytest.raises(InputError, match=r"line 1: wanted numbers, got 'seconds'"):
+    with pytest.raises(InputError, match=r": line 1: .* got 'seconds'"):
         read_file(named, unit="m/s2", layout=Layout(0.01, 0, "3"))
 
 

@@ -68,7 +68,7 @@ def test_the_sweep_says_of_every_draw_what_a_single_run_says() -> None:
 
 @pytest.mark.parametrize("wrong", [{"draws": 0}, {"draws": 0.5}, {"seed": -1}, {"most_runs": 0}])
 def test_numbers_of_no_draws_are_refused_by_name(wrong: dict[str, Any]) -> None:
-    with pytest.raises(InputError, match=f"{next(iter(wrong))}: wanted a whole number"):
+    with pytest.raises(InputError, match=f"{next(iter(wrong))}: "):
         assess(paestum(0.3, 2.0), ["analytic"], **wrong)
 
 

@@ -33,7 +33,7 @@ def test_long_work_is_told_with_all_that_is_asked(monkeypatch: pytest.MonkeyPatc
 
 def test_histories_that_no_memory_holds_are_refused_by_their_key() -> None:
     fine = replace(paestum(0.3, 2.0), duration_s=10.0, output_dt_s=1e-6)
-    with pytest.raises(InputError, match=r"scene: output\.dt_s: .*1e\+07 samples"):
+    with pytest.raises(InputError, match=r"scene: output\.dt_s: .*1e\+07 "):
         check(fine, ENGINES, "scene", memory_bytes=8 * GB)
 
 
@@ -41,7 +41,7 @@ def test_histories_that_no_memory_holds_are_refused_by_their_key() -> None:
 def test_work_of_more_than_a_day_is_refused_by_its_key(dt_s: float | None, key: str) -> None:
     scene = replace(paestum(0.1, 6.0, mu=(0.5, 0.5)), duration_s=40_000.0, output_dt_s=10.0)
     accuracy = None if dt_s else 1e-6
-    with pytest.raises(InputError, match=f"scene: {key}: wanted work of at most 24 h"):
+    with pytest.raises(InputError, match=f"scene: {key}: .* 24 h"):
         check(scene, dict.fromkeys(("pybullet", "pybullet:plain"), 3), "scene", accuracy, dt_s)
 
 
@@ -71,7 +71,7 @@ floor = [{{ period_s = {period_s} }}]
 def test_a_floor_too_stiff_to_follow_is_refused_by_its_key(tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(FLOOR.format(period_s=1e-6))
-    with pytest.raises(InputError, match=r"motion\.x\.floor\.period_s: wanted at least"):
+    with pytest.raises(InputError, match=r"motion\.x\.floor\.period_s: .* got 1e-06"):
         load_scene(path)
     path.write_text(FLOOR.format(period_s=0.2))
     load_scene(path)

@@ -228,23 +228,23 @@ def test_a_table_is_known_by_its_columns_and_takes_its_own_options(tmp_path: Pat
     for first, kind in (("toss", "tosses"), ("drop", "drops")):
         table.write_text(f"{first},a\n", encoding="utf-8")
         assert kind_of(table, body=body, engine=["spatial"], samples=0, resume=False, fit_share=None) == kind
-        with pytest.raises(InputError, match="--body: wanted the scene whose statue was thrown"):
+        with pytest.raises(InputError, match=r"^--body: .* got nothing"):
             kind_of(table, body=None)
-        with pytest.raises(InputError, match=f"--resume: wanted no such option with a table of {kind}"):
+        with pytest.raises(InputError, match=f"^--resume: .* {kind}, got True"):
             kind_of(table, body=body, resume=True)
     table.write_text("group,trial\n", encoding="utf-8")
     assert kind_of(table, body=None) == "impact_ratios"
-    with pytest.raises(InputError, match="--engine: wanted no such option with a table of impact ratios"):
+    with pytest.raises(InputError, match=r"^--engine: .*spatial"):
         kind_of(table, engine=["spatial"])
     table.write_text("# a comment\ntest;scene;observed\n", encoding="utf-8")
     assert kind_of(table, samples=5, fit_share="odd") == "tests"
-    with pytest.raises(InputError, match="--body: wanted no such option"):
+    with pytest.raises(InputError, match=r"^--body: .* got .*body\.toml"):
         kind_of(table, body=body)
 
 
 def test_a_body_beside_something_is_refused(tmp_path: Path, root: Path) -> None:
     table = written(tmp_path, {"a": np.zeros((9, 7))})
-    with pytest.raises(InputError, match="pedestal: wanted a body alone over the floor"):
+    with pytest.raises(InputError, match=": pedestal: "):
         validate_measured(table, tmp_path / "out", body=root / "scenes" / "paestum_block.toml")
     assert not (tmp_path / "out").exists()
 

