@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -107,8 +108,9 @@ def _counted(mesh: RawMesh) -> str:
 
 
 def _numbers(solid: Solid) -> dict[str, object]:
-    """The solid's numbers as plain values."""
-    weakest_deg, slenderness_rad = _weakest(solid)
+    """The solid's numbers as plain values; its weakest direction is that in which it overturns most easily."""
+    weakest_deg = base.weakest_azimuth_deg(solid.footprint_m)
+    slenderness_rad = base.slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, weakest_deg)
     return {
         "mass_kg": solid.mass_kg,
         "density_kg_m3": solid.density_kg_m3,
@@ -123,28 +125,17 @@ def _numbers(solid: Solid) -> dict[str, object]:
         "footprint_m": solid.footprint_m.tolist(),
         "base_profile_m": solid.base_profile_m.tolist(),
         "contact_tolerance_m": solid.contact_tolerance_m,
-        "base_unevenness_m": _unevenness_m(solid),
+        "base_unevenness_m": float(np.ptp(solid.feet_m[:, 2])),
         "weakest_azimuth_deg": weakest_deg,
-        "weakest_slenderness_rad": slenderness_rad,
+        "weakest_slenderness_rad": float(slenderness_rad[0]),
     }
-
-
-def _unevenness_m(solid: Solid) -> float:
-    return float(np.ptp(solid.feet_m[:, 2]))
-
-
-def _weakest(solid: Solid) -> tuple[float, float]:
-    """The direction in which it overturns most easily, degrees, and its slenderness there, rad."""
-    azimuth_deg = base.weakest_azimuth_deg(solid.footprint_m)
-    slenderness_rad = base.slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, azimuth_deg)
-    return azimuth_deg, float(slenderness_rad[0])
 
 
 def _sentences(solid: Solid) -> list[str]:
     """The solid in words."""
-    weakest_deg, slenderness_rad = _weakest(solid)
-    moments = ", ".join(f"{value:.5g}" for value in solid.principal[0])
-    uneven_mm = round(1e3 * _unevenness_m(solid), 2)
+    numbers: dict[str, Any] = _numbers(solid)
+    moments = ", ".join(f"{value:.5g}" for value in numbers["principal_kg_m2"])
+    uneven_mm = round(1e3 * numbers["base_unevenness_m"], 2)
     lie = f"uneven by {uneven_mm:g} mm (kept as scanned)" if uneven_mm else "in one plane"
     return [
         f"mass {solid.mass_kg:.5g} kg at {solid.density_kg_m3:.5g} kg/m³, {solid.height_m:.4g} m high,"
@@ -154,6 +145,6 @@ def _sentences(solid: Solid) -> list[str]:
         f"principal moments {moments} kg m²",
         f"touches with {len(solid.footprint_m)} corners within {1e3 * solid.contact_tolerance_m:g} mm,"
         f" {len(solid.feet_m)} feet {lie}",
-        f"weakest towards {weakest_deg:.1f}° (from x, counter-clockwise from above):"
-        f" {np.rad2deg(slenderness_rad):.2f}°",
+        f"weakest towards {numbers['weakest_azimuth_deg']:.1f}° (from x, counter-clockwise from above):"
+        f" {np.rad2deg(numbers['weakest_slenderness_rad']):.2f}°",
     ]

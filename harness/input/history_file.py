@@ -13,8 +13,8 @@ from typing import Final
 
 import numpy as np
 
-from harness.input.mistakes import MOST_MISTAKES
-from harness.input.text_file import decimals, decoded, is_decimal, read_bytes
+from harness.input.mistakes import MOST_MISTAKES, unsaid
+from harness.input.text_file import decimal, decimals, decoded, is_decimal, read_bytes
 from harness.model.errors import InputError, Mistake, refuse
 from harness.model.history import COLUMNS, Array, History, hermites
 
@@ -143,39 +143,26 @@ def _table(path: Path, text: str) -> _Table:
 
 
 def _numbers(path: Path, table: _Table) -> Array:
-    """All cells as numbers, shape (rows, columns)."""
+    """All cells as numbers, shape (rows, columns). Raises `InputError` with the first cells that are none."""
     mistakes: list[Mistake] = []
     numbers = np.full((len(table.rows), len(table.names)), np.nan)
     for index, (row, line) in enumerate(zip(table.rows, table.lines, strict=True)):
         if len(row) != len(table.names):
             mistakes.append(Mistake(str(path), f"line {line}", f"{len(table.names)} numbers", f"{len(row)} cells"))
             continue
-        cells = [cell.replace(",", ".") for cell in row] if table.comma else row
+        cells = [cell.replace(",", ".") if table.comma else cell for cell in row]
         try:
             numbers[index] = decimals(cells)
         except ValueError:
-            mistakes += _bad_cells(path, table.names, row, line)
-            continue
-        if not np.all(np.isfinite(numbers[index])):
-            bad = int(np.flatnonzero(~np.isfinite(numbers[index]))[0])
-            wanted, got = "a finite number", f"{row[bad].strip()} (NaN or infinite)"
-            mistakes.append(Mistake(str(path), f"line {line}: {table.names[bad]}", wanted, got))
-    if mistakes:
-        more = len(mistakes) - MOST_MISTAKES
-        rest = [Mistake(str(path), "", "no mistake", f"{more} more like these")] if more > 0 else []
-        raise InputError([*mistakes[:MOST_MISTAKES], *rest])
+            numbers[index] = [decimal(cell) if is_decimal(cell) else np.nan for cell in cells]
+        for column in np.flatnonzero(~np.isfinite(numbers[index])).tolist():
+            place, cell = f"line {line}: {table.names[column]}", row[column].strip()
+            if is_decimal(cells[column]) or cell.lstrip("+-").casefold() in ENDLESS:
+                mistakes.append(Mistake(str(path), place, "a finite number", f"{cell} (NaN or infinite)"))
+            else:
+                mistakes.append(Mistake(str(path), place, "a number", repr(cell) if cell else "an empty cell"))
+    refuse([*mistakes[:MOST_MISTAKES], *unsaid(str(path), len(mistakes) - MOST_MISTAKES)])
     return numbers
-
-
-def _bad_cells(path: Path, names: Sequence[str], row: Sequence[str], line: int) -> list[Mistake]:
-    cells = zip(names, row, strict=True)
-    bad = [(f"line {line}: {name}", cell.strip()) for name, cell in cells if not is_decimal(cell.replace(",", "."))]
-    return [
-        Mistake(str(path), place, "a finite number", f"{cell} (NaN or infinite)")
-        if cell.lstrip("+-").casefold() in ENDLESS
-        else Mistake(str(path), place, "a number", repr(cell) if cell else "an empty cell")
-        for place, cell in bad
-    ] or [Mistake(str(path), f"line {line}", "numbers with a decimal point", ", ".join(row))]
 
 
 def _meant(path: Path, names: Sequence[str]) -> list[tuple[str, float]]:

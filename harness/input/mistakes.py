@@ -84,7 +84,12 @@ def mistakes_of(
 
     `overridden` are the keys that were replaced, by what named them: a mistake there is not the file's.
     """
-    details = [each for each in error.errors(include_url=False) if not _short_by_mistakes(each)]
+    # A list is also told to be too short where pydantic does not count entries that are mistakes themselves.
+    details = [
+        each
+        for each in error.errors(include_url=False)
+        if each["type"] != "too_short" or len(each["input"]) < each["ctx"]["min_length"]
+    ]
     top = {detail["loc"][0]: detail["type"] for detail in details if len(detail["loc"]) == 1}
     other = next((KINDS[key] for key, kind in top.items() if kind == UNKNOWN and key in KINDS), None)
     if other is not None and "missing" in top.values():
@@ -93,9 +98,6 @@ def mistakes_of(
     for detail in details:
         path, _ = _resolve(model, detail["loc"], detail["type"] == UNKNOWN)
         grouped.setdefault(path, []).append(detail)
-    shown = list(grouped.items())[:MOST_MISTAKES]
-    more = len(grouped) - len(shown)
-    rest = [Mistake(where, "", "no mistake", f"{more} more like these")] if more else []
 
     def place(path: tuple[str, ...]) -> str:
         for key, name in (overridden or {}).items():
@@ -104,12 +106,13 @@ def mistakes_of(
         line = _line_of(text, path)
         return f"{where}:{line}" if line else where
 
-    return [*(_mistake(path, details, model, place) for path, details in shown), *rest]
+    shown = [_mistake(path, details, model, place) for path, details in [*grouped.items()][:MOST_MISTAKES]]
+    return [*shown, *unsaid(where, len(grouped) - MOST_MISTAKES)]
 
 
-def _short_by_mistakes(detail: ErrorDetails) -> bool:
-    """Whether a list is only too short as pydantic does not count entries that are mistakes themselves."""
-    return detail["type"] == "too_short" and len(detail["input"]) >= detail["ctx"]["min_length"]
+def unsaid(where: str, more: int) -> list[Mistake]:
+    """How many mistakes there are besides those that are told."""
+    return [Mistake(where, "", "no mistake", f"{more} more like these")] if more > 0 else []
 
 
 def _mistake(

@@ -338,18 +338,14 @@ def fixed_width(
         )
     padded = [_plain(line.rstrip()) for line in lines]
     padded = [line.ljust(-(-len(line) // width) * width) for line in padded]
-    joined = "".join(padded)
-    text = joined[: count * width]
     values = _words(padded, count)
     if values is None:
         # A last line may be filled up with noughts; other numbers are the next block's, or of a line that is there twice.
-        if re.search("[1-9]", joined[count * width :]):
+        if re.search("[1-9]", "".join(padded)[count * width :]):
             advice = "a line is missing, or there twice: download the file again"
             raise mistake(where, what, f"{count} numbers in {len(lines)} lines, as its header says", "more", advice)
-        try:
-            values = _floats(text, [text[i : i + width] for i in range(0, len(text), width)])
-        except ValueError:
-            raise _bad_field(padded, width, where, first_line) from None
+        places = [(i, start) for i, line in enumerate(padded) for start in range(0, len(line), width)][:count]
+        values = np.array([_field(padded[i], start, width, where, first_line + i) for i, start in places])
     return finite(first_of(values, count, where, what), where, what)
 
 
@@ -378,21 +374,17 @@ def _floats(text: str, fields: Sequence[str]) -> NDArray[np.float64]:
         return np.array([fortran(field) for field in fields])
 
 
-def _bad_field(lines: Sequence[str], width: int, where: str, first_line: int) -> InputError:
-    for offset, line in enumerate(lines):
-        for start in range(0, len(line), width):
-            part = line[start : start + width]
-            try:
-                fortran(part)
-            except ValueError:
-                place = f"line {first_line + offset}, column {start + 1}"
-                advice = "the file is damaged, or has lost blanks: take it as it was downloaded"
-                if "\t" in line:
-                    advice = "tabs stand where the network writes blanks: take the file as it was downloaded"
-                return mistake(where, place, f"a number {width} characters wide", repr(part.strip()), advice)
-    return mistake(
-        where, f"line {first_line}", f"numbers {width} characters wide", "something else", "the file is damaged"
-    )
+def _field(line: str, start: int, width: int, where: str, number: int) -> float:
+    """The number in `width` characters of a line; InputError where they hold none."""
+    part = line[start : start + width]
+    try:
+        return fortran(part)
+    except ValueError:
+        place = f"line {number}, column {start + 1}"
+        advice = "the file is damaged, or has lost blanks: take it as it was downloaded"
+        if "\t" in line:
+            advice = "tabs stand where the network writes blanks: take the file as it was downloaded"
+        raise mistake(where, place, f"a number {width} characters wide", repr(part.strip()), advice) from None
 
 
 def finite(values: NDArray[np.float64], where: str, what: str) -> NDArray[np.float64]:
