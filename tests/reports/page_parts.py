@@ -1,9 +1,11 @@
 """Parts of a page's blocks, for tests: the answer, the lines of a section, tables by their caption, pictures."""
 
+import re
 from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
 from reports.blocks import Block, Cell, Drawing, Section, Table, Text, Verdict, walk
+from reports.messages import ENGLISH
 
 B = TypeVar("B")
 
@@ -40,6 +42,18 @@ def rows(blocks: Iterable[Block], caption: str) -> list[list[str]]:
 def cell_text(cell: str | Cell) -> str:
     """What a cell says."""
     return cell if isinstance(cell, str) else cell.text or cell.words or cell.sign
+
+
+def form(key: str) -> re.Pattern[str]:
+    """What a string of the catalogue looks like once its braces are filled, each of them a group of its name.
+
+    No value holds the end of a sentence, nor does the string end within a number.
+    """
+    words = (
+        rf"(?:{part[2]}|{part[3]})" if part[2] else rf"(?P<{part[1]}>(?:(?!\. ).)+?)" if part[1] else re.escape(part[0])
+        for part in re.finditer(r"\{(\w+)(?:\|([^|}]*)\|([^}]*))?\}|[^{]+", ENGLISH.strings[key])
+    )
+    return re.compile("".join(words) + r"(?=\W*(?:\s|$))")
 
 
 def spoken(blocks: Sequence[Block]) -> str:

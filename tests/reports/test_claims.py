@@ -19,13 +19,14 @@ from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.run import has_answer
 from reports.blocks import Block
 from reports.charts.histories import histories_figure
+from reports.messages import ENGLISH
 from reports.pages.conservator import blocks
 from reports.pages.page import write_report
 from reports.source import RunSource, run_source
 from reports.text.wording import run_verdict
 from tests.budgets_reports import LEAN_TOLD, LEAST_MOVES, PUSH_TOLD
 from tests.reports.claim_scenes import HOSTILE, SEEDS, content, write_scene
-from tests.reports.page_parts import answer, pictures, spoken
+from tests.reports.page_parts import answer, form, pictures, spoken
 
 FINE = 300_001
 """Instants of a run of three seconds at which a push is looked for: a hundredth of a millisecond apart."""
@@ -51,7 +52,9 @@ class Told:
         return has_answer(self.source.runs["analytic"])
 
     def words(self, heading: str) -> str:
-        return " ".join(text for item in pictures(self.said) if heading in item.heading for text in item.caption)
+        """The caption below a heading of the catalogue."""
+        drawn = (item for item in pictures(self.said) if item.heading == ENGLISH(heading))
+        return " ".join(text for item in drawn for text in item.caption)
 
     @property
     def text(self) -> str:
@@ -98,16 +101,18 @@ def test_green_is_a_statue_that_stays_upright(told: list[Told]) -> None:
         still = not item.source.record.motion.accel_m_s2
         assert (answer(item.said).tone == "agree") is (item.run.outcome == Outcome.STANDS and still), item.seed
         if item.answers:
-            assert ("stays upright" in answer(item.said).headline) is (item.run.outcome == Outcome.STANDS), item.seed
-            assert ("falls" in answer(item.said).headline) is item.run.outcome.overturned, item.seed
+            assert (ENGLISH("end.stands") in answer(item.said).headline) is (item.run.outcome == Outcome.STANDS), (
+                item.seed
+            )
+            assert (ENGLISH("end.overturns") in answer(item.said).headline) is item.run.outcome.overturned, item.seed
 
 
 def test_a_model_that_holds_a_tipping_pedestal_upright_tells_no_end(told: list[Told]) -> None:
     for item in told:
-        assert ("No model could compute" in answer(item.said).headline) is not item.answers, item.seed
-        assert item.answers or not any(
-            words in item.text for words in ("stays upright.", "leans", "stays put", "does not rock")
-        )
+        assert (ENGLISH("run.none") in answer(item.said).headline) is not item.answers, item.seed
+        told = ("run.leans", "run.leans_past", "run.put", "run.no_rocking")
+        assert item.answers or not any(form(key).search(item.text) for key in told)
+        assert item.answers or f"{ENGLISH('end.stands')}." not in item.text
 
 
 def test_no_shaking_is_said_of_a_still_floor(told: list[Told]) -> None:
@@ -116,9 +121,9 @@ def test_no_shaking_is_said_of_a_still_floor(told: list[Told]) -> None:
         moves = not all(
             isinstance(part, ZeroExcitation) for part in (base_excitation.x, base_excitation.y, base_excitation.z)
         )
-        assert ("In this shaking" in answer(item.said).headline) is moves, item.seed
+        assert (ENGLISH("begin.shaking_alone") in answer(item.said).headline) is moves, item.seed
         lean = abs(math.degrees(item.scene.initial.theta_rad))
-        assert (f"at a lean of {lean:.2g}°" in answer(item.said).headline) is (lean > 0.0), item.seed
+        assert (f" {lean:.2g}°" in answer(item.said).headline) is (lean > 0.0), item.seed
 
 
 def pushes(scene: Scene) -> tuple[float, dict[str, float]]:
@@ -138,7 +143,7 @@ def pushes(scene: Scene) -> tuple[float, dict[str, float]]:
             np.abs(y) * lever / (0.5 * statue.depth_m),
         ]
     )
-    shares = {"the statue tips": float(tips), "the statue slides": float((size / weight).max()) / scene.contact.statue}
+    shares = {"cause_statue_tips": float(tips), "statue_slides": float((size / weight).max()) / scene.contact.statue}
     if scene.pedestal is not None:
         floor = scene.contact.floor_static
         stone, half = scene.pedestal, np.array([[scene.pedestal.width_m], [scene.pedestal.depth_m]]) / 2.0
@@ -148,34 +153,34 @@ def pushes(scene: Scene) -> tuple[float, dict[str, float]]:
         arms = {1: half + middle, -1: half - middle}
         holds = {side: stone.mass_kg * half + statue.mass_kg * arm for side, arm in arms.items()}
         turning = {side: np.max(-side * np.stack([x, y]) * lever / hold / weight) for side, hold in holds.items()}
-        shares["the pedestal tips"] = float(max(turning.values()))
-        shares["the pedestal slides"] = float((size / weight).max()) / floor if floor else math.inf
+        shares["cause_pedestal_tips"] = float(max(turning.values()))
+        shares["pedestal_slides"] = float((size / weight).max()) / floor if floor else math.inf
     return float(size.max()) / g, shares
 
 
 def test_the_strongest_push_is_that_of_the_whole_motion_within_the_run(told: list[Told]) -> None:
     seen = 0
     for item in told:
-        match = re.search(
-            r"pushes with up to (\S+) % of the weight(.*)", item.words("gives way") + item.words("change?")
-        )
+        told = item.words("order.heading") + item.words("order.heading_pedestal")
+        match = form("order.pushes").search(told) or form("order.pushes_rising").search(told)
+        free = form("order.any_push").search(told)
         level = not (
             isinstance(item.scene.base_excitation.x, ZeroExcitation)
             and isinstance(item.scene.base_excitation.y, ZeroExcitation)
         )
-        assert bool(match) is level, item.seed
-        if match is None:
+        assert bool(match or free) is level, item.seed
+        if not level:
             continue
         peak, shares = pushes(item.scene)
-        assert float(match.group(1)) == pytest.approx(100.0 * peak, rel=PUSH_TOLD), item.seed
+        assert float((match or free)["peak"].removesuffix(" %")) == pytest.approx(100.0 * peak, rel=PUSH_TOLD), (
+            item.seed
+        )
         first = max(shares, key=lambda name: shares[name])
-        assert first in match.group(2), (item.seed, shares)
-        times = re.search(r": (\S+) (times|% of) what it takes", match.group(2))
-        if shares[first] > 1e6:
-            assert "Under any push" in match.group(2), item.seed
-        else:
-            assert times is not None, item.seed
-            share = float(times.group(1)) * (1.0 if times.group(2) == "times" else 0.01)
+        assert (match or free)["words"].startswith(ENGLISH(f"order.{first}")), (item.seed, shares)
+        assert bool(free) is (shares[first] > 1e6), item.seed
+        if match is not None:
+            number, unit, *_ = match["times"].split()
+            share = float(number) * (0.01 if unit == "%" else 1.0)
             assert share == pytest.approx(shares[first], rel=PUSH_TOLD), item.seed
         seen += 1
     assert seen >= 25
@@ -224,24 +229,27 @@ def test_leans_and_slips_are_those_of_the_history(told: list[Told]) -> None:
     seen = 0
     for item in (each for each in told if each.answers):
         history, statue = item.source.histories["analytic"], item.scene.statue
-        lean = re.search(r"leans (\S+)°, (?:([\d.]+) % of|past) the", item.text)
+        within = form("run.leans").search(item.text)
+        lean = within or form("run.leans_past").search(item.text)
         assert bool(lean) is (item.run.outcome == Outcome.STANDS and float(np.abs(history.theta_rad).max()) > 1e-5)
         if lean is not None:
             theta = history.theta_rad
             shares = {1: theta.max() / statue.slenderness_rad(1), -1: -theta.min() / statue.slenderness_rad(-1)}
             side = max(shares, key=lambda name: float(shares[name]))
             angle = abs(math.degrees(theta.max() if side > 0 else theta.min()))
-            assert float(lean.group(1)) == pytest.approx(angle, rel=LEAN_TOLD), item.seed
-            if lean.group(2):
+            assert float(lean["degrees"]) == pytest.approx(angle, rel=LEAN_TOLD), item.seed
+            if within:
                 # Below 10 % with a decimal.
-                half = 0.051 if "." in lean.group(2) else 0.51
-                assert float(lean.group(2)) == pytest.approx(100.0 * shares[side], abs=half), item.seed
+                half = 0.051 if "." in within["share"] else 0.51
+                assert float(within["share"]) == pytest.approx(100.0 * shares[side], abs=half), item.seed
             seen += 1
-        slides = re.search(r"slides on the floor by up to (\S+)\u00a0(mm|cm|m)", item.text)
+        slides = form("run.slides").search(item.text)
         if slides is not None:
-            unit = {"m": 1.0, "cm": 0.01, "mm": 0.001}[slides.group(2)]
-            assert float(slides.group(1)) * unit == pytest.approx(item.run.peak_slip_m, rel=LEAN_TOLD), item.seed
-        assert ("stays put" in item.text) is (item.scene.pedestal is not None and item.run.peak_slip_m <= 1e-3)
+            number, unit = slides["length"].split("\u00a0")
+            assert float(number) * {"m": 1.0, "cm": 0.01, "mm": 0.001}[unit] == pytest.approx(
+                item.run.peak_slip_m, rel=LEAN_TOLD
+            ), item.seed
+        assert (ENGLISH("run.put") in item.text) is (item.scene.pedestal is not None and item.run.peak_slip_m <= 1e-3)
     assert seen >= 8
 
 
@@ -255,12 +263,14 @@ def test_the_weakest_side_is_the_one_that_tips_first(told: list[Told]) -> None:
             "front": 0.5 * statue.depth_m,
         }
         least = min(levels.values())
-        match = re.search(r"weakest towards the ([a-z, ]+): there it tips from a push of (\S+) %", item.text)
+        match = form("push.weakest").search(item.text)
         assert match is not None, item.seed
-        named = set(re.findall(r"right|left|back|front", match.group(1)))
+        named = set(re.findall(r"right|left|back|front", match["sides"]))
         assert {name for name, value in levels.items() if value == least} <= named, item.seed
         assert all(levels[name] <= 1.01 * least for name in named), item.seed
-        assert float(match.group(2)) == pytest.approx(100.0 * least / statue.centroid_height_m, rel=LEAN_TOLD)
+        assert float(match["push"].removesuffix(" %")) == pytest.approx(
+            100.0 * least / statue.centroid_height_m, rel=LEAN_TOLD
+        )
 
 
 def test_what_slides_is_said_with_its_own_friction(told: list[Told]) -> None:
@@ -268,11 +278,12 @@ def test_what_slides_is_said_with_its_own_friction(told: list[Told]) -> None:
         contact = item.scene.contact
         push = contact.statue if item.scene.pedestal is None else min(contact.floor_static, contact.statue)
         stone = "pedestal" if item.scene.pedestal is not None and contact.floor_static <= contact.statue else "statue"
-        match = re.search(r"Outside the dashed circle the (\w+) slides from (\S+) % of the weight", item.text)
+        match = form("push.circle").search(item.text)
         assert bool(match) is (push < 1.0), item.seed
         if match is not None:
-            assert match.group(1) == stone, item.seed
-            assert float(match.group(2)) == pytest.approx(100.0 * push, rel=LEAN_TOLD), item.seed
+            slides = form(f"push.{stone}_slides").search(item.text)
+            assert slides, item.seed
+            assert float(slides["pushes"].removesuffix(" %")) == pytest.approx(100.0 * push, rel=LEAN_TOLD), item.seed
 
 
 def test_a_title_reaches_no_page_with_its_control_characters(told: list[Told]) -> None:

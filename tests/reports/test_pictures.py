@@ -97,7 +97,7 @@ def test_panels_stand_in_the_papers_arrangement(table: Path) -> None:
     )
     for panel in record.panels or []:
         wanted = {
-            "name": "θ, on the pedestal (rad)",
+            "name": ENGLISH("chart.panel_pedestal_theta_rad"),
             "model": "pymunk (own impact)",
             "r": panel.restitution,
             "place": place(panel),

@@ -18,7 +18,7 @@ from reports.pages.study_page import study_verdict
 from reports.text.wording import conditions, doubted
 from tests.reports.claim_scenes import content, write_scene
 from tests.reports.invented_study import study as study_record
-from tests.reports.page_parts import answer, pictures
+from tests.reports.page_parts import answer, form, pictures
 
 VARIED = """
 title = "two keys"
@@ -97,12 +97,13 @@ def test_falls_are_counted_in_every_variant_and_colour_the_page(study: tuple[Pat
         falls.setdefault(row.varied["variant"], []).append(fell)
     counts = sorted({sum(each) for each in falls.values()})
     asked = len(next(iter(falls.values())))
-    expected = (
-        f"falls in {counts[0]} of {asked}" if len(counts) == 1 else f"falls in {counts[0]} to {counts[-1]} of {asked}"
-    )
-    assert expected in said.headline
+    told = form("study.falls" if len(counts) == 1 else "study.falls_between").match(said.headline)
+    assert list(map(int, told.groups()[:-1] if len(counts) > 1 else told.groups())) == [
+        *dict.fromkeys((counts[0], counts[-1])),
+        asked,
+    ]
     for variant, each in falls.items():
-        again = f"“{variant}”: it falls in {sum(each)} of {len(each)}"
+        again = ENGLISH("study.by_variant", variant=variant, falls=sum(each), total=len(each), more="").rstrip(".")
         assert any(again in point for point in said.points) is (len(falls) > 1), "of one variant the headline says it"
     left = any(doubted(row.run) for row in record.rows)
     assert (ENGLISH("study.more_outside", count="").strip() in said.headline) is left
@@ -118,10 +119,12 @@ def test_a_shaking_is_called_borne_where_no_model_falls_in_any_variant(study: tu
         ends = levels.setdefault(row.varied["motion.x.amplitude_g"], set())
         ends.add("outside" if doubted(row.run) else row.run.outcome)
     borne = [level for level in levels if all(levels[low] == {"stands"} for low in levels if low <= level)]
-    match = re.search(r"Up to a shaking of (\S+) % of its weight it stood", said)
+    match = form("study.borne").search(said)
     assert bool(match) is bool(borne)
     if match is not None:
-        assert float(match.group(1)) == pytest.approx(100.0 * max(borne))
+        assert float(form("study.level_weight").match(match["level"])["push"].removesuffix(" %")) == pytest.approx(
+            100.0 * max(borne)
+        )
 
 
 def test_the_supports_told_are_those_of_all_cases(study: tuple[Path, Path]) -> None:
@@ -140,17 +143,15 @@ def test_the_supports_told_are_those_of_all_cases(study: tuple[Path, Path]) -> N
         for scene in scenes
     }
     for slip in (min(slips), max(slips)):
-        assert slip >= 1.0 or re.search(rf"slides.* {100.0 * slip:.2g} %", words), slip
-    sent_away = "shown by a study of the statue with and without it" in words
-    assert sent_away is (told.pedestal == [True])
-    assert ("of the statue that varies" in words or "What was varied of it" in words) is bool(told.statue_keys)
+        assert slip >= 1.0 or f" {100.0 * slip:.2g} %" in words, slip
+    assert (ENGLISH("order.study") in words) is (told.pedestal == [True])
+    assert bool(form("push.varied").search(words)) is bool(told.statue_keys)
 
 
 def test_what_the_pedestal_changes_is_told_without_a_frequency_too(study: tuple[Path, Path]) -> None:
     record = study_record(study[1])
     words = " ".join(text for item in pictures(blocks(study[1], record)) for text in item.caption)
-    varied = "pedestal" in record.vary
-    assert ("of these are prevented" in words) is varied
+    assert bool(form("study.saved").search(words)) is ("pedestal" in record.vary)
 
 
 def test_no_warning_of_a_study_leaves_numbers_out(study: tuple[Path, Path]) -> None:

@@ -80,7 +80,7 @@ def test_places_that_were_not_computed_are_pale(figures: dict[str, dict[str, Any
 
 
 def test_one_picture_holds_the_boundary_of_every_model(figures: dict[str, dict[str, Any]]) -> None:
-    picture = next(figure for title, figure in figures.items() if "boundary of each model" in title)
+    picture = figures[ENGLISH("chart.boundaries")]
     for name, least in (("analytic (own)", 8.5), ("pybullet (own)", 9.5)):
         line = part(picture, "borders", name)
         assert line["y"] == line["y2"] == [least] * SIZE

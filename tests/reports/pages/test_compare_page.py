@@ -15,6 +15,7 @@ from reports.charts.curve_figures import compare_figure
 from reports.charts.drawn import svg
 from reports.cli import app
 from reports.cli.ending import WRONG_INPUT, guarded
+from reports.messages import ENGLISH
 from tests import doubles
 
 
@@ -40,12 +41,7 @@ def test_two_files_give_a_record_a_page_and_a_table(files: tuple[Path, Path], tm
     assert record.scores.verdict is Verdict.AGREE
     page = (out / "report.html").read_text(encoding="utf-8")
     assert [each.code for each in record.scores.findings[:1]] == ["pair_agrees"]
-    for text in (
-        *(each.text for each in record.scores.findings),
-        "ratio of the largest rotations",
-        "rotation θ",
-        "slip",
-    ):
+    for text in (*(each.text for each in record.scores.findings), ENGLISH.label("peak_ratio"), "rotation θ", "slip"):
         assert text in page
     assert "Drawing…" not in page  # the chart has its still picture
     assert (read_history(out / "history_b.csv").theta_rad == doubles.rocking().theta_rad).all()

@@ -39,7 +39,7 @@ from reports.text.giving_way import (
 )
 from reports.text.wording import conditions
 from tests.budgets_reports import PUSH, SAMPLED_M, SHADOW_SHARE
-from tests.reports.page_parts import answer, lines, pictures, spoken
+from tests.reports.page_parts import answer, form, lines, pictures, spoken
 from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
 
 JARGON = ("rad", "kHz", "μ", "horizon", "integrat", "slenderness", "restitution", "theta", "θ")
@@ -59,33 +59,26 @@ def test_what_gives_way_first_is_ordered(source: RunSource, record_of: Callable[
     assert every == pytest.approx(
         {"right": 0.0682 / 0.774, "left": 0.3585 / 0.774, "back": 0.36 / 0.774, "front": 0.36 / 0.774}
     )
-    assert "nothing slides before it tips" in " ".join(order_words(bare, support_of(bare), None))
+    assert ENGLISH("order.nothing_slides") in " ".join(order_words(bare, support_of(bare), None))
 
 
 @pytest.mark.parametrize(
-    ("floor", "statue", "words"),
-    [
-        (0.05, 1.0, "pedestal slides before the statue tips"),
-        (0.2, 1.0, "only in part"),
-        (0.6, 1.0, "no protection"),
-        (0.2, 0.06, "slides on its pedestal before anything else"),
-    ],
+    ("floor", "statue", "key"),
+    [(0.05, 1.0, "fuse"), (0.2, 1.0, "part"), (0.6, 1.0, "no_protection"), (0.2, 0.06, "slides_stone")],
 )
 def test_the_pedestal_is_a_fuse_only_where_it_slides_first(
-    source: RunSource, floor: float, statue: float, words: str
+    source: RunSource, floor: float, statue: float, key: str
 ) -> None:
     scene = source.scene
-    assert words in " ".join(order_words(scene, SupportRecord([True], (floor, floor), (statue, statue), []), None))
+    support = SupportRecord([True], (floor, floor), (statue, statue), [])
+    assert ENGLISH(f"order.{key}") in order_words(scene, support, None)
 
 
 def test_a_statue_on_the_floor_may_slide_before_it_tips(record_of: Callable[[str], Any]) -> None:
     scene = record_of("bare").scene
-    for friction, words in (
-        (0.05, "slides on its support before"),
-        (0.2, "tips before it slides"),
-        (0.6, "nothing slides"),
-    ):
-        assert words in " ".join(order_words(scene, SupportRecord([False], None, (friction, friction), []), None))
+    for friction, key in ((0.05, "slides_floor"), (0.2, "weak_floor"), (0.6, "nothing_slides")):
+        support = SupportRecord([False], None, (friction, friction), [])
+        assert ENGLISH(f"order.{key}") in order_words(scene, support, None)
 
 
 def test_a_slender_pedestal_tips_first(source: RunSource) -> None:
@@ -93,16 +86,17 @@ def test_a_slender_pedestal_tips_first(source: RunSource) -> None:
     assert own.pedestal is not None
     scene = replace(own, pedestal=replace(own.pedestal, height_m=3.0))
     support = support_of(scene)
-    assert levels(scene, support)[0].words == "the pedestal tips to the right"
-    assert "The pedestal itself tips, with the statue on it" in " ".join(order_words(scene, support, None))
+    assert levels(scene, support)[0].words == ENGLISH("order.pedestal_tips", side="right")
+    assert ENGLISH("order.stone_first") in " ".join(order_words(scene, support, None))
 
 
 def test_frictions_that_differ_between_situations_are_told_one_by_one(source: RunSource) -> None:
     scene = source.scene
     support = SupportRecord([True], (0.05, 0.6), (1.0, 1.0), [])
-    text = " ".join(order_words(scene, support, None))
-    assert "Where the floor's friction is 5 %: the pedestal slides before the statue tips" in text
-    assert "Where the floor's friction is 60 %: the statue tips before its pedestal slides" in text
+    text = " ".join(order_words(scene, support, None)).lower()
+    for push, key in (("5", "fuse"), ("60", "no_protection")):
+        where = ENGLISH("order.floor_friction", push=f"{push} %")
+        assert ENGLISH("order.case", where=where, meaning=ENGLISH(f"order.{key}")).lower() in text
     assert slips(support) == [(0.05, "pedestal"), (0.6, "pedestal")]
 
 
@@ -136,20 +130,20 @@ def test_directions_are_named_counter_clockwise_from_the_right() -> None:
 
 def test_the_weakest_side_is_told_in_the_scans_own_axes_where_the_scene_turned_it(source: RunSource) -> None:
     scene = source.scene
-    assert "weakest towards the right: there" in weakest_words(scene)
-    assert "scan" not in weakest_words(scene)
+    assert form("push.weakest").search(weakest_words(scene))["sides"] == "right"
+    assert not form("push.turned").search(weakest_words(scene))
     # Turned by 90 degrees counter-clockwise, the scan's own direction of -90 degrees came to lie to the right.
     turned = replace(scene, toml={"statue": {"mesh": {"file": "a.ply", "azimuth_deg": 90.0}}})
     text = weakest_words(turned)
-    assert "turned the scan by 90°" in text
-    assert "towards 270°, counted counter-clockwise from its first level axis" in text
+    assert ENGLISH("push.turned", turn="90") in text
+    assert ENGLISH("push.own", angles="270°") in text
 
 
 def test_two_edges_towards_one_side_are_one_direction_of_the_scan(source: RunSource) -> None:
     scene = replace(source.scene, toml={"statue": {"mesh": {"file": "a.ply", "azimuth_deg": 90.0}}})
     bulged = [[-0.3, -0.3, 0.0], [0.1, -0.3, 0.0], [0.103, 0.0, 0.0], [0.1, 0.3, 0.0], [-0.3, 0.3, 0.0]]
     text = weakest_words(replace(scene, statue=replace(scene.statue, footprint_m=bulged)))
-    assert re.search(r"is towards (269|271)°, counted", text)
+    assert form("push.own").search(text)["angles"] in ("269°", "271°")
 
 
 def test_sides_that_are_equally_weak_are_all_named(source: RunSource) -> None:
@@ -158,8 +152,9 @@ def test_sides_that_are_equally_weak_are_all_named(source: RunSource) -> None:
     square = [[-half, -half, 0.0], [half, -half, 0.0], [half, half, 0.0], [-half, half, 0.0]]
     angles = np.radians(np.arange(0.0, 360.0, 15.0))
     circle = (half * np.column_stack([np.cos(angles), np.sin(angles), 0.0 * angles])).tolist()
-    for feet, words in ((square, "front, right, back and left"), (circle, "as weak towards every side")):
-        assert words in weakest_words(replace(scene, statue=replace(scene.statue, footprint_m=feet)))
+    told = (weakest_words(replace(scene, statue=replace(scene.statue, footprint_m=feet))) for feet in (square, circle))
+    assert form("push.weakest").search(next(told))["sides"] == "front, right, back and left"
+    assert form("push.round").search(next(told))
 
 
 def test_the_free_space_is_that_of_standing_runs_and_falls_are_said(written: Callable[[str], Path]) -> None:
@@ -171,10 +166,10 @@ def test_the_free_space_is_that_of_standing_runs_and_falls_are_said(written: Cal
         for name, item in source.histories.items()
         if name != "pybullet"
     ]
-    assert f"{100 * max(farthest):.3g}\u00a0cm on the right" in text
-    assert "In one of three models it falls" in text
-    assert "the statue may fall: the models disagree" in text
-    assert "It stays upright in two of three models" in text
+    assert ENGLISH("plan.right", length=f"{100 * max(farthest):.3g}\u00a0cm") in text
+    assert ENGLISH("reach.fell_one", total="three") in text
+    assert form("run.may_fall").search(text)
+    assert ENGLISH("run.some", end=ENGLISH("end.stands"), count="two", total="three") in text
     assert not re.search("analytic|pymunk|pybullet", text), "which model says it stands in the engineer's report"
 
 
@@ -249,7 +244,7 @@ def test_a_model_of_space_tells_the_room_all_round(source: RunSource) -> None:
     plan = floor_plan(replace(source, histories={name: moved}), [name])
     assert plan.room_m == pytest.approx({"left": 0.0, "right": 0.0, "front": 0.0, "back": 0.03}, abs=PUSH)
     assert set(floor_plan(source, [name]).room_m) == {"left", "right"}, "a model of a plane knows nothing of the others"
-    assert "For the front and the back nothing is computed" in spoken(of_run(source))
+    assert ENGLISH("plan.planar") in spoken(of_run(source))
 
 
 def test_the_room_holds_every_position_of_a_long_history(source: RunSource) -> None:
@@ -268,11 +263,11 @@ def test_what_remains_before_the_wall_is_said(source: RunSource) -> None:
     """The same on both pages: of the outline that the models move, not of the mesh that is drawn."""
     text, wall = spoken(of_run(source)), source.scene.wall
     (engineers,) = [each.values["left_m"] for each in wording._reach(source) if each.code == "room_to_wall"]
-    assert f"At its farthest lean {ENGLISH.length(engineers)} remain" in text
+    assert ENGLISH("reach.remain", left=ENGLISH.length(engineers)) in text
     assert engineers < 0.99 * wall.distance_m
     (found,) = [each for each in wording._reach(source) if each.code == "room_to_wall"]
     assert "a sinistra: " in language("it").say(found), "the side stood in English"
-    assert "At rest 70\u00a0cm are free between it and the wall" in text
+    assert ENGLISH("reach.free", gap="70\u00a0cm") in text
 
 
 def test_the_room_towards_a_wall_that_is_struck_is_more_than_there_is(source: RunSource) -> None:
@@ -373,7 +368,7 @@ def test_answers_outside_a_model_s_domain_are_told_of_a_study(record_of: Callabl
     ]
     text = spoken(of_study(replace(record, findings=left)))
     assert ENGLISH("study.outside", left=3, cases=12) in text
-    assert "something gives way" not in spoken(of_study(replace(record, findings=[])))
+    assert not form("study.outside").search(spoken(of_study(replace(record, findings=[]))))
     # They are counted in no headline, as on the engineer's page: 0 to 8 of 16 was told beside 0.
     outside = {"left_domain_s": 0.0, "left_domain_by": "statue_slides"}
     own = [row for row in record.rows if row.varied["variant"] == "own impact"]
@@ -389,7 +384,7 @@ def test_answers_outside_a_model_s_domain_are_told_of_a_study(record_of: Callabl
     rows = [lost if row.engine == "analytic" else row for row, lost in zip(own, failed, strict=True)]
     assert answer(of_study(replace(record, rows=rows))).headline == without.headline
     headline = answer(of_study(replace(record, rows=fell))).headline
-    assert headline.startswith("The statue falls in 0 of")
+    assert form("study.falls").match(headline)["falls"] == "0"
     assert headline.endswith(ENGLISH("study.more_outside", count=60))
 
 
@@ -528,7 +523,7 @@ def test_next_to_none_and_next_to_all_have_no_digits(source: RunSource) -> None:
 
 def test_shaking_that_the_plane_leaves_out_is_told_only_of_a_number_without_it(source: RunSource) -> None:
     plane, space = (Assessment(0.0, 0.0, 0.01, 0.9, 10_000, 10_000, plane_only=only) for only in (True, False))
-    missing, how = "to its other sides is not in this number", "how to compute it"
+    missing, how = ENGLISH("chance.plane"), ENGLISH("chance.plane_open")
     for answers, said in (
         ({"analytic": plane}, (True, True)),
         ({"analytic": plane, "spatial": space}, (False, False)),
@@ -738,7 +733,7 @@ def test_a_pedestal_that_one_model_lets_tip_is_not_said_to_stay_put(source: RunS
         )
     }
     put = [
-        "stays put" in spoken(of_run(replace(source, record=replace(source.record, runs=each))))
+        ENGLISH("run.put") in spoken(of_run(replace(source, record=replace(source.record, runs=each))))
         for each in (still, tips)
     ]
     assert put == [True, False]
@@ -762,12 +757,12 @@ def test_a_model_that_holds_upright_a_pedestal_that_tips_gives_no_answer(tmp_pat
         told = run_source(tmp_path / name).record.answer
         assert told.code == ("one_model" if models[1:] else "no_answer")
     alone, beside = map(spoken, said.values())
-    assert alone.startswith("No model could compute what happens")
-    assert "does not rock" not in alone
-    assert "stays put" not in alone + beside
-    assert "Only one computer model gave an answer. One model gave no answer." in beside
-    assert re.search(r"Its pedestal itself tips, with the statue on it, by up to [4-7]\.?\d?°", beside)
+    assert alone.startswith(ENGLISH("run.none"))
+    assert ENGLISH("run.no_rocking") not in alone
+    assert ENGLISH("run.put") not in alone + beside
+    assert f"{ENGLISH('run.answered_one')} {ENGLISH('run.silent_one')}" in beside
+    assert 4.0 <= float(form("run.tips").search(beside)["degrees"]) < 8.0
     # What moves is the pedestal's top, 1.1 m up; what falls with it reaches as far as both are high.
-    room_cm = float(re.search(r"Keep ([\d.]+)\u00a0cm free around its pedestal", beside)[1])
+    room_cm = float(form("todo.slide").search(beside)["length"].removesuffix("\u00a0cm"))
     assert room_cm > 110.0 * math.sin(math.radians(4.0))
     assert ENGLISH("todo.fall", height=ENGLISH.length(2.1)) in beside

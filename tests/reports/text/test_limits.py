@@ -61,12 +61,13 @@ def test_a_fall_is_told_beside_what_was_before(fallen: tuple[Run, History], sour
     )
     rows = dict(limit_rows(fall)["pybullet"])
     until = run.no_return_time_s
-    assert rows["turn about the vertical"] == f"0.0030 rad until {until:.3f} s; with the fall 0.9000 rad"
+    before = ENGLISH("text.before_fall", before="0.0030 rad", until=f"{until:.3f}", whole="0.9000 rad")
+    assert rows[ENGLISH.strings["label.yaw_rad"]] == before
     assert rows["energy gained"] == "9.600 J"
     needed = {**run.validity, "statue_friction_needed": 124.6}
-    for each, said in ((run, "124.6, with the fall"), (replace(run, no_return_time_s=None), "124.6")):
+    for each, said in ((run, ENGLISH("text.with_fall", whole="124.6")), (replace(run, no_return_time_s=None), "124.6")):
         told = replace(fall, record=replace(fall.record, runs={"pybullet": replace(each, validity=needed)}))
-        assert dict(limit_rows(told)["pybullet"])["friction that the statue's pivot needed"] == said
+        assert dict(limit_rows(told)["pybullet"])[ENGLISH.label("statue_friction_needed")] == said
 
 
 def test_engines_of_one_reason_stand_together_with_what_each_left_out_and_saved(source: RunSource) -> None:
@@ -100,7 +101,7 @@ def test_what_was_written_to_bodies_is_one_line() -> None:
         "friction_release": Intervention(steps_again=3),
     }
     ((words, told),) = interventions_row(written, {"lost_in_impacts_j": 13.0})
-    assert words == "written to its bodies"
+    assert words == ENGLISH.label("interventions")
     assert told == (
         "turns about a corner: 4 and onsets of sliding: 3; in all 0 m, 0.25 m/s, 0 rad/s; 2.0 J given and 0 J taken, "
         "where impacts lost 13 J; 3 steps solved again"
