@@ -142,11 +142,8 @@ class Shown(ABC):
 
     def to_xarray(self) -> xarray.Dataset:
         """Its table as a dataset along its index. Raises `InputError` without xarray (the extra [frames])."""
-        columns = dict(self.columns())
-        index = next(iter(columns))
-        along = columns.pop(index)
-        data = {name: (index, values) for name, values in columns.items()}
-        dataset: xarray.Dataset = library("xarray", "to_xarray").Dataset(data, coords={index: along})
+        library("xarray", "to_xarray")
+        dataset: xarray.Dataset = self.to_dataframe().to_xarray()
         return dataset
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from analytic.block import OVERTURN_RAD as OVERTURN_RAD
+from analytic.block import rotation_matrices
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Axes, Finding, Shown, new_axes
@@ -291,10 +292,7 @@ class Pose:
     @property
     def rotation(self) -> Array:
         """The rotation (3, 3) from the body's axes to the table's."""
-        w, x, y, z = self.quaternion_wxyz
-        v = np.array([x, y, z])
-        cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-        return np.asarray((w * w - v @ v) * np.eye(3) + 2.0 * np.outer(v, v) + 2.0 * w * cross)
+        return np.asarray(rotation_matrices(np.array([self.quaternion_wxyz]))[0])
 
     @property
     def in_plane(self) -> bool:
