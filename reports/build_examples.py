@@ -111,11 +111,12 @@ def main() -> int:
         pool.run(example, known.items(), done)
         mapped = trust_map(pool)
     assert isinstance(record, StudyRecord)
+    assert record.usage is not None
     pages = [write_report(OUT / STUDY), write_report(OUT / MAP), *(OUT / name / "report.html" for name in answers)]
     write_checked(OUT / CHECKED, ENGLISH.say)
     pages.append(write_report(OUT / CHECKED))
     seconds = time.perf_counter() - start
-    busy_s = sum([*record.engine_seconds.values(), *(each.seconds for each in answers.values()), mapped.summary.cpu_s])
+    busy_s = record.usage.busy_s + sum(answer.seconds for answer in answers.values()) + mapped.summary.cpu_s
     busy = f"{pool.workers} workers {100.0 * busy_s / (seconds * pool.workers):.0f} % busy"
     texts = [str(answer.record["text"]) for answer in answers.values()]
     print("\n".join([*record_lines(record), *texts, *record_lines(mapped)]))

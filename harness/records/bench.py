@@ -134,6 +134,9 @@ class BenchRecord(Record):
     title: str = "Run time against error"
     command: str = "rockcheck bench"
     target_rad: float
+    clock: str = (
+        "cpu_s: processor time of the process (single-threaded runs); wall_s: by the clock; both best of several"
+    )
     rows: Sequence[PrecisionRow] = ()
     absent: Mapping[str, str] = field(default_factory=dict)
     choice: Sequence[LevelChoice] = ()

@@ -171,6 +171,7 @@ class EffectsRecord(Record):
     file: str
     scene: SceneRecord
     study: AskedRecord
+    unit_g: float
     replay: ReplayRecord | None
     summary: EffectsSummary
     seconds: float

@@ -56,6 +56,13 @@ class StatueRecord:
         return self.slenderness_right_rad if side > 0 else self.slenderness_left_rad
 
 
+@dataclass(frozen=True)
+class WallRecord(Wall):
+    """The wall, and the |θ| at which the statue first touches it (None: never below flat)."""
+
+    touching_rotation_rad: float | None
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SceneRecord:
     """The resolved scene; `file` names the scene file, `toml` is its content as read."""
@@ -68,7 +75,7 @@ class SceneRecord:
     statue: StatueRecord
     pedestal: Pedestal | None
     contact: Contact
-    wall: Wall | None
+    wall: WallRecord | None
     initial: Initial
     table: Literal["frame", "moving"]
     output_dt_s: float
@@ -77,7 +84,7 @@ class SceneRecord:
     @classmethod
     def of(cls, scene: Scene) -> SceneRecord:
         """The record of a scene, without its mesh."""
-        statue = scene.statue
+        statue, wall = scene.statue, scene.wall
         size = None if statue.solid is None else MeshSize(len(statue.solid.vertices_m), len(statue.solid.faces))
         slender = {
             "slenderness_left_rad": statue.slenderness_rad(-1),
@@ -90,6 +97,7 @@ class SceneRecord:
             "file": None if scene.source is None else scene.source.name,
             "model": scene.form,
             "statue": StatueRecord(**same_fields(StatueRecord, statue) | arrays | slender | {"mesh": size}),
+            "wall": None if wall is None else WallRecord(wall.side, wall.distance_m, scene.wall_rotation_rad),
             "toml": scene.given,
         }
         return cls(**same_fields(cls, scene) | own)

@@ -123,6 +123,19 @@ class StudySummary:
     failed: int = 0
 
 
+@dataclass(frozen=True, kw_only=True)
+class UsageRecord:
+    """Where the seconds of a study went (`harness.runs.execute.Campaign.usage`)."""
+
+    workers: int
+    runs: int
+    wall_s: float
+    busy_s: float
+    own_s: float
+    utilisation: float | None
+    overhead_s_per_run: float | None
+
+
 @dataclass(frozen=True)
 class RecheckRecord:
     """How the cases that were left out came out where a random share of them was run after all: how many `differ` from the
@@ -197,6 +210,7 @@ class StudyRecord(Record, Shown):
     vary: Mapping[str, Sequence[Value]]
     supports: SupportRecord | None = field(default=None, metadata=OMITTED)
     summary: StudySummary
+    usage: UsageRecord | None = field(default=None, metadata=OMITTED)
     seconds: float
     engine_seconds: Mapping[str, float]
     scores: Mapping[str, SetScores] | None = field(default=None, metadata=OMITTED)

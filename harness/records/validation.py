@@ -200,6 +200,16 @@ class ProbabilityScores:
 
 
 @dataclass(frozen=True)
+class IntensityClass:
+    """The share of tests predicted right in one class of PGV."""
+
+    pgv_from_m_s: float
+    pgv_to_m_s: float
+    tests: int
+    accuracy: Interval | None
+
+
+@dataclass(frozen=True)
 class ContourLine:
     """PGA in g at which half of the tests fall, by PGV/PGA in s."""
 
@@ -298,6 +308,7 @@ class ModelRecord(Curves):
     outcomes: OutcomeScores
     by_probability: FallScores | None
     probability: ProbabilityScores
+    by_intensity: Sequence[IntensityClass]
     by_body: Sequence[BodyScores] = ()
     engine: str
     accuracy_rad: float | None
@@ -311,9 +322,12 @@ class ModelRecord(Curves):
 class BaselineRecord:
     """What needs no model: each body's threshold on PGV (`threshold_m_s`: of all together), the probability by PGV alone."""
 
+    rule: str
     threshold_m_s: float
+    fitted_on: str
     outcomes: FallScores
     probability: ProbabilityScores
+    by_intensity: Sequence[IntensityClass]
     threshold_by_body_m_s: Mapping[str, float] = field(default_factory=dict)
 
 

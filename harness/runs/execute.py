@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import statistics
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
@@ -16,7 +17,7 @@ from harness.model.errors import InputError, Mistake
 from harness.model.run import NUMBERS
 from harness.model.run_set import Column, RunSet, run_set
 from harness.records.base import Plain
-from harness.records.study import impacts
+from harness.records.study import UsageRecord, impacts
 from harness.runs.runner import Crash, DaskPool, InlinePool, LocalPool, Pool
 from harness.runs.store import MEMORY, Packed, Store, packed
 from harness.runs.task import RunRequest, Task
@@ -96,20 +97,24 @@ def numbers_of(records: Sequence[Mapping[str, Any]]) -> dict[str, Column]:
 
 @dataclass(frozen=True)
 class Finished:
-    """What a worker gives back: an answer for each task, packed, and how many runs failed."""
+    """What a worker gives back: an answer for each task, packed, and seconds: all, and each task's overhead."""
 
     answers: Sequence[Packed]
     failed: int
+    busy_s: float
+    outside_s: Sequence[float]
 
 
 def compute(batch: Sequence[Task]) -> Finished:
     """What a worker does: each task of a batch, and its answer packed."""
-    failed, answers = 0, []
+    begin, failed, answers, outside_s = time.perf_counter(), 0, [], []
     for task in batch:
+        start = time.perf_counter()
         answer = task.work(task.argument)
         failed += answer.failed
         answers.append(packed(task.key, answer))
-    return Finished(answers, failed)
+        outside_s.append(time.perf_counter() - start - answer.inside_s)
+    return Finished(answers, failed, time.perf_counter() - begin, outside_s)
 
 
 def batches(tasks: Iterable[Task], sizes: Mapping[str, int], otherwise: int = 1) -> Iterator[tuple[Task, ...]]:
@@ -147,6 +152,9 @@ class Campaign:
         self.reused: dict[str, int] = {}
         self.computed = self.failed = 0
         self._asked: dict[str, None] = {}
+        self._busy_s = 0.0
+        self._outside_s: list[float] = []
+        self._begin = time.perf_counter(), time.process_time()
 
     def ask(self, tasks: Sequence[Task]) -> list[Plain | None]:
         """The records of the tasks' results in their order, those that the store lacks computed; None where a worker died."""
@@ -206,7 +214,27 @@ class Campaign:
         self.computed += runs
         self._told += runs * (batch[0].group not in self._free)
         self.failed += result.failed
+        self._busy_s += result.busy_s
+        self._outside_s += [seconds / task.runs for task, seconds in zip(batch, result.outside_s, strict=False)]
         self._say_progress()
+
+    def usage(self) -> UsageRecord:
+        """Seconds of this call until now: of the clock, of all workers at work, of this process's processor, outside engines.
+
+        `overhead_s_per_run` is planning, sending, packing and storing: this process's time by the run, and the median run's
+        outside its engine. The median leaves out what a worker does once, such as loading the statue's mesh.
+        """
+        wall_s, own_s = time.perf_counter() - self._begin[0], time.process_time() - self._begin[1]
+        runs, workers, outside = self.computed, self._pool.workers, self._outside_s
+        return UsageRecord(
+            workers=workers,
+            runs=runs,
+            wall_s=wall_s,
+            busy_s=self._busy_s,
+            own_s=own_s,
+            utilisation=self._busy_s / (wall_s * workers) if runs else None,
+            overhead_s_per_run=own_s / runs + statistics.median(outside) if outside else None,
+        )
 
     def _say_progress(self) -> None:
         self._on_progress(self._told, max(self._expected, self._told))
@@ -216,5 +244,5 @@ def _lost(task: Task, crash: Crash) -> Finished:
     """What a task gives whose worker died."""
     answer = task.lost(task.argument, crash)
     if answer is None:
-        return Finished((), task.runs)
-    return Finished([packed(task.key, answer)], 1)
+        return Finished((), task.runs, 0.0, ())
+    return Finished([packed(task.key, answer)], 1, 0.0, ())

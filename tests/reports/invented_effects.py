@@ -70,6 +70,7 @@ def effects_record() -> EffectsRecord:
         departures=[departure],
         effects=effects(rows, [name]),
         left_out={"base planed flat": "the base is flat"},
+        unit_g=0.3,
         replay=None,
         summary=EffectsSummary(4, 8, 0, 72, 0, 1.0),
         versions=versions(),

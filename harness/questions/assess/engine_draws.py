@@ -195,4 +195,4 @@ def overturns(drawn: RunRequest) -> TaskResult:
     seconds, failed = time.perf_counter() - begin, run is None or run.outcome.failed
     touches = run is not None and run.outcome is Outcome.TOUCHES_WALL
     ended = {"overturned": fell, "reach_m": reached, "touches_wall": touches}
-    return TaskResult(OUTCOME, ended, seconds, failed=failed)
+    return TaskResult(OUTCOME, ended, seconds, inside_s=seconds, failed=failed)

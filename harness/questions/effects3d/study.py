@@ -303,6 +303,7 @@ def run_file(
         scene=SceneRecord.of(scene),
         findings=[scan_directions(scene), *scene.findings],
         study=part(AskedRecord, study.model_dump(), path),
+        unit_g=peak_g(scene),
         replay=write_replay(scene, answers["rows"], answers["departures"], study.search.dt_s, folder / REPLAY),
         summary=EffectsSummary(study.directions, *counts),
         versions=record.versions(),

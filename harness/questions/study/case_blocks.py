@@ -169,7 +169,7 @@ def run_block(block: CaseBlock) -> TaskResult:
     outcomes = Counter(table["outcome"].tolist())
     record = {"settings": runs.settings, "varied": list(varied), "outcomes": outcomes}
     seconds = time.perf_counter() - begin
-    return TaskResult(KIND, to_plain(record), seconds, failed=runs.failed, table=table)
+    return TaskResult(KIND, to_plain(record), seconds, inside_s=runs.inside_s, failed=runs.failed, table=table)
 
 
 class SweptRuns:
@@ -184,6 +184,7 @@ class SweptRuns:
         self._gathered: list[Shaken] = []
         self._samples = 0
         self._parts: list[Columns] = []
+        self.inside_s = 0.0
         self.failed = 0
 
     def add(self, place: int, setting: Mapping[str, Value]) -> None:
@@ -214,7 +215,9 @@ class SweptRuns:
         """Run what was gathered in two sweeps."""
         if not self._gathered:
             return
+        start = time.perf_counter()
         self._parts.append(swept(self._gathered))
+        self.inside_s += time.perf_counter() - start
         self._gathered, self._samples = [], 0
 
     def _run_single(self, place: int, setting: Mapping[str, Value]) -> None:

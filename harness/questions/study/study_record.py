@@ -27,7 +27,8 @@ from harness.questions.study.cases import BaseScene, base_of, expand
 from harness.questions.study.claims import WALL_RAD, energy_lost_j, last_impact_s
 from harness.questions.study.ensembles import score_sets
 from harness.questions.study.file import StudyFile
-from harness.questions.study.study_run import study_name
+from harness.questions.study.study_run import Summary, study_name
+from harness.records.base import same_fields
 from harness.records.run import PLAIN, in_domain
 from harness.records.scene import SceneRecord
 from harness.records.study import (
@@ -80,6 +81,8 @@ def findings_of(record: StudyRecord) -> list[Finding]:
         found.append(caution("rechecked", **values) if record.audit.differ else info("rechecked", **values))
     found += [] if record.table is None else [_columns(record.table)]
     found += [] if record.witness is None else _witness(record.witness)
+    if record.usage is not None and record.usage.utilisation is not None:
+        found.append(info("study_usage", **vars(record.usage)))
     return found
 
 
@@ -229,7 +232,7 @@ def study_record(
     study: StudyFile,
     path: Path,
     store: Store,
-    summary: StudySummary,
+    summary: Summary,
     seconds: float,
     witness: StudyWitness | None = None,
 ) -> StudyRecord:
@@ -251,7 +254,8 @@ def study_record(
             for item in study.vary
         },
         supports=supports(study, base, sorted({row.number for row in rows})),
-        summary=summary,
+        summary=StudySummary(**same_fields(StudySummary, summary)),
+        usage=summary.usage,
         seconds=seconds,
         engine_seconds=store.engine_seconds(name),
         scores=score_sets(rows, history=store.history),

@@ -12,7 +12,7 @@ import math
 import random
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
@@ -33,7 +33,7 @@ from harness.questions.study.cases import BaseScene, Case, base_of, expand
 from harness.questions.study.file import StudyFile, Value
 from harness.records.base import part
 from harness.records.run import PLAIN, Witness
-from harness.records.study import CaseRun, StudySummary, StudyWitness, WitnessCount
+from harness.records.study import CaseRun, StudySummary, StudyWitness, UsageRecord, WitnessCount
 from harness.runs.execute import Campaign, OnProgress, execute, silent
 from harness.runs.runner import Pool
 from harness.runs.store import Store
@@ -44,6 +44,13 @@ BATCH: Final = {"analytic": 64}
 PlanRow = tuple[int, str, str | None, str, Mapping[str, Value]]
 
 
+@dataclass(frozen=True, kw_only=True)
+class Summary(StudySummary):
+    """What a call of a study did, and where its seconds went."""
+
+    usage: UsageRecord
+
+
 def run_study(
     study: StudyFile,
     path: Path,
@@ -52,7 +59,7 @@ def run_study(
     on_progress: OnProgress = silent,
     *,
     singly: bool = False,
-) -> StudySummary:
+) -> Summary:
     """Run what the study asks and the store does not hold; `on_progress(done, all)` hears of progress.
 
     The analytic model runs first where the question needs its answers, then the others in as many rounds as it takes. Every
@@ -70,7 +77,7 @@ def run_study(
     return plan.summary(campaign)
 
 
-def _run_blocks(study: StudyFile, base: BaseScene, store: Store, campaign: Campaign) -> StudySummary:
+def _run_blocks(study: StudyFile, base: BaseScene, store: Store, campaign: Campaign) -> Summary:
     """Run a study of very many cases block by block: to know which are the same by their physics would take as long."""
     tasks = list(block_tasks(study, base))
     campaign.run(tasks, study.runs)
@@ -82,8 +89,8 @@ def _run_blocks(study: StudyFile, base: BaseScene, store: Store, campaign: Campa
     return _summary(campaign, **asked, found=study.runs - campaign.computed)
 
 
-def _summary(campaign: Campaign, **counts: int) -> StudySummary:
-    return StudySummary(**counts, computed=campaign.computed, failed=campaign.failed)
+def _summary(campaign: Campaign, **counts: int) -> Summary:
+    return Summary(**counts, computed=campaign.computed, failed=campaign.failed, usage=campaign.usage())
 
 
 def study_name(study: StudyFile) -> str:
@@ -176,7 +183,7 @@ class StudyPlan:
                 key, reason = self._known[case.number, engine]
                 yield case.number, engine, key, reason, {"variant": case.variant, **case.varied}
 
-    def summary(self, campaign: Campaign) -> StudySummary:
+    def summary(self, campaign: Campaign) -> Summary:
         """How many cases, runs wanted, distinct ones and those not sent to an engine, and what a campaign did of them."""
         keys = [key for key, _ in self._known.values() if key is not None]
         cases, wanted = len({number for number, _ in self._known}), len(keys)

@@ -133,22 +133,23 @@ def _made(trial: Trial, variant: TrialVariant, seed: int) -> Any:
 
 def run_draws(wanted: Sequence[RunRequest]) -> TaskResult:
     """Run each for its outcome and peak."""
-    begin, options = time.perf_counter(), RunOptions(history=False, stated=False)
-    runs = [
-        simulate(each.made(), each.engine, accuracy_rad=each.accuracy_rad, dt_s=each.dt_s, options=options)
-        for each in wanted
-    ]
-    return _drawn(runs, time.perf_counter() - begin)
+    begin, inside_s, runs = time.perf_counter(), 0.0, []
+    options = RunOptions(history=False, stated=False)
+    for each in wanted:
+        scene, start = each.made(), time.perf_counter()
+        runs.append(simulate(scene, each.engine, accuracy_rad=each.accuracy_rad, dt_s=each.dt_s, options=options))
+        inside_s += time.perf_counter() - start
+    return _drawn(runs, time.perf_counter() - begin, inside_s)
 
 
 def lost_draws(wanted: Sequence[RunRequest], crash: Crash) -> TaskResult:
     """The answer of draws whose worker died or hung."""
-    return _drawn([lost_run(each.engine, crash) for each in wanted], 0.0)
+    return _drawn([lost_run(each.engine, crash) for each in wanted], 0.0, 0.0)
 
 
-def _drawn(runs: Sequence[record.Run], seconds: float) -> TaskResult:
+def _drawn(runs: Sequence[record.Run], seconds: float, inside_s: float) -> TaskResult:
     kept: dict[str, JsonValue] = {
         "outcome": [each.outcome.value for each in runs],
         "peak_theta_rad": [each.peak_theta_rad for each in runs],
     }
-    return TaskResult(DRAWS, kept, seconds, failed=sum(each.outcome.failed for each in runs))
+    return TaskResult(DRAWS, kept, seconds, inside_s=inside_s, failed=sum(each.outcome.failed for each in runs))

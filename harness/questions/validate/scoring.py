@@ -39,6 +39,7 @@ from harness.records.validation import (
     ContourRecord,
     Curves,
     FallScores,
+    IntensityClass,
     MeasuredHistory,
     ModelRecord,
     PairScores,
@@ -46,6 +47,8 @@ from harness.records.validation import (
     Repeats,
 )
 
+BINS: Final = 3
+"""Intensity classes of equal numbers of tests: weak, middle, strong."""
 LIKELIER: Final = 0.5
 """From this probability on a fall is the likelier outcome."""
 JOINT_DRAWS: Final = 2000
@@ -163,6 +166,7 @@ def score_model(
         outcomes=score_outcomes(list(cases.values())),
         by_probability=_of_falls([p >= LIKELIER for p in sure.values()], seen) if samples else None,
         probability=replace(score_probabilities(list(sure.values()), seen, possible), samples=samples),
+        by_intensity=by_intensity(scored, intensities, lambda trial: _right(cases[trial.name])),
         by_body=_by_body(scored, cases, sure if samples else {}),
         **vars(drawn),
     )
@@ -246,6 +250,21 @@ def _right(case: Prediction) -> bool | None:
     return None if not case.decided or case.within_uncertainty else case.predicted.overturned == case.fell
 
 
+def by_intensity(
+    trials: Sequence[Trial], intensities: Mapping[str, Intensity], right: Callable[[Trial], bool | None]
+) -> list[IntensityClass]:
+    """Accuracy in classes of PGV of equal size; tests of which nothing is known (None) are left out."""
+    ordered = sorted(trials, key=lambda trial: intensities[trial.name].pgv_m_s)
+    classes = []
+    for part in np.array_split(np.arange(len(ordered)), BINS):
+        group = [ordered[int(i)] for i in part]
+        if group:
+            known = [verdict for trial in group if (verdict := right(trial)) is not None]
+            low, high = (intensities[trial.name].pgv_m_s for trial in (group[0], group[-1]))
+            classes.append(IntensityClass(low, high, len(group), wilson(sum(known), len(known))))
+    return classes
+
+
 def curves(
     trials: Sequence[Trial], intensities: Mapping[str, Intensity], fell: Callable[[Trial], bool | None]
 ) -> Curves:
@@ -273,6 +292,7 @@ def score_baseline(
     learn from takes those of all bodies.
     """
     taught = fitted_on or scored
+    apart = bool(fitted_on)
     predicted, likely = [], []
     for trial in scored:
         others = [each for each in taught if each is not trial] or [trial]
@@ -282,11 +302,15 @@ def score_baseline(
         predicted.append(bool(strength >= best_threshold(pgv, fell)))
         likely.append(float(chances(pgv, fell, [strength])[0]))
     seen = [trial.fell for trial in scored]
+    right = {trial.name: said == trial.fell for trial, said in zip(scored, predicted, strict=True)}
     by_body = {trial.body: [each for each in taught if each.body == trial.body] for trial in scored}
     return BaselineRecord(
+        rule="overturns when PGV reaches its body's threshold",
         threshold_m_s=best_threshold(*_intensity_and_fall(taught, intensities)),
+        fitted_on="the named share" if apart else "all tests but the one that is predicted",
         outcomes=_of_falls(predicted, seen),
         probability=score_probabilities(likely, seen),
+        by_intensity=by_intensity(scored, intensities, lambda trial: right[trial.name]),
         threshold_by_body_m_s={
             Path(body).name: best_threshold(*_intensity_and_fall(own, intensities))
             for body, own in by_body.items()

@@ -17,14 +17,14 @@ from harness.questions.study.case_blocks import study_rows
 from harness.questions.study.case_selection import recheck
 from harness.questions.study.cases import BaseScene, base_of, expand
 from harness.questions.study.file import load_study
-from harness.questions.study.study_run import run_study, study_name
-from harness.records.study import StudySummary, impacts
+from harness.questions.study.study_run import Summary, run_study, study_name
+from harness.records.study import impacts
 from harness.runs.runner import Done, InlinePool, LocalPool, Pool, Work
 from harness.runs.store import Packed, Store
 from tests.harness.questions.study.small_study import STUDY, contents, written
 
 
-def compute(path: Path, store_path: Path, pool: Pool | None = None) -> StudySummary:
+def compute(path: Path, store_path: Path, pool: Pool | None = None) -> Summary:
     study = load_study(path)
     with Store(store_path) as store:
         return run_study(study, path, store, pool or InlinePool())
@@ -151,6 +151,10 @@ def test_the_work_around_a_run_is_counted(tmp_path: Path, monkeypatch: pytest.Mo
     assert len(resolved) == cases + runs
     assert written_ == [64, 36]
     assert pool.tasks == 2
+    usage = vars(done.usage)
+    assert usage["runs"] == runs
+    assert 0.0 < usage["busy_s"] <= usage["wall_s"]
+    assert 0.0 < usage["utilisation"] <= 1.0
 
 
 def test_an_outcome_in_a_study_is_that_of_a_run_alone(tmp_path: Path) -> None:

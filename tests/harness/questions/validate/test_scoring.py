@@ -34,6 +34,7 @@ from harness.questions.validate.scenes import GRAVITY_M_S2, Intensity, TrialVari
 from harness.questions.validate.scoring import (
     ModelAnswers,
     best_threshold,
+    by_intensity,
     case_of,
     chances,
     contour,
@@ -286,6 +287,18 @@ def test_a_stand_is_held_against_the_balance_angle_of_the_side_that_it_leans_to(
         assert case_of(trial("t", False), TrialVariant(Inputs()), run).within_uncertainty is flips
 
 
+def test_classes_of_intensity_are_of_equal_size() -> None:
+    trials = [trial(f"t{k}", k > 4) for k in range(9)]
+    shaking = {each.name: Intensity(0.1, 0.1 * (k + 1)) for k, each in enumerate(trials)}
+    found = by_intensity(trials, shaking, lambda each: each.name != "t4")
+    assert [(row.tests, row.accuracy and row.accuracy.value) for row in found] == [
+        (3, 1.0),
+        (3, pytest.approx(2 / 3)),
+        (3, 1.0),
+    ]
+    assert found[0].pgv_to_m_s < found[1].pgv_from_m_s
+
+
 def test_a_model_is_scored_whole() -> None:
     trials = [trial(f"t{k}", k >= 6) for k in range(12)]
     # One wrong of twelve: the strongest that stood is said to fall, in half of its runs.
@@ -320,7 +333,9 @@ def test_the_baseline_is_fitted_on_its_share_or_on_the_others() -> None:
     apart = score_baseline(trials[::2], trials[1::2], shaking)
     assert apart.threshold_m_s == pytest.approx(0.6)
     assert apart.outcomes.accuracy.value == 1.0
+    assert {row.accuracy.value for row in apart.by_intensity if row.tests} == {1.0}
     alone = score_baseline([], trials, shaking)
+    assert "all tests but" in alone.fitted_on
     # Left out, the weakest that fell leaves a threshold halfway between 0.59 and 0.8, just below its 0.7.
     assert alone.outcomes.accuracy.value == 1.0
 
