@@ -46,7 +46,7 @@ WITHIN_HULL_M = 1e-9
 """Corners of a part against the planes of the statue's hull: rounding of the exact cut and of the hull's own planes."""
 
 PARTS_MISSING_REL = 0.02
-"""Twice the 1 % of a scan's volume that 3000 triangles and 64 corners a part leave out (`tests.measures.pybullet_shapes`)."""
+"""Twice the 1 % of a scan's volume that 3000 triangles and 64 corners a part leave out (`tests.measures.exact_shapes`)."""
 
 BOXES_REL = 2e-3
 """Three boxes are three convex parts; CoACD cuts within a hundredth of the body's size of their seams: 1.4e-3 measured."""

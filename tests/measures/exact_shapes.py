@@ -1,14 +1,15 @@
 """What hull and convex parts of a statue are, and where they touch, by exact geometry.
 
-`python -m tests.measures.exact_shapes` prints what they leave out or add, `tests.measures.pybullet_shapes`
-what they change.
+`python -m tests.measures.exact_shapes [STATUE...]` prints what they leave out or add, and when they meet a wall and an edge: of
+the generated statues, and of the scans of the data folder where it is present.
 """
 
 from __future__ import annotations
 
 import math
+import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -17,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
+from harness.input import paths
 from meshes import Solid
-from meshes.collision import hull_excess_rel, thinned
+from meshes.collision import thinned
 from meshes.decomposition import Parts, decompose, parts_of
 from meshes.prepare import Wanted, prepare
 from tests.meshes import toadstool, togatus
@@ -43,7 +45,16 @@ GRID: Final = 61
 ANGLE_RAD: Final = 1e-4
 LEAST_M3: Final = 1e-9
 """Two bodies that share less than this only touch."""
-SAMPLES: Final = 200_000
+UNDER_THE_CAP_M: Final = 0.45
+BESIDE_M: Final = 0.15
+"""How far the pedestal's edge lies beside the base; under the toadstool's cap further, so that the cap can meet it."""
+SHAPES_HEAD: Final = (
+    "| statue | hull: vertices, adds | parts: number, vertices, add, leave out | made |\n|---|---|---|---|"
+)
+CONTACT_HEAD: Final = (
+    "| statue | meets a wall 0.05 m beside it at: mesh, hull, parts, rad | edge beside the corner"
+    " | meets it at: mesh, hull, parts, rad |\n|---|---|---|---|"
+)
 
 
 def statues(scans: Path) -> Iterator[tuple[str, Solid]]:
@@ -94,46 +105,22 @@ class Bodies:
         return cls(mesh, Manifold.hull_points(np.array(solid.vertices_m)), union)
 
 
-def shape_row(name: str, solid: Solid, below_m: float) -> str:
-    """What hull and parts of a statue are made of, cost and add; `below_m` is the highest that an edge can meet."""
+def shape_row(name: str, solid: Solid) -> str:
+    """What hull and parts of a statue are made of, cost and add."""
     begin = time.process_time()
     parts = decompose(solid)
     made = time.process_time() - begin
-    parts_of(solid)
-    parts_of.cache_clear()
-    begin = time.process_time()
-    parts_of(solid)
-    again_s = time.process_time() - begin
     bodies = Bodies.of(solid, parts)
     corners = len(bodies.hull.to_mesh64().vert_properties)
     whole = 100.0 * (bodies.hull.volume() / bodies.mesh.volume() - 1.0)
-    below = 100.0 * hull_excess_rel(solid, below_m)
-    out = [1e3 * standing_out_m(body, bodies.mesh, below_m) for body in (bodies.hull, bodies.parts)]
     more, less = 100.0 * parts.excess_rel, 100.0 * parts.missing_rel
-    return (
-        f"| {name} | {corners} | {len(parts.parts)}, {parts.vertices} | {made:.1f}, {again_s:.3f} s |"
-        f" +{whole:.0f}, +{below:.0f} % | +{more:.1f}, −{less:.1f} % | {out[0]:.0f}, {out[1]:.0f} mm |"
-    )
+    found = f"{len(parts.parts)}, {parts.vertices}, +{more:.1f}, −{less:.1f} %"
+    return f"| {name} | {corners}, +{whole:.0f} % | {found} | {made:.1f} s |"
 
 
-def standing_out_m(body: Any, mesh: Any, below_m: float) -> float:
-    """How far a body stands out of the mesh at most below a height, m, by random points of both surfaces."""
-    from scipy.spatial import KDTree
-
-    outside = (body - mesh).trim_by_plane((0.0, 0.0, -1.0), -below_m)
-    return 0.0 if outside.is_empty() else float(np.max(KDTree(_sampled(mesh)).query(_sampled(outside))[0]))
-
-
-def _sampled(body: Any) -> Array:
-    import trimesh
-
-    made = body.to_mesh64()
-    surface = trimesh.Trimesh(made.vert_properties[:, :3], made.tri_verts, process=False)
-    return np.asarray(trimesh.sample.sample_surface(surface, SAMPLES, seed=0)[0])
-
-
-def contact_row(name: str, solid: Solid, beside_m: float) -> str:
+def contact_row(name: str, solid: Solid) -> str:
     """When mesh, hull and parts meet a wall and the pedestal's edge as the statue turns about its right corner, rad."""
+    beside_m = UNDER_THE_CAP_M if name.startswith("toadstool") else BESIDE_M
     bodies = Bodies.of(solid, parts_of(solid))
     three = (bodies.mesh, bodies.hull, bodies.parts)
     wall_m = float(solid.section_m[:, 0].max()) - solid.corner_right_m + WALL_M
@@ -179,5 +166,16 @@ def _first(met: Callable[[float], bool]) -> float:
     return math.inf
 
 
+def main(names: Sequence[str]) -> None:
+    """Print the tables, of the named statues or all."""
+    solids = [each for each in statues(paths.data_folder() / "meshes") if not names or each[0] in names]
+    for table in (
+        budgets(),
+        (SHAPES_HEAD, *(shape_row(*each) for each in solids)),
+        (CONTACT_HEAD, *(contact_row(*each) for each in solids)),
+    ):
+        print(*table, sep="\n", end="\n\n")
+
+
 if __name__ == "__main__":
-    print("\n".join(budgets()))
+    main(sys.argv[1:])
