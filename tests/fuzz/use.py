@@ -21,18 +21,14 @@ from unittest.mock import patch
 
 from typer.testing import CliRunner
 
-from harness.accuracy.simulation import simulate
-from harness.input.history_file import read_history
+from harness import InputError, Mistake, Scene, load_scene, read_history, simulate
 from harness.input.motions import readers
 from harness.input.motions.inspect import inspect_file
 from harness.input.motions.readers import read_record
-from harness.input.scene_file import load_scene
 from harness.input.tables import read_model
 from harness.input.text_file import decoded
-from harness.model.errors import InputError, Mistake
 from harness.model.history import history_file
 from harness.model.run import write_json
-from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.questions.effects3d.search import changed_scene
 from harness.questions.effects3d.study import EffectsFile

@@ -21,9 +21,8 @@ import trimesh
 
 import harness
 from analytic.excitation import Harmonic
-from harness import engines
+from harness import Outcome, engines
 from harness.model.finding import Shown
-from harness.model.history import Outcome
 from harness.model.run_set import RunSet, column_of
 from harness.model.scene import BaseExcitation
 from harness.questions.scene.scene_run import write_result

@@ -15,12 +15,11 @@ from typing import Final
 
 import numpy as np
 
+from harness import RunRequest, Scene
 from harness.comparison.statistics.outcomes import FELL, brier, reliability
-from harness.model.scene import Scene
 from harness.questions.assess.engine_draws import overturns
 from harness.questions.assess.model_draws import draw, model_draws, row, uncertain_inputs, varied
 from harness.records.validation import ReliabilityBin
-from harness.runs.task import RunRequest
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
 from tests.measures.seeded_scenes import random_scene

@@ -4,14 +4,12 @@ import time
 from dataclasses import replace
 from typing import Final
 
-from harness import engines
+from harness import Run, RunOptions, Scene, engines
 from harness.engines.base import Settings
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.world import build
 from harness.engines.stepping import frame
 from harness.engines.stepping.schedule import Schedule
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import PAESTUM, PEDESTAL, harmonic, scene_of
 
 BEST_OF: Final = 5

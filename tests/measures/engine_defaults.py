@@ -13,9 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness import engines
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
+from harness import Run, RunOptions, Scene, engines
 from harness.questions.bench.cost import costs, timed
 from harness.questions.bench.precision import BUDGET_S, REPEATS, costing
 from harness.questions.bench.standard_scenes import Standard, resolved, scene_of, standard_set

@@ -6,12 +6,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.comparison.comparator import compare
+from harness import Run, Scene, Verdict, compare
 from harness.comparison.side import left_domain
 from harness.model.history import pair
-from harness.model.run import Run
-from harness.model.scene import Scene
-from harness.records.scores import Verdict
 
 MUST_SHOW: Final = 3.0
 """An effect above this multiple of the joint uncertainty must be found (see `harness.comparison.comparator.COVERAGE`)."""

@@ -15,11 +15,9 @@ import numpy as np
 
 from analytic.block import GRAVITY_M_S2
 from analytic.excitation import SampledAcceleration
-from harness import engines
+from harness import InputError, Run, RunOptions, engines
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, Settings
-from harness.model.errors import InputError
-from harness.model.run import Run, RunOptions
 from harness.model.scene import BaseExcitation, Scene
 from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.questions.bench.stress import checks

@@ -20,9 +20,8 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from harness.accuracy.simulation import simulate
+from harness import RunOptions, simulate
 from harness.comparison.statistics.outcomes import reliability
-from harness.model.run import RunOptions
 from harness.questions.validate import fit
 from harness.questions.validate.scenes import TrialVariant, scene_of
 from harness.questions.validate.table import Inputs, Trial, read_table

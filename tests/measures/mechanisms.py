@@ -15,11 +15,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness import engines
+from harness import Run, RunOptions, Scene, engines
 from harness.comparison.scores.pointwise import errors
 from harness.engines.base import Engine, EngineFailure
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
 from tests.measures.contact_engines import PAPER, paper_scene
 from tests.measures.seeded_scenes import random_scene, wide_scene
 

@@ -9,11 +9,9 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
-from harness import engines
+from harness import RunOptions, Scene, engines
 from harness.comparison.scores.pointwise import errors
 from harness.engines.base import Engine
-from harness.model.run import RunOptions
-from harness.model.scene import Scene
 from tests.measures.contact_engines import analytic_run
 from tests.measures.seeded_scenes import random_scene
 

@@ -16,9 +16,7 @@ import numpy as np
 
 from analytic.block import GRAVITY_M_S2
 from analytic.excitation import Harmonic
-from harness.accuracy.simulation import simulate
-from harness.input.scene_file import load_scene
-from harness.model.run import Run
+from harness import Run, load_scene, simulate
 from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue
 from tests.measures.faults import expose
 

@@ -8,11 +8,9 @@ import time
 from collections.abc import Iterator
 from typing import Final
 
-from harness import engines
+from harness import Run, RunOptions, Scene, engines
 from harness.comparison.scores.pointwise import errors
 from harness.engines.base import Engine
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
 from harness.records.run import PLAIN
 from tests.measures.contact_engines import PAPER, analytic_run, paper_scene
 from tests.measures.pages import renew, table

@@ -9,13 +9,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from harness import engines
+from harness import Run, Scene, engines, simulate
 from harness.accuracy import horizon
 from harness.accuracy.horizon import horizon_of
-from harness.accuracy.simulation import simulate
 from harness.comparison.scores.pointwise import error_rad
-from harness.model.run import Run
-from harness.model.scene import Scene
 from harness.questions.scene.witness import TARGET_RAD as JOINT_RAD
 from harness.records.run import LEAST_S, PLAIN
 from tests.measures.coverage import Statement, statement, truth_of

@@ -11,10 +11,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from harness.input.scene_file import load_scene
+from harness import assess, load_scene
 from harness.input.tables import read_model
 from harness.model.scene import BaseExcitation, Scene
-from harness.questions.assess.assessment import assess
 from harness.questions.assess.by_model import RUN_DRAWS, assess_models
 from harness.questions.assess.model_draws import draws_of, model_draws, uncertain_inputs, varied
 from harness.questions.assess.options import OptionDraws, compare, in_plane, options_of

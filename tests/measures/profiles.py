@@ -12,11 +12,10 @@ import numpy as np
 
 from analytic.block import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, ZeroExcitation
-from harness import engines
+from harness import Run, RunOptions, engines
 from harness.comparison.scores.pointwise import errors
 from harness.engines.analytic import block_of
 from harness.input.mesh_statue import statue_of
-from harness.model.run import Run, RunOptions
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Scene, Statue
 from meshes.solid import solid_from_mesh
 from tests.measures.pages import renew, table

@@ -12,12 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from harness import engines
-from harness.accuracy.simulation import simulate
-from harness.comparison.comparator import compare
-from harness.model.run import Run
-from harness.questions.scene.scene_run import run_scene
-from harness.records.scores import Verdict
+from harness import Run, Verdict, compare, engines, run_scene, simulate
 from tests.measures.coverage import Statement, statement, truth_of
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of

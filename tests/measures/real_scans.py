@@ -13,16 +13,13 @@ import numpy as np
 import pybullet
 import trimesh
 
-from harness import engines
+from harness import InputError, RunOptions, Scene, engines
 from harness.engines.pybullet.backend import reader
 from harness.engines.pybullet.pose import Setup, prepare
 from harness.engines.pybullet.run_phases import quiet_start_s
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
 from harness.engines.stepping.schedule import Schedule
-from harness.model.errors import InputError
-from harness.model.run import RunOptions
-from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import MESHES, record, scene_of
 
 BEST_OF: Final = 3

@@ -13,11 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from harness import engines
-from harness.accuracy.simulation import simulate
-from harness.model.history import Outcome
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
+from harness import Outcome, Run, RunOptions, Scene, engines, simulate
 from harness.questions.validate.tosses import poses
 from harness.runs.runner import Crash, Hung, LocalPool, Pool
 from tests.measures.coverage import Statement, statement

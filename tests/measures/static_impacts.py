@@ -8,10 +8,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final, Literal
 
+from harness import Run, RunOptions, Scene
 from harness.comparison.scores.pointwise import errors
 from harness.engines import load
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
 from tests.measures.pages import renew, table
 from tests.scenes_for_tests import paestum
 

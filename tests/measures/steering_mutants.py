@@ -11,11 +11,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from harness import engines
+from harness import Run, RunOptions, Scene, engines
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import EngineFailure
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
 from tests.measures.mechanisms import Change, changed
 from tests.measures.seeded_scenes import random_scene
 

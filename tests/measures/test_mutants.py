@@ -5,12 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.accuracy.simulation import simulate
+from harness import Run, Scene, Verdict, simulate
 from harness.comparison import comparator as verdict
 from harness.comparison.comparator import COVERAGE, compare
-from harness.model.run import Run
-from harness.model.scene import Scene
-from harness.records.scores import Verdict
 from tests.measures.faults import MUST_SHOW, MUTANTS, expose, momentum_ratio
 from tests.measures.mutants import random_scenes
 from tests.scenes_for_tests import PAESTUM, paestum, rectangle, scene

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from analytic import ZeroExcitation
-from harness import engines
+from harness import RunOptions, engines
 from harness.comparison.scores.pointwise import errors
-from harness.model.run import RunOptions
 from tests.budgets_engines import PROFILE_FINE_RAD, PROFILE_RAD, REST_ANGLE_RAD, ROUNDING_RAD
 from tests.measures import profiles as bench
 

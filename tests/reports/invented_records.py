@@ -6,16 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from harness.comparison.comparator import compare
-from harness.comparison.history_files import compare_files
+from harness import Outcome, assess, compare, compare_files, load_scene
 from harness.comparison.history_files import write_comparison as write_comparison_of
 from harness.comparison.statistics import fragility
 from harness.comparison.statistics.outcomes import FELL, Prediction, score_outcomes
-from harness.input.scene_file import load_scene
 from harness.model import run as record
 from harness.model.finding import Answer, info
-from harness.model.history import Outcome
-from harness.questions.assess.assessment import assess
 from harness.questions.study.cases import BaseScene
 from harness.questions.trust.plane import Plane
 from harness.questions.trust.trust_run import answer_of, findings_of, saved_by

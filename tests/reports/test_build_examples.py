@@ -6,17 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from harness import engines, load_scene
-from harness.accuracy.simulation import simulate
-from harness.model.history import Outcome
-from harness.model.scene import Scene
-from harness.questions.scene.scene_run import run_scene
+from harness import Outcome, RunRequest, Scene, engines, load_scene, run_scene, simulate
 from harness.questions.trust import plane
 from harness.records.base import plain
 from harness.records.study import StudyRow
 from harness.runs.runner import InlinePool
 from harness.runs.store import Store, stored_runs
-from harness.runs.task import RunRequest
 from reports import build_examples
 from tests import doubles
 from tests.budgets_reports import PAGE_WORDS

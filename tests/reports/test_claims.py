@@ -11,10 +11,7 @@ import numpy as np
 import pytest
 
 from analytic.excitation import ZeroExcitation
-from harness.input.scene_file import load_scene
-from harness.model.history import Outcome
-from harness.model.run import Run
-from harness.model.scene import Scene
+from harness import Outcome, Run, Scene, load_scene
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.run import has_answer
 from reports.blocks import Block

@@ -14,9 +14,8 @@ from unittest.mock import Mock
 
 import pytest
 
+from harness import InputError, Run
 from harness.engines.base import Engine
-from harness.model.errors import InputError
-from harness.model.run import Run
 from harness.questions.scene import scene_run
 from harness.runs.execute import KEPT, Campaign
 from harness.runs.progress import LESS_STORED

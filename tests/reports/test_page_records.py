@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
+from harness import Outcome, read_result
 from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.outcomes import score_outcomes
 from harness.model.finding import Answer, caution, info
-from harness.model.history import Outcome
 from harness.model.run import write_json
 from harness.questions.study.ensembles import score_sets
 from harness.questions.study.study_record import answer_of, findings_of
@@ -24,7 +24,6 @@ from harness.records.bench import TOGETHER, BenchRecord, KnownFailure, Measure, 
 from harness.records.bench import StabilityCell as Found
 from harness.records.bench import answer_of as stress_answer
 from harness.records.bench import findings_of as stress_findings
-from harness.records.result_folder import read_result
 from harness.records.scores import Interval
 from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import SetScores, ValidationRecord

@@ -10,13 +10,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from harness.model.errors import InputError
+from harness import InputError, RunRecord, StudyRecord, read_result
 from harness.model.run import PatternName, write_json
 from harness.records.base import Record, as_file
 from harness.records.bench import StressRecord
-from harness.records.result_folder import read_result
-from harness.records.run import RunRecord
-from harness.records.study import StudyRecord
 from reports.blocks import Chart, walk
 from reports.charts.drawn import still
 from reports.charts.figure import across, figure, localised, marks, upwards

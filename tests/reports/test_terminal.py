@@ -8,10 +8,9 @@ from typing import Any
 
 import pytest
 
+from harness import Outcome, RunRecord
 from harness.input.motions.inspect import inspect_file
 from harness.model.finding import caution, changes_answer, info, texted
-from harness.model.history import Outcome
-from harness.records.run import RunRecord
 from reports.messages import ENGLISH
 from reports.terminal import COLUMNS, LINES, motion_lines, record_lines, table
 

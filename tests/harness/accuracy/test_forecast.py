@@ -4,12 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from harness import engines
+from harness import Run, RunOptions, Scene, engines, simulate
 from harness.accuracy.forecast import TRIAL_STEPS, expected_steps, first_settings, moving_s, timed_step_s
-from harness.accuracy.simulation import simulate
 from harness.engines.base import Engine, Settings
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
 from harness.statics.plan import first_motion_s
 from tests.budgets import FORECAST_TIMES
 from tests.measures.seeded_scenes import random_scene, space_scene, tipping_scene, wide_scene

@@ -7,13 +7,10 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic
-from harness import engines
+from harness import History, Outcome, Run, Scene, engines
 from harness.accuracy import horizon as horizon_room
 from harness.accuracy.horizon import horizon, horizon_of, parted_s, perturbed
 from harness.engines.base import EngineFailure
-from harness.model.history import History, Outcome
-from harness.model.run import Run
-from harness.model.scene import Scene
 from tests import doubles
 from tests.scenes_for_tests import PAESTUM, paestum, scene
 

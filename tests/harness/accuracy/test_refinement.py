@@ -8,18 +8,15 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic
-from harness import engines
+from harness import History, Outcome, engines, load_scene, simulate
 from harness.accuracy import refinement
 from harness.accuracy.horizon import hopeless, outgrown_s
 from harness.accuracy.refinement import run_to_accuracy
-from harness.accuracy.simulation import simulate
 from harness.accuracy.spread import NONE, SAFETY, Error, Spread, spread, target_of
 from harness.comparison.scores.pointwise import errors
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
 from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pymunk import Munk2D
-from harness.input.scene_file import load_scene
-from harness.model.history import History, Outcome
 from harness.model.run import Capabilities, Run, RunOptions
 from harness.model.scene import BaseExcitation, Scene
 from harness.questions.bench.standard_scenes import scene_of

@@ -9,10 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness import engines
+from harness import Scene, engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.model.run import SKIPS, RunOptions
-from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from tests import budgets_bench as budgets
 from tests import doubles

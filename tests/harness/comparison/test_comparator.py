@@ -7,11 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness import InputError, Outcome, compare
-from harness.comparison.history_files import compare_files
+from harness import InputError, Outcome, Verdict, compare, compare_files
 from harness.input.history_file import resolution
 from harness.model.run import to_plain
-from harness.records.scores import Verdict
 from reports.text.wording import after_horizon_values
 from tests import doubles
 from tests.budgets_compare import IMPACT_S, PEAK_RAD, ROUNDING_REL, UPLIFT_S, WORK_PAIR_SAMPLES

@@ -7,12 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness import Outcome, Run, compare
+from harness import History, Outcome, Run, Verdict, compare
 from harness.comparison.comparator import COVERAGE, shares
 from harness.comparison.side import left_domain
-from harness.model.history import History
 from harness.records.run import STILL_RAD
-from harness.records.scores import Verdict
 from tests import doubles
 
 U_RAD = 1e-4

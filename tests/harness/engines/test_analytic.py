@@ -7,11 +7,10 @@ import pytest
 
 import analytic
 from analytic import Harmonic, Pulse, SampledAcceleration
+from harness import Outcome, Run, RunOptions
 from harness.engines.analytic import ACCURACIES_RAD, TwoBlock, TwoBlockSettings, block_of, keywords
 from harness.engines.base import EngineFailure, Settings
 from harness.model.finding import Severity
-from harness.model.history import Outcome
-from harness.model.run import Run, RunOptions
 from harness.model.scene import BaseExcitation, Form, Pedestal, Scene, Wall
 from tests import doubles
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, PAESTUM_PEDESTAL, paestum, rectangle, scene

@@ -14,13 +14,10 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic
-from harness import engines
+from harness import InputError, Outcome, Scene, engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.engines.base import Engine, EngineFailure
-from harness.model.errors import InputError
-from harness.model.history import Outcome
 from harness.model.run import SKIPS, Run, RunOptions
-from harness.model.scene import Scene
 from harness.records.base import plain
 from tests import budgets_engines as budget
 from tests.measures.seeded_scenes import wide_scene

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from harness import load_scene, simulate
-from harness.model.history import Outcome
-from harness.model.run import Run
+from harness import Outcome, Run, load_scene, simulate
 from harness.model.scene import OVERTURN_RAD
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready

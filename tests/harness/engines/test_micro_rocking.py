@@ -7,13 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from harness import RunOptions, load_scene
 from harness.comparison.scores.pointwise import errors
 from harness.engines.base import Engine
 from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pymunk import Munk2D
 from harness.engines.stepping.contact_gaps import ContactGaps
-from harness.input.scene_file import load_scene
-from harness.model.run import RunOptions
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready
 from tests.measures.contact_engines import analytic_run

@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Pulse
-from harness import engines
+from harness import Run, RunOptions, engines
 from harness.engines.base import Engine
-from harness.model.run import Run, RunOptions
 from harness.model.scene import Initial, Pose, Scene
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene

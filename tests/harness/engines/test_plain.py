@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness import engines
+from harness import RunOptions, engines
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine
 from harness.engines.stepping.coulomb import followed
-from harness.model.run import RunOptions
 from harness.model.scene import Contact, Scene
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready

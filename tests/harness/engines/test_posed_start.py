@@ -9,15 +9,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from analytic import Harmonic
-from harness import engines
+from harness import InputError, Outcome, Run, RunOptions, assess, engines, load_scene
 from harness.accuracy.simulation import RunTarget, simulate_with
 from harness.engines.base import Engine
-from harness.input.scene_file import load_scene
-from harness.model.errors import InputError
-from harness.model.history import Outcome
-from harness.model.run import Run, RunOptions
 from harness.model.scene import BaseExcitation, Contact, Initial, Pose, Scene, Uncertain
-from harness.questions.assess.assessment import assess
 from harness.questions.assess.by_model import assess_models
 from tests import budgets_spatial_reference as budget
 from tests.analytic.spatial.reference import initial_state, simulate

@@ -8,12 +8,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from analytic import spatial
-from harness import engines
+from harness import Outcome, RunOptions, engines, load_scene
 from harness.accuracy.horizon import perturbed
 from harness.engines.spatial import outcome_of, problem_of
-from harness.input.scene_file import load_scene
-from harness.model.history import Outcome
-from harness.model.run import RunOptions
 from tests import budgets_spatial_reference as budget
 from tests.measures.seeded_scenes import space_scene
 

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness import engines
+from harness import Scene, engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.engines.base import Engine
 from harness.model.run import SKIPS, Run, RunOptions
-from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.runs.store import Store
 from harness.statics.plan import plan

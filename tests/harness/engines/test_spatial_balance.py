@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from analytic import Pulse
-from harness.accuracy.simulation import simulate
+from harness import Run, simulate
 from harness.engines.spatial import LEVELS
-from harness.model.run import Run
 from harness.model.scene import BaseExcitation, Contact, Initial, Pose
 from tests import budgets_spatial as budget
 from tests.measures.profiles import BASES, statue

@@ -12,11 +12,9 @@ from analytic.excitation import Harmonic, Pulse
 from analytic.machine_code import Entry
 from analytic.spatial import Certified, Problem, solver
 from analytic.spatial import Outcome as Paradox
-from harness import engines
+from harness import Outcome, RunOptions, engines
 from harness.engines import spatial
 from harness.engines.spatial import LEVELS
-from harness.model.history import Outcome
-from harness.model.run import RunOptions
 from harness.model.scene import BaseExcitation, Scene
 from tests.scenes_for_tests import GRAVITY_M_S2, block, rectangle, scene
 

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 import harness
+from harness import InputError, load_scene
 from harness.input import mesh_statue
-from harness.input.scene_file import load_scene
-from harness.model.errors import InputError
 from harness.model.finding import Severity
 from meshes import doubts
 from meshes.mesh import Doubt, RawMesh

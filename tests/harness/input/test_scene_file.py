@@ -7,9 +7,7 @@ from typing import Any
 
 import pytest
 
-from harness.input.scene_file import load_scene
-from harness.model.errors import InputError
-from harness.model.scene import Scene
+from harness import InputError, Scene, load_scene
 from tests import doubles
 from tests.fuzz.originals import SCENE, prepare
 from tests.harness.input.test_tables import GOOD

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.input.history_file import read_history
+from harness import InputError, read_history
 from harness.input.motions.readers import read_record
 from harness.input.text_file import MOST_BYTES, decimal, decimals, decoded, fortran, read_bytes
-from harness.model.errors import InputError
 
 NO_NUMBERS = (
     "1_0.0",

@@ -7,9 +7,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from harness.input.scene_file import load_scene
+from harness import load_scene, run_scene
 from harness.model.errors import CONTROL, InputError, Mistake, json_text, printable, printable_lines
-from harness.questions.scene.scene_run import run_scene
 from harness.runs.progress import ProgressMessages, progress
 from reports.cli import app
 from reports.cli.ending import guarded

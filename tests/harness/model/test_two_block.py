@@ -6,11 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.comparison.comparator import Verdict
-from harness.input.scene_file import load_scene
+from harness import Verdict, load_scene, run_scene
 from harness.model.finding import Severity
 from harness.model.two_block import block_of
-from harness.questions.scene.scene_run import run_scene
 from meshes.mesh import RawMesh
 from tests import doubles
 from tests.meshes.scanner import write

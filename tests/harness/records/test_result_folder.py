@@ -7,11 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.input.scene_file import load_scene
-from harness.model.errors import InputError
+from harness import InputError, Scene, load_scene
 from harness.model.files import is_own, is_sealed, write_text, writing
 from harness.model.run import write_json
-from harness.model.scene import Scene
 from harness.questions.scene.scene_run import Result, check_writing, run_scene, write_result
 from harness.records.base import as_file
 from harness.records.result_folder import (

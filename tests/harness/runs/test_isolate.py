@@ -7,10 +7,9 @@ import time
 import numpy as np
 import pytest
 
+from harness import Outcome, RunOptions
 from harness.accuracy.simulation import RunTarget
 from harness.engines.pymunk import Munk2D
-from harness.model.history import Outcome
-from harness.model.run import RunOptions
 from harness.runs.runner import Crash, Hung
 from harness.runs.task import call, simulate_isolated
 from tests.scenes_for_tests import paestum

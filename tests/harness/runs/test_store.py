@@ -12,9 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.model.errors import InputError, Mistake
-from harness.model.history import History, Outcome
-from harness.model.run import Run
+from harness import History, InputError, Mistake, Outcome, Run
 from harness.questions.study.study_record import export_csv
 from harness.records.result_folder import STORE_NUMBER
 from harness.runs.store import Store

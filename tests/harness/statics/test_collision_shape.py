@@ -6,9 +6,8 @@ from typing import Any
 
 import pytest
 
-from harness import engines
+from harness import RunOptions, engines
 from harness.input.mesh_statue import statue_of
-from harness.model.run import RunOptions
 from harness.model.scene import Wall
 from harness.statics.plan import HULL_EXCESS_LIMIT, plan, shape_needed
 from meshes import decomposition

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
-from harness import engines
-from harness.accuracy.simulation import simulate
+from harness import engines, simulate
 from harness.model.run import SKIPS, RunOptions
 from harness.model.scene import BaseExcitation
 from harness.statics.plan import LimitsOfRest, first_motion_s, limit_of_rest_m_s2, plan

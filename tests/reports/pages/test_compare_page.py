@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from harness.input.history_file import read_history
-from harness.records.result_folder import read_result
+from harness import read_history, read_result
 from harness.records.scores import CompareRecord, Verdict
 from reports.charts.curve_figures import compare_figure
 from reports.charts.drawn import svg

@@ -11,13 +11,12 @@ import numpy as np
 import pytest
 
 from analytic import Harmonic
+from harness import Outcome, Verdict
 from harness.model.finding import caution, changes_answer
-from harness.model.history import Outcome
 from harness.model.scene import BaseExcitation, Initial, Pedestal
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.assess import Assessment
 from harness.records.run import HorizonRecord, balance_share, has_answer
-from harness.records.scores import Verdict
 from harness.records.study import SupportRecord
 from reports.drawing.kinematics import section, silhouette_m
 from reports.drawing.pictures import floor_plan

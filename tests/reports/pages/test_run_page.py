@@ -13,14 +13,13 @@ import numpy as np
 import pytest
 
 from analytic import Harmonic
+from harness import InputError, read_result
 from harness.engines.stepping.loop import IMPOSED_LABEL
-from harness.model.errors import InputError
 from harness.model.finding import caution, info, texted
 from harness.model.run import RUN_FIELDS, Pattern, write_json
 from harness.model.scene import Pedestal
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.base import plain
-from harness.records.result_folder import read_result
 from harness.records.run import HorizonRecord
 from reports.blocks import owned
 from reports.charts.histories import pattern_strip

@@ -8,10 +8,8 @@ import pytest
 from typer.testing import CliRunner
 
 import harness
-from harness.comparison.comparator import compare
+from harness import History, InputError, compare
 from harness.comparison.scores.pointwise import COVERAGE, Measured
-from harness.model.errors import InputError
-from harness.model.history import History
 from reports.cli import app
 from tests import doubles
 from tests.budgets_compare import ROUNDING_REL

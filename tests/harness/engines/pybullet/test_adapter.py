@@ -8,9 +8,7 @@ import pytest
 
 from analytic.closed_form import frequency_parameter_rad_s, quarter_period_s
 from analytic.excitation import Harmonic, Pulse, SampledAcceleration
-from harness.input.scene_file import load_scene
-from harness.model.history import Outcome
-from harness.model.run import RunOptions
+from harness import Outcome, RunOptions, load_scene
 from harness.model.scene import BaseExcitation, Pedestal, Wall
 from harness.questions.bench.standard_scenes import standard_set
 from tests import budgets_bullet as budget

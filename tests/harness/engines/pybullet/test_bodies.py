@@ -9,13 +9,12 @@ import pytest
 
 from analytic.closed_form import rolling_cylinder
 from analytic.excitation import Harmonic
+from harness import Outcome, RunOptions
 from harness.engines import load
 from harness.engines.pybullet import feet, pose, run_phases, shapes
 from harness.engines.pybullet.feet import EdgeWatch
 from harness.engines.stepping.frame import matrices
 from harness.input.mesh_statue import statue_of
-from harness.model.history import Outcome
-from harness.model.run import RunOptions
 from harness.model.scene import Scene, Statue
 from meshes.solid import Solid, solid_from_mesh
 from tests import budgets_bullet as budget

@@ -8,9 +8,8 @@ import pybullet
 import pytest
 
 from analytic.excitation import Harmonic
+from harness import Run, RunOptions, Scene
 from harness.engines.base import EngineFailure
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
 from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, WHOLE, bullet
 from tests.scenes_for_tests import paestum
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from analytic.excitation import ZeroExcitation
-from harness import engines
-from harness.model.run import Run, RunOptions
+from harness import Run, RunOptions, engines
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pose, Scene
 from harness.questions.validate.tosses import poses
 from tests import budgets_bullet as budget

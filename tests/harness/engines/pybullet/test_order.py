@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic
+from harness import RunOptions, load_scene
 from harness.engines import load
 from harness.engines.pybullet import pose
 from harness.engines.pybullet.backend import BulletBackend
 from harness.engines.pybullet.world import World
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_state import Stepper
-from harness.input.scene_file import load_scene
-from harness.model.run import RunOptions
 from harness.model.scene import BaseExcitation, Scene
 from harness.questions.bench.standard_scenes import standard_set
 from tests import budgets_bullet as budget

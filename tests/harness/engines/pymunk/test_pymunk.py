@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic, SampledAcceleration
+from harness import Outcome, Run, RunOptions
 from harness.engines.analytic import TwoBlock
 from harness.engines.base import EngineFailure
 from harness.engines.pymunk import Munk2D
 from harness.engines.pymunk.plain import PlainMunk2D
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.loop import IMPOSED_LABEL
-from harness.model.history import Outcome
-from harness.model.run import Run, RunOptions
 from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Wall
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready

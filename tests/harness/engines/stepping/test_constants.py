@@ -11,12 +11,9 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from harness import engines
+from harness import History, RunOptions, Scene, engines
 from harness.engines.stepping import settings
 from harness.engines.stepping.settings import EventSettings
-from harness.model.history import History
-from harness.model.run import RunOptions
-from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import PAESTUM, harmonic, scene_of
 from tests.engines_for_tests import ready
 from tests.measures.coverage import random_scene

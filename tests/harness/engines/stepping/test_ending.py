@@ -6,9 +6,8 @@ from typing import Any
 import pytest
 
 from analytic.excitation import Pulse
+from harness import Outcome, Run, RunOptions
 from harness.engines import load
-from harness.model.history import Outcome
-from harness.model.run import Run, RunOptions
 from harness.model.scene import Initial, Pedestal, Scene, Wall
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import paestum, rectangle, scene

@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.accuracy.simulation import simulate
+from harness import RunOptions, simulate
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.stepping.loop import Impact, impact
-from harness.model.run import RunOptions
 from harness.model.scene import Form, Pedestal, Scene
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready

@@ -7,12 +7,10 @@ from typing import Any
 
 import pytest
 
-from harness import engines
+from harness import Run, RunOptions, Scene, engines
 from harness.engines.base import LayerFault
 from harness.engines.stepping.step_log import Ledger
 from harness.engines.stepping.step_state import RowWriter
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
 from harness.records import base
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready

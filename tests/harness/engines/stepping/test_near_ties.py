@@ -4,10 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness.accuracy.simulation import simulate
-from harness.comparison.comparator import compare
-from harness.input.scene_file import load_scene
-from harness.model.scene import Scene
+from harness import Scene, compare, load_scene, simulate
 from harness.records.scores import ROBUST
 from tests.engines_for_tests import ready
 from tests.scenes_for_tests import SCENES, paestum

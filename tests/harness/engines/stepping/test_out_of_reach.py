@@ -9,11 +9,9 @@ import pytest
 
 from analytic.block import GRAVITY_M_S2 as G
 from analytic.excitation import Harmonic, Pulse
+from harness import Outcome, Run, RunOptions, load_scene
 from harness.engines.base import EngineFailure
 from harness.engines.stepping.step_state import StepState
-from harness.input.scene_file import load_scene
-from harness.model.history import Outcome
-from harness.model.run import Run, RunOptions
 from harness.model.scene import BaseExcitation, Scene, Wall
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready

@@ -7,15 +7,14 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic, Pulse
+from harness import Run, RunOptions, load_scene
 from harness.engines import load
 from harness.engines.base import LayerFault
 from harness.engines.stepping import forces, frame, reduce
 from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.frame import statue_columns
 from harness.engines.stepping.reduce import Report, last_outward, reduce_trajectory, rocking
-from harness.input.scene_file import load_scene
 from harness.model.history import Array, Outcome
-from harness.model.run import Run, RunOptions
 from harness.model.scene import OVERTURN_RAD, BaseExcitation, Scene, Wall
 from tests import budgets_engines as budget
 from tests.measures.seeded_scenes import wide_scene

@@ -6,9 +6,8 @@ import pytest
 
 from analytic.block import GRAVITY_M_S2 as G
 from analytic.excitation import Pulse
-from harness.accuracy.simulation import simulate
+from harness import RunOptions, simulate
 from harness.engines.base import LayerFault
-from harness.model.run import RunOptions
 from harness.model.scene import BaseExcitation, Scene
 from tests.engines_for_tests import ready
 from tests.measures.mechanisms import changed

@@ -9,11 +9,9 @@ import json
 from pathlib import Path
 from typing import Final
 
-from harness.input.scene_file import load_scene
-from harness.model.scene import Scene
+from harness import RunRequest, Scene, load_scene
 from harness.questions.assess.engine_draws import overturns
 from harness.questions.assess.model_draws import draw, row, uncertain_inputs, varied
-from harness.runs.task import RunRequest
 
 SCENE: Final = Path(__file__).parents[4] / "scenes" / "paestum_pedestal.toml"
 KEPT: Final = Path(__file__).parent / "own_runs.json"

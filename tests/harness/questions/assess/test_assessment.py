@@ -8,12 +8,8 @@ import numpy as np
 import pytest
 
 from analytic import Harmonic, Pulse
-from harness import engines
+from harness import InputError, Outcome, RunOptions, engines, load_scene
 from harness.comparison.statistics.distributions import wilson
-from harness.input.scene_file import load_scene
-from harness.model.errors import InputError
-from harness.model.history import Outcome
-from harness.model.run import RunOptions
 from harness.model.scene import BaseExcitation, Pedestal, Scene, Wall
 from harness.questions.assess import by_model
 from harness.questions.assess.answer import answer_of, findings_of, probability

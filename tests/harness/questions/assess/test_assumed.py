@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from analytic import Record
-from harness.input.scene_file import load_scene
+from harness import InputError, load_scene
 from harness.input.uncertain import ASSUMPTIONS, assumption
-from harness.model.errors import InputError
 from harness.model.scene import BaseExcitation
 from harness.questions.assess.model_draws import draw, model_draws, sweepable, uncertain_inputs, varied
 from reports.messages import ENGLISH

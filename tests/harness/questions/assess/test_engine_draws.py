@@ -10,12 +10,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from harness.accuracy.simulation import simulate
-from harness.input.scene_file import load_scene
-from harness.model.errors import InputError
-from harness.model.history import Outcome
+from harness import InputError, Outcome, assess, load_scene, simulate
 from harness.model.scene import Wall
-from harness.questions.assess.assessment import assess
 from harness.questions.assess.engine_draws import estimate, overturns
 from harness.questions.assess.model_draws import IMPACT, ModelDraws
 from harness.records.assess import Assessment

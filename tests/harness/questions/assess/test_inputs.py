@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import spearmanr
 
-from harness.input.scene_file import load_scene
-from harness.model.errors import InputError
+from harness import InputError, load_scene
 from harness.model.scene import Contact, Scene, Uncertain
 from harness.questions.assess.model_draws import (
     IMPACT,

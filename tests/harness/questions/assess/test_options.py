@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 
 from analytic import Pulse
-from harness.input.scene_file import load_scene
-from harness.model.errors import InputError
+from harness import InputError, assess, load_scene
 from harness.model.scene import BaseExcitation, Pedestal, Scene, Uncertain, Wall
 from harness.questions.assess import options as made
 from harness.questions.assess.answer import best_option, of_options
-from harness.questions.assess.assessment import assess
 from harness.questions.assess.model_draws import draw, draws_of, model_draws, uncertain_inputs
 from harness.questions.assess.options import PAIRS, OptionDraws, common, compare, in_plane, paired_difference
 from harness.records.assess import FLOOR, OptionAnswer, OptionsRecord

@@ -7,11 +7,8 @@ import numpy as np
 import pytest
 
 from analytic import Pulse
-from harness.accuracy.simulation import simulate
-from harness.input.scene_file import load_scene
-from harness.model.history import Outcome
+from harness import Outcome, assess, load_scene, simulate
 from harness.model.scene import BaseExcitation, Scene
-from harness.questions.assess.assessment import assess
 from harness.questions.assess.model_draws import ModelDraws, draw, row, space_draws, uncertain_inputs, varied
 from harness.questions.assess.options import AS_IT_IS, OptionDraws, difference_of, options_of
 from harness.records.assess import TURNED

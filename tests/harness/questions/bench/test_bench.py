@@ -9,10 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness import engines
+from harness import History, engines
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import EngineFailure
-from harness.model.history import History
 from harness.model.run import SKIPS, RunOptions
 from harness.questions.bench import precision, scaling, skips
 from harness.questions.bench.bench_run import BENCH

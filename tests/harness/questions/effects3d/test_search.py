@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import harness
-from harness.model.history import Outcome
-from harness.model.scene import Scene
+from harness import Outcome, Scene
 from harness.questions.effects3d import search
 from harness.questions.effects3d.search import (
     Search,

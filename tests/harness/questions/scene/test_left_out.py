@@ -7,17 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.comparison.comparator import compare
-from harness.input.scene_file import load_scene
-from harness.model.history import Outcome
-from harness.model.run import Run
-from harness.model.scene import Scene
+from harness import Outcome, Run, Scene, Verdict, compare, load_scene, run_scene
 from harness.questions.assess import by_model
 from harness.questions.assess.model_draws import space_draws
 from harness.questions.scene import left_out
 from harness.questions.scene.left_out import TAKEN_AWAY, TakenAway, explained, with_reasons
-from harness.questions.scene.scene_run import run_scene
-from harness.records.scores import Verdict
 from tests.doubles import codes, raised, rest, run_of
 from tests.reports.invented_run import invented_scores
 

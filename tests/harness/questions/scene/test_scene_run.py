@@ -11,19 +11,13 @@ import pytest
 
 from analytic.excitation import Harmonic
 from analytic.machine_code import Entry
-from harness import engines
+from harness import InputError, Outcome, Run, RunOptions, Scene, Verdict, engines, load_scene
 from harness.accuracy import forecast
 from harness.accuracy.simulation import RunTarget, check_target, simulate
 from harness.engines.base import Engine, EngineFailure, Settings, own_failures
-from harness.input.scene_file import load_scene
-from harness.model.errors import InputError
-from harness.model.history import Outcome
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
 from harness.questions.scene import scene_run as run
 from harness.questions.scene import witness as confirm
 from harness.questions.scene.scene_run import run_scene, write_result
-from harness.records.scores import Verdict
 from harness.runs import task
 from tests import doubles
 from tests.scenes_for_tests import SCENES, paestum, rectangle, scene

@@ -5,12 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness import engines
-from harness.accuracy.simulation import simulate
-from harness.input.scene_file import load_scene
-from harness.model.history import Outcome
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
+from harness import Outcome, Run, RunOptions, Scene, engines, load_scene, simulate
 from harness.questions.scene import floor_impact, witness
 from harness.questions.scene.floor_impact import decided_by
 from harness.questions.scene.witness import BUDGET, CHECK_TIMES, TARGET_RAD, findings_of, witnesses

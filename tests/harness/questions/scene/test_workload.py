@@ -6,9 +6,8 @@ from typing import Any
 
 import pytest
 
+from harness import InputError, load_scene
 from harness.engines import DEFAULT_ENGINES, load
-from harness.input.scene_file import load_scene
-from harness.model.errors import InputError
 from harness.questions.scene import workload
 from harness.questions.scene.workload import check
 from harness.runs.progress import duration_words

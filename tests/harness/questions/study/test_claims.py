@@ -9,9 +9,8 @@ from typing import Any
 
 import pytest
 
+from harness import InputError, Outcome
 from harness.engines.stepping.loop import IMPOSED_LABEL
-from harness.model.errors import InputError
-from harness.model.history import Outcome
 from harness.questions.study import claims
 from harness.questions.study.file import load_study
 from harness.records.study import StudyRow, Value

@@ -11,13 +11,12 @@ from pathlib import Path
 import pytest
 
 from analytic.block import AnalyticInputError
-from harness.model.errors import InputError
+from harness import InputError, StudyRecord
 from harness.questions.study import case_blocks
 from harness.questions.study.case_blocks import coarser, every_row, table
 from harness.questions.study.cases import CaseScenes
 from harness.questions.study.file import load_study
 from harness.questions.study.study_run import run_study, study_name
-from harness.records.study import StudyRecord
 from harness.runs.runner import InlinePool
 from harness.runs.store import STORE_NAME, PlannedRow, Store
 from reports.cli import studies

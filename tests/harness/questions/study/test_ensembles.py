@@ -5,12 +5,11 @@ from typing import Any
 
 import pytest
 
-from harness.model.history import History, Outcome
+from harness import History, Outcome, Verdict
 from harness.model.run import to_plain
 from harness.questions.study.case_blocks import KeyedRow
 from harness.questions.study.ensembles import score_sets
 from harness.questions.study.study_record import _falls as falls_in
-from harness.records.scores import Verdict
 from harness.records.study import CaseRun
 from tests import doubles
 

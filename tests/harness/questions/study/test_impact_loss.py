@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from harness import History, RunOptions
 from harness.engines import load
-from harness.model.history import History
-from harness.model.run import RunOptions
 from harness.questions.study.claims import energy_lost_j, last_impact_s
 from tests import budgets
 from tests.scenes_for_tests import paestum

@@ -11,11 +11,10 @@ import pytest
 from typer.testing import CliRunner
 
 from analytic import Block, Form, simulate
+from harness import InputError, read_result
 from harness.comparison.statistics.distributions import wilson
 from harness.input.tables import read_model
-from harness.model.errors import InputError
 from harness.questions.study.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of, run_file
-from harness.records.result_folder import read_result
 from harness.records.study import RockingSpectrumRecord
 from harness.runs.execute import silent
 from harness.runs.runner import LocalPool

@@ -7,10 +7,8 @@ from typing import Any
 
 import pytest
 
-from harness.accuracy.simulation import simulate
-from harness.model.errors import InputError
+from harness import InputError, Scene, simulate
 from harness.model.run import to_plain
-from harness.model.scene import Scene
 from harness.questions.study import case_selection as selection
 from harness.questions.study import estimate
 from harness.questions.study.case_blocks import study_rows

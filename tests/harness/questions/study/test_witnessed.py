@@ -9,14 +9,10 @@ from typing import Any
 
 import pytest
 
-from harness.accuracy.simulation import simulate
-from harness.model.run import Run
-from harness.model.scene import Scene
+from harness import Run, Scene, StudyRecord, read_result, simulate
 from harness.questions.scene import witness
 from harness.questions.study import study_run
 from harness.questions.study.study_run import drawn
-from harness.records.result_folder import read_result
-from harness.records.study import StudyRecord
 from harness.runs.runner import InlinePool
 from harness.runs.store import Store
 from reports.cli import studies

@@ -8,16 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness import Outcome, Run, compare
+from harness import History, Outcome, Run, Scene, Verdict, compare
 from harness.model.finding import caution
-from harness.model.history import History
-from harness.model.scene import Scene
 from harness.questions.scene.scene_run import Result
 from harness.questions.trust import point
 from harness.questions.trust.point import STRETCHES, Kept, explained, path_of, said
 from harness.records.base import part, plain
 from harness.records.run import HorizonRecord
-from harness.records.scores import Verdict
 from harness.records.trust import CLASSES
 from tests import doubles
 from tests.scenes_for_tests import paestum

@@ -15,12 +15,9 @@ import tomli_w
 from typer.testing import CliRunner
 
 import harness
-from harness import engines
+from harness import InputError, Scene, engines, load_scene, read_result
 from harness.accuracy.forecast import Range
-from harness.input.scene_file import load_scene
-from harness.model.errors import InputError
 from harness.model.finding import Severity
-from harness.model.scene import Scene
 from harness.questions.trust import plane, trust_run
 from harness.questions.trust.plane import Plane, Point
 from harness.questions.trust.point import MODEL, Said
@@ -36,7 +33,6 @@ from harness.questions.trust.trust_run import (
     falls,
     findings_of,
 )
-from harness.records.result_folder import read_result
 from harness.records.scores import Interval
 from harness.records.trust import CLASSES, CONTOURS, Rotation, Saved, TrustRecord, TrustSummary
 from harness.runs.progress import duration_words

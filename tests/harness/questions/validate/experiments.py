@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from harness.accuracy.simulation import simulate
-from harness.model.history import Outcome
-from harness.model.run import RunOptions
+from harness import Outcome, RunOptions, simulate
 from harness.questions.validate.scenes import TrialVariant, scene_of
 from harness.questions.validate.table import Trial
 from harness.questions.validate.validation_run import run_validation

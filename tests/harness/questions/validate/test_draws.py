@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 from analytic.excitation import SampledAcceleration, ZeroExcitation
-from harness.accuracy.simulation import simulate
-from harness.model.history import Outcome
-from harness.model.run import RunOptions
+from harness import Outcome, RunOptions, simulate
 from harness.questions.validate.jobs import Drawn, asked_of, lost_draws, parse_model
 from harness.questions.validate.scenes import SHIFT_M, TrialVariant, motion_of, scene_of, thinned
 from harness.questions.validate.table import Inputs, read_table

@@ -8,9 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.accuracy.simulation import simulate
-from harness.input.scene_file import load_scene
-from harness.model.errors import InputError
+from harness import InputError, load_scene, simulate
 from harness.model.scene import Contact, Scene
 from harness.questions.validate import drops, impact_ratios
 from harness.questions.validate.drops import (

@@ -10,11 +10,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from analytic.block import rotation_matrices
-from harness.accuracy.simulation import simulate
+from harness import History, InputError, load_scene, simulate
 from harness.engines.stepping.frame import statue_columns
-from harness.input.scene_file import load_scene
-from harness.model.errors import InputError
-from harness.model.history import History
 from harness.model.scene import Pose, Scene
 from harness.questions.validate.jobs import parse_model
 from harness.questions.validate.tosses import (

@@ -13,9 +13,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from harness.accuracy.simulation import simulate
+from harness import InputError, simulate
 from harness.comparison.statistics.outcomes import FELL
-from harness.model.errors import InputError
 from harness.questions.validate import validation_run as run
 from harness.questions.validate.jobs import parse_model
 from harness.questions.validate.scenes import intensity_of, scene_of

@@ -8,11 +8,8 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
-from harness import engines
+from harness import History, Outcome, Run, RunOptions, Scene, engines
 from harness.engines.base import Settings
-from harness.model.history import History, Outcome
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
 from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.questions.bench.stress import checks, hard_scenes, stress_run
 from harness.questions.bench.stress import hard_scenes as scenes
