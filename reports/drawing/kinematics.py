@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
@@ -14,62 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.model.history import Array, History
-from harness.model.scene import SOLID_COLUMNS, Pedestal, Wall, base_shift_m, centroid_shift_m, rotations
+from harness.model.scene import SOLID_COLUMNS, Pedestal, centroid_shift_m, rotations
 from harness.records.scene import SceneRecord
-
-
-@dataclass(frozen=True, eq=False)
-class StatueSection:
-    """The statue's silhouette `outline_m` (k, 2) in (x, z) and its corners, in the statue frame."""
-
-    outline_m: Array
-    corner_left_m: float
-    corner_right_m: float
-
-    def pivot_m(self, theta_rad: ArrayLike) -> Array:
-        """x of the corner about which the statue turns at these rotations."""
-        return np.where(np.asarray(theta_rad) >= 0.0, self.corner_right_m, -self.corner_left_m)
-
-    def posed_m(self, points_m: ArrayLike, theta_rad: ArrayLike, slip_m: ArrayLike) -> Array:
-        """Points (k, 2) at rotations (n,) and slips (n,), shape (n, k, 2), from the table and the base plane."""
-        points = np.atleast_2d(np.asarray(points_m, dtype=np.float64))
-        theta = np.atleast_1d(np.asarray(theta_rad, dtype=np.float64))[:, None]
-        pivot = self.pivot_m(theta)
-        dx, dz = points[None, :, 0] - pivot, points[None, :, 1]
-        x = pivot + dx * np.cos(theta) + dz * np.sin(theta) + np.atleast_1d(np.asarray(slip_m))[:, None]
-        return np.stack([x, -dx * np.sin(theta) + dz * np.cos(theta)], axis=-1)
-
-    @property
-    def top_m(self) -> Array:
-        """The middle (2,) of the statue's top."""
-        height = self.outline_m[:, 1].max()
-        at_top = self.outline_m[self.outline_m[:, 1] >= height - 1e-9]
-        return np.array([0.5 * (at_top[:, 0].min() + at_top[:, 0].max()), height])
-
-    def top_displacement_m(self, theta_rad: Array, slip_m: Array) -> Array:
-        """Displacement (n,) of the middle of the statue's top along x from where it stood."""
-        return np.asarray(self.posed_m(self.top_m, theta_rad, slip_m)[:, 0, 0] - self.top_m[0])
-
-    def top_way_m(self, history: History, pedestal: Pedestal | None) -> Array:
-        """How far (n,) the middle of the statue's top is from where it stood, by an engine in space in any level direction."""
-        if all(name in history.extra for name in SOLID_COLUMNS):
-            x, z = self.top_m
-            place = posed_in_space_m(np.array([[x, 0.0, z]]), self.corner_right_m, history.extra)[:, 0]
-            return np.asarray(np.hypot(place[:, 0] - x, place[:, 1]))
-        return np.abs(self.top_displacement_m(history.theta_rad, base_shift_m(pedestal, history.slip_m, history.extra)))
-
-    def room_m(self, wall: Wall, theta_rad: ArrayLike = 0.0, slip_m: ArrayLike = 0.0) -> float:
-        """The least room between anything of the statue and a wall, which is so far from the base at rest, over poses (n,)."""
-        x = self.posed_m(self.outline_m, theta_rad, slip_m)[:, :, 0]
-        reach_m, base_m = (x.max(), self.corner_right_m) if wall.side == "right" else (-x.min(), self.corner_left_m)
-        return wall.distance_m - float(reach_m - base_m)
-
-
-def section(scene: SceneRecord) -> StatueSection:
-    """The section of a record's scene."""
-    statue = scene.statue
-    outline = np.asarray(statue.section_m, dtype=np.float64)
-    return StatueSection(outline, statue.corner_left_m, statue.corner_right_m)
 
 
 def pedestal_sides_m(scene: SceneRecord) -> list[float]:
@@ -90,8 +36,7 @@ def wall_m(scene: SceneRecord) -> float | None:
     return right if wall.side == "right" else -statue.corner_left_m - wall.distance_m
 
 
-MOVING: Final = (
-    *SOLID_COLUMNS,
+MOVING: Final[tuple[str, ...]] = (
     "theta_rad",
     "slip_m",
     "statue_slip_m",
@@ -102,22 +47,27 @@ MOVING: Final = (
 """Columns of a history that move the statue or the pedestal, where an engine records them."""
 
 
-def poses(scene: SceneRecord, history: History, t_s: ArrayLike) -> dict[str, Array]:
-    """Where the statue and its pedestal are at times (n,), each column (n,), of the history's last sample after its end.
+def sampled(history: History, t_s: Array | None = None) -> dict[str, Array]:
+    """The columns of a history that move anything at times (n,), of its last sample after its end; without times at its own."""
+    known = {"theta_rad": history.theta_rad, "slip_m": history.slip_m, **history.extra}
+    moving = {name: known[name] for name in (*MOVING, *SOLID_COLUMNS) if name in known}
+    return moving if t_s is None else {name: np.interp(t_s, history.t_s, values) for name, values in moving.items()}
+
+
+def poses(scene: SceneRecord, columns: Mapping[str, ArrayLike]) -> dict[str, Array]:
+    """Where the statue and its pedestal are by columns of a history, each (n,) or one number; what is not among them is nought.
 
     `SOLID_COLUMNS` are the statue's, of an engine in the plane from its rotation and slips; `pedestal_*` the place of
     the pedestal's centroid and its turns about y and then z.
     """
-    known = {"theta_rad": history.theta_rad, "slip_m": history.slip_m, **history.extra}
-    times = np.atleast_1d(np.asarray(t_s, dtype=np.float64))
-    at = {
-        name: np.interp(times, history.t_s, known[name]) if name in known else np.zeros(len(times)) for name in MOVING
-    }
+    at = dict(
+        zip(MOVING, np.broadcast_arrays(*(np.atleast_1d(columns.get(name, 0.0)) for name in MOVING)), strict=True)
+    )
     theta, slip, lean = at["theta_rad"], at["slip_m"], at["pedestal_tilt_rad"]
-    shape, pedestal, c, s = section(scene), scene.pedestal, np.cos(lean), np.sin(lean)
+    statue, pedestal, c, s = scene.statue, scene.pedestal, np.cos(lean), np.sin(lean)
     found: dict[str, Array] = {}
-    pivot = shape.pivot_m(theta - lean)
-    x, z = pivot + slip + at["statue_slip_m"], np.zeros(len(times))
+    pivot = np.where(theta >= lean, statue.corner_right_m, -statue.corner_left_m)
+    x, z = pivot + slip + at["statue_slip_m"], np.zeros(len(theta))
     if pedestal is not None:
         middle, half = float(np.mean(pedestal_sides_m(scene))), 0.5 * pedestal.height_m
         centre = middle + slip + centroid_shift_m(pedestal, lean)
@@ -127,12 +77,46 @@ def poses(scene: SceneRecord, history: History, t_s: ArrayLike) -> dict[str, Arr
         x, z = centre + along * c + half * s, up + half * c - along * s
         turns = {"pedestal_tilt_rad": lean, "pedestal_yaw_rad": at["pedestal_yaw_rad"]}
         found = {"pedestal_x_m": centre, "pedestal_y_m": at["pedestal_y_m"], "pedestal_z_m": up, **turns}
-    if all(name in history.extra for name in SOLID_COLUMNS):
-        return found | {name: at[name] for name in SOLID_COLUMNS}
-    to_right = shape.corner_right_m - pivot
-    still = dict.fromkeys(("roll_rad", "yaw_rad", "corner_right_y_m"), np.zeros(len(times)))
+    if all(name in columns for name in SOLID_COLUMNS):
+        return found | {name: np.atleast_1d(columns[name]) for name in SOLID_COLUMNS}
+    to_right = statue.corner_right_m - pivot
+    still = dict.fromkeys(("roll_rad", "yaw_rad", "corner_right_y_m"), np.zeros(len(theta)))
     corner = {"corner_right_x_m": x + to_right * np.cos(theta), "corner_right_z_m": z - to_right * np.sin(theta)}
     return found | {"pitch_rad": theta, **corner, **still}
+
+
+def posed_m(scene: SceneRecord, points_m: Array, pose: Mapping[str, Array]) -> Array:
+    """Points (k, 3) of the statue at its `poses` (n,), in the table's frame, z from the floor: (n, k, 3)."""
+    return _placed(points_m - [scene.statue.corner_right_m, 0.0, 0.0], pose, SOLID_COLUMNS[3:])
+
+
+def posed_pedestal_m(pedestal: Pedestal, pose: Mapping[str, Array]) -> Array:
+    """The pedestal's corners (n, 8, 3) at `poses` (n,), in the order of the signs of x, y, z."""
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
+    tilt, yaw = pose["pedestal_tilt_rad"], pose["pedestal_yaw_rad"]
+    turned = {**pose, "pitch_rad": tilt, "roll_rad": np.zeros_like(tilt), "yaw_rad": yaw}
+    centre = [f"pedestal_{axis}_m" for axis in "xyz"]
+    return _placed(0.5 * signs * [pedestal.width_m, pedestal.depth_m, pedestal.height_m], turned, centre)
+
+
+def _placed(points_m: Array, pose: Mapping[str, Array], centre: Sequence[str]) -> Array:
+    """Points turned about their origin as a pose says, which then lies where its columns of these names say."""
+    origin = np.stack([pose[name] for name in centre], axis=-1)
+    return np.asarray(points_m @ np.swapaxes(rotations(pose), -1, -2) + origin[:, None, :])
+
+
+def top_shift_m(scene: SceneRecord, pose: Mapping[str, Array]) -> Array:
+    """How far (n, 2) the middle of the statue's top is at its `poses` from where it stood, along the floor in x and y."""
+    outline = np.asarray(scene.statue.section_m)
+    at_top = outline[outline[:, 1] >= outline[:, 1].max() - 1e-9]
+    x = 0.5 * (at_top[:, 0].min() + at_top[:, 0].max())
+    return np.asarray(posed_m(scene, np.array([[x, 0.0, at_top[0, 1]]]), pose)[:, 0, :2] - [x, 0.0])
+
+
+def room_m(scene: SceneRecord, pose: Mapping[str, Array]) -> float:
+    """The least room between anything of the statue and its wall over its `poses`; infinite without a wall."""
+    wall, x = wall_m(scene), posed_m(scene, body_m(scene), pose)[:, :, 0]
+    return math.inf if wall is None else float((abs(wall) - math.copysign(1.0, wall) * x).min())
 
 
 NEAR: Final = 0.3
@@ -151,29 +135,6 @@ def in_sight_m(scene: SceneRecord, moves: Iterable[Mapping[str, Array]]) -> floa
     )
 
 
-def posed_in_space_m(points_m: Array, corner_right_m: float, pose: Mapping[str, Array | float]) -> Array:
-    """Points (k, 3) of the statue frame at a 3D engine's pose (values of `SOLID_COLUMNS`), in the table's frame.
-
-    At poses (n,) they are (n, k, 3).
-    """
-    return _placed(points_m - [corner_right_m, 0.0, 0.0], pose, SOLID_COLUMNS[3:])
-
-
-def posed_pedestal_m(pedestal: Pedestal, depth_m: float, pose: Mapping[str, Array | float]) -> Array:
-    """The pedestal's corners (8, 3), or (n, 8, 3), at a pose, in the order of the signs of x, y, z."""
-    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
-    tilt, yaw = pose["pedestal_tilt_rad"], pose["pedestal_yaw_rad"]
-    turned = {**pose, "pitch_rad": tilt, "roll_rad": np.zeros_like(tilt), "yaw_rad": yaw}
-    centre = [f"pedestal_{axis}_m" for axis in "xyz"]
-    return _placed(0.5 * signs * [pedestal.width_m, depth_m, pedestal.height_m], turned, centre)
-
-
-def _placed(points_m: Array, pose: Mapping[str, Array | float], centre: Sequence[str]) -> Array:
-    """Points turned about their origin as a pose says, which then lies where its columns of these names say."""
-    origin = np.stack([np.asarray(pose[name]) for name in centre], axis=-1)
-    return np.asarray(points_m @ np.swapaxes(rotations(pose), -1, -2) + origin[..., None, :])
-
-
 # The statue's own mesh made ready for the screen: decimated where needed, edges kept sharp; its true outline as seen along y.
 
 Faces = NDArray[np.int64]
@@ -187,15 +148,13 @@ SMOOTHED: Final = 1.0 / 800.0
 """Bends of the outline smaller than this share of the height are left out: less than a pixel in every picture."""
 
 
-def display_mesh(
-    path: Path | None, shape: StatueSection, depth_m: float, most_faces: int = MOST_FACES
-) -> tuple[Array, Faces]:
+def display_mesh(scene: SceneRecord, path: Path | None, most_faces: int = MOST_FACES) -> tuple[Array, Faces]:
     """Vertices (n, 3) in the statue frame and faces (m, 3) of the mesh of a result folder, split along its creases.
 
     Of a statue given by numbers those of the block that stands for it.
     """
     if path is None:
-        return _prism(shape.outline_m, depth_m)
+        return _prism(scene)
     vertices, faces = read_mesh(path)
     if len(faces) > most_faces:
         vertices, faces = decimated(vertices, faces, most_faces)
@@ -237,10 +196,21 @@ def facing(vertices: Array, faces: Faces, eye: Array) -> tuple[NDArray[np.intp],
     return seen[np.argsort(corners[seen].mean(axis=1) @ eye)], normals
 
 
-def _prism(outline_m: Array, depth_m: float) -> tuple[Array, Faces]:
-    """The silhouette pulled along y; the outline runs counter-clockwise as seen with x right and z up."""
-    count = len(outline_m)
-    rings = [np.insert(outline_m, 1, y, axis=1) for y in (-0.5 * depth_m, 0.5 * depth_m)]
+def body_m(scene: SceneRecord, mesh: Path | None = None) -> Array:
+    """The corners (n, 3) of the body's convex hull: no other point ever reaches farther."""
+    if mesh is None:
+        return _prism(scene)[0]
+    from scipy.spatial import ConvexHull
+
+    vertices, _ = read_mesh(mesh)
+    return np.asarray(vertices[ConvexHull(vertices).vertices])
+
+
+def _prism(scene: SceneRecord) -> tuple[Array, Faces]:
+    """The section pulled along y; its outline runs counter-clockwise as seen with x right and z up."""
+    outline, half_m = np.asarray(scene.statue.section_m, dtype=np.float64), 0.5 * scene.statue.depth_m
+    count = len(outline)
+    rings = [np.insert(outline, 1, y, axis=1) for y in (-half_m, half_m)]
     here = np.arange(count)
     after = np.roll(here, -1)
     front = np.column_stack([np.zeros_like(here), here, after])[1:-1]

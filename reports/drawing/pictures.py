@@ -5,27 +5,28 @@ it bears, what gives way first.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from jinja2 import Template
 from markupsafe import Markup
 
-from harness.model.history import Array, History, Outcome
-from harness.model.scene import SOLID_COLUMNS, base_shift_m
+from harness.model.history import Array, Outcome
+from harness.model.scene import SOLID_COLUMNS
 from harness.records.assess import ClearanceRecord
 from harness.records.scene import MotionRecord, SceneRecord
-from meshes.footprint import lower_chain
 from reports.charts.figure import FLOOR_COLOUR, HAIRLINE, INK, MUTED, PEDESTAL_COLOUR
 from reports.charts.histories import shown_samples
 from reports.drawing.kinematics import (
+    body_m,
     pedestal_sides_m,
-    posed_in_space_m,
-    read_mesh,
-    section,
+    posed_m,
+    poses,
+    room_m,
+    sampled,
     silhouette_m,
     wall_m,
 )
@@ -41,6 +42,8 @@ SIDES: Final[Mapping[str, tuple[float, float]]] = {
     "left": (-1.0, 0.0), "right": (1.0, 0.0), "front": (0.0, -1.0), "back": (0.0, 1.0)
 }  # fmt: skip
 """Sides of the room as directions seen from above."""
+WAYS: Final = np.array([(math.cos(angle), math.sin(angle)) for angle in np.radians(np.arange(0.0, 360.0, 5.0))])
+"""Directions in which it is sought what is outermost: between two of them an outline loses a thousandth of its size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,21 +62,17 @@ def floor_plan(source: RunSource, names: Sequence[str]) -> Plan:
 
     Without a model nothing is known of the room.
     """
-    body = _body(source)
+    scene, body = source.scene, body_m(source.scene, source.mesh)
+    moves = [sampled(source.histories[name]) for name in names]
     rest = _hull(body[:, :2])
-    points, in_space = [rest], False
-    for name in names:
-        history = source.histories[name]
-        solid = all(column in history.extra for column in SOLID_COLUMNS)
-        in_space = in_space or solid
-        points.append(_in_space(source, body, history) if solid else _in_plane(source, body, history))
-    moved = _hull(np.vstack(points))
+    moved = _hull(np.vstack([rest, *(_reached(scene, body, poses(scene, each)) for each in moves)]))
+    in_space = any(SOLID_COLUMNS[0] in each for each in moves)
     sides = SIDES if in_space else {side: SIDES[side] for side in ("left", "right")}
     room = {side: float((moved @ towards).max() - (rest @ towards).max()) for side, towards in sides.items() if names}
-    wall = source.scene.wall
+    wall = scene.wall
     if wall is None or not room or all(run.outcome is not Outcome.TOUCHES_WALL for run in source.answered.values()):
         return Plan(rest, moved, room)
-    return Plan(rest, moved, room | {wall.side: section(source.scene).room_m(wall)}, wall.side)
+    return Plan(rest, moved, room | {wall.side: room_m(scene, poses(scene, {}))}, wall.side)
 
 
 def probable_plan(item: ClearanceRecord, share: float) -> Plan | None:
@@ -97,59 +96,16 @@ def probable_plan(item: ClearanceRecord, share: float) -> Plan | None:
 
 
 def _hull(points: Array) -> Array:
-    """The corners of the convex hull of points (n, 2), counter-clockwise: its lower chain, and that of the points turned over.
-
-    A page of a planar run loads no geometry of space for it.
-    """
-    corners = np.vstack([lower_chain(points), -lower_chain(-points)])
-    return corners[np.any(corners != np.roll(corners, 1, axis=0), axis=1)]
+    """Those of points (n, 2) that are outermost in one of many directions, counter-clockwise."""
+    return points[list(dict.fromkeys(int(np.argmax(points @ way)) for way in WAYS))]
 
 
-def _body(source: RunSource) -> Array:
-    """The corners (n, 3) of the body's convex hull: no other point ever reaches farther."""
-    if source.mesh is None:
-        outline, half = section(source.scene).outline_m, 0.5 * source.scene.statue.depth_m
-        return np.vstack([np.insert(outline, 1, y, axis=1) for y in (-half, half)])
-    from scipy.spatial import ConvexHull
-
-    vertices, _ = read_mesh(source.mesh)
-    return np.asarray(vertices[ConvexHull(vertices).vertices])
-
-
-def _in_plane(source: RunSource, body: Array, history: History) -> Array:
-    """Each corner moves along one line: the ends of its way are all that the outline needs."""
-    shape, moved_m = section(source.scene), base_shift_m(source.scene.pedestal, history.slip_m, history.extra)
-
-    def reached(points: Array, chosen: Any) -> Array:
-        x = shape.posed_m(points[:, [0, 2]], history.theta_rad[chosen], moved_m[chosen])[:, :, 0]
-        ends = np.column_stack([np.concatenate([x.min(axis=0), x.max(axis=0)]), np.tile(points[:, 1], 2)])
-        return ends.reshape(2, -1, 2)
-
-    # No geometry of space is loaded for a body of a few corners.
-    few = source.mesh is None
-    return reached(body, slice(None)).reshape(-1, 2) if few else _outline(body, [history.theta_rad, moved_m], reached)
-
-
-def _in_space(source: RunSource, body: Array, history: History) -> Array:
-    """The outline of all that the body comes over."""
-    columns = {name: history.extra[name] for name in SOLID_COLUMNS}
-
-    def reached(points: Array, chosen: Any) -> Array:
-        shown = {name: values[chosen] for name, values in columns.items()}
-        return posed_in_space_m(points, source.scene.statue.corner_right_m, shown)[:, :, :2]
-
-    return _outline(body, [history.theta_rad, *columns.values()], reached)
-
-
-def _outline(body: Array, columns: Sequence[Array], reached: Callable[[Array, Any], Array]) -> Array:
-    """The outline (k, 2) of what the body's points `reached` (m, n, 2) in chosen samples: in all of them, of points that are
-    outermost in some."""
-    from scipy.spatial import ConvexHull
-
-    some = np.unique(np.concatenate([shown_samples(values, POSES) for values in columns]))
-    outer = np.unique(ConvexHull(reached(body, some).reshape(-1, 2)).vertices % len(body))
-    every = reached(body[outer], slice(None)).reshape(-1, 2)
-    return np.asarray(every[ConvexHull(every).vertices])
+def _reached(scene: SceneRecord, body: Array, pose: Mapping[str, Array]) -> Array:
+    """The outline (k, 2) of all that a body's points come over at `poses`: in all of them, of points outermost in some."""
+    some = np.unique(np.concatenate([shown_samples(values, POSES) for values in pose.values()]))
+    seen = posed_m(scene, body, {name: values[some] for name, values in pose.items()})[:, :, :2].reshape(-1, 2)
+    outer = sorted({int(np.argmax(seen @ way)) % len(body) for way in WAYS})
+    return _hull(posed_m(scene, body[outer], pose)[:, :, :2].reshape(-1, 2))
 
 
 # The scene drawn to scale as inline SVG: floor, pedestal, silhouette, corners, centroid, wall, dimensions.
@@ -213,32 +169,32 @@ FARTHEST: Final = {"stroke": SHAKING, "width": 1.6, "dash": "5 4"}
 
 def reach_svg(
     source: RunSource,
-    extremes: Sequence[tuple[float, float]],
+    extremes: Sequence[Mapping[str, Array]],
     balance_rad: Sequence[float],
     gauge_rad: tuple[float, float] | None,
     title: str,
     say: Language,
 ) -> Markup:
-    """The statue at rest, at its farthest leans (rotation in rad, slip in m), where it balances, on its pedestal, at its wall.
+    """The statue at rest, at its farthest leans (`poses` of one sample), where it balances, on its pedestal, at its wall.
 
     `gauge_rad`: the largest lean and the one at which it balances, as a bar below the floor.
     """
-    scene, shape = source.scene, section(source.scene)
-    outline = silhouette_m(scene, source.mesh)
+    scene = source.scene
+    flat = np.insert(silhouette_m(scene, source.mesh), 1, 0.0, axis=1)
+    rest, *balances = posed_m(scene, flat, poses(scene, {"theta_rad": [0.0, *balance_rad]}))[:, :, ::2]
+    leans = [posed_m(scene, flat, pose)[0, :, ::2] for pose in extremes]
     lift = 0.0 if scene.pedestal is None else scene.pedestal.height_m
-    leans = [shape.posed_m(outline, theta, slip)[0] for theta, slip in extremes]
-    balances = [shape.posed_m(outline, theta, 0.0)[0] for theta in balance_rad]
     sides, wall = pedestal_sides_m(scene), wall_m(scene)
-    reached = np.vstack([outline, *leans, *balances])
+    reached = np.vstack([rest, *leans, *balances])
     xs = [*reached[:, 0], *sides, *([] if wall is None else [wall])]
-    room, wide, high = SIDE - 2 * MARGIN, max(xs) - min(xs), lift + float(reached[:, 1].max())
+    room, wide, high = SIDE - 2 * MARGIN, max(xs) - min(xs), float(reached[:, 1].max())
     ground, scale = SIDE - MARGIN, min(room / wide, room / high)
-    place = plane(scale, (0.5 * (min(xs) + max(xs)), -lift), (SIDE / 2, ground))
+    place = plane(scale, (0.5 * (min(xs) + max(xs)), 0.0), (SIDE / 2, ground))
     shapes = [path([(14, ground), (SIDE - 14, ground)], stroke=INK, width=2)]
     if sides:
         left, right = place([(side, 0.0) for side in sides])[:, 0].tolist()
         shapes.append(box(left, ground - scale * lift, right - left, scale * lift, fill="#c3c8cf", stroke="#59636f"))
-    shapes.append(path(place(outline), closed=True, **STATUE))
+    shapes.append(path(place(rest), closed=True, **STATUE))
     shapes += [path(place(lean), closed=True, stroke=INK, width=1.6, dash="2 4") for lean in balances]
     shapes += [path(place(lean), closed=True, **FARTHEST) for lean in leans]
     if gauge_rad is not None:
@@ -247,10 +203,9 @@ def reach_svg(
         x = float(place((wall, 0.0))[0, 0])
         shapes.append(box(x if wall > 0.0 else x - 12.0, 20, 12, ground - 20, fill=WALL))
         shapes.append(text(x, 14, say("reach.wall"), colour=INK))
-    peak = int(np.argmax(outline[:, 1]))
-    shapes += _top_shift(
-        place(outline[peak])[0], [(place(lean[peak])[0, 0], lean[peak, 0] - outline[peak, 0]) for lean in leans], say
-    )
+    peak = int(np.argmax(rest[:, 1]))
+    moves = [(place(lean[peak])[0, 0], lean[peak, 0] - rest[peak, 0]) for lean in leans]
+    shapes += _top_shift(place(rest[peak])[0], moves, say)
     return _svg(shapes, title)
 
 

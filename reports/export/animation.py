@@ -22,10 +22,10 @@ from reports.drawing.kinematics import (
     eye_axes,
     facing,
     in_sight_m,
-    posed_in_space_m,
+    posed_m,
     posed_pedestal_m,
     poses,
-    section,
+    sampled,
     silhouette_m,
 )
 from reports.drawing.shapes import plane
@@ -122,18 +122,17 @@ def _frames(source: RunSource, solid: str, window_s: tuple[float, float], chart:
 
     scene, histories = source.scene, source.histories
     times = np.arange(window_s[0], window_s[1] + 0.5 / FRAMES_PER_S, 1.0 / FRAMES_PER_S)
-    vertices_m, faces = display_mesh(source.mesh, section(scene), scene.statue.depth_m, most_faces=4000)
-    corner, pedestal = scene.statue.corner_right_m, scene.pedestal
-    moves = poses(scene, histories[solid], times)
+    vertices_m, faces = display_mesh(scene, source.mesh, most_faces=4000)
+    moves = poses(scene, sampled(histories[solid], times))
     size_m = in_sight_m(scene, [moves])
     place = _projection(scene, size_m)
-    bodies = [(posed_in_space_m(vertices_m, corner, moves), faces, GREYS - 1)]
-    if pedestal is not None:
-        bodies.insert(0, (posed_pedestal_m(pedestal, pedestal.depth_m, moves), BOX, GREYS // 2))
+    bodies = [(posed_m(scene, vertices_m, moves), faces, GREYS - 1)]
+    if scene.pedestal is not None:
+        bodies.insert(0, (posed_pedestal_m(scene.pedestal, moves), BOX, GREYS // 2))
     theta_rad = np.interp(times, histories[solid].t_s, histories[solid].theta_rad)
     ghost = "analytic" if "analytic" in histories and solid != "analytic" else None
     outline = np.insert(silhouette_m(scene, source.mesh), 1, 0.0, axis=1)
-    other = posed_in_space_m(outline, corner, poses(scene, histories[ghost or solid], times))
+    other = posed_m(scene, outline, poses(scene, sampled(histories[ghost or solid], times)))
     for k, t in enumerate(times):
         frame = chart.copy()
         draw = ImageDraw.Draw(frame)

@@ -14,7 +14,6 @@ import numpy as np
 
 from harness.model.history import Array, Outcome
 from harness.model.run import number
-from harness.model.scene import base_shift_m
 from harness.records.assess import CONTRADICTED, MOSTLY, Assessment, worst
 from harness.records.effects3d import EffectsRecord
 from harness.records.run import STILL_RAD, RunRecord, own_moves, peak_slip_m, tips_s, unconfirmed
@@ -24,7 +23,7 @@ from harness.statics.standstill import tipping_of_pedestal
 from reports.blocks import Block, Drawing, Section, Text, Verdict
 from reports.charts.drawn import still
 from reports.charts.figure import localised
-from reports.drawing.kinematics import section
+from reports.drawing.kinematics import poses, room_m, sampled, top_shift_m
 from reports.drawing.pictures import Plan, floor_plan, order_svg, plan_svg, push_svg, reach_svg
 from reports.messages import ENGLISH, Language, probability_text, split_unit
 from reports.source import RunSource, run_source, source_of
@@ -454,28 +453,23 @@ def _trust(source: RunSource, say: Language) -> list[str]:
     return []
 
 
-def _poses(source: RunSource) -> list[tuple[Array, Array]]:
-    """Rotation and the support's displacement (n,) of each model in which it stands."""
-    standing = [source.histories[name] for name in source.standing]
-    return [(item.theta_rad, base_shift_m(source.scene.pedestal, item.slip_m, item.extra)) for item in standing]
-
-
-def _extremes(source: RunSource) -> list[tuple[float, float]]:
-    """Rotation and the support's displacement at the top's farthest shifts to each side, over the models in which it stands."""
-    shape, extremes = section(source.scene), []
+def _extremes(scene: SceneRecord, moves: Sequence[Mapping[str, Array]]) -> list[dict[str, Array]]:
+    """Of all poses those of the top's farthest shifts to each side."""
+    extremes = []
     for side in (-1.0, 1.0):
-        tops = [(side * shape.top_displacement_m(*pose), *pose) for pose in _poses(source)]
-        farthest = [(top[k], theta[k], moved[k]) for top, theta, moved in tops for k in [int(np.argmax(top))]]
-        top_m, theta_rad, moved_m = map(float, max(farthest, default=(0.0, 0.0, 0.0)))
-        extremes += [(theta_rad, moved_m)] if top_m > VISIBLE_M else []
+        tops = [(side * top_shift_m(scene, pose)[:, 0], pose) for pose in moves]
+        top_m, pose = max(tops, key=lambda each: each[0].max(), default=(np.zeros(1), {}))
+        farthest = [int(np.argmax(top_m))]
+        extremes += [{name: values[farthest] for name, values in pose.items()}] if top_m.max() > VISIBLE_M else []
     return extremes
 
 
 def reach_picture(source: RunSource, say: Language, before: Sequence[str] = ()) -> Drawing:
     """Its farthest positions against the lean at which it balances, and its wall; of a statue that falls, the latter alone."""
-    extremes, title, standing = _extremes(source), say("reach.heading"), source.standing
-    shape = section(source.scene)
-    statue, (_, lean_rad, balance_rad, side) = source.scene.statue, _worst_lean(source)
+    scene, title, standing = source.scene, say("reach.heading"), source.standing
+    moved = [poses(scene, sampled(source.histories[name])) for name in standing]
+    extremes = _extremes(scene, moved)
+    statue, (_, lean_rad, balance_rad, side) = scene.statue, _worst_lean(source)
     own = _own_moves(source)
     across = max((number(source.runs[name].validity, "slip_across_m", 0.0) for name in standing), default=0.0)
     aside = side == 0 or (across > VISIBLE_M and not extremes)
@@ -490,9 +484,8 @@ def reach_picture(source: RunSource, say: Language, before: Sequence[str] = ()) 
         # What follows is not of all models: beside a fall it stood that the statue does not move.
         words += [say("run.of_standing")] if standing else []
     words += [say(f"reach.{key}") for key, told in moves.items() if told and standing]
-    wall = source.scene.wall
-    if wall is not None and standing:
-        gap, left = shape.room_m(wall), min(shape.room_m(wall, *pose) for pose in _poses(source))
+    if scene.wall is not None and standing:
+        gap, left = room_m(scene, poses(scene, {})), min(room_m(scene, pose) for pose in moved)
         remains = say("reach.remain", left=say.length(left)) if left > 0 else say("reach.strikes")
         words.append(f"{say('reach.free', gap=say.length(gap))} {remains}")
     sides = {1 if end is Outcome.OVERTURNED_RIGHT else -1 for end in fell if end in SIDEWAYS and not standing}

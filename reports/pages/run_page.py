@@ -210,27 +210,28 @@ MESH_LEVELS: Final = 2**13
 
 def replay_payload(source: RunSource) -> str:
     """The replay's data, packed."""
-    shape = kinematics.section(source.scene)
-    statue, pedestal = source.scene.statue, source.scene.pedestal
-    vertices, faces = kinematics.display_mesh(source.mesh, shape, statue.depth_m)
+    scene, statue = source.scene, source.scene.statue
+    vertices, faces = kinematics.display_mesh(scene, source.mesh)
     end = max(float(item.t_s[-1]) for item in source.histories.values())
     step = max(FRAME_S, end / MOST_FRAMES)
     names = list(source.runs)
     times = {
         name: np.append(np.arange(0.0, each.t_s[-1], step), each.t_s[-1]) for name, each in source.histories.items()
     }
-    moves = {name: kinematics.poses(source.scene, source.histories[name], t_s) for name, t_s in times.items()}
+    moves = {
+        name: kinematics.poses(scene, kinematics.sampled(source.histories[name], t_s)) for name, t_s in times.items()
+    }
     payload = {
         "step_s": step,
         "begin_s": run_event_s(source)[0],
         "end_s": end,
-        "corner_left_m": shape.corner_left_m,
-        "corner_right_m": shape.corner_right_m,
+        "corner_left_m": statue.corner_left_m,
+        "corner_right_m": statue.corner_right_m,
         "height_m": statue.height_m,
-        "in_sight_m": kinematics.in_sight_m(source.scene, moves.values()),
+        "in_sight_m": kinematics.in_sight_m(scene, moves.values()),
         "depth_m": statue.depth_m,
-        "pedestal": pedestal,
-        "wall": source.scene.wall,
+        "pedestal": scene.pedestal,
+        "wall": scene.wall,
         "mesh": {
             "positions": [packed_array(column, MESH_LEVELS) for column in vertices.T],
             "index": [packed_array(column) for column in faces.T],
@@ -240,7 +241,7 @@ def replay_payload(source: RunSource) -> str:
             {"name": name, "colour": look(name, names).colour, **_frames(history, times[name], moves[name])}
             for name, history in source.histories.items()
         ],
-        "floor": _floor(source.record.motion, source.scene.gravity_m_s2, step, end),
+        "floor": _floor(source.record.motion, scene.gravity_m_s2, step, end),
     }
     return packed_json(payload)
 

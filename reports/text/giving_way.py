@@ -34,7 +34,7 @@ from reports.charts.figure import (
     points,
     upwards,
 )
-from reports.drawing.kinematics import section
+from reports.drawing.kinematics import poses, top_shift_m
 from reports.messages import ENGLISH, Language
 from reports.text.wording import Condition, runs_of
 
@@ -62,7 +62,6 @@ def pedestal_effect(
     pace = next((key for key in paces if all(isinstance(item.varied[key], (int, float)) for item in cases)), None)
     if len({item.varied["pedestal"] for item in cases if "pedestal" in keys}) < 2:
         return None
-    shape = section(record.scene)
     counted = {name: _saved(cases, name) for name in models}
     model = knows_most(counted, models[0]) or models[0]
     told = info("pedestal_saves", model=model, **vars(counted[model]))
@@ -76,8 +75,8 @@ def pedestal_effect(
         if (fallen := falls(run)) is not None:
             fell.setdefault(place, []).append(fallen)
         if fallen is False:
-            theta = run.peak_theta_rad * np.array([-1.0, 1.0])
-            moved = float(np.abs(shape.top_displacement_m(theta, np.zeros(2))).max()) + run.peak_slip_m
+            leans = poses(record.scene, {"theta_rad": run.peak_theta_rad * np.array([-1.0, 1.0])})
+            moved = float(np.abs(top_shift_m(record.scene, leans)).max()) + run.peak_slip_m
             reach[place] = max(reach.get(place, 0.0), moved)
     named = {
         each: say(f"{words}.{each}") for each in ("frequency", "on_floor", "on_pedestal", "share_falls", "top", "wall")

@@ -13,14 +13,13 @@ import numpy as np
 from harness.model.finding import Finding, info
 from harness.model.history import History, Outcome
 from harness.model.run import Intervention, Run, RunRow, number
-from harness.model.scene import base_shift_m
 from harness.records.assess import Assessment
 from harness.records.base import Table
 from harness.records.run import SLIDES_M, UNKNOWN, RunRecord, left_early, peak_slip_m
 from harness.records.scores import AfterHorizon, Scores
 from harness.records.study import CaseRun, StudyRow, Value
 from reports.blocks import Chip, Text, Verdict, code, verdict, words
-from reports.drawing.kinematics import section
+from reports.drawing.kinematics import poses, room_m, sampled, top_shift_m
 from reports.messages import ENGLISH, Language
 from reports.source import RunSource
 
@@ -179,24 +178,19 @@ def tone(source: RunSource) -> str:
 
 def _reach(source: RunSource) -> list[Finding]:
     """How far the top moves where the statue stands, and what room is left to the wall."""
-    shape, wall, pedestal, found = section(source.scene), source.scene.wall, source.scene.pedestal, []
+    scene, found = source.scene, []
+    moves = {name: poses(scene, sampled(item)) for name, item in source.histories.items()}
     tops = {
-        name: float(shape.top_way_m(item, pedestal).max())
-        for name, item in source.histories.items()
+        name: float(np.hypot(*top_shift_m(scene, pose).T).max())
+        for name, pose in moves.items()
         if source.runs[name].outcome == Outcome.STANDS
     }
     if tops and max(tops.values()) > STUCK_M:
         name = max(tops, key=lambda item: tops[item])
         found.append(info("top_moves", top_m=tops[name], model=name))
-    if (
-        wall is not None
-        and source.histories
-        and not any(r.outcome is Outcome.TOUCHES_WALL for r in source.runs.values())
-    ):
-        left = min(
-            shape.room_m(wall, item.theta_rad, base_shift_m(pedestal, item.slip_m, item.extra))
-            for item in source.histories.values()
-        )
+    wall, struck = scene.wall, any(run.outcome is Outcome.TOUCHES_WALL for run in source.runs.values())
+    if wall is not None and moves and not struck:
+        left = min(room_m(scene, pose) for pose in moves.values())
         found.append(info("room_to_wall", side=wall.side, left_m=max(left, 0.0)))
     return found
 

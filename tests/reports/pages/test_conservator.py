@@ -18,7 +18,7 @@ from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.assess import Assessment
 from harness.records.run import HorizonRecord, balance_share, has_answer
 from harness.records.study import SupportRecord
-from reports.drawing.kinematics import section, silhouette_m
+from reports.drawing.kinematics import body_m, posed_m, poses, sampled, silhouette_m
 from reports.drawing.pictures import floor_plan
 from reports.messages import ENGLISH, language
 from reports.pages import conservator
@@ -158,10 +158,10 @@ def test_sides_that_are_equally_weak_are_all_named(source: RunSource) -> None:
 
 def test_the_free_space_is_that_of_standing_runs_and_falls_are_said(written: Callable[[str], Path]) -> None:
     source = run_source(written("apart"))
-    shape, text = section(source.scene), spoken(of_run(source))
-    rest = shape.outline_m[:, 0].max()
+    scene, text = source.scene, spoken(of_run(source))
+    body = body_m(scene)
     farthest = [
-        float(shape.posed_m(shape.outline_m, item.theta_rad, item.slip_m)[:, :, 0].max()) - rest
+        float(posed_m(scene, body, poses(scene, sampled(item)))[:, :, 0].max() - body[:, 0].max())
         for name, item in source.histories.items()
         if name != "pybullet"
     ]
@@ -253,8 +253,8 @@ def test_the_room_holds_every_position_of_a_long_history(source: RunSource) -> N
     long = replace(
         source.histories[name], t_s=t_s, theta_rad=theta, theta_rate_rad_s=0 * t_s, slip_m=slip, slip_rate_m_s=0 * t_s, extra={}
     )  # fmt: skip
-    room_m, shape = floor_plan(replace(source, histories={name: long}), [name]).room_m, section(source.scene)
-    x, rest = shape.posed_m(shape.outline_m, theta, slip)[:, :, 0], shape.outline_m[:, 0]
+    room_m, scene = floor_plan(replace(source, histories={name: long}), [name]).room_m, source.scene
+    x, rest = posed_m(scene, body_m(scene), poses(scene, sampled(long)))[:, :, 0], body_m(scene)[:, 0]
     assert room_m == pytest.approx({"left": rest.min() - x.min(), "right": x.max() - rest.max()}, abs=PUSH)
 
 
@@ -428,7 +428,7 @@ def test_a_study_without_pedestals_has_no_such_effect(record_of: Callable[[str],
 def test_the_silhouette_is_the_meshs_shadow(written: Callable[[str], Path]) -> None:
     source = run_source(written("meshed"))
     assert source.mesh is not None
-    outline, hull = silhouette_m(source.scene, source.mesh), section(source.scene).outline_m
+    outline, hull = silhouette_m(source.scene, source.mesh), np.asarray(source.scene.statue.section_m)
 
     def area(points: np.ndarray[Any, Any]) -> float:
         x, y = points.T
