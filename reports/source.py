@@ -23,7 +23,7 @@ MOVED_SHARE: Final = 0.01
 """A rotation of this share of the balance point's shows on a page."""
 MOVED_M: Final = 1e-4
 """A slip that shows on a page."""
-PEAKS: Final = ("peak_lean_rad", "peak_lean_share", "peak_over_slenderness")
+PEAKS: Final = ("peak_lean_rad", "peak_lean_share", "peak_over_slenderness", "pedestal_tilt_share")
 """What a run says of its largest lean beside its history."""
 BESIDE: Final = 0.05
 LEAST_BESIDE_S: Final = 0.25

@@ -7,7 +7,6 @@ its rows. Columns that are arrays are the samples of curves along the first of t
 from __future__ import annotations
 
 import errno
-import itertools
 import re
 import resource
 from collections.abc import Iterable, Mapping, Sequence
@@ -93,8 +92,18 @@ def sized(spec: Any, width: float, alone: bool = True) -> Any:
     return spec | {"width": max(60.0, spec["width"] * width - BESIDE)}
 
 
-def svg(spec: Json, width: float = WIDE, most: int = POINTS, words: str = "", background: str = "transparent") -> str:
-    """The chart as SVG that many pixels wide, `words` over it. Raises `OSError` where addresses are limited to too few."""
+def svg(
+    spec: Json,
+    width: float = WIDE,
+    most: int = POINTS,
+    words: str = "",
+    background: str = "transparent",
+    name: str = "",
+) -> str:
+    """The chart as SVG that many pixels wide, `words` over it; by its `name` its ids are told apart from another's of a page.
+
+    Raises `OSError` where addresses are limited to too few.
+    """
     import vl_convert
 
     if 0 <= resource.getrlimit(resource.RLIMIT_AS)[0] < RESERVED:
@@ -113,7 +122,7 @@ def svg(spec: Json, width: float = WIDE, most: int = POINTS, words: str = "", ba
     )
     drawn = str(vl_convert.vegalite_to_svg(legible(whole)))
     # The library counts what cuts over all that it ever drew.
-    order = {name: f"cut{k}" for k, name in enumerate(dict.fromkeys(CUT.findall(drawn)))}
+    order = {found: f"cut{k}{name}" for k, found in enumerate(dict.fromkeys(CUT.findall(drawn)))}
     return CUT.sub(lambda found: order[found[0]], drawn)
 
 
@@ -131,19 +140,10 @@ def hatched(drawn: str) -> str:
     return drawn.replace(">", f"><defs>{HATCHES}</defs>", 1) if "url(#hatch" in drawn else drawn
 
 
-def still(spec: Json, width: float = WIDE) -> Markup:
-    """The chart as a page carries it: what is seen first and without scripts, and what is printed; before it what both call."""
-    drawn = TAG.sub(lambda tag: FINER.sub("", tag[0]), svg(spec, width))
+def still(spec: Json, width: float = WIDE, name: str = "") -> Markup:
+    """The chart as a page carries it under its `name`: what is seen first and without scripts, and what is printed; before it
+    what both call."""
+    drawn = TAG.sub(lambda tag: FINER.sub("", tag[0]), svg(spec, width, name=name))
     box = drawn.index("viewBox=")
     called = f'<svg class="called" aria-hidden="true"><defs>{HATCHES}</defs></svg>' if "url(#hatch" in drawn else ""
     return Markup(f'{called}<svg class="still" aria-hidden="true" xmlns="http://www.w3.org/2000/svg" {drawn[box:]}')
-
-
-def told_apart(page: str) -> str:
-    """A page whose stills, of which each counts its own, have each of their ids once."""
-    number = itertools.count(1)
-
-    def own(drawn: re.Match[str]) -> str:
-        return re.sub(r'(?<=["#])cut(?=\d)', f"cut{next(number)}-", drawn[0])
-
-    return re.sub(r'<svg class="still".*?</svg>', own, page, flags=re.DOTALL)

@@ -103,7 +103,7 @@ ACROSS: Final = "out_of_plane_rad"
 ACROSS_RAD: Final = 1e-4
 """A 3D engine's rotation across the rocking plane below this does not show beside the rotation in it."""
 MOST_STRETCHES: Final = 1500
-"""Most stretches of motion pattern drawn per model; shorter ones than a pixel are drawn as their longest neighbour."""
+"""Most stretches of motion pattern drawn per model: shorter ones than a pixel do not show."""
 BARE: Final = {"rocking": "rocking_bare"}
 """A statue without a pedestal only rocks."""
 OFF: Final = {"statue_slides": "statue_off"}
@@ -269,15 +269,12 @@ def pattern_strip(source: RunSource, say: Language = ENGLISH) -> list[Json]:
 
 
 def drawn_stretches(patterns: Sequence[Sequence[Any]], most: int = MOST_STRETCHES) -> list[tuple[float, float, str]]:
-    """At most `most` stretches covering the same time: where there are more, each bin takes its longest pattern."""
+    """At most `most` stretches covering the same time: where there are more, what goes on amid each of so many bins."""
     stretches = [(float(start), float(end), str(name)) for start, end, name in patterns]
     if len(stretches) <= most:
         return stretches
-    ends = np.array([stretches[0][0], *(end for _, end, _ in stretches)])
-    edges = np.linspace(ends[0], ends[-1], most + 1)
-    known = sorted({name for *_, name in stretches})
-    # How long each pattern has lasted at every end of a stretch, so between every two edges too.
-    lasted = [np.cumsum([0.0, *((name == kind) * (end - start) for start, end, name in stretches)]) for kind in known]
-    longest = np.argmax([np.diff(np.interp(edges, ends, each)) for each in lasted], axis=0)
-    starts = [0, *(np.flatnonzero(np.diff(longest)) + 1).tolist(), most]
-    return [(float(edges[k]), float(edges[end]), known[longest[k]]) for k, end in pairwise(starts)]
+    ends = np.array([end for _, end, _ in stretches])
+    edges = np.linspace(stretches[0][0], ends[-1], most + 1)
+    kinds_of = [stretches[k][2] for k in np.searchsorted(ends, 0.5 * (edges[:-1] + edges[1:]))]
+    starts = [0, *(k for k in range(1, most) if kinds_of[k] != kinds_of[k - 1]), most]
+    return [(float(edges[k]), float(edges[end]), kinds_of[k]) for k, end in pairwise(starts)]

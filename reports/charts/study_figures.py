@@ -193,12 +193,10 @@ LEAST_DIRECTIONS: Final = 4
 """Directions in which the statue overturns below which a rose says little."""
 
 
-def panels_figure(
-    panels: Sequence[Panel], model: str | None = None, restitution: float | None = None, say: Language = ENGLISH
-) -> Json:
-    """The paper's figures 7 to 9: amplitudes across, frequencies down, of one model and restitution (default: the first).
+def panels_figure(panels: Sequence[Panel], model: str | None = None, say: Language = ENGLISH) -> Json:
+    """The paper's figures 7 to 9: amplitudes across, frequencies down, of one model (default: the first).
 
-    The page's reader chooses another of both.
+    It opens on the least restitution; the page's reader chooses another of both.
     """
     shown_as = [(*each, say(f"chart.panel_{each[0]}_{each[1]}")) for each in PANEL_CURVES]
     kinds_of = {name: Look(colour, "", 1.4) for *_, colour, name in shown_as}
@@ -216,7 +214,7 @@ def panels_figure(
     order = [place(panel, say) for panel in sorted(panels, key=lambda each: (each.frequency_hz, each.amplitude_g))]
     params = [
         choice("model", say("chart.model"), models, model),
-        choice("r", say("chart.restitution"), sorted({panel.restitution for panel in panels}), restitution),
+        choice("r", say("chart.restitution"), sorted({panel.restitution for panel in panels})),
     ]
     lines = marks(
         "line",

@@ -19,7 +19,6 @@ from harness.records.effects3d import EffectsRecord
 from harness.records.run import STILL_RAD, RunRecord, own_moves, peak_slip_m, tips_s, unconfirmed
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import StudyRecord, StudyRow, SupportRecord, Value
-from harness.statics.standstill import tipping_of_pedestal
 from reports.blocks import Block, Drawing, Section, Text, Verdict
 from reports.charts.drawn import still
 from reports.charts.figure import localised
@@ -374,27 +373,14 @@ def _worst_lean(source: RunSource) -> tuple[float, float, float, int]:
         peaks = ((float((side * theta_rad).max()), statue.slenderness_rad(side), side) for side in (1, -1))
         share, _, balance, side = max((peak / balance, peak, balance, side) for peak, balance, side in peaks)
         share = max(share, number(run.validity, "peak_over_slenderness", 0.0))
-        leans += [(share, share * balance, balance, side), *_tipped(source, name)]
-        share, lean = (number(run.validity, f"peak_lean_{what}", 0.0) for what in ("share", "rad"))
-        if share and lean >= STILL_RAD:
-            # In space another lean than the largest may be the nearest to its balance.
-            balance = number(run.validity, "peak_lean_balance_rad", lean / share)
-            leans.append((share, share * balance, balance, 0 if lean > ASIDE * run.peak_theta_rad else side))
+        leans.append((share, share * balance, balance, side))
+        for what in ("pedestal_tilt", "peak_lean"):
+            share, lean = (number(run.validity, f"{what}_{of}", 0.0) for of in ("share", "rad"))
+            if share and lean >= STILL_RAD:
+                # In space another lean than the largest may be the nearest to its balance.
+                balance = number(run.validity, f"{what}_balance_rad", lean / share)
+                leans.append((share, share * balance, balance, 0 if lean > ASIDE * run.peak_theta_rad else side))
     return max(leans)
-
-
-def _tipped(source: RunSource, name: str) -> list[tuple[float, float, float, int]]:
-    """The same of a model's pedestal that tips, with the statue on it as one body, by side."""
-    scene, tilt_rad = source.scene, source.histories[name].extra.get("pedestal_tilt_rad")
-    if scene.pedestal is None or tilt_rad is None:
-        return []
-    statue, found = scene.statue, []
-    centre = 0.5 * (statue.corner_right_m - statue.corner_left_m)
-    pushes = tipping_of_pedestal(statue.mass_kg, statue.centroid_height_m, centre, scene.pedestal)
-    for side in (1, -1):
-        peak, balance = float((side * tilt_rad).max()), math.atan(pushes[0, side])
-        found += [(peak / balance, peak, balance, side)] if peak >= STILL_RAD and balance > 0.0 else []
-    return found
 
 
 def _lean(source: RunSource, say: Language) -> list[str]:
@@ -745,7 +731,7 @@ def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condit
     if not charts:
         order = order_picture(scene, support, say)
         return [push, replace(order, caption=[*order.caption, saved_words])]
-    saved, moved = (still(localised(each.figure, say), WIDTH) for each in charts)
+    saved, moved = (still(localised(each.figure, say), WIDTH, each.name) for each in charts)
     return [
         Drawing(moved, [say("study.far")], heading=say("study.top")),
         push,
@@ -781,7 +767,7 @@ def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list
     figure["layer"][0]["encoding"]["fill"]["legend"] = None
     seen = sorted({_severity(row) for row in worst.values()}, reverse=True)
     words = [say("map.seen"), " ".join(say(f"map.{SEVERE[k]}" if k >= 0 else "map.pale") for k in seen)]
-    return [Drawing(still(localised(figure, say), WIDTH), words, heading=say("map.heading"))]
+    return [Drawing(still(localised(figure, say), WIDTH, "map"), words, heading=say("map.heading"))]
 
 
 def _severity(row: StudyRow) -> int:

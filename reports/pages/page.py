@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Final
 
 from markupsafe import Markup
 
-from harness.model.errors import InputError, Mistake, printable, refuse
+from harness.model.errors import InputError, Mistake, printable
 from harness.model.files import write_text
 from harness.records.base import REWRITE, Record
 from harness.records.result_folder import RECORD, read_result
 from reports.blocks import SHOWN_POINTS, Block, Replay, Section, walk
-from reports.charts.drawn import told_apart
 from reports.charts.figure import dark_css
 from reports.messages import ENGLISH, Language, language
 from reports.pages.assets import chart_library, environment, source_text
@@ -30,8 +29,8 @@ def write_report(folder: Path, language_code: str = "en") -> Path:
 
     Both are in the language of that code (`reports.messages.LANGUAGES`).
 
-    Returns the path of the first; raises `InputError` for a broken folder, after every page that can be was written, and what a
-    page itself tripped over, with a note that names the page.
+    Returns the path of the first; raises, after every page that can be was written, what the first that cannot tripped over, with
+    a note that names the page: `InputError` for a broken folder.
     """
     say = language(language_code)
     read = read_result(folder)
@@ -41,24 +40,16 @@ def write_report(folder: Path, language_code: str = "en") -> Path:
         # What a finding's values may be, only its sentence knows.
         wanted = "codes and values as they were written"
         raise InputError(Mistake(str(folder / RECORD), "findings", wanted, repr(error), REWRITE)) from error
-    mistakes: list[Mistake] = []
+    pages = {REPORT_NAME: _report} | ({CONSERVATOR_NAME: _conservator} if record.kind in FOR_CONSERVATORS else {})
     faults: list[Exception] = []
-    builders: dict[str, Callable[[Path, Record, Language], str]] = {REPORT_NAME: _report}
-    if record.kind in FOR_CONSERVATORS:
-        builders[CONSERVATOR_NAME] = _conservator
-    for name, build in builders.items():
+    for name, build in pages.items():
         try:
-            text = build(folder, record, say)
-        except InputError as error:
-            mistakes += error.mistakes
+            write_text(folder / name, build(folder, record, say))
         except Exception as fault:  # noqa: BLE001 - raised below: one page's failure must not cost the other
             fault.add_note(name)
             faults.append(fault)
-        else:
-            write_text(folder / name, text)
-    if faults:
-        raise faults[0]
-    refuse(dict.fromkeys(mistakes))
+    for fault in faults:
+        raise fault
     return folder / REPORT_NAME
 
 
@@ -98,9 +89,8 @@ def _render(
     title = say.word(record.title) if record.kind in ("bench", "stress") else record.title
     title = title if tests is None else say("text.title_validation", count=tests)
     live = {"chart_library": chart_library()} if scripts else {}
-    page = environment().get_template("page.html.j2").render(
+    return environment().get_template("page.html.j2").render(
         live, title=printable(title), kind=kind, blocks=blocks, links=links, say=say,
         css=source_text("page.css") + Markup(dark_css()), scripts=[*map(source_text, scripts)],
         version=record.versions.get("rockcheck", ""), most_points=SHOWN_POINTS,
     )  # fmt: skip
-    return told_apart(page)

@@ -218,10 +218,6 @@ def horizon_s(source: RunSource) -> float | None:
     return min((run.bounded_until_s for run in source.runs.values() if run.bounded_until_s < run.end_s), default=None)
 
 
-LISTED: Final = 6
-"""Items of a list that fit on a terminal's line."""
-
-
 def score_rows(scores: Mapping[str, Scores], say: Language = ENGLISH) -> list[tuple[str, str, list[str]]]:
     """The table of scores, in the order of the catalogue's meanings: words, meaning, one cell per pair.
 
@@ -238,17 +234,11 @@ def score_rows(scores: Mapping[str, Scores], say: Language = ENGLISH) -> list[tu
 def scores_text(pair: str, scores: Scores) -> str:
     """One pair's scores as lines for a terminal: the verdict and what is to be said beside it, a table in words."""
     lines = [f"{pair.replace('_vs_', ' against ')}:", *(f"  {ENGLISH.say(each)}" for each in scores.findings)]
-    rows = [(words, _short(cells[0])) for words, _, cells in score_rows({pair: scores})]
+    rows = [(words, cells[0]) for words, _, cells in score_rows({pair: scores})]
     if scores.iso is not None:
         rows.append((ENGLISH.label("iso"), ENGLISH.digits(scores.iso.overall, 4)))
     width = max((len(words) for words, _ in rows), default=0)
     return "\n".join([*lines, *(f"  {words:{width}}  {cell}" for words, cell in rows)])
-
-
-def _short(cell: str) -> str:
-    """A list too long for a line is counted."""
-    count = cell.count(", ") + 1
-    return cell if count <= LISTED else f"{count} of them (see --json)"
 
 
 def _score(scores: Scores, key: str, say: Language) -> str:
