@@ -96,20 +96,18 @@ def _study_rows(record: StudyRecord, verbose: bool) -> list[str]:
 
 def _validation_rows(record: ValidationRecord, verbose: bool) -> list[str]:
     """How often each model and the bare threshold are right, and the same by body."""
-    bare, ceiling = record.baseline, record.repeats
+    scored: dict[str, ModelRecord | BaselineRecord] = {**record.models, "PGV threshold": record.baseline}
+    drawn = {name: item.by_probability for name, item in record.models.items()}
     cells = [
         [
-            name,
-            rate(item.outcomes.accuracy),
-            rate(None if item.by_probability is None else item.by_probability.accuracy),
-            *_chances(item),
+            name, rate(item.outcomes.accuracy), rate(None if (by := drawn.get(name)) is None else by.accuracy),
+            ENGLISH.digits(item.probability.brier), ENGLISH.digits(None if (area := item.probability.area) is None else area.value),
         ]
-        for name, item in record.models.items()
-    ]
-    cells.append(["PGV threshold", rate(bare.outcomes.accuracy), "–", *_chances(bare)])
-    if ceiling is not None:
-        best = f"{ENGLISH.percent(ceiling.best_accuracy)} at most"
-        cells.append(["best by repeats", best, best, ENGLISH.digits(ceiling.best_brier), "–"])
+        for name, item in scored.items()
+    ]  # fmt: skip
+    if record.repeats is not None:
+        best = f"{ENGLISH.percent(record.repeats.best_accuracy)} at most"
+        cells.append(["best by repeats", best, best, ENGLISH.digits(record.repeats.best_brier), "–"])
     heading = ["model", "right", "right by P ≥ 1/2", "Brier score", "area under the curve"]
     shown = cells if verbose or len(cells) <= MODEL_LINES else [*cells[: MODEL_LINES - 1], cells[-1]]
     room = LINES - LAST_LINES - SHORT_ANSWER_LINES - len(shown) - 4
@@ -126,11 +124,6 @@ def _body_rows(record: ValidationRecord, most: int | None) -> list[str]:
             row.append("–" if known is None else ENGLISH.percent(known.value))
     heading = ["body", "tests", "fell", *record.models]
     return _first([heading], [*by_body.values()], most, "body bodies") if len(by_body) > 1 else []
-
-
-def _chances(item: ModelRecord | BaselineRecord) -> list[str]:
-    area = item.probability.area
-    return [ENGLISH.digits(item.probability.brier), ENGLISH.digits(None if area is None else area.value)]
 
 
 def rate(item: Interval | None) -> str:

@@ -74,6 +74,11 @@ def plain_page(
     ]
 
 
+def told(say: Language, sentences: Mapping[str, object], **values: object) -> list[str]:
+    """Of sentences of the catalogue those that hold, in their order."""
+    return [say(key, **values) for key, holds in sentences.items() if holds]
+
+
 def end_key(outcome: Outcome) -> str:
     """The key of an outcome's words: of every fall, and of every failure of a model, the same."""
     kind = family(outcome)
@@ -94,28 +99,28 @@ def push_picture(
 ) -> Drawing:
     """Which push the statue bears, by direction, seen from above; `borne` are shakings without a fall by azimuth in degrees."""
     heading = say("push.heading")
-    words = [say("push.seen"), f"{weakest_words(scene, say)} {say('push.tipping')}"]
     # Of a statue that was turned the line of what it bore, by direction, is drawn.
     keys = [key for key in support.statue_keys if not (borne and key.endswith("azimuth_deg"))]
-    if keys:
-        varied = say.listed(dict.fromkeys(say.key(key) or say("key.other") for key in keys))
-        words.append(say("push.varied", keys=varied))
+    varied = say.listed(dict.fromkeys(say.key(key) or say("key.other") for key in keys))
     # A push of the statue's own weight is none of an earthquake's: no circle is drawn for it.
     sliding = [(push, what) for push, what in slips(support) if push < 1.0]
     circles = list(dict.fromkeys(push for push, _ in sliding))
-    if circles:
-        words.append(say("push.circle" if len(circles) == 1 else "push.circles", slides=_slides(sliding, say)))
-    points = None
+    axes = motion.accel_m_s2.keys() if motion is not None else set()
+    points, worst = None, 0.0
     if borne:
         azimuths = sorted(borne)
         turned = np.radians(azimuths)
         points = np.array([borne[key] for key in azimuths])[:, None] * np.column_stack([np.cos(turned), np.sin(turned)])
         worst = min(borne, key=lambda key: borne[key])
-        least = say("push.borne_least", side=compass(worst, say), push=say.percent(borne[worst]))
-        words.append(f"{say('push.borne')} {least}")
-    axes = motion.accel_m_s2.keys() if motion is not None else set()
-    if axes & {"x", "y"}:
-        words.append(say("push.moment_level" if "z" in axes else "push.moment"))
+    said = {
+        "push.seen": True, "push.tipping": True, "push.varied": keys, "push.circle": len(circles) == 1,
+        "push.circles": len(circles) > 1, "push.borne": borne, "push.moment_level": axes & {"x", "y"} and "z" in axes,
+        "push.moment": axes & {"x", "y"} and "z" not in axes,
+    }  # fmt: skip
+    words = told(
+        say, said, weakest=weakest_words(scene, say), keys=varied, slides=_slides(sliding, say), side=compass(worst, say),
+        push=say.percent(borne[worst]) if borne else "",
+    )  # fmt: skip
     drawn = push_svg(scene, motion, circles, f"{heading} {' '.join(words)}", say, points)
     return Drawing(drawn, words, heading=heading)
 
@@ -227,16 +232,15 @@ def _todo(source: RunSource, plan: Plan, say: Language) -> list[str]:
     under_m = 0.0 if stone is None else stone.height_m
     stone_m = 0.0 if stone is None else max((_moves_m(source, name, under_m) for name in answered), default=0.0)
     reasons = {
-        "free": rooms,
-        "wall": any(run.outcome is Outcome.TOUCHES_WALL for run in answered.values())
+        "todo.free": rooms,
+        "todo.wall": any(run.outcome is Outcome.TOUCHES_WALL for run in answered.values())
         or any(item.touches_wall >= NEXT_TO_NONE for item in (source.record.assessment or {}).values()),
-        "slide": stone_m > VISIBLE_M,
-        "fall": unsafe and _may_fall(source),
-        "ask": unsafe,
+        "todo.slide": stone_m > VISIBLE_M,
+        "todo.fall": unsafe and _may_fall(source),
+        "todo.ask": unsafe,
     }
-    lengths = {"length": say.length(stone_m), "height": say.length(under_m + source.scene.statue.height_m)}
-    said = [say(f"todo.{key}", rooms=rooms, **lengths) for key, there in reasons.items() if there]
-    return said or [say("todo.nothing")]
+    height = say.length(under_m + source.scene.statue.height_m)
+    return told(say, reasons, rooms=rooms, length=say.length(stone_m), height=height) or [say("todo.nothing")]
 
 
 def _moves_m(source: RunSource, name: str, height_m: float) -> float:
@@ -333,24 +337,28 @@ def _who(source: RunSource, say: Language) -> list[str]:
     """How many models say what; which they are stands in the engineer's report."""
     answered = source.answered
     silent, total = len(source.runs) - len(answered) - len(_leaning(source)), say.count(len(answered))
-    none = [say("run.silent_one" if silent == 1 else "run.silent", count=begun(say.count(silent)))] if silent else []
-    open_ends = dict.fromkeys(end_key(answered[name].outcome) for name in unconfirmed(answered))
-    none += [say("run.outside", end=say(f"end.{end}")) for end in open_ends]
-    if len(answered) == 1:
-        return [say("run.answered_one" if silent else "run.asked_one"), *none]
     # Not all models were given the same axes of the floor's motion.
     axes = {tuple(run.motion_axes) for run in answered.values() if run.motion_axes is not None}
-    unlike = [say("run.motion")] if len(axes) > 1 else []
-    ends = Counter(end_key(run.outcome) for run in answered.values())
-    if len(ends) == 1:
-        sides = {run.outcome for run in answered.values()}
-        side = [say("run.only_side")] if len(sides) > 1 and all(end.overturned for end in sides) else []
-        return [" ".join([say("run.all_agree", count=begun(total)), *side]), *unlike, *none]
-    each = [
-        say("run.some_one" if count == 1 else "run.some", end=say(f"end.{end}"), count=say.count(count), total=total)
-        for end, count in ends.items()
+    ends, alone = Counter(end_key(run.outcome) for run in answered.values()), len(answered) == 1
+    sides = {run.outcome for run in answered.values() if run.outcome.overturned}
+    agree = {"run.all_agree": not alone and len(ends) == 1, "run.only_side": len(ends) == 1 and len(sides) > 1}
+    some = {end: count for end, count in ends.items() if len(ends) > 1}
+    beside = {
+        "run.answered_one": alone and silent, "run.asked_one": alone and not silent, "run.motion": not alone and len(axes) > 1,
+        "run.silent_one": silent == 1, "run.silent": silent > 1,
+    }  # fmt: skip
+    outside = dict.fromkeys(end_key(answered[name].outcome) for name in unconfirmed(answered))
+    return [
+        *filter(None, [" ".join(told(say, agree, count=begun(total)))]),
+        *(
+            say(
+                "run.some_one" if count == 1 else "run.some", end=say(f"end.{end}"), count=say.count(count), total=total
+            )
+            for end, count in some.items()
+        ),
+        *told(say, beside, count=begun(say.count(silent))),
+        *(say("run.outside", end=say(f"end.{end}")) for end in outside),
     ]
-    return [*each, *unlike, *none]
 
 
 def _leaning(source: RunSource) -> list[str]:
@@ -422,10 +430,9 @@ def _pedestal_slip(source: RunSource, say: Language) -> list[str]:
         return []
     most = max(map(peak_slip_m, answered.values()))
     tilt = max(tilt_rad(run, source.histories.get(name)) for name, run in answered.items())
-    said = [say("run.slides", length=say.length(most))] if most > VISIBLE_M else []
-    said += [say("run.tips", degrees=say.digits(math.degrees(tilt), 2))] if tilt > TIPS_RAD else []
-    still = all(tips_s(run) is None for run in source.runs.values())
-    return said or ([say("run.put")] if still else [])
+    moves = {"run.slides": most > VISIBLE_M, "run.tips": tilt > TIPS_RAD}
+    said = told(say, moves, length=say.length(most), degrees=say.digits(math.degrees(tilt), 2))
+    return said or told(say, {"run.put": all(tips_s(run) is None for run in source.runs.values())})
 
 
 def _trust(source: RunSource, say: Language) -> list[str]:
@@ -455,33 +462,30 @@ def reach_picture(source: RunSource, say: Language, before: Sequence[str] = ()) 
     scene, title, standing = source.scene, say("reach.heading"), source.standing
     moved = [poses(scene, sampled(source.histories[name])) for name in standing]
     extremes = _extremes(scene, moved)
-    statue, (_, lean_rad, balance_rad, side) = scene.statue, _worst_lean(source)
-    own = _own_moves(source)
+    (_, lean_rad, balance_rad, side), statue = _worst_lean(source), scene.statue
     across = max((number(source.runs[name].validity, "slip_across_m", 0.0) for name in standing), default=0.0)
     aside = side == 0 or (across > VISIBLE_M and not extremes)
-    moves = {"dashed": bool(extremes), "aside": aside}
-    moves |= {"still": not (extremes or aside or own or _slides_unknown(source))}
     ends = [run.outcome for run in source.answered.values()]
     fell = [end for end in ends if end.overturned]
-    words = list(before)
-    if fell:
-        many = "fell_all" if len(fell) == len(ends) else "fell_one" if len(fell) == 1 else "fell"
-        words.append(say(f"reach.{many}", count=say.count(len(fell)), total=say.count(len(ends))))
+    gap, left = room_m(scene, poses(scene, {})), min((room_m(scene, pose) for pose in moved), default=math.inf)
+    said = {
+        "reach.fell_all": fell == ends != [], "reach.fell_one": len(fell) == 1 < len(ends),
+        "reach.fell": 1 < len(fell) < len(ends),
         # What follows is not of all models: beside a fall it stood that the statue does not move.
-        words += [say("run.of_standing")] if standing else []
-    words += [say(f"reach.{key}") for key, told in moves.items() if told and standing]
-    if scene.wall is not None and standing:
-        gap, left = room_m(scene, poses(scene, {})), min(room_m(scene, pose) for pose in moved)
-        remains = say("reach.remain", left=say.length(left)) if left > 0 else say("reach.strikes")
-        words.append(f"{say('reach.free', gap=say.length(gap))} {remains}")
+        "run.of_standing": fell and standing, "reach.dashed": extremes, "reach.aside": aside and standing,
+        "reach.still": standing and not (extremes or aside or _own_moves(source) or _slides_unknown(source)),
+        "reach.free": left < math.inf, "reach.remain": 0.0 < left < math.inf, "reach.strikes": left <= 0.0,
+        "reach.balance": True,
+    }  # fmt: skip
+    counts = {"count": say.count(len(fell)), "total": say.count(len(ends))}
+    words = [*before, *told(say, said, **counts, gap=say.length(gap), left=say.length(left))]
     sides = {1 if end is Outcome.OVERTURNED_RIGHT else -1 for end in fell if end in SIDEWAYS and not standing}
     if not sides:
         sides = {side if side and lean_rad >= STILL_RAD else min((1, -1), key=statue.slenderness_rad)}
     balance = [side * statue.slenderness_rad(side) for side in sorted(sides)]
-    words.append(say("reach.balance"))
     lean = lean_rad if lean_rad >= STILL_RAD else 0.0
-    told = standing and (lean or not fell)
-    gauge = (lean, balance_rad if lean else statue.slenderness_rad(max(sides))) if told else None
+    shown = standing and (lean or not fell)
+    gauge = (lean, balance_rad if lean else statue.slenderness_rad(max(sides))) if shown else None
     drawn = reach_svg(source, extremes, balance, gauge, f"{title} {' '.join(words)}", say)
     return Drawing(drawn, words, heading=title)
 
@@ -498,19 +502,13 @@ def _rooms(plan: Plan, say: Language) -> str:
 
 def plan_picture(source: RunSource, plan: Plan, slip: Sequence[str], say: Language) -> Drawing:
     """The space that the statue needs while it moves, all round where a model follows it in space, and its pedestal's slip."""
-    heading, standing = say("plan.heading"), source.standing
-    rooms = _rooms(plan, say)
-    unknown = _slides_unknown(source)
-    words = [say("plan.seen" if rooms else "run.slides_unknown" if unknown else "plan.still")]
-    falls = any(run.outcome.overturned for run in source.answered.values())
-    words = [say("run.of_standing"), *words] if falls else words
-    words += [say("plan.stone")] if source.scene.pedestal is not None else []
-    words += [say("plan.room", rooms=rooms)] if rooms else []
-    if not standing:
-        words = [say("plan.none")]
-    elif "front" not in plan.room_m:
-        words.append(say("plan.planar"))
-    words += slip
+    heading, rooms, unknown = say("plan.heading"), _rooms(plan, say), _slides_unknown(source)
+    said = {
+        "run.of_standing": any(run.outcome.overturned for run in source.answered.values()), "plan.seen": rooms,
+        "run.slides_unknown": unknown and not rooms, "plan.still": not (rooms or unknown),
+        "plan.stone": source.scene.pedestal is not None, "plan.room": rooms, "plan.planar": "front" not in plan.room_m,
+    }  # fmt: skip
+    words = [*told(say, said if source.standing else {"plan.none": True}, rooms=rooms), *slip]
     shown = replace(plan, room_m={side: room for side, room in plan.room_m.items() if room > VISIBLE_M})
     drawn = plan_svg(source.scene, shown, f"{heading} {' '.join(words)}", say)
     return Drawing(drawn, words, heading=heading)

@@ -48,8 +48,8 @@ def write_report(folder: Path, language_code: str = "en") -> Path:
         except Exception as fault:  # noqa: BLE001 - raised below: one page's failure must not cost the other
             fault.add_note(name)
             faults.append(fault)
-    for fault in faults:
-        raise fault
+    if faults:
+        raise faults[0]
     return folder / REPORT_NAME
 
 
