@@ -101,7 +101,8 @@ def _validation_rows(record: ValidationRecord, verbose: bool) -> list[str]:
     cells = [
         [
             name, rate(item.outcomes.accuracy), rate(None if (by := drawn.get(name)) is None else by.accuracy),
-            ENGLISH.digits(item.probability.brier), ENGLISH.digits(None if (area := item.probability.area) is None else area.value),
+            ENGLISH.digits(item.probability.brier),
+            ENGLISH.digits(None if (area := item.probability.area) is None else area.value),
         ]
         for name, item in scored.items()
     ]  # fmt: skip

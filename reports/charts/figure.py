@@ -148,10 +148,10 @@ def names(field: str, order: Sequence[str], title: str = "", **more: Any) -> Jso
     }
 
 
-def kinds(colours: Mapping[str, str], key: bool = True) -> Json:
+def kinds(colours: Mapping[str, str]) -> Json:
     """The colour of each kind of area, with a key in their order."""
     scale = {"domain": list(colours), "range": list(colours.values())}
-    legend = {"symbolType": "square", "symbolStrokeWidth": 0, **wrapped(colours)} if key else None
+    legend = {"symbolType": "square", "symbolStrokeWidth": 0, **wrapped(colours)}
     return {"field": "kind", "type": "nominal", "scale": scale, "legend": legend}
 
 

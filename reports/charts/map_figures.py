@@ -384,25 +384,27 @@ def tip(cell: TrustCell, say: Language = ENGLISH) -> str:
     return "\n".join(lines)
 
 
-STABILITY: Final = {"stable": "#bfe0ee", "inaccurate": "#f8e1b8", "drifting": "#E69F00", "diverged": "#c8562d"}
-"""What becomes of a hard scene, and its colour."""
+STABILITY: Final = {
+    "stable": ("●", "#bfdef2"), "inaccurate": ("◐", "#f3e96b"), "drifting": ("↗", "#f0b03d"), "diverged": ("✕", "#e0566b"),
+}  # fmt: skip
+"""What becomes of a hard scene, its sign and its colour."""
 
 
-def stability_figure(
-    settings: Sequence[str], rows: Sequence[tuple[str, Sequence[StabilityCell | None]]], say: Language = ENGLISH
-) -> Json:
-    """What becomes of hard scenes, by difficulty (rows) and setting."""
+def stability_figure(cells: Sequence[StabilityCell], tips: Sequence[str], say: Language = ENGLISH) -> Json:
+    """What becomes of hard scenes, by difficulty (rows) and setting; `tips` say more of each cell."""
+    words = {name: f"{sign} {say(f'text.{name}')}" for name, (sign, _) in STABILITY.items()}
     found = [
-        (setting, words, say(f"text.{cell.category}"))
-        for words, row in rows
-        for setting, cell in zip(settings, row, strict=True)
-        if cell is not None
-    ]
-    colour = kinds({say(f"text.{name}"): colour for name, colour in STABILITY.items()}, key=False)
+        (
+            cell.setting, cell.difficulty, words[cell.category],
+            f"{STABILITY[cell.category][0]}{'*' if cell.remedy else ''}{'°' if cell.short else ''}", tip,
+        )
+        for cell, tip in zip(cells, tips, strict=True)
+    ]  # fmt: skip
+    settings, difficulties, *_ = (list(dict.fromkeys(column)) for column in zip(*found, strict=True))
+    colour = kinds({words[name]: colour for name, (_, colour) in STABILITY.items()})
     layers = [
         marks("rect", "cells", {"color": colour}, stroke="#ffffff"),
-        marks("text", "cells", {"text": {"field": "kind"}}),
+        marks("text", "cells", {"text": {"field": "sign"}}),
     ]
-    x = names("x", settings, labelAngle=0, grid=False)
-    y = names("y", [words for words, _ in rows], grid=False)
-    return figure(layers, 44 * len(rows), {"cells": [columns("x y kind", found)]}, x, y)
+    x, y = names("x", settings, labelAngle=0, grid=False), names("y", difficulties, grid=False)
+    return figure(layers, 44 * len(difficulties), {"cells": [columns("x y kind sign tip", found)]}, x, y)

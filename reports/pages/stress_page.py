@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Final
 
 from harness.records.bench import HardRow, Measure, StressRecord
 from harness.records.bench import StabilityCell as Found
@@ -15,19 +14,16 @@ from reports.blocks import (
     Chart,
     Details,
     Group,
-    Legend,
-    Row,
     Table,
     Text,
     notes,
     repeat,
     section,
     verdict,
+    words,
 )
 from reports.charts.map_figures import stability_figure
 from reports.messages import Language
-
-SIGNS: Final = {"stable": "●", "inaccurate": "◐", "drifting": "↗", "diverged": "✕"}
 
 
 def blocks(_folder: Path, record: StressRecord, say: Language) -> list[Block]:
@@ -39,21 +35,19 @@ def blocks(_folder: Path, record: StressRecord, say: Language) -> list[Block]:
         say("table.hard"), [say("label.scene"), say("label.wanted"), *tried, say("label.checked")],
         [_scene(scene, tried, say) for scene in record.scenes], "claims",
     )  # fmt: skip
-    signs = Legend([(sign, say(f"text.{name}")) for name, sign in SIGNS.items()], say("text.signs"))
-    maps = [block for engine in engines for block in _map(engine, cells, say)]
     return [
         verdict(record),
         *section(say, "notes", *notes(say, record.findings)),
         *section(say, "scenes", scenes if record.scenes else None),
-        *section(say, "maps", signs, *maps),
+        *section(say, "maps", words(say, "signs"), *(_map(engine, cells, say) for engine in engines)),
         *repeat(say, record, record.command),
     ]  # fmt: skip
 
 
 def measured(each: Measure, say: Language) -> str:
     """A check in words: what was measured, of how much."""
-    words, unit = say.named(each.check)
-    name = f"{words} ({say.word(each.case)})" if each.case else words
+    checked, unit = say.named(each.check)
+    name = f"{checked} ({say.word(each.case)})" if each.case else checked
     if each.value is None:
         return f"{name}: {say('text.holds' if each.holds else 'text.fails')}"
     allowed = say.plain(each.allowed, 2)
@@ -92,35 +86,18 @@ def _scene(scene: HardRow, engines: Sequence[str], say: Language) -> list[str | 
     return [*row, Cell(folds=folded)]
 
 
-def _map(engine: str, cells: Sequence[Found], say: Language) -> list[Block]:
-    """An engine's stability map: as a table, as a chart for print, what explains it, and the evidence of every cell."""
-    settings, rows = stability_map(engine, cells)
-    printed = stability_figure(settings, rows, say)
-    # For print, where a page has its table.
-    chart = Chart(f"stability-{engine.replace(':', '-')}", say("chart.stability", engine=engine), printed, width=0)
-    shown: list[Row] = [
-        [
-            name,
-            *(
-                Cell("", "o-none", sign="·") if cell is None else Cell(
-                    "", f"s-{cell.category}", " — ".join(filter(None, (evidence_of(cell, say), _avoided(cell, say)))),
-                    f"{SIGNS[cell.category]}{'*' if cell.remedy else ''}{'°' if cell.short else ''}",
-                    f"{say(f'text.{cell.category}')}: {evidence_of(cell, say)}",
-                )
-                for cell in found
-            ),
-        ]
-        for name, found in rows
-    ]  # fmt: skip
+def _map(engine: str, cells: Sequence[Found], say: Language) -> Group:
+    """An engine's stability map, what explains it, and the evidence of every cell, which stands under the pointer too."""
+    mine = [cell for cell in cells if cell.engine == engine]
     evidence = [
-        f"{name}, {cell.setting}: {say(f'text.{cell.category}')}, {evidence_of(cell, say)}"
+        f"{cell.difficulty}, {cell.setting}: {say(f'text.{cell.category}')}, {evidence_of(cell, say)}"
         + (f" ({_avoided(cell, say)})" if cell.remedy else "")
-        for name, found in rows for cell in found if cell
-    ]  # fmt: skip
-    map_of = Table(say("table.stability", engine=engine), [say("label.difficulty"), *settings], shown, "matrix")
+        for cell in mine
+    ]
+    drawn, words = stability_figure(mine, evidence, say), say("chart.stability", engine=engine)
     explained = Text([f"* {text}" for text in explanations(engine, cells, say)], "variant")
     more = Details(say("text.evidence"), [Text(evidence, "plan")])
-    return [Group("", [map_of, chart, explained, more], engine)]
+    return Group("", [Chart(f"stability-{engine.replace(':', '-')}", words, drawn, 1060), explained, more], engine)
 
 
 def evidence_of(cell: Found, say: Language) -> str:
@@ -133,19 +110,10 @@ def _avoided(cell: Found, say: Language) -> str:
     return "" if cell.remedy is None else say(f"text.remedy_{cell.remedy}", stable=cell.stable)
 
 
-def stability_map(engine: str, cells: Sequence[Found]) -> tuple[list[str], list[tuple[str, list[Found | None]]]]:
-    """The settings across, and one row per difficulty with its cells (None: not tried)."""
-    mine = [cell for cell in cells if cell.engine == engine]
-    settings = list(dict.fromkeys(cell.setting for cell in mine))
-    difficulties = list(dict.fromkeys(cell.difficulty for cell in mine))
-    by_place = {(cell.difficulty, cell.setting): cell for cell in mine}
-    return settings, [(row, [by_place.get((row, column)) for column in settings]) for row in difficulties]
-
-
 def explanations(engine: str, cells: Sequence[Found], say: Language) -> list[str]:
     """Each explanation of an engine's map once, with the difficulty and the settings that it explains."""
     by_note: dict[tuple[str, str], list[str]] = {}
     for cell in cells:
         if cell.engine == engine and cell.remedy:
             by_note.setdefault((cell.difficulty, _avoided(cell, say)), []).append(cell.setting)
-    return [f"{words}, {'; '.join(settings)}: {text}" for (words, text), settings in by_note.items()]
+    return [f"{difficulty}, {'; '.join(settings)}: {text}" for (difficulty, text), settings in by_note.items()]

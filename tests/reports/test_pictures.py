@@ -18,6 +18,7 @@ from reports.blocks import Chart, walk
 from reports.charts.drawn import still
 from reports.charts.figure import across, figure, localised, marks, upwards
 from reports.charts.histories import histories_figure
+from reports.charts.map_figures import STABILITY
 from reports.charts.study_figures import panels_figure, place
 from reports.export.animation import FRAMES_PER_S, write_gif
 from reports.export.figures import DPI, WIDTHS_MM, pixels_across, printed, write_figures
@@ -173,4 +174,6 @@ def test_a_stress_run_has_a_map_of_each_engine_with_its_words(written: Callable[
     assert set(paths) == {f"stability-{cell.engine.replace(':', '-')}" for cell in record.cells}
     for cell in record.cells:
         drawn = paths[f"stability-{cell.engine.replace(':', '-')}"]
-        assert all(f">{words}</text>" in drawn for words in (cell.category, cell.setting, cell.difficulty))
+        sign, _ = STABILITY[cell.category]
+        told = (sign, f"{sign} {cell.category}", cell.setting, cell.difficulty)
+        assert all(f">{words}</text>" in drawn for words in told)
