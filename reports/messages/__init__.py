@@ -158,10 +158,6 @@ class Language:
             value, name = 1000.0 * value_m, "mm"
         return f"{self.short(value, count - (size < 0.1))}\u00a0{name}"
 
-    def angle(self, value_rad: float) -> str:
-        """A rotation in rad with degrees beside it."""
-        return f"{self.unit(value_rad, 'rad')} ({self.digits(math.degrees(value_rad), 2)}°)"
-
     def percent(self, share: float, count: int = 2) -> str:
         """A push as a share of the statue's weight."""
         return f"{self.short(100.0 * share if abs(share) >= SMALLEST_SHARE else 0.0, count)} %"
@@ -174,17 +170,13 @@ class Language:
     def named(self, key: str) -> tuple[str, str]:
         """What a value is called, and its unit, apart: of a scene's dotted key its last part, with its table where both have a
         name of their own."""
-        *table, last = key.split(".")
-        words, unit = split_unit(last)
-        whole = "_".join([*table[-1:], last])
-        return self.strings.get(f"label.{whole}", self.strings.get(f"label.{last}", words)), unit
+        words, unit = split_unit(key.rpartition(".")[2])
+        return self.key(key, "label") or words, unit
 
     def plain(self, value: Any, count: int = 4) -> str:
         """Any value of a record in one table cell, its numbers with `count` digits."""
         if isinstance(value, bool | str):
             return self.word(str(value))
-        if isinstance(value, list | tuple) and any(isinstance(each, str) for each in value):
-            return as_filed([self.word(str(each)) for each in value])
         if isinstance(value, list | tuple):
             return self.row([self.plain(each, count) for each in value[:12]], len(value))
         if isinstance(value, Mapping):
@@ -205,11 +197,11 @@ class Language:
         words = self.strings["numbers"].split()
         return words[count] if count < len(words) else str(count)
 
-    def key(self, key: str) -> str | None:
+    def key(self, key: str, among: str = "key") -> str | None:
         """A dotted key of a scene in words: with its table where that has words of its own, else alone; None without words."""
         *table, last = key.split(".")
-        known = (f"key.{name}" for name in ("_".join([*table[-1:], last]), last))
-        return self.strings.get(next((name for name in known if name in self.strings), ""))
+        whole = "_".join([*table[-1:], last])
+        return self.strings.get(f"{among}.{whole}", self.strings.get(f"{among}.{last}"))
 
     def listed(self, items: Iterable[str]) -> str:
         """`a`, `a and b`, `a, b and c`."""
@@ -225,21 +217,13 @@ def split_unit(key: str) -> tuple[str, str]:
     return key.replace("_", " "), ""
 
 
-def as_filed(value: Any) -> str:
-    """A part of a scene, as its file has it."""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, Mapping):
-        return ", ".join(_filed(key, item) for key, item in value.items())
-    if isinstance(value, (list, tuple)):
-        shown = [as_filed(item) for item in value[:12]]
-        return (", ".join(shown) or "–") + (f", … ({len(value)})" if len(value) > 12 else "")
-    return ENGLISH.digits(value, 4) if value is None or isinstance(value, float) else str(value)
-
-
-def _filed(key: str, value: Any) -> str:
-    words, name = split_unit(key)
-    return f"{words} {ENGLISH.given(value, name) if name and isinstance(value, float) else as_filed(value)}"
+def as_filed(table: Mapping[str, Any]) -> str:
+    """A table of a scene, as its file has it."""
+    named = ((*split_unit(key), value) for key, value in table.items())
+    return ", ".join(
+        f"{words} {ENGLISH.given(value, unit) if unit and isinstance(value, float) else ENGLISH.plain(value)}"
+        for words, unit, value in named
+    )
 
 
 def agreed(template: str, values: Mapping[str, object]) -> str:

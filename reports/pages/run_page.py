@@ -99,8 +99,8 @@ def _scene(source: RunSource, say: Language) -> Group:
         "centroid": say("text.above_base", height=say.length(statue.centroid_height_m)),
         "inertia": say("text.about_centroid", inertia=say.unit(statue.inertia_kg_m2, "kg m²", 4)),
         "balances_at": say(
-            "text.balances", left=say.angle(statue.slenderness_left_rad),
-            right=say.angle(statue.slenderness_right_rad),
+            "text.balances", left=say.value(statue.slenderness_left_rad, "angle"),
+            right=say.value(statue.slenderness_right_rad, "angle"),
         ),
         "mesh": say("text.no_mesh") if statue.mesh is None else say("text.faces", count=statue.mesh.faces),
         "stone": say("text.no_pedestal") if stone is None else say(
