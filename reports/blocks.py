@@ -65,9 +65,9 @@ class Text:
 
 @dataclass(frozen=True)
 class Legend:
-    """What colours or signs mean: (sign or colour, words, and a class where it is hatched), and what follows."""
+    """What colours or signs mean: (sign or colour, words), and what follows."""
 
-    keys: Sequence[tuple[str, ...]]
+    keys: Sequence[tuple[str, str]]
     after: str = ""
 
 
@@ -98,7 +98,6 @@ class Chart:
     figure: Any
     width: int = 530
     tools: str = ""
-    below: Sequence[Block] = ()
 
 
 @dataclass(frozen=True)

@@ -84,15 +84,11 @@ def plane(scale: float, origin: ArrayLike, at_px: tuple[float, float]) -> Callab
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """Shapes, in the order in which they are drawn, in a picture of that size from `top_px` on.
-
-    Texts are `type_px` high unless they say.
-    """
+    """Shapes, in the order in which they are drawn, in a picture of that size from `top_px` on."""
 
     width: float
     height: float
     shapes: Sequence[str]
-    type_px: float = 13.0
     top_px: float = 0.0
 
     def svg(self, words: str = "", css: str = "still") -> Markup:

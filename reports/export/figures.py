@@ -8,7 +8,6 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from html import escape
 from pathlib import Path
 from typing import Final
@@ -95,18 +94,18 @@ def pixels_across(width_mm: float) -> float:
 
 
 def printed(drawing: Picture | Json, width_px: float, words: str = "") -> str:
-    """A picture, or a chart so many pixels wide with `words` over it, as SVG of its size on paper, its type `TYPE_PT` high."""
+    """A picture, or a chart with `words` over it, as SVG as wide on paper as so many pixels, its type `TYPE_PT` high."""
     if isinstance(drawing, Picture):
-        type_px = drawing.type_px
+        type_px = TYPE_PX * drawing.width / width_px
         drawn = str(drawing.svg()).replace(
             "<svg ", f'<svg font-family="sans-serif" font-size="{type_px:g}" fill="{INK}" ', 1
         )
     else:
-        type_px, drawn = TYPE_PX, hatched(svg(drawing, width_px, POINTS, words))
+        drawn = hatched(svg(drawing, width_px, POINTS, words))
     head, box, rest = re.split(r'(?:width="[\d.]+" height="[\d.]+" )?viewBox="([^"]*)"', drawn, maxsplit=1)
     wide, high = map(float, box.split()[2:])
     # A chart is drawn about as wide as asked: on paper it is.
-    per_px = TYPE_PT / type_px * MM_PER_PT * (width_px / wide if type_px == TYPE_PX else 1.0)
+    per_px = TYPE_PT / TYPE_PX * MM_PER_PT * width_px / wide
     size = f'width="{wide * per_px:.2f}mm" height="{high * per_px:.2f}mm" viewBox="{box}"'
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{head}{size}{rest}\n'
 
@@ -168,9 +167,7 @@ def write_figures(
             raise InputError(Mistake(option, "", f"one of {', '.join(known)}", repr(value)))
     record = read_result(folder)
     width_px = pixels_across(WIDTHS_MM[width])
-    pictures = {
-        name: printed(drawn, width_px, words) for name, words, drawn in _pictures(folder, record, width_px, model)
-    }
+    pictures = {name: printed(drawn, width_px, words) for name, words, drawn in _pictures(folder, record, model)}
     if not pictures:
         raise InputError(Mistake(str(folder), "", "a record with charts", f"a {record.kind} without"))
     target = folder / "figures"
@@ -181,9 +178,7 @@ def write_figures(
     return [write_picture(drawn, path) for path, drawn in paths.items()]
 
 
-def _pictures(
-    folder: Path, record: Record, width_px: float, model: str | None
-) -> Iterator[tuple[str, str, Picture | Json]]:
+def _pictures(folder: Path, record: Record, model: str | None) -> Iterator[tuple[str, str, Picture | Json]]:
     """The name, the words over it and the drawing of each figure of a record: every chart of its page."""
     if isinstance(record, RunRecord):
         source = source_of(folder, record)
@@ -191,7 +186,7 @@ def _pictures(
             yield "histories", "", histories_figure(source)
         return
     if isinstance(record, EffectsRecord):
-        yield "rose", "", as_wide(rose(record), width_px)
+        yield "rose", "", rose(record)
         yield "effects", "", changes(record)
         return
     if isinstance(record, StudyRecord):
@@ -200,7 +195,7 @@ def _pictures(
         if isinstance(chart, Chart) and chart.name != "panels":
             yield chart.name, chart.words, chart.figure
     if isinstance(record, StudyRecord) and (drawn := rose_picture(*conditions(record.rows))) is not None:
-        yield "rose", "", as_wide(drawn, width_px)
+        yield "rose", "", drawn
 
 
 def _panels(record: StudyRecord, model: str | None) -> Iterator[tuple[str, str, Json]]:
@@ -214,8 +209,3 @@ def _panels(record: StudyRecord, model: str | None) -> Iterator[tuple[str, str, 
         chosen = model or next(iter(mine[0].curves))
         name = re.sub(r"[()]", "", f"panels_{restitution:g}_{chosen}".replace(" ", "_"))
         yield name, f"{chosen}, r = {restitution:g}", panels_figure(mine, chosen)
-
-
-def as_wide(drawn: Picture, width_px: float) -> Picture:
-    """A picture of a size of its own as wide on paper as others: its letters stay as high as theirs."""
-    return replace(drawn, type_px=drawn.type_px * drawn.width / width_px)

@@ -70,7 +70,7 @@ def blocks(folder: Path, record: RunRecord, say: Language) -> list[Block]:
     models = turned(say, "answers", names, [each for each in ANSWERS if stands_on or "slip" not in each], begun, 4)
     return [
         Group("beginning", [first, replay(source, chips)]) if source.histories else first,
-        *(section(say, "histories", _histories(source, say)) if source.histories else ()),
+        *(section(say, "histories", *_histories(source, say)) if source.histories else ()),
         *section(say, "outcomes", Details(models.caption, [models], fold=True)),
         *section(say, "pairs", Facts(pairs, "sentences") if pairs else None),
         *section(say, "notes", *notes(say, told)),
@@ -79,10 +79,10 @@ def blocks(folder: Path, record: RunRecord, say: Language) -> list[Block]:
     ]
 
 
-def _histories(source: RunSource, say: Language) -> Chart:
+def _histories(source: RunSource, say: Language) -> list[Block]:
     """The histories of all models."""
-    below = [words(say, "histories", "caption")]
-    return Chart("histories", say("text.histories_chart"), histories_figure(source, say), 1060, "time", below)
+    drawn = Chart("histories", say("text.histories_chart"), histories_figure(source, say), 1060, "time")
+    return [drawn, words(say, "histories", "caption")]
 
 
 def _scene(source: RunSource, say: Language) -> Group:
