@@ -188,8 +188,8 @@ class Language:
         )
 
     def row(self, texts: Sequence[str], size: int = 0) -> str:
-        """Values one after another, parted by what no number of the language holds; of `size` in all the first alone."""
-        between = "; " if self.strings["decimal"] == "," else ", "
+        """Values one after another, parted by what none of them holds; of `size` in all the first alone."""
+        between = "; " if any("," in text for text in texts) else ", "
         return (between.join(texts) or "–") + (f"{between}… ({size})" if size > len(texts) else "")
 
     def count(self, count: int) -> str:
