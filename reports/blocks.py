@@ -234,7 +234,9 @@ def shown(say: Language, value: Any, count: int = 3) -> str | Cell:
 
 def facts(say: Language, pairs: Mapping[str, object], style: str = "narrow") -> Facts:
     """Values under their labels; what is None or empty is left out."""
-    return Facts([(say.label(key), say.plain(value)) for key, value in pairs.items() if value not in (None, "")], style)
+    return Facts(
+        [(say.label(key), say.plain(value)) for key, value in pairs.items() if value not in (None, "", [])], style
+    )
 
 
 def owned(finding: Finding) -> str:

@@ -16,7 +16,7 @@ from harness.model.history import Array, Outcome
 from harness.model.run import number
 from harness.records.assess import CONTRADICTED, MOSTLY, Assessment, worst
 from harness.records.effects3d import EffectsRecord
-from harness.records.run import STILL_RAD, RunRecord, own_moves, peak_slip_m, tips_s, unconfirmed
+from harness.records.run import STILL_RAD, RunRecord, own_moves, tips_s, unconfirmed
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import StudyRecord, StudyRow, SupportRecord, Value
 from reports.blocks import Block, Drawing, Section, Text, Verdict
@@ -43,9 +43,9 @@ from reports.text.wording import (
     doubted,
     family,
     horizon_s,
+    pedestal_moves,
     prediction_s,
     runs_of,
-    tilt_rad,
     told_family,
     tone,
     tone_of_study,
@@ -228,9 +228,10 @@ def _shaking(source: RunSource, say: Language) -> list[str]:
 def _todo(source: RunSource, plan: Plan, say: Language) -> list[str]:
     """What the record gives reason to do: room to keep free, a fall to reckon with, remedies to have compared."""
     rooms, unsafe, answered = _rooms(plan, say), tone(source) != "agree", source.answered
-    stone = source.scene.pedestal
-    under_m = 0.0 if stone is None else stone.height_m
-    stone_m = 0.0 if stone is None else max((_moves_m(source, name, under_m) for name in answered), default=0.0)
+    under_m = 0.0 if source.scene.pedestal is None else source.scene.pedestal.height_m
+    slips, tilts = pedestal_moves(source)
+    # Where it tips, its top goes farther than its slip.
+    stone_m = max((slips[name] + under_m * math.sin(tilt) for name, tilt in tilts.items()), default=0.0)
     reasons = {
         "todo.free": rooms,
         "todo.wall": any(run.outcome is Outcome.TOUCHES_WALL for run in answered.values())
@@ -241,12 +242,6 @@ def _todo(source: RunSource, plan: Plan, say: Language) -> list[str]:
     }
     height = say.length(under_m + source.scene.statue.height_m)
     return told(say, reasons, rooms=rooms, length=say.length(stone_m), height=height) or [say("todo.nothing")]
-
-
-def _moves_m(source: RunSource, name: str, height_m: float) -> float:
-    """How far a model's pedestal of this height moves at most: its slip, and its top where it tips."""
-    run = source.runs[name]
-    return peak_slip_m(run) + height_m * math.sin(tilt_rad(run, source.histories.get(name)))
 
 
 def _may_fall(source: RunSource) -> bool:
@@ -398,17 +393,19 @@ def _lean(source: RunSource, say: Language) -> list[str]:
         return []
     share, lean_rad, balance_rad, _ = _worst_lean(source)
     degrees, balance = (say.digits(math.degrees(value), 2) for value in (lean_rad, balance_rad))
-    back = "floor_back" if source.record.motion.accel_m_s2 else "swing_back"
-    keys = ["no_rocking"] if lean_rad < STILL_RAD else ["leans"] if share < 1.0 else ["leans_past", back]
+    rocks, past, shaken = lean_rad >= STILL_RAD, share >= 1.0, bool(source.record.motion.accel_m_s2)
     followed = [name for name in source.histories if name in source.answered]
-    keys = keys if standing == followed and not _leaning(source) else ["of_standing", *keys]
-    values = {"degrees": degrees, "balance": balance, "share": _share(share, say)}
+    said = {
+        "run.of_standing": standing != followed or _leaning(source), "run.no_rocking": not rocks,
+        "run.leans": rocks and not past, "run.leans_past": rocks and past, "run.floor_back": rocks and past and shaken,
+        "run.swing_back": rocks and past and not shaken,
+    }  # fmt: skip
     moves = [
         say(f"run.{code}", length=say.length(most), degrees=say.digits(math.degrees(most), 2))
         for code, most in _own_moves(source).items()
     ]
-    unknown = [say("run.slides_unknown")] if _slides_unknown(source) else []
-    return [" ".join([*(say(f"run.{key}", **values) for key in keys), *moves, *unknown])]
+    leans = told(say, said, degrees=degrees, balance=balance, share=_share(share, say))
+    return [" ".join([*leans, *moves, *told(say, {"run.slides_unknown": _slides_unknown(source)})])]
 
 
 def _slides_unknown(source: RunSource) -> bool:
@@ -425,11 +422,10 @@ def _own_moves(source: RunSource) -> dict[str, float]:
 
 def _pedestal_slip(source: RunSource, say: Language) -> list[str]:
     """How far its pedestal slides and tips; that it stays put only where no model says that it tips."""
-    answered = source.answered
-    if source.scene.pedestal is None or not answered:
+    slips, tilts = pedestal_moves(source)
+    if not slips:
         return []
-    most = max(map(peak_slip_m, answered.values()))
-    tilt = max(tilt_rad(run, source.histories.get(name)) for name, run in answered.items())
+    most, tilt = max(slips.values()), max(tilts.values())
     moves = {"run.slides": most > VISIBLE_M, "run.tips": tilt > TIPS_RAD}
     said = told(say, moves, length=say.length(most), degrees=say.digits(math.degrees(tilt), 2))
     return said or told(say, {"run.put": all(tips_s(run) is None for run in source.runs.values())})
@@ -744,12 +740,10 @@ def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list
     axes = map_axes(cases, [key for key in record.vary if key in varying_keys(cases)])
     if axes is None or record.panels:
         return []
-    worst: dict[tuple[Value, ...], StudyRow] = {}
+    answers: dict[tuple[Value, ...], list[StudyRow]] = {}
     for item in cases:
-        place = tuple(item.varied[key] for key in axes)
-        for row in item.answers.values():
-            if place not in worst or _severity(row) > _severity(worst[place]):
-                worst[place] = row
+        answers.setdefault(tuple(item.varied[key] for key in axes), []).extend(item.answers.values())
+    worst = {place: max(rows, key=_severity) for place, rows in answers.items()}
     places = [Condition(dict(zip(axes, place, strict=True)), {"": row}) for place, row in worst.items()]
     figures = map_figures([""], places, axes, say)
     if not figures:

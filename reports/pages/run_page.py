@@ -41,7 +41,7 @@ from reports.drawing.pictures import scene_svg
 from reports.messages import Language
 from reports.pages.assets import packed_json, three_js
 from reports.source import RunSource, run_event_s, source_of
-from reports.text.wording import fall_times, limit_rows, plan_lines, run_verdict, score_rows
+from reports.text.wording import limits, plan_lines, run_verdict, score_rows
 
 ANSWERS: Final = [
     *(each.name for each in RUN_FIELDS if each.single and each.name not in ("engine", "message")),
@@ -135,17 +135,17 @@ def _scene(source: RunSource, say: Language) -> Group:
 def _details(source: RunSource, say: Language) -> list[Block]:
     """Scores, limits, what was left out, settings, how to repeat it: each folded away."""
     record = source.record
-    limits = limit_rows(source, say)
+    met = {name: facts(say, limits(run, source.histories.get(name), say)) for name, run in source.runs.items()}
+    known = [Group("", [each], name) for name, each in met.items() if each.pairs]
     rows: list[Row] = [[Cell(name, tip=tip), *cells] for name, tip, cells in score_rows(record.scores, say)]
     scores = Table(say("table.scores"), ["", *(f"{each.a} – {each.b}" for each in record.scores.values())], rows)
-    by_model = Group("columns", [Group("", [Facts(pairs)], name) for name, pairs in limits.items()])
     settings = Group("columns", [Group("", [facts(say, run.settings)], name) for name, run in source.runs.items()])
     command = command_line("run", source.scene.file or "scene.toml", *(record.asked or ()), e=[*source.runs])
     again = [command, *as_run(source.scene, say)]
     made = repeat(say, record)[0].blocks
     return [
         *([Details(say("section.scores"), [scores], "scores")] if rows else ()),
-        *([Details(say("text.limits"), [*fall_times(source, say), by_model], "limits")] if limits else ()),
+        *([Details(say("text.limits"), [Group("columns", known)], "limits")] if known else ()),
         Details(say("text.left_out"), [Text(plan_lines(record, say), "plan")], "skips"),
         Details(say("text.settings"), [settings]),
         Details(say("section.repeat"), [Text(again, "command")], "repeat"),

@@ -12,13 +12,12 @@ import numpy as np
 
 from harness.model.finding import Finding, info
 from harness.model.history import History, Outcome
-from harness.model.run import Intervention, Run, RunRow, number
+from harness.model.run import Run, RunRow, number
 from harness.records.assess import Assessment
-from harness.records.base import Table
 from harness.records.run import SLIDES_M, UNKNOWN, RunRecord, left_early, peak_slip_m
 from harness.records.scores import AfterHorizon, Scores
 from harness.records.study import CaseRun, StudyRow, Value
-from reports.blocks import Chip, Text, Verdict, code, verdict, words
+from reports.blocks import Chip, Verdict, code, verdict
 from reports.drawing.kinematics import poses, room_m, sampled, top_shift_m
 from reports.messages import ENGLISH, Language
 from reports.source import RunSource
@@ -197,15 +196,21 @@ def _reach(source: RunSource) -> list[Finding]:
 
 def _slip(source: RunSource) -> list[Finding]:
     """How far the pedestal slides, and whether it tips."""
-    answered = source.answered
-    if source.scene.pedestal is None or not answered:
+    slips, tilts = pedestal_moves(source)
+    if not slips:
         return []
-    peaks = [peak_slip_m(run) for run in answered.values()]
-    slides = info("pedestal_slips", slip_m=[min(peaks), max(peaks)]) if max(peaks) >= STUCK_M else None
-    tilts = {name: tilt_rad(run, source.histories.get(name)) for name, run in answered.items()}
+    ends = [min(slips.values()), max(slips.values())]
+    slides = info("pedestal_slips", slip_m=ends) if ends[1] >= STUCK_M else None
     most = max(tilts, key=lambda name: tilts[name])
     tips = [info("pedestal_tilts", tilt_rad=tilts[most], model=most)] if tilts[most] > TIPS_RAD else []
     return [info("pedestal_still") if slides is None else slides, *tips]
+
+
+def pedestal_moves(source: RunSource) -> tuple[dict[str, float], dict[str, float]]:
+    """How far the pedestal slides, m, and tips, rad, by each model that answered; nothing without a pedestal."""
+    answered = {} if source.scene.pedestal is None else source.answered
+    tilts = {name: tilt_rad(run, source.histories.get(name)) for name, run in answered.items()}
+    return {name: peak_slip_m(run) for name, run in answered.items()}, tilts
 
 
 def prediction_s(source: RunSource) -> float | None:
@@ -286,46 +291,33 @@ TIPS_RAD: Final = 1e-3
 """A pedestal that tips by more is said to."""
 
 
-def limit_rows(source: RunSource, say: Language = ENGLISH) -> dict[str, list[tuple[str, str]]]:
-    """Each model's limits as words and value with unit; what did not happen is left out.
-
-    Of one that overturns also what they were until its point of no return.
-    """
-    by_name: dict[str, list[tuple[str, str]]] = {}
-    for name, run in source.runs.items():
-        before = before_fall(run, source.histories.get(name))
-        for key, value in run.validity.items():
-            if value is None or value in ("", []):
-                continue
-            words, unit = say.named(key)
-            told = say.plain(value).replace("_", " ")
-            if unit and not isinstance(value, list):
-                told = f"{told} {unit}"
-            if key in before:
-                low, until = f"{say.digits(before[key], 2)} {unit}", say.plain(run.no_return_time_s)
-                told = say("text.before_fall", before=low, until=until, whole=told)
-            elif key in WITH_FALL and run.no_return_time_s is not None:
-                told = say("text.with_fall", whole=told)
-            by_name.setdefault(name, []).append((words, told))
-        if run.validity:
-            by_name.setdefault(name, []).extend(interventions_row(run.interventions, run.validity, say))
-    return by_name
+def limits(run: Run, history: History | None, say: Language = ENGLISH) -> dict[str, object]:
+    """A run's limits by key, and what was written to its bodies; of one that overturns what they were until its point of no
+    return too."""
+    before, until_s = before_fall(run, history), run.no_return_time_s
+    shown: dict[str, object] = dict(run.validity)
+    for key in [key for key in shown if shown[key] is not None and until_s is not None]:
+        whole = say.plain(shown[key])
+        if key in before:
+            low = say.digits(before[key], 2)
+            shown[key] = say("text.before_fall", before=low, until=say.plain(until_s), whole=whole)
+        elif key in WITH_FALL:
+            shown[key] = say("text.with_fall", whole=whole)
+    return shown | {"interventions": interventions_text(run, say)}
 
 
-def interventions_row(
-    written: Mapping[str, Intervention], validity: Table, say: Language = ENGLISH
-) -> list[tuple[str, str]]:
-    """What was written to the engine's bodies on the way, in one line; none for an unmodified engine."""
+def interventions_text(run: Run, say: Language = ENGLISH) -> str:
+    """What was written to the engine's bodies on the way, in one line; nothing for an unmodified engine."""
+    written, lost = run.interventions, run.validity.get("lost_in_impacts_j")
     if not written:
-        return []
+        return ""
     counts = {kind: item.count or item.steps_again for kind, item in written.items()}
     kinds = say.listed(f"{say.strings.get(f'wrote.{kind}', kind)}: {count}" for kind, count in counts.items())
     parts = ("moved_m", "velocity_m_s", "rate_rad_s", "given_j", "taken_j")
     sums = {part: say.digits(sum(vars(item)[part] for item in written.values()), 2) for part in parts}
-    lost = validity.get("lost_in_impacts_j")
     beside = say("text.impacts_lost", lost=say.digits(lost, 2)) if isinstance(lost, float) else ""
     again = sum(item.steps_again for item in written.values())
-    return [(say("label.interventions"), say("text.interventions", kinds=kinds, again=again, beside=beside, **sums))]
+    return say("text.interventions", kinds=kinds, again=again, beside=beside, **sums)
 
 
 def before_fall(run: Run, history: History | None) -> dict[str, float]:
@@ -349,13 +341,6 @@ def tilt_rad(run: Run, history: History | None) -> float:
     """The pedestal's largest tilt, of a statue that falls until it passes its balance point; 0 for a model that has none."""
     until, whole = before_fall(run, history), run.validity.get("pedestal_tilt_rad")
     return until.get("pedestal_tilt_rad", whole if isinstance(whole, float) else 0.0)
-
-
-def fall_times(source: RunSource, say: Language = ENGLISH) -> list[Text]:
-    """When the statue passes its balance point for good, by model; nothing where none overturns."""
-    falls = {name: run.no_return_time_s for name, run in source.runs.items() if run.no_return_time_s is not None}
-    times = say.listed(f"{say.short(time_s, 3)} s ({name})" for name, time_s in falls.items())
-    return [words(say, "fall", "caveat", times=times)] if falls else []
 
 
 def plan_lines(record: RunRecord, say: Language = ENGLISH) -> list[str]:

@@ -13,8 +13,8 @@ from harness.model.run import Intervention, Run
 from harness.statics.plan import Step
 from reports.blocks import Details, Group, Text, notes
 from reports.messages import ENGLISH
-from reports.source import RunSource, run_source
-from reports.text.wording import before_fall, fall_times, interventions_row, limit_rows, plan_lines
+from reports.source import RunSource
+from reports.text.wording import before_fall, interventions_text, limits, plan_lines
 from tests.reports.invented_run import invented_history, invented_run
 
 VALIDITY = {"yaw_rad": 0.9, "statue_slip_m": 0.02, "energy_gained_j": 9.6, "touching_vertices": 12}
@@ -42,32 +42,22 @@ def test_before_the_fall_stands_what_the_history_says(fallen: tuple[Run, History
     assert before_fall(replace(run, no_return_time_s=None), history) == {}
 
 
-def test_only_models_that_fall_are_spoken_of(written: Callable[[str], Path]) -> None:
-    stands, falls = (run_source(written(kind)) for kind in ("agreed", "apart"))
-    assert fall_times(stands) == []
-    ((said,),) = (each.lines for each in fall_times(falls))
-    assert "(pybullet)" in said
-    assert "(analytic)" not in said
-    assert set(limit_rows(falls)) == {"analytic", "pymunk", "pybullet"}
-    assert "with the fall" not in str(limit_rows(falls)["pybullet"]), "its history follows none of its limits"
-
-
-def test_a_fall_is_told_beside_what_was_before(fallen: tuple[Run, History], source: RunSource) -> None:
+def test_a_fall_is_told_beside_what_was_before(fallen: tuple[Run, History]) -> None:
     run, history = fallen
-    fall = replace(
-        source,
-        record=replace(source.record, runs={"pybullet": run}, histories=["pybullet"]),
-        histories={"pybullet": history},
-    )
-    rows = dict(limit_rows(fall)["pybullet"])
-    until = run.no_return_time_s
-    before = ENGLISH("text.before_fall", before="0.0030 rad", until=f"{until:.3f}", whole="0.9000 rad")
-    assert rows[ENGLISH.strings["label.yaw_rad"]] == before
-    assert rows["energy gained"] == "9.600 J"
+    shown = limits(run, history)
+    assert shown["yaw_rad"] == f"0.0030 until {run.no_return_time_s:.3f} s; with the fall 0.9000"
+    assert shown["energy_gained_j"] == VALIDITY["energy_gained_j"]
     needed = {**run.validity, "statue_friction_needed": 124.6}
-    for each, said in ((run, ENGLISH("text.with_fall", whole="124.6")), (replace(run, no_return_time_s=None), "124.6")):
-        told = replace(fall, record=replace(fall.record, runs={"pybullet": replace(each, validity=needed)}))
-        assert dict(limit_rows(told)["pybullet"])[ENGLISH.label("statue_friction_needed")] == said
+    for each, said in ((run, "124.6, with the fall"), (replace(run, no_return_time_s=None), 124.6)):
+        assert limits(replace(each, validity=needed), history)["statue_friction_needed"] == said
+    assert limits(run, None)["yaw_rad"] == VALIDITY["yaw_rad"], "what no history follows is told as it is"
+
+
+def test_the_limits_of_every_model_stand_on_its_page(page_of: Callable[[str], Path]) -> None:
+    page = page_of("apart").read_text(encoding="utf-8")
+    assert [page.count(f"<h3>{name}</h3>") for name in ("analytic", "pymunk", "pybullet")] == [2, 2, 2], "settings too"
+    assert f"<dt>{ENGLISH.label('statue_friction_needed')}</dt>" in page
+    assert ENGLISH("text.limits") in page
 
 
 def test_engines_of_one_reason_stand_together_with_what_each_left_out_and_saved(source: RunSource) -> None:
@@ -100,10 +90,10 @@ def test_what_was_written_to_bodies_is_one_line() -> None:
         "turn_on": Intervention(count=4, velocity_m_s=0.25, given_j=2.0),
         "friction_release": Intervention(steps_again=3),
     }
-    ((words, told),) = interventions_row(written, {"lost_in_impacts_j": 13.0})
-    assert words == ENGLISH.label("interventions")
-    assert told == (
+    run = invented_run("pymunk", invented_history(0.0), Outcome.STANDS, 1e-3)
+    done = replace(run, interventions=written, validity={"lost_in_impacts_j": 13.0})
+    assert interventions_text(done) == (
         "turns about a corner: 4 and onsets of sliding: 3; in all 0 m, 0.25 m/s, 0 rad/s; 2.0 J given and 0 J taken, "
         "where impacts lost 13 J; 3 steps solved again"
     )
-    assert interventions_row({}, {}) == []
+    assert interventions_text(replace(done, interventions={})) == ""
