@@ -23,7 +23,7 @@ from reports.blocks import (
     words,
 )
 from reports.charts.figure import look
-from reports.drawing.effects_figures import changes, curves, directions, rose
+from reports.drawing.effects_figures import changes, directions, rose
 from reports.drawing.pictures import scene_svg
 from reports.messages import Language
 from reports.pages.run_page import chip, replay
@@ -38,11 +38,8 @@ def blocks(folder: Path, record: EffectsRecord, say: Language) -> list[Block]:
     asked = list(dict.fromkeys(item.engine for item in record.effects))
     colours = [(look(name, engines).colour, name) for name in engines if name in asked]
     left = "; ".join(f"{say.word(name)} ({say.word(why)})" for name, why in record.left_out.items())
-    keys = [
-        *((each.look.colour, each.name) for each in curves(record, say)),
-        ("#cdd3da", say("text.lifts")),
-        ("#c3c6ca", say("text.band")),
-    ]
+    # The curves have a key of their own.
+    keys = [("#cdd3da", say("text.lifts")), ("#c3c6ca", say("text.band"))]
     pictures: list[Block] = [Drawing(rose(record, say).svg(say("text.rose")), style="chart-box")]
     pictures += [Drawing(scan, [say("text.scan_directions")], "plain-figure")] if scan else []
     told: list[Block] = [
@@ -127,7 +124,9 @@ def _effects(record: EffectsRecord, asked: Sequence[str], say: Language) -> Tabl
             if item is None or item.median is None:
                 row.append(say("text.not_seen" if item is None else "text.none_overturns"))
                 continue
-            change, least, largest = (_change(value, say) for value in (item.median, item.least, item.largest))
+            change, least, largest = (
+                f"{say.value(value, 'points')}\u00a0%" for value in (item.median, item.least, item.largest)
+            )
             row.append(
                 f"{change} ({say.range([least, largest])})"
                 + (say("text.flips", count=item.flips) if item.flips else "")
@@ -148,12 +147,3 @@ def _departures(record: EffectsRecord, say: Language) -> Table | None:
     ]  # fmt: skip
     columns = "azimuth peak_g peak_theta_rad out_of_plane_rad yaw_rad yaw_left_rad walked_mm on_a_corner outcome"
     return table(say, "departures", columns, rows, "wrapped")
-
-
-def _change(relative: float | None, say: Language) -> str:
-    """A relative change in per cent with its sign."""
-    return (
-        "–"
-        if relative is None
-        else f"{say.value(relative, 'points').removeprefix('+') if not relative else say.value(relative, 'points')}\u00a0%"
-    )
