@@ -1,7 +1,5 @@
 """The mesh on the screen is the statue's own, its edges sharp."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
