@@ -1,7 +1,5 @@
 """The main job: the paper's study and the example scenes, each with its report, all cores at work from one queue."""
 
-from __future__ import annotations
-
 import json
 import sys
 import sysconfig

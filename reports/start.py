@@ -1,7 +1,5 @@
 """Where the command begins: an interrupt while its parts are still being read ends it as it does later."""
 
-from __future__ import annotations
-
 import sys
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Charts of curves that one page each shows: comparisons, assessments, benches, validations."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Final
 

@@ -4,8 +4,6 @@ A chart's `datasets` hold, by name, lists of parts; a part holds columns of one 
 its rows. Columns that are arrays are the samples of curves along the first of them, of which as many are drawn as are seen.
 """
 
-from __future__ import annotations
-
 import errno
 import re
 import resource

@@ -1,7 +1,5 @@
 """Parts of which every chart is made. A chart is a Vega-Lite specification whose data are columns (`charts.drawn`)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby

@@ -1,7 +1,5 @@
 """The zoomable histories of all models on one time axis: rotation, motion patterns, pedestal slip, floor motion."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any, Final

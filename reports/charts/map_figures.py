@@ -1,7 +1,5 @@
 """Overturning maps: each model's outcomes as colours, and the boundaries of all models on one picture."""
 
-from __future__ import annotations
-
 import json
 import shlex
 from collections import Counter

@@ -1,7 +1,5 @@
 """The pictures that a study's rows hold: the paper's panels, fragility, roses."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 

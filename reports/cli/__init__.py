@@ -1,7 +1,5 @@
 """The command `rockcheck`: the application, its options, what each command does, how it ends."""
 
-from __future__ import annotations
-
 import gc
 import os
 import sys

@@ -1,7 +1,5 @@
 """The application `rockcheck`, and how a function becomes one of its commands."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass

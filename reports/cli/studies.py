@@ -1,7 +1,5 @@
 """The commands study and assess: what is wrong is told first, runs are kept in a store, the record is written."""
 
-from __future__ import annotations
-
 import csv as comma_separated
 import os
 import shutil

@@ -1,7 +1,5 @@
 """The pictures of an effects study: the rose of overturning amplitudes, and each condition's effect."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -2,8 +2,6 @@
 (docs/model.md, section 1).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache

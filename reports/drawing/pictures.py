@@ -2,8 +2,6 @@
 it bears, what gives way first.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A scan as it stands: its base, its weakest direction, the directions of the floor, the axes of its file and of the scene."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

@@ -3,8 +3,6 @@
 A page carries it as it is written here, and `reports.export.figures` prints it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

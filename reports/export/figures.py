@@ -1,7 +1,5 @@
 """Figures for papers: the charts of a record's page at print sizes, `rockcheck figures DIR`; a page as PDF."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """A motion's picture: three histories, the response spectrum against its target, the Arias intensity's build-up."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Sequence
 from typing import Final

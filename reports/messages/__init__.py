@@ -6,8 +6,6 @@ A finding's sentence stands under `finding.CODE`: a text, or a table of texts of
 `{cases|case|cases}` is the first word where the value is 1, else the second.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence

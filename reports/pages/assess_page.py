@@ -1,7 +1,5 @@
 """The page of an assessment: how probable the fall is, by each model; what it depends on; how strong a shaking is borne."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What a page carries so that it opens without a network: libraries from their wheels, templates, packed data."""
 
-from __future__ import annotations
-
 import base64
 import gzip
 import json

@@ -1,7 +1,5 @@
 """The page of a bench (`harness/records/bench.py`): run time against error for every engine and setting."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The page of two histories from files: the verdict, both curves and their difference, the scores in words."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from harness.input.history_file import read_history

@@ -1,7 +1,5 @@
 """The conservator's page of a run or a study: what happens to the statue, in plain words and pictures; no model is named here."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections import Counter

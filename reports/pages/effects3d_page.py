@@ -1,7 +1,5 @@
 """The page of an effects study: what the third dimension changes, by direction, against what a survey does not know."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

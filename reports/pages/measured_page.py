@@ -1,7 +1,5 @@
 """The page of a measured set that is told by tables."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from harness.records.validation import MeasuredRecord, MeasuredTable

@@ -1,7 +1,5 @@
 """One self-contained HTML page per result folder, whatever kind of record it holds, and a plain one for conservators."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path

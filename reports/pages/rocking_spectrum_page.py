@@ -1,7 +1,5 @@
 """The page of a rocking spectrum: which blocks fall, and how far the others rock, by size and slenderness."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final

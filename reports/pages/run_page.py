@@ -1,7 +1,5 @@
 """The page of one run: verdict, replay, histories, each model's answer, the scene; scores, limits and settings folded away."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final

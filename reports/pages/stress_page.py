@@ -1,7 +1,5 @@
 """The page of a stress run (`harness/records/bench.py`): each engine's stability map and the hard scenes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The page of a study: verdict, claims, outcome matrix, panels, maps, fragility, what was asked and what was not."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The page of a trust map: one picture of where the analytic model holds, and what each class means."""
 
-from __future__ import annotations
-
 import shlex
 from pathlib import Path
 from typing import Final

@@ -1,7 +1,5 @@
 """The page of a validation: how often each model predicts what was measured, beside a bare threshold on PGV."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, Final
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from html import unescape
 from pathlib import Path
 
 import numpy as np
@@ -54,7 +55,7 @@ def test_a_fall_is_told_beside_what_was_before(fallen: tuple[Run, History]) -> N
 
 
 def test_the_limits_of_every_model_stand_on_its_page(page_of: Callable[[str], Path]) -> None:
-    page = page_of("apart").read_text(encoding="utf-8")
+    page = unescape(page_of("apart").read_text(encoding="utf-8"))
     assert [page.count(f"<h3>{name}</h3>") for name in ("analytic", "pymunk", "pybullet")] == [2, 2, 2], "settings too"
     assert f"<dt>{ENGLISH.label('statue_friction_needed')}</dt>" in page
     assert ENGLISH("text.limits") in page
