@@ -266,14 +266,10 @@ class Solution:
             left_domain_by=LEFT_BY[r.left_domain_by],
         )
 
-    def of_kind(self, kind: EventKind) -> tuple[Event, ...]:
-        """The events of one kind."""
-        return tuple(event for event in self.events if event.kind is kind)
-
     @property
     def impacts(self) -> tuple[Event, ...]:
         """The impacts."""
-        return self.of_kind(EventKind.IMPACT)
+        return tuple(event for event in self.events if event.kind is EventKind.IMPACT)
 
     @property
     def _impact_rows(self) -> Records:

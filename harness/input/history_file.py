@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from harness.input.mistakes import MOST_MISTAKES, unsaid
-from harness.input.text_file import decimal, decimals, decoded, is_decimal, read_bytes
+from harness.input.text_file import decoded, is_decimal, numbers, read_bytes
 from harness.model.errors import InputError, Mistake, refuse
 from harness.model.history import COLUMNS, Array, History, hermites
 
@@ -66,8 +66,8 @@ def read_history(path: Path | str) -> History:
     path, wanted = Path(path), "a CSV file with a header line and at least one row"
     table = _table(path, decoded(read_bytes(path, "a history", MOST_BYTES), str(path), wanted))
     meant = _meant(path, table.names)
-    numbers = _numbers(path, table)
-    columns = {name: numbers[:, index] * factor for index, (name, factor) in enumerate(meant)}
+    values = _numbers(path, table)
+    columns = {name: values[:, index] * factor for index, (name, factor) in enumerate(meant)}
     t_s = columns["t_s"]
     late = np.flatnonzero(np.diff(t_s) <= 0.0)
     if late.size:
@@ -145,24 +145,21 @@ def _table(path: Path, text: str) -> _Table:
 def _numbers(path: Path, table: _Table) -> Array:
     """All cells as numbers, shape (rows, columns). Raises `InputError` with the first cells that are none."""
     mistakes: list[Mistake] = []
-    numbers = np.full((len(table.rows), len(table.names)), np.nan)
+    values = np.full((len(table.rows), len(table.names)), np.nan)
     for index, (row, line) in enumerate(zip(table.rows, table.lines, strict=True)):
         if len(row) != len(table.names):
             mistakes.append(Mistake(str(path), f"line {line}", f"{len(table.names)} numbers", f"{len(row)} cells"))
             continue
         cells = [cell.replace(",", ".") if table.comma else cell for cell in row]
-        try:
-            numbers[index] = decimals(cells)
-        except ValueError:
-            numbers[index] = [decimal(cell) if is_decimal(cell) else np.nan for cell in cells]
-        for column in np.flatnonzero(~np.isfinite(numbers[index])).tolist():
+        values[index] = numbers(cells)
+        for column in np.flatnonzero(~np.isfinite(values[index])).tolist():
             place, cell = f"line {line}: {table.names[column]}", row[column].strip()
             if is_decimal(cells[column]) or cell.lstrip("+-").casefold() in ENDLESS:
                 mistakes.append(Mistake(str(path), place, "a finite number", f"{cell} (NaN or infinite)"))
             else:
                 mistakes.append(Mistake(str(path), place, "a number", repr(cell) if cell else "an empty cell"))
     refuse([*mistakes[:MOST_MISTAKES], *unsaid(str(path), len(mistakes) - MOST_MISTAKES)])
-    return numbers
+    return values
 
 
 def _meant(path: Path, names: Sequence[str]) -> list[tuple[str, float]]:

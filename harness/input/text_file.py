@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import io
+import math
 import re
 import stat
 import zipfile
@@ -46,9 +47,15 @@ def decimal(text: str) -> float:
 
 def decimals(texts: Sequence[str]) -> list[float]:
     """`decimal` of each."""
-    if FOREIGN.search(" ".join(texts)):
-        return [decimal(text) for text in texts]
-    return [float(text) for text in texts]
+    return list(map(decimal if FOREIGN.search(" ".join(texts)) else float, texts))
+
+
+def numbers(texts: Sequence[str]) -> list[float]:
+    """The same; NaN for one that is no decimal number."""
+    try:
+        return decimals(texts)
+    except ValueError:
+        return [decimal(text) if is_decimal(text) else math.nan for text in texts]
 
 
 def numbers_at_once(lines: Sequence[str], mark: str | None) -> NDArray[np.float64] | None:

@@ -332,10 +332,6 @@ def fixed_width(
 
     `first_line` is the number of lines[0] in the file, for messages. Raises InputError where numbers are missing, none, or more.
     """
-    if not 1 <= width <= WIDEST:
-        raise mistake(
-            where, what, f"columns of 1 to {WIDEST} characters", f"a format of {width}", "the file is damaged"
-        )
     padded = [_plain(line.rstrip()) for line in lines]
     padded = [line.ljust(-(-len(line) // width) * width) for line in padded]
     values = _words(padded, count)

@@ -15,7 +15,7 @@ from harness.input.motions.check import refuse_fillers
 from harness.input.motions.process import clock_of
 from harness.input.motions.readers.table import LABEL, NO_COMPONENT, SECONDS, heading, is_unit, likely_unit
 from harness.input.motions.recordfile import UNIT_NAMES, Channel, RecordFile, mistake
-from harness.input.text_file import decimals, is_decimal, numbers_at_once
+from harness.input.text_file import is_decimal, numbers, numbers_at_once
 from harness.model.finding import info
 
 _WORD = re.compile(r"\b(?!nan|inf|null)[^\W\d_]{3}", re.IGNORECASE)
@@ -152,14 +152,14 @@ def _table(text: str, where: str) -> _Table:
         raise mistake(where, f"line {rows[0][0]}", "column headers that differ", ", ".join(headers))
     if len(body) < 2:
         raise mistake(where, "", "two samples or more", str(len(body)), "the file holds no motion")
-    numbers = tuple(number for number, _ in body)
+    places = tuple(number for number, _ in body)
     plain = [line.replace(",", ".") if comma else line for _, line in body]
     if (
         not trailing
         and (bulk := numbers_at_once(plain, _mark(body[0][1], comma))) is not None
         and bulk.shape[1] == len(headers)
     ):
-        return _Table(headers, frozenset(), bulk, numbers)
+        return _Table(headers, frozenset(), bulk, places)
     values = np.empty((len(body), len(headers)))
     split = [cells(line)[:-1] if trailing else cells(line) for _, line in body]
     words = _of_words(split, len(headers))
@@ -174,19 +174,13 @@ def _table(text: str, where: str) -> _Table:
             advice = "the file is cut off" if row == len(body) - 1 else damage
             raise mistake(where, f"line {number}", f"{len(headers)} columns", str(len(parts)), advice)
         parts = ["0" if column in words else part for column, part in enumerate(parts)] if words else parts
-        try:
-            values[row] = decimals(parts)
-        except ValueError:
-            header, bad = next(pair for pair in zip(headers, parts, strict=True) if not is_decimal(pair[1]))
-            place, advice = f"line {number}, {header}", "fill or cut a gap in the program that made the record"
-            raise mistake(where, place, "a finite number with a decimal point", repr(bad), advice) from None
-    if not np.isfinite(values).all():
-        row, column = (int(i[0]) for i in np.nonzero(~np.isfinite(values)))
-        advice = "fill or cut the gap in the program that made the record"
-        raise mistake(
-            where, f"line {body[row][0]}, {headers[column]}", "a finite number", str(values[row, column]), advice
-        )
-    return _Table(headers, frozenset(headers[column] for column in words), values, numbers)
+        values[row] = numbers(parts)
+        if not (finite := np.isfinite(values[row])).all():
+            column = int(np.argmin(finite))
+            advice = "fill or cut a gap in the program that made the record"
+            wanted = "a finite number with a decimal point"
+            raise mistake(where, f"line {number}, {headers[column]}", wanted, repr(parts[column]), advice)
+    return _Table(headers, frozenset(headers[column] for column in words), values, places)
 
 
 def _alike(first: Sequence[str], second: Sequence[str]) -> bool:

@@ -213,6 +213,18 @@ def test_nothing_is_proposed_for_a_damaged_table_or_prose(tmp_path: Path) -> Non
         assert "read by:" not in str(error.value), name
 
 
+@pytest.mark.parametrize("per_line", [1, 2, 3])
+def test_numbers_that_run_on_in_even_lines_are_told_from_columns(tmp_path: Path, per_line: int) -> None:
+    """By how neighbours follow each other: along the lines, or down them."""
+    along = _write(tmp_path / "along.txt", ["dt = 0.01 s, gal", *rows(100.0 * NORTH[:402], per_line, "{:14.6f}")])
+    three = np.stack([NORTH[:134], EAST[:134], -NORTH[:134]], axis=1).ravel()
+    down = _write(tmp_path / "down.txt", ["dt = 0.01 s, gal", *rows(100.0 * three, 3, "{:14.6f}")])
+    with pytest.raises(InputError, match=r"--columns all"):
+        read_file(along)
+    with pytest.raises(InputError, match=r"--skip-lines 1 --dt"):
+        read_file(down)
+
+
 def test_decimal_commas_of_a_csv_need_no_options(tmp_path: Path) -> None:
     lines = ["t_s;a_N_gal;a_E_gal", *(line.replace(".", ",").replace(" ", ";") for line in TABLE)]
     record = read_file(_write(tmp_path / "a.csv", lines))
