@@ -46,9 +46,11 @@ def uncertain_inputs(scene: Scene) -> tuple[Uncertain, ...]:
     axes = {"x": scene.base_excitation.x, "y": scene.base_excitation.y, "z": scene.base_excitation.z}
     if not all(isinstance(item, ZeroExcitation) for item in axes.values()):
         assumed.append(_assumed("motion.scale", file_scale(scene)))
-    for axis, item in axes.items():
-        if isinstance(item, Harmonic):
-            assumed.append(_assumed(f"motion.{axis}.frequency_hz", item.frequency_hz))
+    assumed += [
+        _assumed(f"motion.{axis}.frequency_hz", item.frequency_hz)
+        for axis, item in axes.items()
+        if isinstance(item, Harmonic)
+    ]
     if scene.pedestal is None and assumed:
         assumed.append(_assumed("contact.statue", scene.contact.statue))
     # The last, so that the others' draws are the same with it and without.

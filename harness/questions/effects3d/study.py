@@ -261,10 +261,9 @@ def asked(
     base: BaseScene, campaign: Campaign, where: Path, kind: type[T], questions: Iterable[tuple[Any, ...]]
 ) -> list[T]:
     """The answers in the questions' order, those that the store `where` lacks found now; one whose process died is left out."""
-    (name, _), scene, tasks = WORK[kind], base.scene({}), []
-    for each in questions:
-        named = [item.key() if isinstance(item, Search) else item for item in each]
-        tasks.append(Task(request_key(scene, None, name, named), answer, (kind, base, each)))
+    (name, _), scene = WORK[kind], base.scene({})
+    named = [(each, [item.key() if isinstance(item, Search) else item for item in each]) for each in questions]
+    tasks = [Task(request_key(scene, None, name, words), answer, (kind, base, each)) for each, words in named]
     return [part(kind, item, where) for item in campaign.ask(tasks) if item is not None]
 
 
@@ -394,8 +393,7 @@ def checked_azimuths(rows: Sequence[Amplitude]) -> list[float]:
 
 def side_azimuths(scene: Scene) -> list[float]:
     """Directions across the long sides of the footprint, both ways: where a planar model at a side is asked."""
-    polygon = solid_of(scene).footprint_m
-    lengths, towards = footprint.sides(polygon)
+    lengths, towards = footprint.sides(solid_of(scene).footprint_m)
     azimuths = {round(float(a), 6) for a in towards[lengths > LONG_SIDE * lengths.sum()]}
     return sorted(azimuths | {round((a + 180.0) % 360.0, 6) for a in azimuths})
 

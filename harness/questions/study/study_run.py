@@ -226,15 +226,15 @@ def witness_study(
     chosen = drawn(list(settings), study.seed)
     if not chosen:
         return None
-    tasks = {}
-    for number in chosen:
-        targets = {name: study.asked_rad.get(name, DEFAULT_ACCURACY_RAD) for name in judged[number]}
-        asked = base, settings[number], targets
-        tasks[number] = Task(key_of(KIND, judged[number], versions()), witness_scene, asked, KIND)
-    records = Campaign(store, pool, on_progress).ask(list(tasks.values()))
+    asked_rad = [{name: study.asked_rad.get(name, DEFAULT_ACCURACY_RAD) for name in judged[each]} for each in chosen]
+    tasks = [
+        Task(key_of(KIND, judged[number], versions()), witness_scene, (base, settings[number], targets), KIND)
+        for number, targets in zip(chosen, asked_rad, strict=True)
+    ]
+    records = Campaign(store, pool, on_progress).ask(tasks)
     said = {
         number: {name: part(Witness, item, store.path) for name, item in record.items()}
-        for number, record in zip(tasks, records, strict=True)
+        for number, record in zip(chosen, records, strict=True)
         if record is not None
     }
     return _counted(said, len(settings), time.perf_counter() - begin)

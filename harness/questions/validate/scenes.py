@@ -120,8 +120,7 @@ def _columns(path: Path, time_column: str, column: str | None) -> dict[str, int 
     The headers are the line above the numbers that names the column of times, or the last one; comments and units may stand
     around it.
     """
-    text = decoded(read_bytes(path, "a motion"), str(path), "a table with a header")
-    lines = text.splitlines()
+    lines = decoded(read_bytes(path, "a motion"), str(path), "a table with a header").splitlines()
     first = next((place for place, line in enumerate(lines) if _numeric(_cells(line))), None)
     if first is None:
         last, advice = ", ".join(_cells(lines[-1])), "leave out columns of words"

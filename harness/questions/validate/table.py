@@ -159,21 +159,17 @@ def read_table(path: Path) -> list[Trial]:
     names = [name.strip() for name in lines[0]]
     mistakes = _header(path, names)
     refuse(mistakes)
-    tests: list[Trial] = []
-    for number, cells in enumerate(lines[1:], 1):
-        row = _Row(path, number, names, cells, mark, mistakes)
-        tests.append(row.trial())
+    tests = [_Row(path, number, names, cells, mark, mistakes).trial() for number, cells in enumerate(lines[1:], 1)]
     mistakes += _set_of_tests(path, tests)
     refuse(mistakes)
     return tests
 
 
 def _header(path: Path, names: Sequence[str]) -> list[Mistake]:
-    mistakes = []
-    for name in names:
-        if name not in COLUMNS:
-            wanted = f"a known column ({', '.join(COLUMNS)})"
-            mistakes.append(Mistake(str(path), "header", wanted, repr(name), nearest(name, COLUMNS)))
+    known = f"a known column ({', '.join(COLUMNS)})"
+    mistakes = [
+        Mistake(str(path), "header", known, repr(name), nearest(name, COLUMNS)) for name in names if name not in COLUMNS
+    ]
     mistakes += [
         Mistake(str(path), "header", "each column once", f"{name} {names.count(name)} times")
         for name in dict.fromkeys(names)
@@ -199,11 +195,16 @@ def _set_of_tests(path: Path, tests: Sequence[Trial]) -> list[Mistake]:
     for test in tests:
         for column, values in test.unknown.items():
             lists.setdefault((test.body, column), set()).add(values)
-    for (body, column), several in lists.items():
-        if len(several) > 1:
-            wanted = f"one list of values for {Path(body).name}, wherever it is not known"
-            mistakes.append(Mistake(str(path), column, wanted, f"{len(several)} different lists"))
-    return mistakes
+    return mistakes + [
+        Mistake(
+            str(path),
+            column,
+            f"one list of values for {Path(body).name}, wherever it is not known",
+            f"{len(several)} different lists",
+        )
+        for (body, column), several in lists.items()
+        if len(several) > 1
+    ]
 
 
 class _Row:

@@ -96,36 +96,36 @@ def _ties() -> list[Hard]:
 
 
 def _sizes() -> list[Hard]:
-    scenes = []
-    for slenderness in (1.0, 10.0, 50.0):
-        statue = body(1.0 / slenderness, 1.0)
-        scenes.append(Hard(f"height to width {slenderness:g}", leaning(statue, 0.5, 3.0), "stands", dt_s=5e-4))
-    for height in (0.01, 100.0):
-        scale = math.sqrt(height)
-        content = leaning(body(0.2 * height, height), 0.5, 3.0 * scale, output={"dt_s": 1e-3 * scale})
-        scenes.append(Hard(f"{height:g} m high", content, "stands", dt_s=2.5e-4 * scale))
-    return scenes
+    halfway = {f"{slender:g}": leaning(body(1.0 / slender, 1.0), 0.5, 3.0) for slender in (1.0, 10.0, 50.0)}
+    # Times go with the root of the height.
+    scaled = {
+        height: leaning(body(0.2 * height, height), 0.5, 3.0 * math.sqrt(height), output={"dt_s": 1e-3 * math.sqrt(height)})
+        for height in (0.01, 100.0)
+    }  # fmt: skip
+    return [
+        *(Hard(f"height to width {slender}", content, "stands", dt_s=5e-4) for slender, content in halfway.items()),
+        *(Hard(f"{m:g} m high", content, "stands", dt_s=2.5e-4 * math.sqrt(m)) for m, content in scaled.items()),
+    ]
 
 
 def _bodies() -> list[Hard]:
-    scenes = []
     pushed = {"duration_s": 1.0, "statue": PAESTUM, "motion": harmonic(0.429, 3.0)}
-    for ratio in (1e-3, 1e3):
-        pedestal = {**PEDESTAL, "mass_kg": PAESTUM["mass_kg"] * ratio}
-        light = ratio < 1.0
-        scenes.append(
+    light, heavy = ({**PEDESTAL, "mass_kg": PAESTUM["mass_kg"] * ratio} for ratio in (1e-3, 1e3))
+    equal = {**pushed, "contact": EQUAL}
+    return [
+        Hard(
+            "pedestal 0.001 times the statue's mass", {**equal, "pedestal": light}, "stands", dt_s=2.5e-4, converged_s=1.0
+        ),
+        Hard("pedestal 1000 times the statue's mass", {**equal, "pedestal": heavy}, "stands"),
+        *(
             Hard(
-                f"pedestal {ratio:g} times the statue's mass",
-                {**pushed, "pedestal": pedestal, "contact": EQUAL}, "stands", dt_s=2.5e-4 if light else 1e-3,
-                converged_s=1.0 if light else None,
+                f"floor friction {friction:g}",
+                {**pushed, "pedestal": PEDESTAL, "contact": {"floor_static": friction, "floor_kinetic": friction}},
+                "stands",
             )
-        )  # fmt: skip
-    for friction in (0.0, 5.0):
-        contact = {"floor_static": friction, "floor_kinetic": friction}
-        scenes.append(
-            Hard(f"floor friction {friction:g}", {**pushed, "pedestal": PEDESTAL, "contact": contact}, "stands")
-        )
-    return scenes
+            for friction in (0.0, 5.0)
+        ),
+    ]  # fmt: skip
 
 
 SHAKEN: Final = {"statue": COLUMN, "contact": {"statue": 10.0}, "motion": harmonic(5.0, 100.0)}

@@ -79,8 +79,7 @@ def simulate(engine: Engine, scene: Scene, dt_s: float, skips: bool) -> Run:
 
 def tasks(quick: bool) -> list[str]:
     """The hard scenes by name, the longest first."""
-    named = [hard.name for hard in catalogue()]
-    return [name for name in named if not quick or name in QUICK]
+    return [hard.name for hard in catalogue() if not quick or hard.name in QUICK]
 
 
 def compute(task: str) -> list[HardRow]:
