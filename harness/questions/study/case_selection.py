@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from harness.model.run_set import grouped
 from harness.questions.study.file import StudyFile
 from harness.records.study import RecheckRecord, StudyRow
 
@@ -136,10 +137,7 @@ def _parts(cell: Cell) -> list[Cell]:
 
 def slices(places: Iterable[Place], axes: tuple[int, int]) -> dict[Place, list[Place]]:
     """The places of each map: those that agree on every other axis (their indices on the map's axes set to 0)."""
-    planes: dict[Place, list[Place]] = {}
-    for place in places:
-        planes.setdefault(_placed(place, axes, (0, 0)), []).append(place)
-    return planes
+    return grouped((_placed(place, axes, (0, 0)), place) for place in places)
 
 
 def _placed(place: Place, axes: tuple[int, int], indices: Sequence[int]) -> Place:

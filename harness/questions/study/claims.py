@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from harness.engines.stepping.loop import IMPOSED_LABEL
 from harness.model.finding import Finding, info
 from harness.model.history import History, Outcome
+from harness.model.run_set import grouped
 from harness.records.run import in_domain
 from harness.records.study import CaseRun, ClaimAnswer, ClaimVerdict, StudyRow, Value
 
@@ -115,10 +116,8 @@ def _pairs(answers: Sequence[ClaimRun]) -> list[tuple[ClaimRun, ClaimRun]]:
 
 def _series(answers: Sequence[ClaimRun], key: str) -> list[list[ClaimRun]]:
     """Answers that differ by the number of a key alone, by its size."""
-    series: dict[Condition, list[ClaimRun]] = defaultdict(list)
-    for item in sorted(answers, key=lambda item: float(item.varied[key])):
-        series[item.without(key)].append(item)
-    return [*series.values()]
+    ordered = sorted(answers, key=lambda item: float(item.varied[key]))
+    return [*grouped((item.without(key), item) for item in ordered).values()]
 
 
 def _more(one: ClaimRun, other: ClaimRun) -> float:
@@ -336,14 +335,9 @@ def judge(rows: Iterable[StudyRow], top_m: float, asked: str = "paper") -> list[
 
     `top_m` is the horizontal displacement of the statue's top at the rotation `WALL_RAD`.
     """
-    models: dict[tuple[str, str], list[ClaimRun]] = {}
-    imposed_variants = set()
-    for row in rows:
-        if row.run is not None and in_domain(row.run):
-            variant = str(row.varied["variant"])
-            models.setdefault((row.engine, variant), []).append(answer(row.run, row.varied))
-            if IMPOSED_LABEL in row.run.labels:
-                imposed_variants.add(variant)
+    told = [(row, run) for row in rows if (run := row.run) is not None and in_domain(run)]
+    models = grouped(((row.engine, str(row.varied["variant"])), answer(run, row.varied)) for row, run in told)
+    imposed_variants = {str(row.varied["variant"]) for row, run in told if IMPOSED_LABEL in run.labels}
     by_claim: dict[str, Test] = {**TESTS, "vi": partial(wall_limit, top_m=top_m)}
     verdicts = []
     for (engine, variant), answers in models.items():

@@ -19,6 +19,7 @@ from harness.model.files import writing
 from harness.model.finding import Answer, Finding, caution, info
 from harness.model.history import History, Outcome
 from harness.model.run import NUMBERS, RUN_FIELDS
+from harness.model.run_set import grouped
 from harness.model.scene import Scene
 from harness.questions.study import claims
 from harness.questions.study.case_blocks import KeyedRow, coarser, every_row, study_rows, table
@@ -60,9 +61,7 @@ def answer_of(record: StudyRecord) -> Answer:
         if each.cases
     ]
     code = "claims" if record.headline else "agreement" if pairs else "overturning"
-    claimed: dict[str, list[str]] = {}
-    for claim, verdict in (record.headline or {}).items():
-        claimed.setdefault(verdict, []).append(claim)
+    claimed = grouped((verdict, claim) for claim, verdict in (record.headline or {}).items())
     found = [info("claims", groups=claimed)] if claimed else []
     fell = _falls(record.rows)
     if pairs:  # of models that mostly agree the one that knows most
@@ -88,10 +87,8 @@ def findings_of(record: StudyRecord) -> list[Finding]:
 
 def _falls(rows: Sequence[StudyRow]) -> list[Finding]:
     """In how many cases each model lets the statue overturn or touch the wall, and in how many it does not say."""
-    ends: dict[str, list[Outcome | None]] = {}
-    for row in rows:
-        if row.run is not None:
-            ends.setdefault(row.model, []).append(row.run.outcome if in_domain(row.run) else None)
+    ran = [(row.model, row.run) for row in rows if row.run is not None]
+    ends = grouped((model, run.outcome if in_domain(run) else None) for model, run in ran)
     found = []
     for model, each in ends.items():
         fell = [None if end is None else end.fell for end in each]
@@ -124,11 +121,8 @@ def _of_runs(rows: Sequence[StudyRow]) -> list[Finding]:
     """Each kind of finding of the runs once, with the number of runs that have it and the median of its numbers; a domain that
     was left is counted by its cause.
     """
-    kinds: dict[tuple[str, str], list[Finding]] = {}
-    for row in rows:
-        for found in row.run.findings if row.run is not None else ():
-            if found.code != "left_domain":
-                kinds.setdefault((row.engine, found.code), []).append(found)
+    told = [(row.engine, found) for row in rows if row.run is not None for found in row.run.findings]
+    kinds = grouped(((engine, found.code), found) for engine, found in told if found.code != "left_domain")
     ordered = sorted(kinds.items(), key=lambda item: -len(item[1]))[:MOST_FINDINGS]
     return [replace(found[0], values=_medians(found), engine=engine) for (engine, _), found in ordered]
 
@@ -275,12 +269,9 @@ def study_record(
 
 def _failures(rows: Sequence[KeyedRow]) -> Iterator[Finding]:
     """In how many cases each engine failed, and the most frequent reason."""
-    reasons: dict[str, Counter[str]] = {}
-    for row in rows:
-        if row.run is not None and row.run.outcome.failed:
-            reasons.setdefault(row.engine, Counter())[row.message] += 1
-    for engine, counts in reasons.items():
-        yield caution("runs_failed", count=counts.total(), reason=counts.most_common(1)[0][0]).of(engine)
+    failed = [(row.engine, row.message) for row in rows if row.run is not None and row.run.outcome.failed]
+    for engine, reasons in grouped(failed).items():
+        yield caution("runs_failed", count=len(reasons), reason=Counter(reasons).most_common(1)[0][0]).of(engine)
 
 
 def top_displacement_m(scene: Scene, theta_rad: float) -> float:

@@ -17,6 +17,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.history import Array
+from harness.model.run_set import grouped
 from harness.questions.validate.jobs import Drawn
 from harness.questions.validate.scenes import TrialVariant
 from harness.questions.validate.table import OF_BODY, Inputs, Trial
@@ -188,10 +189,7 @@ def _scattered(choice: FittedInputs, trials: Sequence[Trial], ask: Ask, samples:
 
 
 def _by_body(trials: Sequence[Trial]) -> dict[str, list[Trial]]:
-    bodies: dict[str, list[Trial]] = {}
-    for trial in trials:
-        bodies.setdefault(trial.body, []).append(trial)
-    return bodies
+    return grouped((trial.body, trial) for trial in trials)
 
 
 def _unknown(trials: Sequence[Trial]) -> dict[str, tuple[Any, ...]]:

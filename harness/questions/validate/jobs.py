@@ -16,6 +16,7 @@ from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
 from harness.model.run import RunOptions
+from harness.model.run_set import grouped
 from harness.questions.validate.scenes import SHIFT_M, TrialVariant, digest_of, motion_of, scene_of
 from harness.questions.validate.table import Trial
 from harness.records.study import CaseRun
@@ -98,10 +99,8 @@ def asked_of(pairs: Sequence[tuple[Trial, TrialVariant]], model: Model, seed: in
     motion. Only a nominal run of the chosen inputs states its error.
     """
     versions = [record.versions().get(name) for name in ("rockcheck", "numpy", "numba", model.engine)]
-    by_test: dict[tuple[str, bool], list[TrialVariant]] = {}
+    by_test = grouped(((trial.name, variant.stated), variant) for trial, variant in pairs)
     trials = {trial.name: trial for trial, _ in pairs}
-    for trial, variant in pairs:
-        by_test.setdefault((trial.name, variant.stated), []).append(variant)
     found = []
     for (name, stated), variants in by_test.items():
         trial, digest = trials[name], digest_of(trials[name])

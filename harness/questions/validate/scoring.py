@@ -25,6 +25,7 @@ from harness.comparison.statistics.outcomes import (
     score_outcomes,
 )
 from harness.model.history import Array, Outcome
+from harness.model.run_set import grouped
 from harness.questions.study.case_blocks import KeyedRow
 from harness.questions.study.ensembles import score_sets
 from harness.questions.validate.fit import Answers, FittedInputs, counted, fitted
@@ -200,12 +201,12 @@ def repeats_of(trials: Sequence[Trial]) -> Repeats | None:
 
     Of n repeats of which k fell one probability is told: k/n is the best, and misses them by k (n − k)/n in all.
     """
-    groups: dict[Trial, list[bool]] = {}
-    for trial in trials:
-        # What is not known of a set-up may differ from day to day.
-        day = trial.day if trial.unknown else ""
-        same = replace(trial, name="", row=0, observed="", share="", day=day, history=None)
-        groups.setdefault(same, []).append(trial.fell)
+    # What is not known of a set-up may differ from day to day.
+    alike = [
+        replace(each, name="", row=0, observed="", share="", day=each.day if each.unknown else "", history=None)
+        for each in trials
+    ]
+    groups = grouped(zip(alike, [trial.fell for trial in trials], strict=True))
     again = [seen for seen in groups.values() if len(seen) > 1]
     if not again:
         return None
