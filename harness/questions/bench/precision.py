@@ -16,6 +16,7 @@ from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.errors import InputError
 from harness.model.finding import Finding, caution, info
 from harness.model.run import Run, RunOptions, number
+from harness.model.run_set import grouped
 from harness.model.scene import Scene
 from harness.questions.bench.cost import Cost, costs, timed
 from harness.questions.bench.standard_scenes import Standard, standard_set
@@ -196,11 +197,10 @@ def _choice(rows: Sequence[PrecisionRow], target_rad: float) -> LevelChoice | No
         by for by in levels.values() if set(by) == set(taken) and all(row.meets(target_rad) for row in by.values())
     ]
     fixed_s = min((sum(row.cpu_s or 0.0 for row in by.values()) for by in whole), default=None)
-    times = {}
-    for scene, row in taken.items():
-        good = [by[scene].cpu_s or 0.0 for by in levels.values() if scene in by and by[scene].meets(target_rad)]
-        if good:
-            times[scene] = (row.cpu_s or 0.0) / min(good)
+    good = grouped(
+        (scene, row.cpu_s or 0.0) for by in levels.values() for scene, row in by.items() if row.meets(target_rad)
+    )
+    times = {scene: (row.cpu_s or 0.0) / min(good[scene]) for scene, row in taken.items() if scene in good}
     total_s = sum(row.cpu_s or 0.0 for row in taken.values())
     worst = max(times, key=lambda scene: times[scene], default=None)
     return LevelChoice(
@@ -218,16 +218,13 @@ def _choice(rows: Sequence[PrecisionRow], target_rad: float) -> LevelChoice | No
 
 def fastest(rows: Sequence[PrecisionRow], target_rad: float) -> dict[str, tuple[float, str]]:
     """For each engine the least real-time factor, over the block scenes, of the fastest level that meets the target."""
-    slowest: dict[str, tuple[float, str]] = {}
-    for engine in dict.fromkeys(row.engine for row in rows):
-        by_scene: dict[str, float] = {}
-        for row in rows:
-            if row.engine == engine and row.block and row.group == LEVEL:
-                factor = (row.real_time_factor or 0.0) if row.meets(target_rad) else 0.0
-                by_scene[row.scene] = max(by_scene.get(row.scene, 0.0), factor)
-        if by_scene:
-            slowest[engine] = min((factor, scene) for scene, factor in by_scene.items())
-    return slowest
+    factors = grouped(
+        ((row.engine, row.scene), (row.real_time_factor or 0.0) if row.meets(target_rad) else 0.0)
+        for row in rows
+        if row.block and row.group == LEVEL
+    )
+    by_engine = grouped((engine, (max(of_levels), scene)) for (engine, scene), of_levels in factors.items())
+    return {engine: min(of_scenes) for engine, of_scenes in by_engine.items()}
 
 
 def speeds(rows: Sequence[PrecisionRow], target_rad: float) -> list[Finding]:

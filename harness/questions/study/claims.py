@@ -7,7 +7,6 @@ One of them weighs impacts: what each costs, the energy of the rotation about th
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -156,12 +155,11 @@ def prevents(answers: Sequence[ClaimRun]) -> Counted:
 
 def fades(answers: Sequence[ClaimRun]) -> Counted:
     """(iii): the pedestal's advantage is greater in the mean at low frequencies than above."""
-    low: dict[Condition, list[float]] = defaultdict(list)
-    high: dict[Condition, list[float]] = defaultdict(list)
     pairs = _pairs(answers)
-    for f, p in pairs:
-        gains = low if f.frequency_hz <= LOW_HZ else high
-        gains[f.without(SUPPORT, FREQUENCY)].append(_more(f, p))
+    low, high = (
+        grouped((f.without(SUPPORT, FREQUENCY), _more(f, p)) for f, p in pairs if (f.frequency_hz <= LOW_HZ) == below)
+        for below in (True, False)
+    )
     rocking = dict.fromkeys(f.without(SUPPORT, FREQUENCY) for f, p in pairs if _rocks(f, p))
     series = [each for each in rocking if each in low and each in high]
     if not series:

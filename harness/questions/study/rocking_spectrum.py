@@ -187,13 +187,12 @@ def run_file(
     spectrum = read_model(SpectrumFile, path)
     excitations = motions_of(spectrum, path)
     answer = compute(spectrum, excitations, threads=pool.workers, on_progress=on_progress)
-    motions = []
-    for source, item in zip(spectrum.motion, excitations, strict=True):
-        # Of a record of a minute the peak is met within 1e-6 of it.
-        pgv_m_s = float(np.max(np.abs(item.velocity_m_s(np.linspace(0.0, item.end_s, 200_001)))))
-        motions.append(
-            SpectrumMotion(Path(source.file).name, item.peak_m_s2 / STANDARD_GRAVITY_M_S2, pgv_m_s, item.end_s)
-        )
+    # Of a record of a minute the peak velocity is met within 1e-6 of it.
+    pgv_m_s = [float(np.abs(each.velocity_m_s(np.linspace(0.0, each.end_s, 200_001))).max()) for each in excitations]
+    motions = [
+        SpectrumMotion(Path(source.file).name, each.peak_m_s2 / STANDARD_GRAVITY_M_S2, peak_m_s, each.end_s)
+        for source, each, peak_m_s in zip(spectrum.motion, excitations, pgv_m_s, strict=True)
+    ]
     record = RockingSpectrumRecord(
         title=spectrum.title,
         file=path.name,

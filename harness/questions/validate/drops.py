@@ -321,11 +321,9 @@ class _Scored:
 
     def _row(self, name: str, likely: Array) -> list[Cell]:
         scores = log_scores(likely, self._seen)
-        gains: list[Cell] = []
-        for bare in self._bare.values():
-            gain = log_scores(bare, self._seen) - scores
-            gains += [float(gain.mean()), float(gain.std(ddof=1) / np.sqrt(gain.size))]
-        return [name, float(scores.mean()), float(crps(likely, self._seen).mean()), *gains]
+        gains = [log_scores(bare, self._seen) - scores for bare in self._bare.values()]
+        told = [float(each) for gain in gains for each in (gain.mean(), gain.std(ddof=1) / np.sqrt(gain.size))]
+        return [name, float(scores.mean()), float(crps(likely, self._seen).mean()), *told]
 
 
 def _answer(rows: Sequence[Sequence[Cell]], scored: int, count: int) -> Answer:

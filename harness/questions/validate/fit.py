@@ -274,12 +274,9 @@ class _Body:
     def marginals(self) -> Marginals:
         """The mean over its days of what this body has of each value."""
         weights = np.mean([self._weighed(day, self._likely).weights for day in self._days], axis=0)
-        found: dict[tuple[str, Any], float] = {}
-        for setting, weight in zip(self._settings, weights.tolist(), strict=True):
-            for name in self._unknown:
-                key = name, getattr(setting, name)
-                found[key] = found.get(key, 0.0) + weight
-        return found
+        each = zip(self._settings, weights.tolist(), strict=True)
+        shares = grouped(((name, getattr(one, name)), weight) for one, weight in each for name in self._unknown)
+        return {value: sum(of_value) for value, of_value in shares.items()}
 
     def _weighed(self, day: str, likely: Array) -> Weighed:
         """The settings as the tests say, of which all others of this day share what was set up, those of other days what the body
@@ -301,13 +298,8 @@ class _Body:
 
     def others(self) -> dict[str, Weighed]:
         """By test, as all others say."""
-        left = np.ones(len(self._trials))
-        found = {}
-        for k, trial in enumerate(self._trials):
-            left[k] = 0.0
-            found[trial.name] = self._weighed(trial.day, left[:, None] * self._likely)
-            left[k] = 1.0
-        return found
+        every = zip(self._trials, 1.0 - np.eye(len(self._trials)), strict=True)
+        return {trial.name: self._weighed(trial.day, others[:, None] * self._likely) for trial, others in every}
 
 
 def fitted(trials: Sequence[Trial], choice: FittedInputs) -> Fitted:

@@ -16,6 +16,7 @@ from harness.input import paths
 from harness.input.text_file import decimal, decoded, read_bytes
 from harness.model.errors import InputError, Mistake, nearest, refuse
 from harness.model.history import Outcome
+from harness.model.run_set import grouped
 
 COLUMNS: Final[Mapping[str, str]] = {
     "test": "name of the test, each once",
@@ -185,25 +186,22 @@ def _header(path: Path, names: Sequence[str]) -> list[Mistake]:
 
 def _set_of_tests(path: Path, tests: Sequence[Trial]) -> list[Mistake]:
     """Mistakes that only the rows together show."""
-    mistakes = []
     seen: dict[str, int] = {}
-    for test in tests:
-        if (first := seen.setdefault(test.name, test.row)) != test.row:
-            got = f"{test.name!r}, as row {first}"
-            mistakes.append(Mistake(str(path), f"row {test.row}: test", "a name of its own", got))
-    lists: dict[tuple[str, str], set[tuple[Any, ...]]] = {}
-    for test in tests:
-        for column, values in test.unknown.items():
-            lists.setdefault((test.body, column), set()).add(values)
+    mistakes = [
+        Mistake(str(path), f"row {test.row}: test", "a name of its own", f"{test.name!r}, as row {first}")
+        for test in tests
+        if (first := seen.setdefault(test.name, test.row)) != test.row
+    ]
+    lists = grouped(((test.body, column), values) for test in tests for column, values in test.unknown.items())
     return mistakes + [
         Mistake(
             str(path),
             column,
             f"one list of values for {Path(body).name}, wherever it is not known",
-            f"{len(several)} different lists",
+            f"{len(set(several))} different lists",
         )
         for (body, column), several in lists.items()
-        if len(several) > 1
+        if len(set(several)) > 1
     ]
 
 

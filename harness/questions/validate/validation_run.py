@@ -20,6 +20,7 @@ from harness.input.paths import read_files
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake, refuse
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
+from harness.model.run_set import grouped
 from harness.questions.validate import drops, impact_ratios, tosses
 from harness.questions.validate.fit import Answers, FittedInputs, choose, planned
 from harness.questions.validate.jobs import BATCH, BATCH_OTHERWISE, Drawn, Model, asked_of, parse_model
@@ -100,14 +101,10 @@ def _of_model(item: ModelRecord) -> Iterator[Finding]:
     """What a model leaves open, and where what it says of a fall is no true probability."""
     within = item.outcomes.within_uncertainty
     left = item.outcomes.undecided + within
-    ends: dict[str, dict[str, None]] = {}
-    for fitted in item.fitted.inputs:
-        if fitted.at_end:
-            ends.setdefault(fitted.input, {})[fitted.body] = None
+    ends = grouped((fitted.input, fitted.body) for fitted in item.fitted.inputs if fitted.at_end)
     if ends:
-        yield caution(
-            "fitted_at_end", inputs=[f"{name} ({', '.join(bodies)})" for name, bodies in sorted(ends.items())]
-        )
+        inputs = [f"{name} ({', '.join(dict.fromkeys(bodies))})" for name, bodies in sorted(ends.items())]
+        yield caution("fitted_at_end", inputs=inputs)
     if item.fitted.width_at_end:
         yield caution("width_at_end", width=item.fitted.width)
     if item.near:
