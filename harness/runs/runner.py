@@ -18,7 +18,7 @@ from concurrent.futures import CancelledError
 from contextlib import suppress
 from multiprocessing import connection
 from types import ModuleType
-from typing import Any, Final, Protocol
+from typing import Any, Final
 from weakref import WeakSet
 
 from harness.model.errors import InputError, Mistake
@@ -46,30 +46,16 @@ class Hung(Crash):
     """The worker gave no answer to this task in the time allowed."""
 
 
-class Pool(Protocol):
-    """Whatever computes tasks."""
-
-    @property
-    def workers(self) -> int:
-        """How many tasks run at once."""
-
-    def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
-        """Run `work` on each task, telling `done(task, result or Crash)` as each finishes, in any order.
-
-        Tasks are taken from the iterable as workers become free. A task's own exception is raised.
-        """
-
-    def close(self) -> None:
-        """Give the workers back."""
-
-
 class InlinePool:
     """No worker: each task here, one after the other; what is timed must have the machine for itself."""
 
     workers: Final = 1
 
     def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
-        """See `Pool.run`."""
+        """Run `work` on each task, telling `done(task, result or Crash)` as each finishes, in any order.
+
+        Tasks are taken from the iterable as workers become free. A task's own exception is raised.
+        """
         for task in tasks:
             done(task, work(task))
 
@@ -155,7 +141,7 @@ class LocalPool:
         return self._jobs
 
     def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
-        """See `Pool.run`; one task or one job still runs in a process of its own."""
+        """See `InlinePool.run`; one task or one job still runs in a process of its own."""
         upcoming, again = iter(tasks), list[_Order]()
         try:
             while True:
@@ -337,7 +323,7 @@ class DaskPool:
         return InputError(Mistake("--dask", "", "a cluster that answers", got, advice))
 
     def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
-        """See `Pool.run`; a worker that dies has its tasks moved by the scheduler, a task that kills workers is a `Crash`.
+        """See `InlinePool.run`; a worker that dies has its tasks moved by the scheduler, a task that kills workers is a `Crash`.
 
         A task that hangs is given up, and keeps its worker's thread. Raises `InputError` when it has taken them all, or where the
         cluster is gone.
@@ -406,3 +392,7 @@ class DaskPool:
                 Mistake("--dask", "", "workers that answer", f"{got} on any of them", "restart the cluster's workers")
             )
         return Hung(got)
+
+
+Pool = InlinePool | LocalPool | DaskPool
+"""Whatever computes tasks: `workers` of them at once by `run`, until the caller gives them back by `close`."""

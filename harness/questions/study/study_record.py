@@ -30,10 +30,9 @@ from harness.questions.study.ensembles import score_sets
 from harness.questions.study.file import StudyFile
 from harness.questions.study.study_run import Summary, study_name
 from harness.records.base import same_fields
-from harness.records.run import PLAIN, in_domain
+from harness.records.run import PLAIN, in_domain, left_early
 from harness.records.scene import SceneRecord
 from harness.records.study import (
-    CaseRun,
     Panel,
     StudyRecord,
     StudyRow,
@@ -102,19 +101,11 @@ def _left_domain(rows: Sequence[StudyRow]) -> Iterator[Finding]:
     """In how many runs each model left its own domain, and by what: there its outcome cannot be relied on."""
     for model in dict.fromkeys(row.model for row in rows):
         runs = [row.run for row in rows if row.run is not None and row.model == model]
-        causes = Counter(
-            cause for run in runs if (cause := run.validity.get("left_domain_by")) and not _falls_first(run)
-        )
+        # What it leaves on a fall that was decided, nothing hangs on.
+        causes = Counter(cause for run in runs if (cause := run.validity.get("left_domain_by")) and left_early(run))
         if causes:
             counts = dict(causes.most_common())
             yield caution("left_domain_in_runs", left=causes.total(), cases=len(runs), causes=counts).of(model)
-
-
-def _falls_first(run: CaseRun) -> bool:
-    """Whether it left its domain on a fall that was decided: nothing hangs on that."""
-    return run.no_return_time_s is not None and run.no_return_time_s <= record.number(
-        run.validity, "left_domain_s", 0.0
-    )
 
 
 def _of_runs(rows: Sequence[StudyRow]) -> list[Finding]:

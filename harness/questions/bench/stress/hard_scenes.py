@@ -38,14 +38,13 @@ def explained(
     A cell is explained by a whole run with a finer step that is stable. Where there is none, `converged` computes the row with
     far more iterations a step: that cell follows the others, and explains those before it when it is stable.
     """
-    open_cells = [index for index, cell in enumerate(row) if cell.category != "stable" and not _finer(row[index + 1 :])]
-    last = converged() if open_cells else None
-    for index, cell in enumerate(row):
-        if cell.category == "stable":
-            yield cell
-        elif stable := _finer(row[index + 1 :]):
-            yield cell.avoided("step", stable)
-        elif last is not None and last.category == "stable" and not last.short:
+    finer = [next((each for each in row[k + 1 :] if _explains(each)), None) for k in range(len(row))]
+    left = [cell for cell, by in zip(row, finer, strict=True) if cell.category != "stable" and by is None]
+    last = converged() if left else None
+    for cell, by in zip(row, finer, strict=True):
+        if cell.category != "stable" and by is not None:
+            yield cell.avoided("step", by)
+        elif cell.category != "stable" and last is not None and _explains(last):
             yield cell.avoided("iterations", last)
         else:
             yield cell
@@ -53,8 +52,8 @@ def explained(
         yield last
 
 
-def _finer(finer: Sequence[StabilityCell]) -> StabilityCell | None:
-    return next((cell for cell in finer if cell.category == "stable" and not cell.short), None)
+def _explains(cell: StabilityCell) -> bool:
+    return cell.category == "stable" and not cell.short
 
 
 def converged(settings: Settings) -> Settings:
